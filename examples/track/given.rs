@@ -22,8 +22,10 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
         if line.trim().is_empty() {
             continue;
         }
-        let pose = pose(line).ok_or_else(|| format!("{}:{number}: not `x y z qx qy qz qw`", poses.display()))?;
-        let found = tracker.closest(&a, &b, &RelativePose::from_isometry(&pose)?);
+        let named = |why: String| format!("{}:{number}: {why}", poses.display());
+        let pose = pose(line).ok_or_else(|| named("not `x y z qx qy qz qw`".into()))?;
+        let a_from_b = RelativePose::from_isometry(&pose).map_err(|e| named(e.to_string()))?;
+        let found = tracker.closest(&a, &b, &a_from_b);
         let (p, q) = (found.point_on_a, pose * found.point_on_b);
         let numbers = [found.distance, found.lower, found.upper, p.x, p.y, p.z, q.x, q.y, q.z];
         let words: Vec<String> = numbers.iter().map(|x| format!("{x:.16e}")).collect();
@@ -39,7 +41,7 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
     Ok(())
 }
 
-/// Reads a mesh; polygons are cut into triangles from their first corner.
+/// Reads a mesh; polygons are cut into triangles.
 fn load(letter: char, path: &Path) -> Result<Mesh, Trouble> {
     let read = lab::meshes::load(path)?;
     let points: Vec<_> = read.points.iter().map(|p| Point3::from(*p)).collect();

@@ -41,6 +41,7 @@ pub mod contacts;
 pub mod corpus;
 pub mod crowd;
 pub mod curved;
+mod ears;
 pub mod exact;
 pub mod meshes;
 pub mod motion;

@@ -3,7 +3,7 @@
 //! What a file holds is taken as it is: points may repeat, faces may be split, several objects are one list. A body is
 //! then the hull of the points, or, for a clean convex mesh, points and faces.
 
-use crate::{Face, Point};
+use crate::{Face, Point, ears};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::{error, fmt, io};
@@ -21,11 +21,10 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Returns the faces as triangles: polygons are cut from their first corner.
+    /// Returns the faces as triangles: polygons are cut along diagonals inside them, convex ones from their first corner.
     #[must_use]
     pub fn triangles(&self) -> Vec<[u32; 3]> {
-        let fan = |f: &Face| f[1..].windows(2).map(|w| [f[0], w[0], w[1]]).collect::<Vec<_>>();
-        self.faces.iter().flat_map(fan).collect()
+        self.faces.iter().flat_map(|f| ears::cut(&self.points, f)).collect()
     }
 }
 
@@ -104,15 +103,16 @@ fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
     let text = String::from_utf8_lossy(&bytes)
         .replace("\\\r\n", " ")
         .replace("\\\n", " ");
-    let known = |l: &&str| {
-        l.split_whitespace()
+    let lines: Vec<String> = text.trim_start_matches('\u{feff}').lines().map(tidy_line).collect();
+    let known = |l: &&String| {
+        l.split(' ')
             .next()
             .is_some_and(|word| ["v", "vn", "vt", "f"].contains(&word))
     };
-    let plain: String = text.lines().filter(known).flat_map(|l| [l, "\n"]).collect();
+    let plain: String = lines.iter().filter(known).flat_map(|l| [l.as_str(), "\n"]).collect();
     let no_materials = |_: &Path| Ok(Default::default());
     let read = tobj::load_obj_buf(&mut plain.as_bytes(), &tobj::LoadOptions::default(), no_materials);
-    let (models, _) = read.map_err(|e| Reason::Malformed(format!("{}{e}", bad_line(&text))))?;
+    let (models, _) = read.map_err(|e| Reason::Malformed(format!("{}{e}", bad_line(&lines))))?;
     let Some(m) = models.into_iter().next().map(|m| m.mesh) else {
         return Err(Reason::Empty);
     };
@@ -133,6 +133,17 @@ fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
     Ok(mesh)
 }
 
+/// The words of a line of an OBJ without its comment; of a `v` line the place alone, as weights and colours may follow.
+fn tidy_line(line: &str) -> String {
+    let words = line.split('#').next().unwrap_or("").split_whitespace();
+    let most = if words.clone().next() == Some("v") {
+        4
+    } else {
+        usize::MAX
+    };
+    words.take(most).collect::<Vec<_>>().join(" ")
+}
+
 /// The number of the first `v` line at the place of each point; 0 where there is none.
 fn numbers(text: &str, points: &[Point]) -> Vec<u32> {
     let place = |line: &str| {
@@ -151,19 +162,28 @@ fn numbers(text: &str, points: &[Point]) -> Vec<u32> {
     points.iter().map(|p| of(p).unwrap_or(0)).collect()
 }
 
-/// Returns `line N: ` for the first line of an OBJ whose numbers cannot be read; empty if there is none.
-fn bad_line(text: &str) -> String {
+/// Returns `line N: ` for the first line of an OBJ whose numbers cannot be read or name no point; empty if there is none.
+fn bad_line(lines: &[String]) -> String {
+    let given = |lines: &[String]| lines.iter().filter(|l| l.starts_with("v ")).count() as i64;
+    let all = given(lines);
+    let names = |before: i64, w: &str| match w.split('/').next().unwrap_or("").parse::<i64>() {
+        Ok(i) => (1..=all).contains(&i) || (-before..0).contains(&i),
+        Err(_) => false,
+    };
     let is_number = |w: &str| w.parse::<f64>().is_ok();
     let is_corner = |w: &str| w.split('/').all(|i| i.is_empty() || i.parse::<i64>().is_ok());
-    let is_bad = |line: &str| {
-        let words: Vec<&str> = line.split_whitespace().collect();
+    let is_bad = |k: usize| {
+        let words: Vec<&str> = lines[k].split_whitespace().collect();
         match words.split_first() {
             Some((&"v", place)) => place.len() < 3 || !place.iter().copied().all(is_number),
-            Some((&"f", corners)) => corners.len() < 3 || !corners.iter().copied().all(is_corner),
+            Some((&"f", corners)) => {
+                let before = given(&lines[..k]);
+                corners.len() < 3 || !corners.iter().copied().all(|w| is_corner(w) && names(before, w))
+            }
             _ => false,
         }
     };
-    let line = text.lines().position(is_bad);
+    let line = (0..lines.len()).find(|&k| is_bad(k));
     line.map_or(String::new(), |k| format!("line {}: ", k + 1))
 }
 

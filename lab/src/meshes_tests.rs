@@ -119,3 +119,48 @@ fn our_own_meshes_are_convex_bodies() {
         );
     }
 }
+
+#[test]
+fn obj_of_other_programs_is_read() {
+    // A mark of the encoding, comments at the end of a line, colours and weights.
+    let text = "\u{feff}v 0 0 0 0.5 0.25 1 # red\nv 1 0 0 1.0 # a weight\nv 0 1 0 0.5 0.25 1 1\nf 1 2 3 # one\n";
+    let m = parse_obj(text.into()).unwrap();
+    assert_eq!((m.points.len(), m.triangles()), (3, vec![[0, 1, 2]]));
+    assert_eq!(m.points[m.faces[0][2] as usize], [0.0, 1.0, 0.0]);
+}
+
+#[test]
+fn obj_corners_that_name_no_point_are_named_by_their_line() {
+    for (face, line) in [("f 1 2 4", 4), ("f 1 0 2", 4), ("f -1 -2 -4", 4), ("f 1 2 x", 4)] {
+        let why = reason(parse_obj(format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{face}\n").into()));
+        assert!(why.contains(&format!("line {line}: ")), "{face}: {why}");
+    }
+}
+
+#[test]
+fn concave_polygons_are_cut_inside() {
+    // An L, from each corner and in both senses: three squares.
+    let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+    let points: Vec<Point> = l.map(|[x, y]| [x, 0.5 * y, y]).to_vec();
+    for first in 0..6 {
+        for is_back in [false, true] {
+            let mut face: Vec<u32> = (0..6).map(|k| (k + first) % 6).collect();
+            if is_back {
+                face.reverse();
+            }
+            let m = Mesh {
+                points: points.clone(),
+                faces: vec![face],
+                numbers: Vec::new(),
+            };
+            let area = |t: &[u32; 3]| {
+                let [a, b, c] = t.map(|v| l[v as usize]);
+                0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+            };
+            let sign = if is_back { -1.0 } else { 1.0 };
+            let areas: Vec<f64> = m.triangles().iter().map(|t| sign * area(t)).collect();
+            assert!(areas.len() == 4 && areas.iter().all(|a| *a > 0.0), "{first} {areas:?}");
+            assert_eq!(areas.iter().sum::<f64>(), 3.0, "{first}");
+        }
+    }
+}

@@ -185,5 +185,5 @@ pub(super) fn far(a: Side, b: Side, pose: &RelativePose) -> (f64, f64, Vector3<f
     let norm = sqrt(n.norm_squared());
     let distance = length * norm * 16.0;
     let reach = a.radius * power_of_two(a.exponent) + b.radius * power_of_two(b.exponent);
-    (distance, distance * CERTIFICATE * UNIT + reach, n / norm)
+    (distance, distance * (CERTIFICATE * UNIT) + reach, n / norm)
 }

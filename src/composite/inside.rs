@@ -13,6 +13,8 @@ use nalgebra::Vector3;
 
 use super::mesh::Mesh;
 use super::tree::{Below, OrientedBox, Tree};
+use super::triangle;
+use crate::num::scalar::sqrt;
 use crate::num::sign;
 use crate::polyhedron::{exponent_of, power_of_two};
 use crate::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
@@ -83,7 +85,7 @@ impl Mesh {
     /// Whether the surface is certainly farther than `error` from a point in stored coordinates.
     pub(super) fn is_clear_of(&self, point: &Vector3<f64>, error: f64) -> bool {
         !self.tree.any_near(point, error, |t| {
-            let (square, _) = super::triangle::nearest(point, &self.corners(t));
+            let (square, _) = triangle::nearest(point, &self.corners(t));
             !(square > 4.0 * error * error)
         })
     }
@@ -91,11 +93,36 @@ impl Mesh {
     /// Whether a segment certainly passes through a triangle from which its first end is farther
     /// than `skin`.
     pub(super) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
+        self.any_crossed(from, to, |corners| triangle::nearest(from, corners).0 > skin * skin)
+    }
+
+    /// The part of a segment before it first passes through a triangle farther along than `skin`,
+    /// right up to rounding; triangles of which only an edge is met are left out.
+    pub(super) fn first_crossing(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> Option<f64> {
+        let least = skin / sqrt((to - from).norm_squared());
+        let mut first = None;
+        self.any_crossed(from, to, |corners| {
+            let n = triangle::normal(corners);
+            let part = n.dot(&(corners[0] - from)) / n.dot(&(to - from));
+            if part > least && first.is_none_or(|f| part < f) {
+                first = Some(part);
+            }
+            false
+        });
+        first
+    }
+
+    /// Whether a segment certainly passes through a triangle that is what is looked for.
+    fn any_crossed(
+        &self,
+        from: &Vector3<f64>,
+        to: &Vector3<f64>,
+        mut is_found: impl FnMut(&triangle::Triangle) -> bool,
+    ) -> bool {
         let segment = Segment::new(&self.tree, from, to);
-        let crosses = |t: u32| {
+        let mut crosses = |t: u32| {
             let corners = self.corners(t);
-            matches!(crossing(&corners, from, to), Some(1 | -1))
-                && super::triangle::nearest(from, &corners).0 > skin * skin
+            matches!(crossing(&corners, from, to), Some(1 | -1)) && is_found(&corners)
         };
         let mut stack = vec![0];
         while let Some(node) = stack.pop() {
@@ -105,7 +132,7 @@ impl Mesh {
             match self.tree.below(node) {
                 Below::Children(c) => stack.extend([c, c + 1]),
                 Below::Leaf(first, count) => {
-                    if (first..first + count).any(crosses) {
+                    if (first..first + count).any(&mut crosses) {
                         return true;
                     }
                 }

@@ -96,7 +96,7 @@ impl<J: Judge> Search<'_, J> {
                 if self.passes(gap) {
                     open.left &= !(1 << bit);
                     if gap <= self.frame.tie {
-                        self.judge.touches([i + bit / 4, j + bit % 4]);
+                        self.touching.push([i + bit / 4, j + bit % 4]);
                     }
                 }
             }

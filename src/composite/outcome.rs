@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::pair::outcome::{Class, Distance};
+use crate::pose::RelativePose;
 
 /// A feature of a mesh by the caller's indices of its points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,7 +47,8 @@ impl core::fmt::Display for MeshSpot {
 pub struct MeshOutcome {
     /// The side of contact. Surfaces have no inside, so a pair with one is never
     /// [`Class::Overlapping`]; [`Class::Undecided`] if no segment from a vertex to the outside
-    /// avoids all edges of the other mesh.
+    /// avoids all edges of the other mesh. Within `1e-13 L` of contact the class may differ between
+    /// warm and cold trackers, and between A to B and B to A.
     pub class: Class,
     /// The distance, between the bounds; zero for bodies that share a point.
     pub distance: f64,
@@ -58,13 +60,28 @@ pub struct MeshOutcome {
     pub on_a: MeshSpot,
     /// The triangle and the feature of B that hold the witness.
     pub on_b: MeshSpot,
-    /// The witness on A, in A's frame. If one body is inside the other: a vertex of the inner one.
+    /// The witness on A, in A's frame; both are as far apart as `upper` tells, up to rounding of
+    /// their places, `1e-12 L`. If one body is inside the other: a vertex of the inner one.
     pub point_on_a: Point3<f64>,
     /// The witness on B, in B's frame.
     pub point_on_b: Point3<f64>,
     /// Unit direction from A to B, in A's frame, along which the closest triangles are proven
     /// apart.
     pub normal: Unit<Vector3<f64>>,
+}
+
+impl MeshOutcome {
+    /// The outcome of B and A as that of A and B.
+    pub(super) fn swapped(self, a_from_b: &RelativePose) -> Self {
+        Self {
+            on_a: self.on_b,
+            on_b: self.on_a,
+            point_on_a: self.point_on_b,
+            point_on_b: self.point_on_a,
+            normal: Unit::new_unchecked(-(a_from_b.rotation() * *self.normal)),
+            ..self
+        }
+    }
 }
 
 impl From<&MeshOutcome> for Distance {

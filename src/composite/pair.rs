@@ -4,7 +4,6 @@ use nalgebra::{Point3, Vector3};
 
 use super::frame::Frame;
 use super::front::Pair;
-use super::heights::height;
 use super::mesh::Mesh;
 use super::outcome::{MeshFeature, MeshSpot};
 use super::parts::Parted;
@@ -15,7 +14,7 @@ use crate::pair::outcome::Outcome;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::RelativePose;
 use crate::tracker::Tracker;
-use crate::tuning::composite::{PARTED, SHARP, SPREAD, TOUCHES};
+use crate::tuning::composite::SHARP;
 
 /// Judges pairs of triangles.
 pub(super) struct MeshPair<'a> {
@@ -24,9 +23,6 @@ pub(super) struct MeshPair<'a> {
     pose: &'a RelativePose,
     /// The distance in question, in the caller's unit, if that is the question.
     within: Option<f64>,
-    /// Pairs at distance zero, up to rounding.
-    touching: [Pair; TOUCHES],
-    touch_count: usize,
     /// Pairs settled by polygons.
     settled: u64,
 }
@@ -38,8 +34,6 @@ impl<'a> MeshPair<'a> {
             b,
             pose,
             within,
-            touching: [[0; 2]; TOUCHES],
-            touch_count: 0,
             settled: 0,
         }
     }
@@ -62,7 +56,7 @@ impl<'a> MeshPair<'a> {
             on_a: o.point_on_a.coords * unit,
             on_b: o.point_on_b.coords / self.b.unit(),
             features: found.spots,
-            crosses: false,
+            crosses: o.upper < 0.0,
         })
         .filter(|m| m.lower >= m.distance - frame.tie)
     }
@@ -117,12 +111,6 @@ fn spot(mesh: &Mesh, triangle: u32, spot: Spot) -> MeshSpot {
     }
 }
 
-/// A few triangles from all over a mesh.
-fn spread(mesh: &Mesh) -> impl Iterator<Item = u32> {
-    let count = mesh.triangles.len();
-    (0..count as u32).step_by(count.div_ceil(SPREAD))
-}
-
 /// The gap of two placed triangles along a direction.
 #[inline(always)]
 fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
@@ -170,46 +158,6 @@ impl Judge for MeshPair<'_> {
 
     fn settled(&self) -> u64 {
         self.settled
-    }
-
-    /// Whether one of the triangles in contact has its middle certainly inside the other solid.
-    /// Where the normal parts the bodies, middles on their own side of the plane of contact are not
-    /// looked at: in flush contact none is left. Elsewhere, as where two boxes share the planes of
-    /// their sides, a few triangles from all over the bodies are looked at too.
-    fn shares_inside(&self, frame: &Frame, best: &Measured<[Spot; 2]>) -> bool {
-        let ratio = self.a.unit() / self.b.unit();
-        let middle = |t: [Vector3<f64>; 3]| (t[0] + t[1] + t[2]) / 3.0;
-        let n = &best.normal;
-        let (top, bottom) = (
-            height(&self.a.tree, 0, n),
-            -height(&self.b.tree, 0, &-frame.direction_in_b(n)) + n.dot(&frame.translation),
-        );
-        let is_parted = top - bottom < PARTED * frame.size;
-        let rise = |p: &Vector3<f64>| n.dot(&(p - best.on_a));
-        let in_a = |q: &Vector3<f64>| self.a.holds(q, 2.0 * frame.error) == Some(true);
-        let in_b = |p: &Vector3<f64>| {
-            let back = frame.rotation.tr_mul(&(p - frame.translation)) * ratio;
-            self.b.holds(&back, 2.0 * frame.error * ratio) == Some(true)
-        };
-        let of_a = |i: u32| middle(self.a.corners(i));
-        let of_b = |j: u32| frame.point(&middle(self.b.corners(j)));
-        let touching = &self.touching[..self.touch_count];
-        if is_parted {
-            return touching.iter().any(|&[i, j]| {
-                let (p, q) = (of_a(i), of_b(j));
-                rise(&q) < -frame.tie && in_a(&q) || rise(&p) > frame.tie && in_b(&p)
-            });
-        }
-        touching.iter().any(|&[i, j]| in_a(&of_b(j)) || in_b(&of_a(i)))
-            || spread(self.b).any(|j| in_a(&of_b(j)))
-            || spread(self.a).any(|i| in_b(&of_a(i)))
-    }
-
-    fn touches(&mut self, pair: Pair) {
-        if self.touch_count < TOUCHES {
-            self.touching[self.touch_count] = pair;
-            self.touch_count += 1;
-        }
     }
 
     fn measure(&mut self, frame: &Frame, pair: Pair, known: f64) -> Measured<[Spot; 2]> {
@@ -269,9 +217,6 @@ impl Judge for MeshPair<'_> {
             && let Some(settled) = self.settle(frame, pair, &found)
         {
             m = settled;
-        }
-        if m.distance <= frame.error {
-            self.touches(pair);
         }
         self.decide(frame, &mut m);
         m

@@ -95,11 +95,9 @@ pub trait Parted {
     /// Returns the number of connected parts, as far as it is known: of pieces, or of a mesh.
     fn probe_count(&self) -> usize;
 
-    /// Returns two points of a connected part, far from each other.
-    fn probe(&self, k: usize) -> [Vector3<f64>; 2];
-
-    /// Returns whether the first point of each probe is an inner one: of pieces, not of meshes.
-    fn has_inner_probes(&self) -> bool;
+    /// Returns points of a connected part that are far from each other: of a mesh not all in one
+    /// plane, if the part is not flat; of a piece first an inner one.
+    fn probe(&self, k: usize) -> [Vector3<f64>; 4];
 
     /// Returns whether a point that may be off its place by `doubt` is inside a solid mesh: false
     /// for pieces, which are measured as solids. `None` if the surface is as near as the doubt, or
@@ -164,12 +162,8 @@ impl Parted for Mesh {
         self.part_vertices.len()
     }
 
-    fn probe(&self, k: usize) -> [Vector3<f64>; 2] {
+    fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
         self.part_vertices[k].map(|v| self.points[v as usize])
-    }
-
-    fn has_inner_probes(&self) -> bool {
-        false
     }
 
     fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
@@ -265,17 +259,10 @@ impl Parted for PartsRef<'_> {
         }
     }
 
-    fn probe(&self, k: usize) -> [Vector3<f64>; 2] {
+    fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
         match self {
             Self::Mesh(x) => Parted::probe(*x, k),
             Self::Pieces(x) => Parted::probe(*x, k),
-        }
-    }
-
-    fn has_inner_probes(&self) -> bool {
-        match self {
-            Self::Mesh(x) => Parted::has_inner_probes(*x),
-            Self::Pieces(x) => Parted::has_inner_probes(*x),
         }
     }
 

@@ -7,6 +7,7 @@ use super::bounds::{Bounds, bounds};
 use super::frame::Frame;
 use super::front::{Front, Pair};
 use super::heights::{height, unit};
+use super::shared::Touching;
 use super::tree::{Below, Tree};
 use super::work::MeshWork;
 use crate::tuning::composite::{AT_ONCE, FEW_ITEMS};
@@ -22,16 +23,10 @@ pub(super) trait Judge {
     /// The least `n . y` of an item of B, in B's stored frame.
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64;
 
-    /// Takes note of two items at distance zero, up to rounding.
-    fn touches(&mut self, _: Pair) {}
-
     /// Returns how many pairs needed a certified query of two polygons.
     fn settled(&self) -> u64 {
         0
     }
-
-    /// Whether bodies whose parts touch and do not cross certainly share inner points.
-    fn shares_inside(&self, frame: &Frame, best: &Measured<Self::Features>) -> bool;
 
     /// The distance of two items, with bounds that are proven: the lower one at most the frame's
     /// `tie` below the lesser of the distance and `known`, if any arithmetic can.
@@ -79,6 +74,8 @@ pub(super) struct Search<'a, J: Judge> {
     /// The direction of the best pair, by which most others are proven. Of several pairs that are
     /// equally close, as in flush contact, the pairs whose directions proved the most lately.
     pub(super) directions: [Option<(Pair, Direction)>; 2],
+    /// Pairs at distance zero, up to rounding, that were met.
+    pub(super) touching: Touching,
     /// The level in single precision.
     single: f32,
     pub(super) work: MeshWork,
@@ -119,6 +116,7 @@ impl<'a, J: Judge> Search<'a, J> {
             best: None,
             lower: f64::INFINITY,
             directions: [None; 2],
+            touching: Touching::NONE,
             single: f32::INFINITY,
             work: MeshWork::default(),
         };
@@ -157,6 +155,9 @@ impl<'a, J: Judge> Search<'a, J> {
         self.work.measured += 1;
         let found = self.judge.measure(self.frame, pair, self.level());
         let result = (found.normal, found.lower);
+        if found.distance <= self.frame.error {
+            self.touching.push(pair);
+        }
         let level = self.best.as_ref().map_or(f64::INFINITY, |b| b.distance);
         let is_tie = found.distance <= level + self.frame.tie;
         let is_closer = found.distance < level || found.crosses && self.best.as_ref().is_some_and(|b| !b.crosses);

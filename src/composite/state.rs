@@ -7,6 +7,7 @@ use super::front::Pair;
 use super::kept::Kept;
 use super::parts::Parted;
 use super::search::{Goal, Judge, Measured, Search};
+use super::shared::Touching;
 use crate::motion::BallAtPose;
 use crate::pair::outcome::Class;
 use crate::pose::{Operand, RelativePose};
@@ -61,6 +62,12 @@ impl<'a, A: Parted, B: Parted> Posed<'a, A, B> {
         Some(Self { a, b, pose, frame })
     }
 
+    /// Whether the pair is answered as B and A: lengths leave the range in the unit of A, and B's
+    /// is larger.
+    pub(super) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
+        a.side().exponent < b.side().exponent && Frame::new(a.side(), b.side(), pose).is_none()
+    }
+
     fn search<J: Judge>(&self, judge: J, goal: Goal) -> Search<'_, J> {
         Search::new((self.a.side().tree, self.b.side().tree), &self.frame, judge, goal)
     }
@@ -87,36 +94,31 @@ impl<'a, A: Parted, B: Parted> Posed<'a, A, B> {
         let error = self.frame.error;
         let doubt = if lower > 2.0 * error { 0.0 } else { 2.0 * error };
         let ratio = self.a.stored_unit() / self.b.stored_unit();
-        let mut windings = 0;
-        if self.a.may_hold() {
-            for two in (0..self.b.probe_count()).map(|k| self.b.probe(k)) {
-                windings += 1;
-                let at = |local: Vector3<f64>| {
-                    let place = self.frame.point(&local);
-                    Some((self.a.holds(&place, doubt)?, place, local))
-                };
-                match at(two[0]).or_else(|| at(two[1])) {
-                    Some((false, ..)) => {}
-                    Some((true, place, local)) => return (Inside::At(place, local), windings),
-                    None => return (Inside::Unclear, windings),
-                }
+        let in_a = |local: &Vector3<f64>| {
+            let place = self.frame.point(local);
+            Some((self.a.holds(&place, doubt)?, place, *local))
+        };
+        let in_b = |local: &Vector3<f64>| {
+            let place = self.back(local);
+            Some((self.b.holds(&place, doubt * ratio)?, *local, place))
+        };
+        let (of_a, of_b) = (self.b.probe_count(), self.a.probe_count());
+        let (of_a, of_b) = (
+            if self.a.may_hold() { of_a } else { 0 },
+            if self.b.may_hold() { of_b } else { 0 },
+        );
+        let probes_of_b = (0..of_a).map(|k| self.b.probe(k).iter().find_map(in_a));
+        let probes_of_a = (0..of_b).map(|k| self.a.probe(k).iter().find_map(in_b));
+        let (mut windings, mut found) = (0, Inside::No);
+        for held in probes_of_b.chain(probes_of_a) {
+            windings += 1;
+            match held {
+                Some((false, ..)) => {}
+                Some((true, on_a, on_b)) => return (Inside::At(on_a, on_b), windings),
+                None => found = Inside::Unclear,
             }
         }
-        if self.b.may_hold() {
-            for two in (0..self.a.probe_count()).map(|k| self.a.probe(k)) {
-                windings += 1;
-                let at = |local: Vector3<f64>| {
-                    let place = self.back(&local);
-                    Some((self.b.holds(&place, doubt * ratio)?, local, place))
-                };
-                match at(two[0]).or_else(|| at(two[1])) {
-                    Some((false, ..)) => {}
-                    Some((true, local, place)) => return (Inside::At(local, place), windings),
-                    None => return (Inside::Unclear, windings),
-                }
-            }
-        }
-        (Inside::No, windings)
+        (found, windings)
     }
 
     /// Bodies so far apart, or so small beside their distance, that only balls about their origins
@@ -180,18 +182,18 @@ impl State {
         if best.crosses {
             answer.share(posed.a.is_solid() && posed.b.is_solid());
         } else {
-            self.conclude(posed, &search.judge, &best, &mut answer);
+            self.conclude(posed, &search.touching, &best, &mut answer);
         }
         answer
     }
 
     /// From the closest parts of bodies that do not cross to the class of the bodies.
-    fn conclude<A: Parted, B: Parted, J: Judge>(
+    fn conclude<A: Parted, B: Parted, F>(
         &mut self,
         posed: &Posed<A, B>,
-        judge: &J,
-        best: &Measured<J::Features>,
-        answer: &mut Answer<J::Features>,
+        touching: &Touching,
+        best: &Measured<F>,
+        answer: &mut Answer<F>,
     ) {
         let (unit_a, unit_b) = (posed.a.stored_unit(), posed.b.stored_unit());
         let are_solid = posed.a.is_solid() && posed.b.is_solid();
@@ -204,7 +206,7 @@ impl State {
                 }
                 Inside::Unclear => (answer.class, answer.lower) = (Class::Undecided, 0.0),
             }
-        } else if are_solid && judge.shares_inside(&posed.frame, best) {
+        } else if are_solid && self.shares_inside(posed, touching, best) {
             answer.share(true);
         } else if best.upper > 2.0 * posed.frame.tie {
             answer.class = Class::Undecided;
@@ -230,6 +232,18 @@ impl State {
         inside
     }
 
+    /// Whether solids that touch certainly share inner points.
+    fn shares_inside<A: Parted, B: Parted, F>(
+        &mut self,
+        posed: &Posed<A, B>,
+        touching: &Touching,
+        best: &Measured<F>,
+    ) -> bool {
+        let (is_shared, windings) = posed.shares_inside(&best.normal, &best.on_a, touching);
+        self.kept.work.windings += windings;
+        is_shared
+    }
+
     /// Whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
     pub(super) fn within<A: Parted, B: Parted, J: Judge>(&mut self, posed: &Posed<A, B>, judge: J, d: f64) -> bool {
         if let Some((lower, then)) = &self.free
@@ -238,7 +252,8 @@ impl State {
             return false;
         }
         let mut search = posed.search(judge, Goal::Within(d));
-        self.kept.is_within(&mut search) || !matches!(self.inside(posed, 0.0), Inside::No)
+        // Else all parts are proven farther apart than `d`.
+        self.kept.is_within(&mut search) || !matches!(self.inside(posed, d), Inside::No)
     }
 
     /// A lower bound of the distance in the caller's unit, by the state alone.
@@ -253,7 +268,7 @@ impl State {
         let mut least = f32::INFINITY;
         self.kept.front.gaps(single, |_, _, gap| least = least.min(gap));
         let mut bound = f64::from(least) * single.unit;
-        if bound > 0.0 && !(carried > 0.0) && !matches!(self.inside(posed, 0.0), Inside::No) {
+        if bound > 0.0 && !(carried > 0.0) && !matches!(self.inside(posed, bound), Inside::No) {
             bound = 0.0;
         }
         bound.max(carried).max(0.0) * posed.a.stored_unit()

@@ -114,6 +114,9 @@ impl MeshTracker {
     /// `1e-13 L`, with `L` the sum of both radii about the bodies' own origins and the distance of
     /// the origins.
     pub fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> MeshOutcome {
+        if Posed::is_turned(a, b, a_from_b) {
+            return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
+        }
         self.state.recognise(a, b);
         self.state.kept.work.queries += 1;
         let answer = match Posed::new(a, b, a_from_b) {
@@ -136,9 +139,16 @@ impl MeshTracker {
 
     /// Returns whether the bodies are at most `d` apart. Exact with the feature `exact`; without it
     /// ties count as within. False for a negative `d` and for NaN.
+    ///
+    /// With the feature, too, two kinds of ties count as within: a connected part of one solid of
+    /// which four vertices, the farthest from each other, are all nearer than `1e-13 L` to the
+    /// surface of the other, and bodies 1e58 times as far apart as they are large or more.
     pub fn within(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
+        }
+        if Posed::is_turned(a, b, a_from_b) {
+            return self.within(b, a, &a_from_b.swapped(), d);
         }
         self.state.recognise(a, b);
         self.state.kept.work.queries += 1;
@@ -154,6 +164,9 @@ impl MeshTracker {
     /// Returns a lower bound of the distance in one pass over the front, without looking for the
     /// closest pair; zero if nothing better is known.
     pub fn lower_bound(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> f64 {
+        if Posed::is_turned(a, b, a_from_b) {
+            return self.lower_bound(b, a, &a_from_b.swapped());
+        }
         self.state.recognise(a, b);
         Posed::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
     }

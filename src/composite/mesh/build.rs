@@ -4,6 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+use super::edges::Edges;
 use super::weld::{MOST, Welded, mix, stir, weld};
 use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
 use crate::composite::tree::{LEAF, Tree};
@@ -16,8 +17,10 @@ impl Mesh {
     /// Builds a mesh of points and triangles.
     ///
     /// Points with equal coordinates are welded, triangles without area and repeated ones are
-    /// dropped, and the [report](Self::report) names them; nothing else is changed. Takes `n log n`
-    /// time.
+    /// dropped, and the [report](Self::report) names them; nothing else is changed. No dropped
+    /// triangle opens a closed surface: edges on one line cancel wherever their ends are, and
+    /// repeated triangles are kept if the surface is closed only when they are counted. Takes
+    /// `n log n` time.
     ///
     /// # Errors
     ///
@@ -32,12 +35,13 @@ impl Mesh {
             let index = index as usize;
             return Err(MeshError::IndexOutOfRange { triangle, index });
         }
-        let welded = weld(points)?;
-        let sieved = sieve(&welded, triangles);
-        if sieved.kept.is_empty() {
+        let welded = weld(points, triangles)?;
+        let every = sieve(&welded, triangles);
+        if every.kept.is_empty() {
             return Err(MeshError::Empty { given: triangles.len() });
         }
-        Ok(assemble(welded, sieved, triangles.len()))
+        let (sieved, found) = judged(&welded.points, every);
+        Ok(assemble(welded, sieved, found, triangles.len()))
     }
 
     /// Builds the surface of a convex body as a solid mesh. A triangle is named by its number in
@@ -61,7 +65,7 @@ struct Sieved {
     repeated: Vec<(u32, u32)>,
 }
 
-/// Drops triangles without area and repeated ones.
+/// Drops triangles without area.
 fn sieve(welded: &Welded, triangles: &[[u32; 3]]) -> Sieved {
     let mut sieved = Sieved {
         kept: Vec::with_capacity(triangles.len()),
@@ -79,8 +83,21 @@ fn sieve(welded: &Welded, triangles: &[[u32; 3]]) -> Sieved {
             sieved.source.push(k);
         }
     }
-    drop_repeated(&mut sieved);
     sieved
+}
+
+/// Drops repeated triangles and judges the edges; keeps the repeated triangles if only they close
+/// the surface.
+fn judged(points: &[Vector3<f64>], every: Sieved) -> (Sieved, Edges) {
+    let once = without_repeated(&every);
+    let found = edges::judge(points, &once.kept);
+    if !found.closed && !once.repeated.is_empty() {
+        let found = edges::judge(points, &every.kept);
+        if found.closed {
+            return (every, found);
+        }
+    }
+    (once, found)
 }
 
 /// Whether three points are exactly collinear: by a cross product that is certain, else by exact
@@ -91,40 +108,39 @@ fn is_collinear([a, b, c]: [&Vector3<f64>; 3]) -> bool {
     u.cross(&v).amax() <= 2.0 * certain && sign::projection(a, b, c).is_none()
 }
 
-/// Finds triangles with the same corners in the same sense.
-fn drop_repeated(sieved: &mut Sieved) {
+/// The triangles without those that have the same corners in the same sense as an earlier one.
+fn without_repeated(every: &Sieved) -> Sieved {
     let turned = |t: &[u32; 3]| {
         let low = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);
         [t[low], t[(low + 1) % 3], t[(low + 2) % 3]]
     };
     let key = |t: &[u32; 3]| turned(t).iter().fold(0, |h, &v| stir(h ^ u64::from(v)));
-    let mut keys: Vec<(u64, u32)> = sieved.kept.iter().map(key).zip(0..).collect();
+    let mut keys: Vec<(u64, u32)> = every.kept.iter().map(key).zip(0..).collect();
     keys.sort_unstable();
-    let mut gone = vec![false; sieved.kept.len()];
+    let mut gone = vec![false; every.kept.len()];
+    let mut repeated = Vec::new();
     for run in keys.chunk_by(|a, b| a.0 == b.0).filter(|run| run.len() > 1) {
         for (i, later) in run.iter().enumerate() {
-            let same = |k: &&(u64, u32)| turned(&sieved.kept[k.1 as usize]) == turned(&sieved.kept[later.1 as usize]);
+            let same = |k: &&(u64, u32)| turned(&every.kept[k.1 as usize]) == turned(&every.kept[later.1 as usize]);
             if let Some(first) = run[..i].iter().find(same) {
                 gone[later.1 as usize] = true;
-                let names = [later.1, first.1].map(|k| sieved.source[k as usize]);
-                sieved.repeated.push((names[0], names[1]));
+                let names = [later.1, first.1].map(|k| every.source[k as usize]);
+                repeated.push((names[0], names[1]));
             }
         }
     }
-    if !sieved.repeated.is_empty() {
-        sieved.repeated.sort_unstable();
-        let stays = |k: &usize| !gone[*k];
-        let each = || (0..gone.len()).filter(stays);
-        (sieved.kept, sieved.source) = (
-            each().map(|k| sieved.kept[k]).collect(),
-            each().map(|k| sieved.source[k]).collect(),
-        );
+    repeated.sort_unstable();
+    let stay = || (0..gone.len()).filter(|&k| !gone[k]);
+    Sieved {
+        kept: stay().map(|k| every.kept[k]).collect(),
+        source: stay().map(|k| every.source[k]).collect(),
+        degenerate: every.degenerate.clone(),
+        repeated,
     }
 }
 
-/// Judges the edges, builds the tree and puts everything in its order.
-fn assemble(welded: Welded, sieved: Sieved, given: usize) -> Mesh {
-    let found = edges::judge(&sieved.kept);
+/// Builds the tree and puts everything in its order.
+fn assemble(welded: Welded, sieved: Sieved, found: Edges, given: usize) -> Mesh {
     let (mut parts, part_vertices) = edges::parts(&welded.points, &sieved.kept, found.closed);
     parts
         .iter_mut()
@@ -167,7 +183,7 @@ fn assemble(welded: Welded, sieved: Sieved, given: usize) -> Mesh {
         fingerprint: fingerprint(&points, &ordered.triangles, welded.exponent),
         part_vertices: part_vertices
             .into_iter()
-            .map(|two| two.map(|v| ordered.number[v as usize]))
+            .map(|four| four.map(|v| ordered.number[v as usize]))
             .collect(),
         source_triangles: order.iter().map(|&k| sieved.source[k as usize]).collect(),
         source_points: ordered.source,

@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::MeshPart;
+use crate::num::sign;
 
 /// The edges of a mesh that are not between two triangles of opposite sense.
 #[derive(Default)]
@@ -12,13 +13,13 @@ pub(super) struct Edges {
     pub(super) boundary: Vec<[u32; 2]>,
     pub(super) non_manifold: Vec<[u32; 2]>,
     pub(super) misoriented: Vec<[u32; 2]>,
-    /// Whether along every edge as many triangles run one way as the other: then every point off
-    /// the surface has a winding number.
+    /// Whether along every line as many edges of triangles run one way as the other, all along the
+    /// line: then every point off the surface has a winding number.
     pub(super) closed: bool,
 }
 
 /// Sorts the edges of all triangles and judges each.
-pub(super) fn judge(triangles: &[[u32; 3]]) -> Edges {
+pub(super) fn judge(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Edges {
     let mut runs: Vec<(u64, bool)> = Vec::with_capacity(3 * triangles.len());
     for &[a, b, c] in triangles {
         for (from, to) in [(a, b), (b, c), (c, a)] {
@@ -26,14 +27,14 @@ pub(super) fn judge(triangles: &[[u32; 3]]) -> Edges {
         }
     }
     runs.sort_unstable();
-    let mut edges = Edges {
-        closed: true,
-        ..Edges::default()
-    };
+    let mut edges = Edges::default();
+    let mut uneven: Vec<[u32; 2]> = Vec::new();
     for edge in runs.chunk_by(|a, b| a.0 == b.0) {
         let ends = [(edge[0].0 >> 32) as u32, edge[0].0 as u32];
         let forward = edge.iter().filter(|e| e.1).count();
-        edges.closed &= 2 * forward == edge.len();
+        let back = edge.len() - forward;
+        let [from, to] = if forward > back { ends } else { [ends[1], ends[0]] };
+        uneven.extend((0..forward.abs_diff(back)).map(|_| [from, to]));
         match edge.len() {
             1 => edges.boundary.push(ends),
             2 if forward != 1 => edges.misoriented.push(ends),
@@ -41,12 +42,43 @@ pub(super) fn judge(triangles: &[[u32; 3]]) -> Edges {
             _ => edges.non_manifold.push(ends),
         }
     }
+    edges.closed = cancels(points, &uneven);
     edges
 }
 
-/// Connected parts by shared vertices, in the order of their first triangle, and of each a vertex
-/// and the vertex that is farthest from it.
-pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> (Vec<MeshPart>, Vec<[u32; 2]>) {
+/// Whether edges cancel as sets of points counted with their sense: an edge from one vertex to
+/// another cancels two edges back by way of a vertex between, as where a triangle without area was
+/// dropped. On every line, as many edges must end at each vertex as begin: what is closed on a line
+/// goes over every place of the line to and fro.
+fn cancels(points: &[Vector3<f64>], edges: &[[u32; 2]]) -> bool {
+    let ways = |&[from, to]: &[u32; 2]| [(from, to, 1), (to, from, -1)];
+    let mut ends: Vec<(u32, u32, i64)> = edges.iter().flat_map(ways).collect();
+    ends.sort_unstable();
+    ends.chunk_by(|a, b| a.0 == b.0).all(|at| cancels_at(points, at))
+}
+
+/// Whether the ends of edges at one vertex cancel along every line. The line of the first one comes
+/// first, so that an open border fails at once.
+fn cancels_at(points: &[Vector3<f64>], at: &[(u32, u32, i64)]) -> bool {
+    let mut left = at.to_vec();
+    while let Some(&(v, w, _)) = left.first() {
+        let mut sum = 0;
+        left.retain(|&(_, other, sense)| {
+            let [a, b, c] = [v, w, other].map(|k| &points[k as usize]);
+            let is_along = other == w || sign::projection(a, b, c).is_none();
+            sum += if is_along { sense } else { 0 };
+            !is_along
+        });
+        if sum != 0 {
+            return false;
+        }
+    }
+    true
+}
+
+/// Connected parts by shared vertices, in the order of their first triangle, and of each four
+/// vertices that are far from each other.
+pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: bool) -> (Vec<MeshPart>, Vec<[u32; 4]>) {
     let mut parent: Vec<u32> = (0..points.len() as u32).collect();
     for t in triangles {
         for &v in &t[1..] {
@@ -66,23 +98,44 @@ pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: boo
                 triangles: 0,
                 volume: 0.0,
             });
-            vertices.push([t[0]; 2]);
+            vertices.push([t[0]; 4]);
         }
         let part = number[root] as usize;
         parts[part].triangles += 1;
-        let [first, far] = &mut vertices[part];
-        // About a vertex of the part, so that its place does not matter.
-        let base = points[*first as usize];
-        let away = |v: u32| (points[v as usize] - base).norm_squared();
-        if away(t[0]) > away(*far) {
-            *far = t[0];
-        }
         if closed {
+            // About a vertex of the part, so that its place does not matter.
+            let base = points[vertices[part][0] as usize];
             let [a, b, c] = t.map(|v| points[v as usize] - base);
             parts[part].volume += a.dot(&b.cross(&c)) / 6.0;
         }
     }
+    for corner in 1..4 {
+        for t in triangles {
+            let part = number[find(&mut parent, t[0]) as usize] as usize;
+            for &v in t {
+                let [now, new] = [vertices[part][corner], v].map(|v| {
+                    let mut four = vertices[part];
+                    four[corner] = v;
+                    spread(four.map(|v| &points[v as usize]), corner)
+                });
+                if new > now {
+                    vertices[part][corner] = v;
+                }
+            }
+        }
+    }
     (parts, vertices)
+}
+
+/// How far the first corners of a tetrahedron are from each other: the square of a length or of an
+/// area, or a volume.
+fn spread([a, b, c, d]: [&Vector3<f64>; 4], corner: usize) -> f64 {
+    let (u, v, w) = (b - a, c - a, d - a);
+    match corner {
+        1 => u.norm_squared(),
+        2 => u.cross(&v).norm_squared(),
+        _ => u.cross(&v).dot(&w).abs(),
+    }
 }
 
 /// The root of a vertex; the path to it is halved on the way.

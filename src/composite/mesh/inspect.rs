@@ -94,10 +94,10 @@ impl Mesh {
             return;
         }
         let labels = self.labels();
-        for (part, two) in (0u32..).zip(&self.part_vertices) {
-            let own = labels[two[0] as usize];
+        for (part, own_vertices) in (0u32..).zip(&self.part_vertices) {
+            let own = labels[own_vertices[0] as usize];
             let is_other = |t: u32| labels[self.triangles[t as usize][0] as usize] != own;
-            let winding = self.winding_of(&self.points[two[0] as usize], is_other);
+            let winding = self.winding_of(&self.points[own_vertices[0] as usize], is_other);
             if let Some(w) = winding.filter(|w| *w != 0) {
                 found.inner_parts.push((part, w));
             }

@@ -52,8 +52,8 @@ pub struct Mesh {
     pub(crate) source_points: Vec<u32>,
     /// The caller's index of each triangle.
     pub(crate) source_triangles: Vec<u32>,
-    /// Two vertices of each connected part, far from each other.
-    pub(crate) part_vertices: Vec<[u32; 2]>,
+    /// Four vertices of each connected part, far from each other.
+    pub(crate) part_vertices: Vec<[u32; 4]>,
     pub(crate) tree: Tree,
     /// Stored lengths times `2^exponent` are the caller's; zero for ordinary sizes.
     pub(crate) exponent: i32,
@@ -101,7 +101,7 @@ impl Mesh {
     /// Returns the bytes that the mesh holds on the heap, without its report.
     #[must_use]
     pub fn heap_bytes(&self) -> usize {
-        let numbers = self.source_points.len() + self.source_triangles.len() + 2 * self.part_vertices.len();
+        let numbers = self.source_points.len() + self.source_triangles.len() + 4 * self.part_vertices.len();
         size_of_val(&self.points[..]) + size_of_val(&self.triangles[..]) + 4 * numbers + self.tree.heap_bytes()
     }
 

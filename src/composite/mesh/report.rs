@@ -59,8 +59,9 @@ pub enum MeshError {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum MeshKind {
-    /// Closed: along every edge as many triangles run one way as the other. Points with a winding
-    /// number other than zero are inside and belong to the body.
+    /// Closed: along every line as many edges of triangles run one way as the other, all along the
+    /// line; an edge may face two shorter ones. Points with a winding number other than zero are
+    /// inside and belong to the body.
     Solid,
     /// Not closed: the body is the triangles alone and has no inside.
     Surface,
@@ -108,11 +109,13 @@ pub struct MeshReport {
     pub welded: usize,
     /// Points that no triangle kept uses.
     pub unused: usize,
-    /// Triangles dropped because their corners are collinear or equal.
+    /// Triangles dropped because their corners are collinear or equal. They close nothing: the kind
+    /// of the mesh is the same with them.
     pub degenerate: Vec<u32>,
-    /// `(dropped, kept)`: triangles with the same corners in the same sense.
+    /// `(dropped, kept)`: triangles with the same corners in the same sense. None is dropped if the
+    /// mesh is closed only when they are counted.
     pub repeated: Vec<(u32, u32)>,
-    /// Edges of one triangle.
+    /// Edges of one triangle. In a solid they lie on other edges along the same line.
     pub boundary_edges: Vec<[u32; 2]>,
     /// Edges of more than two triangles.
     pub non_manifold_edges: Vec<[u32; 2]>,

@@ -1,6 +1,7 @@
 //! From the caller's points to stored ones: checked, scaled by a power of two, equal points made
 //! one.
 
+use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
@@ -20,19 +21,23 @@ pub(super) struct Welded {
     pub(super) flushed: usize,
 }
 
-/// Checks, scales and welds.
-pub(super) fn weld(given: &[Point3<f64>]) -> Result<Welded, MeshError> {
+/// Checks, scales and welds. Points that no triangle uses only have to be finite: the mesh does not
+/// depend on them.
+pub(super) fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Welded, MeshError> {
     if given.len() > MOST {
         return Err(MeshError::TooMany { count: given.len() });
     }
     if let Some(index) = given.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
         return Err(MeshError::NotFinite { index });
     }
-    let (low, high) = bounding_box(given.iter().map(|p| &p.coords));
+    let mut is_used = vec![false; given.len()];
+    triangles.iter().flatten().for_each(|&v| is_used[v as usize] = true);
+    let used = || given.iter().zip(&is_used).filter(|p| *p.1).map(|p| &p.0.coords);
+    let (low, high) = bounding_box(used());
     let sides = high - low;
-    let extent = if given.is_empty() { 0.0 } else { sides.max() };
-    let far = given.iter().any(|p| p.coords.amax() > PLACE_MAX);
-    if far || !given.is_empty() && !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
+    let extent = if triangles.is_empty() { 0.0 } else { sides.max() };
+    let far = used().any(|p| p.amax() > PLACE_MAX);
+    if far || !triangles.is_empty() && !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
         return Err(MeshError::OutOfRange { extent });
     }
     let size = exponent_of(sqrt((sides * 0.5).norm_squared()));
@@ -42,10 +47,11 @@ pub(super) fn weld(given: &[Point3<f64>]) -> Result<Welded, MeshError> {
     let mut flushed = 0;
     let points: Vec<Vector3<f64>> = given
         .iter()
-        .map(|p| {
+        .zip(&is_used)
+        .map(|(p, is_used)| {
             (p.coords * scale).map(|x| {
                 let vanishes = x.abs() < flush;
-                flushed += usize::from(vanishes && x != 0.0);
+                flushed += usize::from(*is_used && vanishes && x != 0.0);
                 if vanishes { 0.0 } else { x }
             })
         })

@@ -36,7 +36,7 @@ use crate::tuning::composite::{BEYOND, CELL_HALVINGS, CELL_PLANES};
 /// Returns a convex body inside a solid mesh, in the caller's unit, about a point in stored
 /// coordinates, at most `reach` wide to each side; `None` if none is found.
 pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shape> {
-    let mut reach = reach.min(mesh.radius);
+    let mut reach = reach.min(2.0 * mesh.radius);
     let planes = (0..CELL_HALVINGS).find_map(|_| {
         let cut = Cut::new(mesh, place, reach).run();
         reach *= 0.5;

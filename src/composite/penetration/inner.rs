@@ -68,7 +68,10 @@ pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -
         doubt: doubt / scale,
     };
     let [in_a, in_b] = match (a.by_kind(), b.by_kind()) {
-        (PartsRef::Pieces(a), PartsRef::Pieces(b)) => [of_pieces(a, b, pose), None],
+        (PartsRef::Pieces(a), PartsRef::Pieces(b)) => {
+            let placed = Placed::of(pose, a, b);
+            [of_pairs(&wholes(a.by_kind()), &wholes(b.by_kind()), &placed), None]
+        }
         (PartsRef::Mesh(a), PartsRef::Mesh(b)) => [b_in_a.in_mesh(a), a_in_b.in_mesh(b)],
         (PartsRef::Mesh(a), PartsRef::Pieces(b)) => [b_in_a.in_mesh(a), in_pieces(b, a, &a_in_b)],
         (PartsRef::Pieces(a), PartsRef::Mesh(b)) => [in_pieces(a, b, &b_in_a), a_in_b.in_mesh(b)],
@@ -217,12 +220,36 @@ pub(super) fn of_parts<A: Parted, B: Parted>(
 ) -> Option<Deep> {
     let posed = Posed::new(a, b, pose)?;
     let (placed, place) = (Placed::of(pose, a, b), point.coords / a.stored_unit());
+    let of_a = about(a.by_kind(), &place, reach / a.stored_unit());
     let of_b = about(b.by_kind(), &posed.back(&place), reach / b.stored_unit());
+    of_pairs(&of_a, &of_b, &placed)
+}
+
+/// Returns the overlap of the convex part about the middle of a mesh with a piece, or with the same
+/// part of another mesh, and its translation of B, in the caller's unit. `None` for two bodies of
+/// pieces, which [`deepest`] measures whole.
+pub(super) fn of_wholes<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> Option<Deep> {
+    match (a.by_kind(), b.by_kind()) {
+        (PartsRef::Pieces(_), PartsRef::Pieces(_)) => None,
+        (of_a, of_b) => of_pairs(&wholes(of_a), &wholes(of_b), &Placed::of(pose, a, b)),
+    }
+}
+
+/// The convex part of a mesh about its middle, or all pieces.
+fn wholes(body: PartsRef) -> Vec<(Shape, Isometry3<f64>)> {
+    match body {
+        PartsRef::Mesh(mesh) => about(body, &(mesh.centroid().coords / mesh.unit()), 2.0 * mesh.radius),
+        PartsRef::Pieces(body) => body.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect(),
+    }
+}
+
+/// The deepest pair of placed convex bodies.
+fn of_pairs(of_a: &[(Shape, Isometry3<f64>)], of_b: &[(Shape, Isometry3<f64>)], placed: &Placed) -> Option<Deep> {
     let mut best = None;
-    for (p, at_p) in about(a.by_kind(), &place, reach / a.stored_unit()) {
-        for (q, at_q) in &of_b {
-            let at = placed.between(&at_p, at_q).0;
-            if let Some((depth, way)) = overlap(&ShapeTracker::new().closest(&p, q, &at)) {
+    for (p, at_p) in of_a {
+        for (q, at_q) in of_b {
+            let at = placed.between(at_p, at_q).0;
+            if let Some((depth, way)) = overlap(&ShapeTracker::new().closest(p, q, &at)) {
                 keep_deeper(&mut best, (depth, at_p.rotation * way));
             }
         }
@@ -247,19 +274,4 @@ fn about(body: PartsRef, place: &Vector3<f64>, reach: f64) -> Vec<(Shape, Isomet
             pieces.map(|p| (p.shape.clone(), p.pose)).collect()
         }
     }
-}
-
-/// The deepest pair of pieces.
-fn of_pieces(a: &Composite, b: &Composite, pose: &RelativePose) -> Option<Deep> {
-    let placed = Placed::of(pose, a, b);
-    let mut best = None;
-    for p in a.pieces() {
-        for q in b.pieces() {
-            let at = placed.between(&p.pose, &q.pose).0;
-            if let Some((depth, way)) = overlap(&ShapeTracker::new().closest(&p.shape, &q.shape, &at)) {
-                keep_deeper(&mut best, (depth, p.pose.rotation * way));
-            }
-        }
-    }
-    best
 }

@@ -6,7 +6,8 @@
 //! depth. Two convex parts must be parted as well, so their depth is a lower bound too: that of two
 //! pieces, or of convex parts of meshes (`cell`) about the middle of an overlap that a translation
 //! ends. The last is the depth itself where the bodies are convex about the overlap, as at edges
-//! that cross without a vertex inside.
+//! that cross without a vertex inside. Nor need the parts be about one point: those about the middle
+//! of each body are the bodies themselves, up to rounding, if these are convex and have few faces.
 //!
 //! The search moves B by the deepest point, or the deepest pair of pieces (`inner`), until the
 //! bodies are apart, then shortens the translation by bisection; and it shortens the translation
@@ -71,12 +72,13 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Overlap<'_, A, B, Q
         (class == Class::Separated).then_some((lower, point))
     }
 
-    /// Returns the translation of B that parts convex bodies about both; `None` if they are apart.
-    fn by_hulls(&self, pose: &RelativePose) -> Option<Vector3<f64>> {
+    /// Returns the translation of B that parts convex bodies about both, at least `least` long.
+    fn by_hulls(&self, pose: &RelativePose, least: f64) -> Option<Vector3<f64>> {
         let hulls = hull(self.a.by_kind()).and_then(|a| Ok((a, hull(self.b.by_kind())?)));
         let (a, b) = hulls.ok()?;
         let found = Tracker::new().closest(&a, &b, pose);
-        (found.upper <= 0.0 && found.lower.is_finite()).then(|| found.normal.into_inner() * -found.lower)
+        let length = (-found.lower).max(least);
+        length.is_finite().then(|| found.normal.into_inner() * length)
     }
 }
 
@@ -173,8 +175,14 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Search<'_, A, B, Q>
     fn run(mut self, pose: &RelativePose) -> PenetrationBounds {
         let deepest = inner::deepest(self.bodies.a, self.bodies.b, pose);
         let mut lower = deepest.map_or(0.0, |d| (d.0 - self.noise).max(0.0));
+        // Convex parts about the middles: all of a convex body.
+        let wholes = inner::of_wholes(self.bodies.a, self.bodies.b, pose);
+        lower = wholes.map_or(lower, |d| lower.max(d.0 - self.noise));
         let mut best = self.far();
-        let starts = [self.bodies.by_hulls(pose), deepest.and_then(|d| self.pushed(d))];
+        let starts = [
+            self.bodies.by_hulls(pose, self.noise),
+            deepest.and_then(|d| self.pushed(d)),
+        ];
         for start in starts.into_iter().flatten() {
             // Beyond the rounding of the pose too.
             let start = start * (BEYOND + 4.0 * self.noise / sqrt(start.norm_squared()));

@@ -137,9 +137,9 @@ impl Composite {
         // A point, or a body far smaller than its distance from the origin, is as large as the
         // rounding of its place.
         let place = low.amax().max(high.amax()) * UNIT;
-        let size = sqrt(((high - low) * 0.5).norm_squared())
-            .max(place)
-            .max(f64::MIN_POSITIVE);
+        let size = sqrt(((high - low) * 0.5).norm_squared()).max(place);
+        // A point at the body's own origin has no size: any unit serves.
+        let size = if size > 0.0 { size } else { 1.0 };
         let window = 2 * EXPONENT_FREE;
         let exponent = (exponent_of(size) + EXPONENT_FREE).div_euclid(window) * window;
         let scale = power_of_two(-exponent);
@@ -333,12 +333,9 @@ impl Parted for Composite {
         self.probes.len()
     }
 
-    fn probe(&self, k: usize) -> [Vector3<f64>; 2] {
-        self.probes[k]
-    }
-
-    fn has_inner_probes(&self) -> bool {
-        true
+    fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
+        let [inner, other] = self.probes[k];
+        [inner, other, inner, other]
     }
 
     fn holds(&self, _: &Vector3<f64>, _: f64) -> Option<bool> {

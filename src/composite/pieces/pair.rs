@@ -75,20 +75,6 @@ impl<A: Parted, B: Parted> Judge for PartPair<'_, A, B> {
         -self.b.highest(item, &-n)
     }
 
-    /// Parts are solids, so inner points are shared if a part crosses another, or if a part's inner
-    /// point is inside a mesh.
-    fn shares_inside(&self, frame: &Frame, _: &Measured<FeaturePair>) -> bool {
-        let ratio = self.a.stored_unit() / self.b.stored_unit();
-        let doubt = 2.0 * frame.error;
-        let in_a = |k| self.a.holds(&frame.point(&self.b.probe(k)[0]), doubt) == Some(true);
-        let in_b = |k: usize| {
-            let place = frame.rotation.tr_mul(&(self.a.probe(k)[0] - frame.translation)) * ratio;
-            self.b.holds(&place, doubt * ratio) == Some(true)
-        };
-        self.a.may_hold() && self.b.has_inner_probes() && (0..self.b.probe_count()).any(in_a)
-            || self.b.may_hold() && self.a.has_inner_probes() && (0..self.a.probe_count()).any(in_b)
-    }
-
     fn measure(&mut self, frame: &Frame, pair: Pair, _: f64) -> Measured<FeaturePair> {
         let (a, b) = (self.a, self.b);
         if !self.near.contains_key(&pair) {

@@ -21,7 +21,9 @@ use crate::tuning::composite::TRACKERS;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct CompositeOutcome {
-    /// The side of contact. A pair with an open mesh is never [`Class::Overlapping`].
+    /// The side of contact. A pair with an open mesh is never [`Class::Overlapping`]. Within
+    /// `1e-13 L` of contact the class may differ between warm and cold trackers, and between A to B
+    /// and B to A.
     pub class: Class,
     /// The distance, between the bounds; zero for bodies that share a point.
     pub distance: f64,
@@ -39,6 +41,20 @@ pub struct CompositeOutcome {
     pub point_on_b: Point3<f64>,
     /// Unit direction from A to B, in A's frame.
     pub normal: Unit<Vector3<f64>>,
+}
+
+impl CompositeOutcome {
+    /// The outcome of B and A as that of A and B.
+    fn swapped(self, a_from_b: &RelativePose) -> Self {
+        Self {
+            pieces: [self.pieces[1], self.pieces[0]],
+            features: self.features.swapped(),
+            point_on_a: self.point_on_b,
+            point_on_b: self.point_on_a,
+            normal: Unit::new_unchecked(-(a_from_b.rotation() * *self.normal)),
+            ..self
+        }
+    }
 }
 
 impl From<&CompositeOutcome> for Distance {
@@ -117,6 +133,9 @@ impl CompositeTracker {
     /// the origins; half as much more if pieces have poses of their own. Curved pieces add the
     /// width of their own bounds.
     pub fn closest<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> CompositeOutcome {
+        if Posed::is_turned(a, b, a_from_b) {
+            return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
+        }
         self.recognise(a, b);
         self.state.kept.work.queries += 1;
         let answer = match Posed::new(a, b, a_from_b) {
@@ -143,10 +162,13 @@ impl CompositeTracker {
     }
 
     /// Returns whether the bodies are at most `d` apart: as exact as
-    /// [`intersects`](Self::intersects). False for a negative `d` and NaN.
+    /// [`intersects`](Self::intersects), with the limits of [`MeshTracker::within`](crate::MeshTracker::within). False for a negative `d` and NaN.
     pub fn within<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
+        }
+        if Posed::is_turned(a, b, a_from_b) {
+            return self.within(b, a, &a_from_b.swapped(), d);
         }
         self.recognise(a, b);
         self.state.kept.work.queries += 1;
@@ -162,6 +184,9 @@ impl CompositeTracker {
     /// Returns a lower bound of the distance in one pass over the front, without looking for the
     /// closest pair; zero if nothing better is known.
     pub fn lower_bound<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> f64 {
+        if Posed::is_turned(a, b, a_from_b) {
+            return self.lower_bound(b, a, &a_from_b.swapped());
+        }
         self.recognise(a, b);
         Posed::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
     }

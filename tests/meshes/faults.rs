@@ -1,0 +1,160 @@
+//! Faults that files of real meshes have, made on purpose: none of them opens a closed surface.
+
+use super::{mesh, relative};
+use lab::pose::{add, scale};
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lab::{Pose, brute};
+use lin_canny::{Class, Mesh, MeshKind, MeshTracker};
+
+/// Coordinates on a grid, so that the middle of an edge is exactly on the edge.
+fn on_grid(soup: Soup) -> Soup {
+    soup.map(|p| p.map(|x| (x * 1_048_576.0).round() / 1_048_576.0))
+}
+
+/// Cuts a triangle at the middle of an edge; the neighbour is left as it is, and the slit is closed
+/// by a triangle without area, or not at all.
+fn slit(soup: &mut Soup, rng: &mut Rng, is_capped: bool) {
+    let t = rng.below(soup.triangles.len());
+    let [a, b, c] = soup.triangles[t];
+    let ends = [a, b].map(|v| soup.points[v as usize]);
+    let middle = soup.points.len() as u32;
+    soup.points.push(scale(add(ends[0], ends[1]), 0.5));
+    soup.triangles[t] = [a, middle, c];
+    soup.triangles.push([middle, b, c]);
+    if is_capped {
+        soup.triangles.push([a, b, middle]);
+    }
+}
+
+/// Adds triangles that change no winding number.
+fn litter(soup: &mut Soup, rng: &mut Rng, kind: usize) {
+    let [a, b, c] = soup.triangles[rng.below(soup.triangles.len())];
+    match kind {
+        0 => slit(soup, rng, true),
+        1 => slit(soup, rng, false),
+        // Without corners, without area.
+        2 => soup.triangles.extend([[a, a, a], [a, b, a], [b, b, c]]),
+        // Once more, without an opposite.
+        3 => soup.triangles.push([b, c, a]),
+        // Twice more, with opposites.
+        4 => soup.triangles.extend([[a, b, c], [b, c, a], [a, c, b], [c, b, a]]),
+        // Once more, with an opposite.
+        5 => soup.triangles.extend([[c, a, b], [b, a, c]]),
+        // A sliver and its back.
+        _ => {
+            let middle = soup.points.len() as u32;
+            let ends = [a, b].map(|v| soup.points[v as usize]);
+            let off = scale(add(ends[0], ends[1]), 0.5);
+            soup.points.push([off[0], off[1], off[2] + 2f64.powi(-40)]);
+            soup.triangles.extend([[a, b, middle], [b, a, middle]]);
+        }
+    }
+}
+
+/// The mesh of a soup with faults. Triangles that are repeated without an opposite cannot be told
+/// from a second layer where others are counted, so they come alone.
+fn faulty(clean: &Soup, rng: &mut Rng) -> (Mesh, Soup) {
+    let mut soup = clean.clone();
+    let alone = rng.below(4) == 0;
+    for _ in 0..1 + rng.below(6) {
+        let kind = if alone { 3 } else { [0, 1, 2, 4, 5, 6][rng.below(6)] };
+        litter(&mut soup, rng, kind);
+    }
+    let soup = if rng.below(2) == 0 { soup.unwelded() } else { soup };
+    (mesh(&soup), soup)
+}
+
+#[test]
+fn no_fault_opens_a_closed_surface() {
+    let shapes = [
+        soups::torus(16, 8, 0.3),
+        soups::rock(2, 1),
+        soups::gear(8),
+        soups::bracket(),
+        soups::plate(2, [1.0, 0.5, 0.125]),
+    ]
+    .map(on_grid);
+    let pebble = soups::sphere(1).map(|p| scale(p, 0.03));
+    let small = mesh(&pebble);
+    let mut rng = Rng::new(77);
+    let mut inside = 0;
+    for k in 0..200 {
+        let clean = &shapes[k % shapes.len()];
+        let (m, soup) = faulty(clean, &mut rng);
+        assert_eq!(m.kind(), MeshKind::Solid, "{k}: {} {:?}", m.report(), soup.triangles);
+        let volume = mesh(clean).volume();
+        assert!((m.volume() - volume).abs() < 1e-9 * volume, "{k}: {}", m.report());
+        let mut tracker = MeshTracker::new();
+        for _ in 0..10 {
+            let pose = Pose {
+                q: rng.quat(),
+                t: scale(rng.in_ball(), 1.2),
+            };
+            if brute::distance(clean, &pebble, &pose).0 < 1e-9 {
+                continue;
+            }
+            let contained = brute::winding(clean, pose.apply(pebble.points[0])).abs() > 0.5;
+            let class = if contained {
+                Class::Overlapping
+            } else {
+                Class::Separated
+            };
+            let found = tracker.closest(&m, &small, &relative(&pose));
+            assert_eq!(found.class, class, "{k}: {} {pose:?}", m.report());
+            assert_eq!(tracker.intersects(&m, &small, &relative(&pose)), contained);
+            inside += usize::from(contained);
+        }
+    }
+    assert!(inside > 100, "{inside}");
+}
+
+#[test]
+fn layers_that_share_a_face_count_twice() {
+    // Two boxes, one as high again, on the same bottom.
+    let low = soups::plate(1, [1.0, 1.0, 0.5]);
+    let high = low.clone().map(|[x, y, z]| [x, y, 2.0 * z + 0.5]);
+    let both = low.with(&high);
+    let m = mesh(&both);
+    assert_eq!(m.kind(), MeshKind::Solid, "{}", m.report());
+    assert!((m.volume() - 12.0).abs() < 1e-12, "{}", m.volume());
+    let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.05)));
+    for (z, class) in [
+        (0.0, Class::Overlapping),
+        (1.0, Class::Overlapping),
+        (1.6, Class::Separated),
+    ] {
+        let at = relative(&Pose::shift([0.1, 0.2, z]));
+        assert_eq!(MeshTracker::new().closest(&m, &pebble, &at).class, class, "{z}");
+    }
+}
+
+#[test]
+fn a_border_stays_a_border() {
+    // A slit that is really open: the middle of the edge is off the edge.
+    let mut rng = Rng::new(78);
+    for k in 0..50 {
+        let mut soup = on_grid(soups::rock(1, 1));
+        slit(&mut soup, &mut rng, k % 2 == 0);
+        let last = soup.points.len() - 1;
+        soup.points[last][k % 3] += 2f64.powi(-40);
+        let m = mesh(&soup);
+        // A cap with area closes it again.
+        let kind = if k % 2 == 0 { MeshKind::Solid } else { MeshKind::Surface };
+        assert_eq!(m.kind(), kind, "{k}: {}", m.report());
+    }
+    // A strip whose long borders are straight lines of several edges.
+    let points: Vec<[f64; 3]> = (0..10).map(|k| [f64::from(k / 2), f64::from(k % 2), 0.0]).collect();
+    let triangles = (0..8).map(|k| {
+        if k % 2 == 0 {
+            [k, k + 2, k + 1]
+        } else {
+            [k, k + 1, k + 2]
+        }
+    });
+    let strip = Soup {
+        points,
+        triangles: triangles.collect(),
+    };
+    assert_eq!(mesh(&strip).kind(), MeshKind::Surface);
+}

@@ -1,0 +1,298 @@
+//! Predicates and classes of solids an ulp apart, in one place, and in units far from each other.
+
+use super::{mesh, relative};
+use lab::Pose;
+use lab::pose::{quat, scale};
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{
+    Class, Composite, CompositeTracker, ConvexPolyhedron, Mesh, MeshTracker, PartsRef, Piece, RelativePose, Shape,
+};
+
+/// A pyramid upright on z = 0, or on its side, or lying on its top.
+fn pyramid(k: usize) -> Soup {
+    let base = [[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0]];
+    let mut points = base.to_vec();
+    points.push([[0.0, 0.0, 0.5], [0.25, 0.5, 3.0], [0.9, 0.0, 1.0]][k]);
+    let triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
+    Soup { points, triangles }
+}
+
+fn at(t: [f64; 3]) -> RelativePose {
+    relative(&Pose::shift(t))
+}
+
+/// Asks all queries for both orders, by two trackers, cold and warm.
+fn each(a: &Mesh, b: &Mesh, pose: &RelativePose, check: impl Fn(&str, bool, bool), d: f64) {
+    let back = pose.swapped();
+    let (mut meshes, mut parts) = (MeshTracker::new(), CompositeTracker::new());
+    let boxed = [PartsRef::from(a), PartsRef::from(b)];
+    for round in ["cold", "warm"] {
+        check(round, meshes.intersects(a, b, pose), meshes.within(a, b, pose, d));
+        let (a, b) = (&boxed[0], &boxed[1]);
+        check(round, parts.intersects(a, b, pose), parts.within(a, b, pose, d));
+    }
+    check(
+        "turned",
+        MeshTracker::new().intersects(b, a, &back),
+        MeshTracker::new().within(b, a, &back, d),
+    );
+}
+
+#[test]
+fn solids_an_ulp_off_a_plate_do_not_meet() {
+    let plate = mesh(&soups::plate(1, [4.0, 4.0, 0.5]).map(|[x, y, z]| [x, y, z - 0.5]));
+    let others = [
+        pyramid(0),
+        pyramid(1),
+        pyramid(2),
+        soups::plate(1, [0.5, 0.25, 0.5]).map(|[x, y, z]| [x, y, z + 0.5]),
+    ];
+    for (k, other) in others.iter().enumerate() {
+        let other = mesh(other);
+        for gap in [5e-324, 1e-300, 1e-100, 1e-20, 1e-17, 1e-16, 1e-15, 1e-13] {
+            let pose = at([0.3, 0.2, gap]);
+            let check = |when: &str, meets: bool, near: bool| assert!(!meets && !near, "{k} {gap:e} {when}");
+            // Half of the least number is zero.
+            each(&plate, &other, &pose, check, if gap > 1e-320 { 0.5 * gap } else { 0.0 });
+            let check = |when: &str, meets: bool, near: bool| assert!(!meets && near, "{k} {gap:e} {when}");
+            each(&plate, &other, &pose, check, gap);
+        }
+        for gap in [0.0, -5e-324, -1e-17, -1e-13] {
+            let check = |when: &str, meets: bool, near: bool| assert!(meets && near, "{k} {gap:e} {when}");
+            each(&plate, &other, &at([0.3, 0.2, gap]), check, 0.0);
+        }
+    }
+}
+
+#[test]
+fn solids_in_a_close_hole_do_not_meet() {
+    // A box in the hole of a box, an ulp below the ceiling: not held, not in contact.
+    let hollow = soups::plate(1, [2.0, 2.0, 2.0]).with(&soups::plate(1, [1.0, 1.0, 1.0]).flipped());
+    let hollow = mesh(&hollow);
+    let inner = mesh(&soups::plate(1, [0.75, 0.75, 0.25]).map(|[x, y, z]| [x, y, z + (0.75 - 1e-15)]));
+    each(
+        &hollow,
+        &inner,
+        &at([0.0; 3]),
+        |when, meets, _| assert!(!meets, "{when}"),
+        0.0,
+    );
+    // The same box in a full one.
+    let full = mesh(&soups::plate(1, [2.0, 2.0, 1.0]));
+    each(
+        &full,
+        &inner,
+        &at([0.0; 3]),
+        |when, meets, _| assert!(meets, "{when}"),
+        0.0,
+    );
+}
+
+fn classes(a: &Mesh, b: &Mesh, pose: &RelativePose) -> [Class; 4] {
+    let mut tracker = MeshTracker::new();
+    [
+        tracker.closest(a, b, pose).class,
+        tracker.closest(a, b, pose).class,
+        MeshTracker::new().closest(b, a, &pose.swapped()).class,
+        CompositeTracker::new().closest(a, b, pose).class,
+    ]
+}
+
+#[test]
+fn bodies_in_one_place_overlap() {
+    let mut shapes = super::shapes();
+    shapes.extend([soups::sphere(2), pyramid(1), soups::cave(2, 0.7)]);
+    for (k, soup) in shapes.iter().enumerate() {
+        let m = mesh(soup);
+        for t in [[0.0; 3], [5e-324, 0.0, 1e-16]] {
+            assert_eq!(classes(&m, &m, &at(t)), [Class::Overlapping; 4], "{k} {t:?}");
+        }
+        // Turned by no more than rounding.
+        let turned = Pose {
+            q: quat([0.6, 0.0, 0.8], 1e-15),
+            t: [0.0; 3],
+        };
+        assert_eq!(classes(&m, &m, &relative(&turned)), [Class::Overlapping; 4], "{k}");
+        // A fine part of the body on the body.
+        let inner = mesh(&soup.clone().map(|p| scale(p, 0.5)));
+        let found = MeshTracker::new().closest(&m, &inner, &at([0.0; 3]));
+        assert_eq!(found.upper > 0.0, found.class == Class::Separated, "{k} {found:?}");
+    }
+}
+
+#[test]
+fn a_part_deep_inside_decides_while_another_touches() {
+    let block = mesh(&soups::plate(2, [1.0, 1.0, 1.0]));
+    let mut rng = Rng::new(91);
+    for k in 0..40 {
+        // One part lies on the top, the other one is inside.
+        let on = soups::plate(2, [0.25, 0.25, 0.25]).map(|p| [p[0], p[1], p[2] + 1.25]);
+        let place = rng.in_ball().map(|x| 0.25 * x);
+        let deep = soups::sphere(0).map(|p| [0, 1, 2].map(|i| 0.3 * p[i] + place[i]));
+        let both = mesh(&if k % 2 == 0 {
+            on.clone().with(&deep)
+        } else {
+            deep.with(&on)
+        });
+        assert_eq!(classes(&block, &both, &at([0.0; 3])), [Class::Overlapping; 4], "{k}");
+        // Without it the bodies touch.
+        assert_eq!(classes(&block, &mesh(&on), &at([0.0; 3])), [Class::Touching; 4]);
+    }
+    // Two pins that fill two holes touch all over and share nothing; pushed to the side they do.
+    let slab = soups::plate(1, [2.0, 1.0, 0.5]);
+    let hole = |x: f64| {
+        soups::plate(1, [0.25, 0.25, 0.5])
+            .map(|[a, b, c]| [a + x, b, 0.5 * c])
+            .flipped()
+    };
+    let caves = mesh(&slab.with(&hole(-1.0)).with(&hole(1.0)));
+    let pins = mesh(&hole(-1.0).flipped().with(&hole(1.0).flipped()));
+    assert_eq!(classes(&caves, &pins, &at([0.0; 3])), [Class::Touching; 4]);
+    assert_eq!(classes(&caves, &pins, &at([0.125, 0.0, 0.0])), [Class::Overlapping; 4]);
+}
+
+#[test]
+fn depths_of_bodies_that_hardly_touch_are_small() {
+    let plate = mesh(&soups::plate(1, [4.0, 4.0, 0.5]).map(|[x, y, z]| [x, y, z - 0.5]));
+    for k in 0..3 {
+        for gap in [1e-15, 1e-17, 0.0, -1e-17, -1e-15] {
+            let pose = at([0.3, 0.2, gap]);
+            let found = MeshTracker::new()
+                .penetration(&plate, &mesh(&pyramid(k)), &pose)
+                .unwrap();
+            assert!(found.lower <= 1e-14 && found.upper < 1e-10, "{k} {gap:e} {found:?}");
+        }
+    }
+}
+
+#[test]
+fn depths_of_convex_meshes_that_cross_are_proven() {
+    let mut rng = Rng::new(92);
+    for k in 0..20 {
+        let halves = [[1.0, 0.8, 0.01], [0.01, 1.0, 0.7]];
+        let [a, b] = halves.map(|h| solids::cuboid(Vector3::from(h)).unwrap());
+        let pose = Pose {
+            q: if k == 0 {
+                Pose::IDENTITY.q
+            } else {
+                quat(rng.unit(), 0.1)
+            },
+            t: [0.0, 0.05, 0.02],
+        };
+        let depth = -lin_canny::Tracker::new().closest(&a, &b, &relative(&pose)).distance;
+        let [m, n] = [&a, &b].map(|p| Mesh::from_convex(p).unwrap());
+        let found = MeshTracker::new().penetration(&m, &n, &relative(&pose)).unwrap();
+        assert!(
+            found.lower <= depth * (1.0 + 1e-12) && depth <= found.upper,
+            "{found:?} {depth}"
+        );
+        assert!(found.lower > depth * (1.0 - 1e-9), "{k} {found:?} {depth}");
+        let piece = Composite::from(Shape::from(b));
+        let found = CompositeTracker::new()
+            .penetration(&m, &piece, &relative(&pose))
+            .unwrap();
+        assert!(
+            found.lower > depth * (1.0 - 1e-9) && depth <= found.upper,
+            "{k} {found:?} {depth}"
+        );
+    }
+}
+
+fn point_body(p: [f64; 3]) -> Composite {
+    Composite::from(Shape::from(ConvexPolyhedron::point(Point3::from(p)).unwrap()))
+}
+
+#[test]
+fn points_at_their_own_origin_are_measured_in_both_orders() {
+    let cube = |h: f64| Composite::from(Shape::from(solids::cuboid(Vector3::new(h, h, h)).unwrap()));
+    for size in [1e-90, 1e-40, 1.0, 1e40, 1e90] {
+        let body = cube(0.5 * size);
+        let solid = Mesh::from_convex(&solids::cuboid(Vector3::new(0.5, 0.5, 0.5) * size).unwrap()).unwrap();
+        for place in [[0.0; 3], [1e-3 * size, 0.0, 0.0]] {
+            let point = point_body(place);
+            let pose = at([0.6 * size + place[0], 0.0, 0.0]);
+            for other in [PartsRef::from(&body), PartsRef::from(&solid)] {
+                let this = PartsRef::from(&point);
+                let mut tracker = CompositeTracker::new();
+                for (x, y, pose) in [(&this, &other, pose), (&other, &this, pose.swapped())] {
+                    let found = tracker.closest(x, y, &pose);
+                    let truth = 0.1 * size;
+                    assert_eq!(found.class, Class::Separated, "{size:e} {found:?}");
+                    assert!(found.lower <= truth * (1.0 + 1e-12) && truth <= found.upper * (1.0 + 1e-12));
+                    assert!(found.upper - found.lower < 1e-12 * size, "{size:e} {found:?}");
+                    assert!(!tracker.intersects(x, y, &pose) && !tracker.within(x, y, &pose, 0.05 * size));
+                    assert!(tracker.lower_bound(x, y, &pose) <= truth * (1.0 + 1e-12));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn tiny_bodies_beside_huge_ones_are_measured_in_both_orders() {
+    let [small, huge] = [1e-95, 1e40].map(|h| {
+        let body = solids::cuboid(Vector3::new(h, h, h)).unwrap();
+        (Mesh::from_convex(&body).unwrap(), Composite::from(Shape::from(body)))
+    });
+    let turn = Isometry3::rotation(Vector3::new(0.0, 0.0, 0.3));
+    let place = Isometry3::translation(0.0, 0.0, -3e40) * turn;
+    let pose = RelativePose::from_isometry(&place).unwrap();
+    let mut tracker = MeshTracker::new();
+    let ways = [
+        (&small.0, &huge.0, pose, place),
+        (&huge.0, &small.0, pose.swapped(), place.inverse()),
+    ];
+    for (a, b, pose, place) in ways {
+        let found = tracker.closest(a, b, &pose);
+        assert!(found.class == Class::Separated && found.lower < 2e40 && found.upper > 2e40 * (1.0 - 1e-15));
+        assert!(found.upper - found.lower < 1e28, "{found:?}");
+        let apart = place * found.point_on_b - found.point_on_a;
+        assert!((apart.norm() / 2e40 - 1.0).abs() < 1e-9 && apart.normalize().dot(&found.normal) > 0.999_999);
+        assert!(!tracker.within(a, b, &pose, 1.9e40) && tracker.within(a, b, &pose, 2.1e40));
+        assert!(tracker.lower_bound(a, b, &pose) < 2.1e40);
+    }
+    let mut tracker = CompositeTracker::new();
+    let found = tracker.closest(&small.1, &huge.1, &pose);
+    assert!(found.lower > 1.99e40 && found.upper < 2.01e40, "{found:?}");
+    assert!(!tracker.intersects(&small.1, &huge.1, &pose));
+}
+
+#[test]
+fn bodies_a_universe_away_are_apart() {
+    let m = Mesh::from_convex(&solids::octahedron(1.0).unwrap()).unwrap();
+    let piece = Composite::new(vec![Piece::new(solids::octahedron(1.0).unwrap())]).unwrap();
+    for far in [1e100, 1e150, 1e200, 1e300, 1e307, 1.6e308] {
+        let pose = at([0.0, far, 0.0]);
+        let found = MeshTracker::new().closest(&m, &m, &pose);
+        assert_eq!(found.class, Class::Separated, "{far:e} {found:?}");
+        assert!(
+            found.lower <= far && far <= found.upper && found.upper.is_finite(),
+            "{found:?}"
+        );
+        assert!(!MeshTracker::new().intersects(&m, &m, &pose), "{far:e}");
+        assert!(!MeshTracker::new().within(&m, &m, &pose, far * (1.0 - 1e-12)));
+        assert!(!CompositeTracker::new().intersects(&piece, &m, &pose), "{far:e}");
+    }
+}
+
+#[test]
+fn an_unused_point_moves_nothing() {
+    let soup = soups::bracket();
+    let clean = mesh(&soup);
+    for stray in [1e90, -1e115, 1e300, 1e-300] {
+        let mut with = soup.clone();
+        with.points.push([0.0, stray, 0.0]);
+        let m = mesh(&with);
+        let report = m.report();
+        assert_eq!(
+            (report.unused, report.flushed_coordinates),
+            (1, 0),
+            "{stray:e} {report}"
+        );
+        assert_eq!((m.kind(), m.aabb()), (clean.kind(), clean.aabb()));
+        assert_eq!(m.vertex_count(), clean.vertex_count());
+    }
+}
