@@ -6,8 +6,9 @@
 //! depth. Two convex parts must be parted as well, so their depth is a lower bound too: that of two
 //! pieces, or of convex parts of meshes (`cell`) about the middle of an overlap that a translation
 //! ends. The last is the depth itself where the bodies are convex about the overlap, as at edges
-//! that cross without a vertex inside. Nor need the parts be about one point: those about the middle
-//! of each body are the bodies themselves, up to rounding, if these are convex and have few faces.
+//! that cross without a vertex inside. Nor need the parts be about one point: those about the
+//! middle of each body are the bodies themselves, up to rounding, if these are convex and have few
+//! faces.
 //!
 //! The search moves B by the deepest point, or the deepest pair of pieces (`inner`), until the
 //! bodies are apart, then shortens the translation by bisection; and it shortens the translation

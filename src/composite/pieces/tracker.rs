@@ -162,7 +162,8 @@ impl CompositeTracker {
     }
 
     /// Returns whether the bodies are at most `d` apart: as exact as
-    /// [`intersects`](Self::intersects), with the limits of [`MeshTracker::within`](crate::MeshTracker::within). False for a negative `d` and NaN.
+    /// [`intersects`](Self::intersects), with the limits of
+    /// [`MeshTracker::within`](crate::MeshTracker::within). False for a negative `d` and NaN.
     pub fn within<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
