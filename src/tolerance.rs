@@ -14,23 +14,47 @@
 //!   L of bodies so small is `2^-105` or more.
 //! * **P, poses**: products of coordinates of a quaternion lose at most `2^-1075` beside a norm of
 //!   one.
-//! * **D, directions** of length one and edges: stored coordinates are multiples of `2^-357`
-//!   (`FLUSH_EXPONENT`), directions are of length one or longer than [`ON_BOUNDARY`] times L. If
-//!   the product of the direction's largest coordinate with the edge is not zero, this product is
-//!   above `2^-513`, and underflow of the remaining products is negligible; if the product is zero,
-//!   two products are left, and as rounding is monotone the sign of their sum is never the opposite
-//!   one.
+//! * **D, directions** of length one and edges, for signs: stored coordinates are multiples of
+//!   `2^-357` (`FLUSH_EXPONENT`), directions are of length one or longer than [`ON_BOUNDARY`] times
+//!   L. If the product of the direction's largest coordinate with the edge is not zero, this product
+//!   is above `2^-513`, and underflow of the remaining products is negligible; if the product is
+//!   zero, the other two may be of any size, and underflow may leave either sign. Such a rise is
+//!   certain above `LEAST_RISE` only.
 //! * **G, guarded**: numbers of the caller of any size. Squares are guarded by [`LEAST_SQUARE`], or
 //!   numbers are scaled first.
 //! * **U, the caller's unit**: bounds leave the stored unit in one function,
 //!   `tracker::to_user_units`, and are rounded outward there.
+//!
+//! # Degrees
+//!
+//! A product of `d` lengths is of degree `d`. Stored radii are from `2^-105` to `2^105`, so lengths
+//! between points of two bodies that meet stay below `2^107`; lengths between bodies apart stay
+//! below `2^301` ([`FAR`]). Each bound, with the largest product that a comparison with the bound
+//! makes, and the cases above for the smallest:
+//!
+//! | bound | degree | largest product | smallest |
+//! |---|---|---|---|
+//! | heights along unit directions: [`CERTIFICATE`], [`AGREE`], [`FOOT`], [`DIRECTION`], [`DIFFERENCE`], [`PLATEAU`] | 1, squares 2 | `2^602` | S |
+//! | [`EDGE_SIGN`] | 2: a direction, up to `2^301`, and an edge | `2^409` | D |
+//! | [`STEEPER`] | 5: the same, an axis that is a sum of products of two lengths, and an edge | `2^740`, of directions scaled to `2^400` in double-double `2^840` | D |
+//! | [`VOLUME`] | 3 | `2^903` | S |
+//! | weights of a triangle of a simplex | 4: three edges, one length between bodies | `2^630` | S |
+//! | [`ORIENTATION`] | 3; the square of the height of a side as a quotient, 6 over 4 | `2^645` | S: a side that counts is higher than `2^-44 L`, and the root of the quotient is above `2^-150` |
+//! | `SIDE_ERROR` and the exact predicates of the hull | 3, of one body | `2^324` | `FLUSH_EXPONENT` |
+//! | [`LEAST_SQUARE`], [`ODOMETER`], [`WAY`]: scenes, in the caller's unit | 2 | `2^250` ([`SCENE_REACH`]) | G |
+//! | curved pairs | 5, as lengths from `2^-200` to `2^200` (`SMALL_PAIR`) allow | `2^1000` | S |
+//!
+//! A comparison of a higher degree is rearranged, as a quotient or a root, before it is made.
 
 mod motions;
 mod patches;
+mod signs;
 
 pub(crate) use motions::*;
 pub(crate) use patches::*;
 pub use patches::{PATCH_LIMIT, PATCH_POINT};
+pub use signs::{EDGE_SIGN, EXACT_FILTER, ORIENTATION, STEEPER, VOLUME};
+pub(crate) use signs::{FLANK, LEAST_RISE, SIDE_ERROR};
 
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub const UNIT: f64 = f64::EPSILON / 2.0;
@@ -40,21 +64,10 @@ pub const UNIT_SINGLE: f64 = f32::EPSILON as f64 / 2.0;
 
 /// Bound of the relative error of one double-double operation: at most 10 UNIT^2 for sum and
 /// product (Joldes, Muller, Popescu 2017, "Tight and rigorous error bounds for basic building
-/// blocks of double-word arithmetic"), 5 UNIT^2 for the quotient (derived at `double_double`).
-/// Underflow: a low part below the least f64 is lost; case S.
+/// blocks of double-word arithmetic"; Muller and Rideau 2022, "Formalization of double-word
+/// arithmetic", correct some of the proofs), 5 UNIT^2 for the quotient (derived at
+/// `double_double`). Underflow: a low part below the least f64 is lost; case S.
 pub const UNIT_DOUBLE_DOUBLE: f64 = 16.0 * UNIT * UNIT;
-
-/// The sign of `n . e` is certain above this times the sum of the absolute terms: one rounding for
-/// each coordinate of `e` (a difference of stored points), one for each product and two additions,
-/// to first order `(1 + 1 + 2) UNIT`; 8 leaves room for a direction that is rounded itself, for the
-/// second order and for the rounding of the bound. Underflow: case D.
-pub const EDGE_SIGN: f64 = 8.0 * UNIT;
-
-/// The sign of `(n . e) (m . f) - (n . f) (m . e)` is certain above this times the sum of the
-/// products of the sums of the absolute terms: each dot errs by 5 UNIT as above, each product by
-/// two dots and one rounding more, the difference by one: 12; 16 leaves room. Underflow: the least
-/// normal number is added to the bound.
-pub const STEEPER: f64 = 16.0 * UNIT;
 
 /// Largest deviation of the squared norm of a pose's quaternion from 1: the error that repeated
 /// composition of f64 rotations accumulates over thousands of products. A relative pose divides by
@@ -109,19 +122,6 @@ pub const PARALLEL: f64 = 256.0 * UNIT * UNIT;
 /// planes of a sharp edge are used instead.
 pub const AGREE: f64 = 64.0 * UNIT;
 
-/// Four signed volumes of vertices up to L prove the origin inside if each exceeds this times UNIT
-/// L^3 (UNIT of the arithmetic): a determinant of three vectors up to L has an error of at most 14
-/// UNIT L^3, and vertices displaced by the [`CERTIFICATE`] error of the pose change the determinant
-/// by three times this error: 398 in all. For vertices of very different lengths less is enough.
-/// Displaced by D, the determinant changes by D times the sum of the three products of two lengths,
-/// three times D^2 L, and D^3; the rounding is below 14 UNIT L times any of the products. With D =
-/// 128 UNIT L the total is below the sum of the products times 512 UNIT L and L (512 UNIT L)^2. A
-/// displacement common to all three vertices, as the origins of the bodies add in double-double
-/// (128 UNIT times the origins), changes the determinant by no more than the product of this
-/// displacement with the triangle's normal `u x v`, whose own displacement is below twice D times
-/// the edges and D.
-pub const VOLUME: f64 = 512.0;
-
 /// A depth is proven if the height along the best normal and the nearest triangle agree within this
 /// times L: the rounding of both is a few UNIT L each (see [`CERTIFICATE`]), the height of an edge
 /// proven by the planes of two faces may be half of this tolerance above the edge, and the rest
@@ -131,13 +131,6 @@ pub const AGREE_DEPTH: f64 = 32.0 * UNIT;
 /// Deepest points that are off their expected position by more than this times L are searched again
 /// in double-double: well below the `1e-13 L` to which an answer is bounded.
 pub const AGREE_WITNESS: f64 = 512.0 * UNIT;
-
-/// A triangle `w0 w1 w2` of the Minkowski difference is certainly counter-clockwise from outside if
-/// every `n . w` exceeds this times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT,
-/// the cross product by 2.5 UNIT more, and the dot by 3. Taken off one `n . w`, with `|e1|^2 +
-/// |e2|^2` for the product, this bound leaves less than the `n . w` of any vertex, and room for the
-/// rounding of `|n|`.
-pub const ORIENTATION: f64 = 16.0 * UNIT;
 
 /// Squared lengths from this to the inverse of this are normalised without scaling; a product of
 /// two such squares, and the square of each coordinate that is not negligible, is far inside the
@@ -279,13 +272,6 @@ pub(crate) const EXPONENT_FREE: i32 = 105;
 /// predicates are exact.
 pub(crate) const FLUSH_EXPONENT: i32 = 200;
 
-/// Error of `n . (p - a)`, `n = (b - a) x (c - a)`, all rounded, relative to the sum over k of
-/// `(|u_i v_j| + |u_j v_i|) |p_k - a_k|`, `u` and `v` the edges: each of the eight roundings a term
-/// passes (two differences, product and difference in n; difference, product and two sums after)
-/// adds UNIT to first order, so 8 UNIT; the ninth covers the second order. Underflow: the hull adds
-/// the least normal number to its bound.
-pub(crate) const SIDE_ERROR: f64 = 9.0 * UNIT;
-
 /// If a cross product is below `2^-40` of the two products whose difference the cross product is,
 /// double-double has lost too much and expansions take over. Above this limit the direction errs by
 /// less than `3 * 2 * 16 UNIT^2 * 2^40 < UNIT / 64`.
@@ -306,42 +292,18 @@ pub const PLANARITY: f64 = 64.0 * UNIT;
 /// normal by 3 and the rounding up of the offset by 5.
 pub(crate) const NEAR_PLANE: f64 = 16.0 * UNIT;
 
-/// Whether a direction `v` of the other body's frame rises along a unit normal is uncertain below
-/// this times `|v|_1`: the direction is turned by a matrix that errs by 71 UNIT (see
-/// [`CERTIFICATE`]), by a product with the matrix that errs by 6 and two roundings; the product
-/// with the normal adds 3: 82 in all. Underflow: case S, and a direction too short to decide is
-/// uncertain.
-pub const EXACT_FILTER: f64 = 128.0 * UNIT;
-
 /// From beyond `2^60` radii a body's closest point depends on the direction only, to `2^-60` of its
 /// size: below rounding.
 pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 
-/// Error of a bound by two faces, in units of their weights times the radius: `m = alpha nL + beta
-/// nR` has two roundings a coordinate relative to `alpha + beta` (3.5 UNIT as a vector), `s m` one
-/// more, and the weighted sum of the offsets three, each at most the radius.
-pub const EDGE_BOUND: f64 = 8.0 * UNIT;
-
-/// The signs of the weights of `n = u x w` over the faces adjacent to two edges, `w . n'` and `u' .
-/// n'` for face normals `n'` and the edges turned by a pose, are certain above this times the
-/// turned edge: then `n` falls, certainly, along the inward direction `n' x e` of each face, `e`
-/// its edge. With norms of 1 for all four vectors:
-///
-/// 1. On A: `(u x w) . (n' x u) = -(w . n') (u . u)`. The edge, a rounded difference, errs by UNIT,
-///    and `u . n'` is no more; the cross product by 2.5, and 4 if orthogonalised; the dot by 3 and
-///    `n'` by `NORMAL_ERROR`. Sum: below 13.
-/// 2. On B, whose inward direction is `n' x w` in its own frame: a matrix that errs by 71 (see
-///    [`CERTIFICATE`]) turns a cross product into the cross product of the turned vectors within
-///    213, and keeps the right angle between `w` and `n'` within 142; the turned edges err by 7
-///    each; cross product and dot as on A. Sum: below 390.
-///
-/// A vertex paired with an edge has one frame and no matrix: the direction `d` from the edge to the
-/// vertex and `u x d` for `w` leave `(2.5 + 3 + 1.1 + 1) UNIT |u| |d|`, below `DIFFERENCE L` times
-/// the 1-norm of `u`.
-///
-/// The part of `n` along the edges themselves is rounding, times up to `2 r`; [`CERTIFICATE`]
-/// counts this part.
-pub(crate) const FLANK: f64 = 512.0 * UNIT;
+/// Error of a bound by two faces, in units of their weights `s (alpha + beta)` times the radius, to
+/// first order: `m = alpha nL + beta nR` has two roundings a coordinate, 2 UNIT as a vector of
+/// length at most `alpha + beta`; `s m` one more. Each of the two products of the sum of offsets
+/// passes four roundings (weight, sum, `s`, and the sum of all). The rest `n - s m` is
+/// perpendicular to `n`, so no longer than `s m`, and passes five: the difference, two sums of its
+/// 1-norm, the sum with the weights and the product with the radius. Sum: 12; the thirteenth
+/// covers the second order.
+pub const EDGE_BOUND: f64 = 13.0 * UNIT;
 
 /// A pivot of a small system below this times its diagonal may be rounding alone: products and sums
 /// of up to four terms, and room. Not a matter of soundness.
@@ -388,10 +350,12 @@ pub const WAY: f64 = 2.0 * POSE_UNIT;
 /// Case G.
 pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
 
-/// Error of the posed centre `R c + t` of a body's ball: less than this times `|c|_1 +
-/// |t|_1`: the matrix by 20 UNIT an entry (see [`BOX`]), the product and the sum by 4 more. No
-/// error if c is zero. Underflow: c is the centre of a body, so of `1e-100` or more against a loss
-/// of `2^-1073`.
+/// Error of the posed centre `q c + t` of a body's ball: less than this times `|c|_1 + |t|_1`. The
+/// quaternion is divided by its length: 2.5 UNIT common to its coordinates, which turn and stretch
+/// by up to four times as much, and the quotients one UNIT each, which count `sqrt 20` times (see
+/// [`CERTIFICATE`], 1): 14.5 UNIT. The product of quaternion and vector, two cross products and
+/// their sums, errs by 15.5 as a vector, and the last sum by 1: 31. No error if c is zero.
+/// Underflow: c is the centre of a body, so of `1e-100` or more against a loss of `2^-1073`.
 pub const CENTRE: f64 = 32.0 * UNIT;
 
 /// A sum of odometers, or the sum at which a pair wakes, has a relative error below this: one

@@ -126,9 +126,9 @@ struct Pyramid {
     least_height: f64,
     /// Rounding of the orientation of a side, see [`ORIENTATION`].
     noise: f64,
-    /// Height of the plane of the nearest side along a normal of some length, and that length
-    /// squared.
-    nearest: (f64, f64),
+    /// Square of the height of the plane of the nearest side: a quotient, as a comparison of
+    /// products would be of degree ten and leave f64 (see [`tolerance`](crate::tolerance)).
+    nearest_squared: f64,
     height: f64,
     margin: f64,
 }
@@ -142,7 +142,7 @@ impl Pyramid {
             normal,
             least_height: best.height - 0.5 * AGREE_DEPTH * size,
             noise: ORIENTATION * size,
-            nearest: (best.height, 1.0),
+            nearest_squared: f64::INFINITY,
             height: best.height,
             margin: 2.0 * CERTIFICATE * UNIT * size,
         }
@@ -162,7 +162,7 @@ impl Pyramid {
         if !self.is_behind(from, first) {
             return None;
         }
-        let radius = (self.nearest.0 / sqrt(self.nearest.1)).min(self.height);
+        let radius = sqrt(self.nearest_squared).min(self.height);
         // Comparisons with NaN are false.
         (radius > self.margin).then_some(radius)
     }
@@ -174,10 +174,7 @@ impl Pyramid {
         let (u, v) = (from - to, self.apex - to);
         let n = u.cross(v);
         let low = n.dot(to) - self.noise * (u.norm_squared() + v.norm_squared());
-        let squared = n.norm_squared();
-        if low * low * self.nearest.1 < self.nearest.0 * self.nearest.0 * squared {
-            self.nearest = (low, squared);
-        }
+        self.nearest_squared = self.nearest_squared.min(low * low / n.norm_squared());
         low > 0.0 && self.normal.dot(from) >= self.least_height
     }
 }

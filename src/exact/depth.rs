@@ -4,8 +4,8 @@ use dashu_base::Signed;
 use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
 
-use crate::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sub};
-use crate::exact::simplex::{ExactPoint, minimize, sign};
+use crate::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sign, sub};
+use crate::exact::simplex::{ExactPoint, minimize};
 use crate::exact::{RotatedBody, ScaledPair, witnesses};
 use crate::pair::answer::{unit, walk_state};
 use crate::pair::draft::Draft;

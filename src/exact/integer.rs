@@ -1,5 +1,7 @@
 //! Integers of arbitrary length and vectors of such integers.
 
+use core::cmp::Ordering;
+
 use dashu_base::{BitTest, DivRem, SquareRoot};
 use dashu_int::{IBig, UBig};
 use nalgebra::Vector3;
@@ -42,15 +44,24 @@ pub(super) fn is_zero(a: &Big3) -> bool {
     a.iter().all(IBig::is_zero)
 }
 
+pub(super) fn sign(x: &IBig) -> i32 {
+    match x.cmp(&IBig::ZERO) {
+        Ordering::Less => -1,
+        Ordering::Equal => 0,
+        Ordering::Greater => 1,
+    }
+}
+
 /// Returns a multiple of `a` in f64 with the largest coordinate between a half and one: each
-/// coordinate is correct to one rounding, or zero if below `2^-900` of the largest.
+/// coordinate is correct to one rounding, or of size `2^-901` if below that. The sign is always
+/// right, and a coordinate is zero only if it is zero exactly.
 pub(super) fn direction(a: &Big3) -> Vector3<f64> {
     let bits = a.iter().map(BitTest::bit_len).max().unwrap_or(0);
     let coordinate = |x: &IBig| {
         // 62 bits fit in an i64; the bits cut off are below the rounding to f64.
         let (below, cut) = (bits - x.bit_len(), x.bit_len().saturating_sub(62));
         if below > 900 {
-            return 0.0;
+            return f64::from(sign(x)) * power_of_two(-901);
         }
         i64::try_from(x >> cut).unwrap_or(0) as f64 * power_of_two(cut as i32 - bits as i32)
     };
@@ -93,7 +104,10 @@ pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::num::sign::edge_sign;
+    use crate::polyhedron::heights::steeper;
     use crate::polyhedron::lowest_bit;
+    use crate::rng::Rng;
 
     #[test]
     fn numbers_go_in_and_out_exactly() {
@@ -124,6 +138,61 @@ mod tests {
             let scale = power_of_two(k as i32);
             assert!((d.y * scale / d.x + 1.0).abs() <= f64::EPSILON, "{k}: {d}");
         }
+    }
+
+    /// Returns an integer of some thousand bits, or zero.
+    fn long(rng: &mut Rng) -> IBig {
+        // Near the top, where a coordinate leaves f64, and below.
+        let shift = *rng.pick(&[0.0, 90.0, 600.0, 1180.0, 1250.0]) + rng.range(0.0, 20.0);
+        IBig::from(rng.range(-9e15, 9e15) as i64) << shift as usize
+    }
+
+    /// Returns a coordinate of an edge between stored points: a multiple of `2^-357`.
+    fn length(rng: &mut Rng, most: i32) -> f64 {
+        let high = most - *rng.pick(&[0, 40, 100, 200]);
+        match rng.below(6) {
+            0 => 0.0,
+            1 => -power_of_two(high),
+            _ => {
+                (rng.range(-1e6, 1e6).round() * power_of_two(high - 20) / power_of_two(-357)).round()
+                    * power_of_two(-357)
+            }
+        }
+    }
+
+    #[test]
+    fn a_certain_sign_of_a_rounded_direction_is_the_exact_one() {
+        let mut rng = Rng::new(21);
+        let (mut certain, mut uncertain) = ([0; 2], [0; 2]);
+        for _ in 0..40_000 {
+            // The largest coordinate is the first, to which the edges are often at right angles.
+            let n = [IBig::from(3) << 2160, long(&mut rng), long(&mut rng)];
+            let n = if rng.chance(0.2) { n.map(|x| x >> 40) } else { n };
+            let most = *rng.pick(&[-60, 0, 60, 104]);
+            let edge = |rng: &mut Rng, most: i32| {
+                let first = if rng.chance(0.1) { length(rng, most) } else { 0.0 };
+                Vector3::new(first, length(rng, most), length(rng, most))
+            };
+            let (e, f) = (edge(&mut rng, most), edge(&mut rng, most));
+            let m = Vector3::from_fn(|_, _| rng.range(-1e6, 1e6).round() * power_of_two(-20));
+            let whole = |v: &Vector3<f64>| [v.x, v.y, v.z].map(|x| integer(x, -400));
+            let rounded = direction(&n);
+            let truth = sign(&dot(&n, &whole(&e)));
+            let told = edge_sign(&rounded, &e);
+            assert!(told == 0 || told == truth, "{rounded:?} {e:?}");
+            certain[0] += i32::from(told != 0);
+            uncertain[0] += i32::from(told == 0);
+            let (n_e, n_f) = (dot(&n, &whole(&e)), dot(&n, &whole(&f)));
+            let truth = sign(&(n_e * dot(&whole(&m), &whole(&f)) - n_f * dot(&whole(&m), &whole(&e))));
+            let told = steeper(&rounded, &m, &e, &f);
+            assert!(told.is_none_or(|sign| sign == truth), "{rounded:?} {m:?} {e:?} {f:?}");
+            certain[1] += i32::from(told.is_some());
+            uncertain[1] += i32::from(told.is_none());
+        }
+        assert!(
+            certain.iter().chain(&uncertain).all(|&n| n > 2000),
+            "{certain:?} {uncertain:?}"
+        );
     }
 
     #[test]

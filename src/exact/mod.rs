@@ -28,9 +28,9 @@ use crate::polyhedron::heights::{Upward, steeper};
 use crate::polyhedron::{ConvexPolyhedron, VertexId, lowest_bit};
 use crate::pose::RelativePose;
 pub(crate) use depth::deepest;
-use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sub};
+use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sign, sub};
 use origin::{Origin, Set, locate};
-use simplex::{ExactPoint, NearestPoint, minimize, sign};
+use simplex::{ExactPoint, NearestPoint, minimize};
 
 /// A body rotated exactly, over the common denominator.
 struct RotatedBody<'a> {

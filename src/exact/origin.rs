@@ -11,8 +11,8 @@ use alloc::vec::Vec;
 
 use dashu_int::IBig;
 
-use crate::exact::integer::{Big3, cross, dot, is_zero, neg};
-use crate::exact::simplex::{ExactPoint, NearestPoint, nearest, sign};
+use crate::exact::integer::{Big3, cross, dot, is_zero, neg, sign};
+use crate::exact::simplex::{ExactPoint, NearestPoint, nearest};
 
 /// Location of the origin in a convex set.
 pub(super) enum Origin {

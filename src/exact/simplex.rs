@@ -2,12 +2,11 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
-use core::cmp::Ordering;
 
 use dashu_base::Signed;
 use dashu_int::IBig;
 
-use crate::exact::integer::{Big3, cross, dot, is_zero, neg, sub};
+use crate::exact::integer::{Big3, cross, dot, is_zero, neg, sign, sub};
 use crate::polyhedron::VertexId;
 
 /// A point of the searched set: vertex numbers and position.
@@ -47,14 +46,6 @@ impl NearestPoint {
                 (&height * &height, dot(n, n))
             }
         }
-    }
-}
-
-pub(super) fn sign(x: &IBig) -> i32 {
-    match x.cmp(&IBig::ZERO) {
-        Ordering::Less => -1,
-        Ordering::Equal => 0,
-        Ordering::Greater => 1,
     }
 }
 

@@ -9,7 +9,7 @@ use robust::{Coord, Coord3D};
 
 use crate::num::double_double::Expansion;
 use crate::num::scalar::Scalar;
-use crate::tolerance::EDGE_SIGN;
+use crate::tolerance::{EDGE_SIGN, LEAST_RISE};
 
 #[inline]
 fn coord(p: &Vector3<f64>) -> Coord3D<f64> {
@@ -42,13 +42,19 @@ pub(crate) fn projection(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -
 #[inline]
 pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
     let (x, y, z) = (n.x * e.x, n.y * e.y, n.z * e.z);
-    let (value, bound) = (x + y + z, EDGE_SIGN * (x.abs() + y.abs() + z.abs()));
+    let (value, bound) = (x + y + z, EDGE_SIGN * (x.abs() + y.abs() + z.abs()) + LEAST_RISE);
     i32::from(value > bound) - i32::from(value < -bound)
 }
 
 /// Returns the sign of a number: -1, 0 or 1.
 pub(crate) fn sign(x: f64) -> i32 {
     i32::from(x > 0.0) - i32::from(x < 0.0)
+}
+
+/// Returns whether each product of `n . e` has a factor of zero, so that the sum is zero exactly.
+#[inline]
+pub(crate) fn is_level<T: Scalar>(n: &[T; 3], e: &[T; 3]) -> bool {
+    n.iter().zip(e).all(|(x, y)| x.value() == 0.0 || y.value() == 0.0)
 }
 
 /// Returns `n . e` and the sum of the magnitudes of its terms.

@@ -239,7 +239,11 @@ pub struct Outcome {
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
-    /// Closest features. Of separated bodies each witness lies on its feature, up to the bounds.
+    /// Closest features. Of separated bodies each witness lies on its feature, up to the bounds. If
+    /// an edge or a face lies parallel to a face and another solver than the walk answered, a
+    /// vertex is named with the face, and the witnesses may lie beside the vertex: on an edge or a
+    /// face of which the vertex is a part.
+    ///
     /// For an overlap, the features of the deepest facet of the Minkowski difference: a face and a
     /// vertex, or two edges. The witnesses of an overlap lie on the supporting planes of the two
     /// features, but if several facets are equally deep, as between boxes with parallel faces, a

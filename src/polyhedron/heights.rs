@@ -10,10 +10,10 @@ use nalgebra::Vector3;
 
 use crate::num::double_double::{DoubleDouble, Expansion};
 use crate::num::scalar::Scalar;
-use crate::num::sign::{dot_and_size, edge_sign, exact_dot, sign};
+use crate::num::sign::{dot_and_size, edge_sign, exact_dot, is_level, sign};
 use crate::polyhedron::axis::Axis;
 use crate::polyhedron::build::cloud::{exponent_of, power_of_two};
-use crate::tolerance::{EDGE_SIGN, STEEPER, UNIT};
+use crate::tolerance::{EDGE_SIGN, LEAST_RISE, STEEPER, UNIT};
 
 /// A direction `n` along which the vertices of a body have an exact order.
 pub(crate) trait Upward {
@@ -40,9 +40,10 @@ impl<'a> Direction<'a> {
         Self { points, n, rest }
     }
 
-    /// Returns the direction in double-double, scaled by a power of two to a length of about one.
+    /// Returns the direction in double-double, scaled by a power of two to a length of about
+    /// `2^400`, so that no bit of a product with a stored edge is lost to underflow.
     fn in_double_double(&self) -> [DoubleDouble; 3] {
-        let scale = power_of_two(-exponent_of(self.n.amax()));
+        let scale = power_of_two(400 - exponent_of(self.n.amax()));
         [0, 1, 2].map(|k| DoubleDouble {
             hi: self.n[k] * scale,
             lo: self.rest[k] * scale,
@@ -62,9 +63,10 @@ impl<'a> Direction<'a> {
     #[cold]
     fn rise_exact(&self, p: VertexId, q: VertexId) -> i32 {
         let fine = self.in_double_double();
-        let (value, size) = dot_and_size(&fine, &self.edge_in_double_double(p, q));
-        let bound = EDGE_SIGN / UNIT * DoubleDouble::UNIT * size;
-        if size == 0.0 || value.value().abs() > bound {
+        let edge = self.edge_in_double_double(p, q);
+        let (value, size) = dot_and_size(&fine, &edge);
+        let bound = EDGE_SIGN / UNIT * DoubleDouble::UNIT * size + LEAST_RISE;
+        if is_level(&fine, &edge) || value.value().abs() > bound {
             return sign(value.value());
         }
         let (p, q) = (&self.points[p.index()], &self.points[q.index()]);
@@ -117,9 +119,9 @@ fn certain<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> Option<
     let ((ne, s_ne), (mf, s_mf)) = (dot_and_size(n, e), dot_and_size(m, f));
     let ((nf, s_nf), (me, s_me)) = (dot_and_size(n, f), dot_and_size(m, e));
     let (value, size) = ((ne * mf - nf * me).value(), s_ne * s_mf + s_nf * s_me);
-    let is_zero = (s_ne == 0.0 || s_mf == 0.0) && (s_nf == 0.0 || s_me == 0.0);
-    // The least normal number is more than underflow takes.
-    (is_zero || value.abs() > STEEPER / UNIT * T::UNIT * size + f64::MIN_POSITIVE).then(|| sign(value))
+    let bound = STEEPER / UNIT * T::UNIT * size + LEAST_RISE * (1.0 + s_ne + s_mf + s_nf + s_me);
+    let is_zero = || (is_level(n, e) || is_level(m, f)) && (is_level(n, f) || is_level(m, e));
+    (value.abs() > bound || is_zero()).then(|| sign(value))
 }
 
 /// Returns the sign of `(n . e) (m . f) - (n . f) (m . e)`, if f64 is certain. `n` may be rounded,

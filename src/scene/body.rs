@@ -18,7 +18,7 @@ use crate::composite::contact::ContactPatches;
 use crate::motion::{Velocity, displacement};
 use crate::polyhedron::BoxHint;
 use crate::pose::{PoseError, RelativePose, is_unit};
-use crate::tolerance::{ROUND_UP, SCENE_REACH};
+use crate::tolerance::{RADIUS_UP, ROUND_UP, SCENE_REACH};
 
 /// A body to insert: a shape, which may be shared by many bodies, a group, and whether the body is
 /// fixed.
@@ -111,7 +111,7 @@ impl Solid {
 
     /// Returns an upper bound of the distance of any point from the body's own origin.
     pub(super) fn reach(&self) -> f64 {
-        self.ball.centre.norm() * ROUND_UP + self.ball.radius
+        (self.ball.centre.norm() + self.ball.radius) * RADIUS_UP
     }
 
     /// Returns an upper bound of the displacement of any point between two poses, given with the

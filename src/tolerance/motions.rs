@@ -49,8 +49,8 @@ pub(crate) const ROOT: f64 = 32.0 * UNIT;
 
 /// Error of the height of a polyhedron, in units of the 1-norm of the direction and of its radius:
 /// the product with a vertex errs by 3 UNIT, the product with the centre of the ball by as much,
-/// the difference by 1.
-pub(crate) const HEIGHT: f64 = 8.0 * UNIT;
+/// the difference by 1, the sum with this bound by 1; the ninth covers the second order.
+pub(crate) const HEIGHT: f64 = 9.0 * UNIT;
 
 /// Squares and products of the flight of two balls err by at most 10 UNIT of the squares of their
 /// distance and of the sum of their radii; this much, `2^-40`, is counted to the square of the

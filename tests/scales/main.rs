@@ -1,6 +1,8 @@
 //! Promise: no absolute tolerance: the answer scales with the scene, whatever its unit, its place and the ratio of its
 //! bodies.
 
+mod calls;
+#[path = "../support/mod.rs"]
 mod support;
 
 use std::cmp::Ordering;

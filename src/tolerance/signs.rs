@@ -1,0 +1,79 @@
+//! Bounds above which the sign of a sum of products is certain, each with its derivation.
+
+use super::UNIT;
+
+/// The sign of `n . e` is certain above this times the sum of the absolute terms, and
+/// `LEAST_RISE`: one rounding for each coordinate of `e` (a difference of stored points), one for
+/// each product and two additions, to first order `(1 + 1 + 2) UNIT`; 8 leaves room for a direction
+/// that is rounded itself, for the second order and for the rounding of the bound. Underflow: case
+/// D.
+pub const EDGE_SIGN: f64 = 8.0 * UNIT;
+
+/// The sign of `(n . e) (m . f) - (n . f) (m . e)` is certain above this times the sum of the
+/// products of the sums of the absolute terms: each dot errs by 5 UNIT as above, each product by
+/// two dots and one rounding more, the difference by one: 12; 16 leaves room. Underflow: an error
+/// of a rise is multiplied by another rise, so `LEAST_RISE` is multiplied by the sums too, and
+/// added once for the products.
+pub const STEEPER: f64 = 16.0 * UNIT;
+
+/// A rise below this is certain of no sign (case D). An exact direction that is rounded to f64 may
+/// be off by `2^-900` of its largest coordinate beside the roundings (`exact::integer::direction`).
+/// An edge is shorter than `2^107`, so three coordinates put a rise off by less than `2^-790`, and
+/// underflow of three products by `2^-1073`. A rise to which the largest coordinate of a direction
+/// contributes has a bound above `2^-563`, so this guard decides nothing there.
+pub(crate) const LEAST_RISE: f64 = f64::from_bits((1023 - 768) << 52);
+
+/// Four signed volumes of vertices up to L prove the origin inside if each exceeds this times UNIT
+/// L^3 (UNIT of the arithmetic): a determinant of three vectors up to L has an error of at most 14
+/// UNIT L^3, and vertices displaced by the `CERTIFICATE` error of the pose change the determinant
+/// by three times this error: 398 in all. For vertices of very different lengths less is enough.
+/// Displaced by D, the determinant changes by D times the sum of the three products of two lengths,
+/// three times D^2 L, and D^3; the rounding is below 14 UNIT L times any of the products. With D =
+/// 128 UNIT L the total is below the sum of the products times 512 UNIT L and L (512 UNIT L)^2. A
+/// displacement common to all three vertices, as the origins of the bodies add in double-double
+/// (128 UNIT times the origins), changes the determinant by no more than the product of this
+/// displacement with the triangle's normal `u x v`, whose own displacement is below twice D times
+/// the edges and D.
+pub const VOLUME: f64 = 512.0;
+
+/// A triangle `w0 w1 w2` of the Minkowski difference is certainly counter-clockwise from outside if
+/// every `n . w` exceeds this times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT,
+/// the cross product by 2.5 UNIT more, and the dot by 3. Taken off one `n . w`, with `|e1|^2 +
+/// |e2|^2` for the product, this bound leaves less than the `n . w` of any vertex, and room for the
+/// rounding of `|n|`.
+pub const ORIENTATION: f64 = 16.0 * UNIT;
+
+/// Whether a direction `v` of the other body's frame rises along a unit normal is uncertain below
+/// this times `|v|_1`: the direction is turned by a matrix that errs by 71 UNIT (see
+/// `CERTIFICATE`), by a product with the matrix that errs by 6 and two roundings; the product
+/// with the normal adds 3: 82 in all. Underflow: case S, and a direction too short to decide is
+/// uncertain.
+pub const EXACT_FILTER: f64 = 128.0 * UNIT;
+
+/// The signs of the weights of `n = u x w` over the faces adjacent to two edges, `w . n'` and `u' .
+/// n'` for face normals `n'` and the edges turned by a pose, are certain above this times the
+/// turned edge: then `n` falls, certainly, along the inward direction `n' x e` of each face, `e`
+/// its edge. With norms of 1 for all four vectors:
+///
+/// 1. On A: `(u x w) . (n' x u) = -(w . n') (u . u)`. The edge, a rounded difference, errs by UNIT,
+///    and `u . n'` is no more; the cross product by 2.5, and 4 if orthogonalised; the dot by 3 and
+///    `n'` by `NORMAL_ERROR`. Sum: below 13.
+/// 2. On B, whose inward direction is `n' x w` in its own frame: a matrix that errs by 71 (see
+///    `CERTIFICATE`) turns a cross product into the cross product of the turned vectors within
+///    213, and keeps the right angle between `w` and `n'` within 142; the turned edges err by 7
+///    each; cross product and dot as on A. Sum: below 390.
+///
+/// A vertex paired with an edge has one frame and no matrix: the direction `d` from the edge to the
+/// vertex and `u x d` for `w` leave `(2.5 + 3 + 1.1 + 1) UNIT |u| |d|`, below `DIFFERENCE L` times
+/// the 1-norm of `u`.
+///
+/// The part of `n` along the edges themselves is rounding, times up to `2 r`; `CERTIFICATE`
+/// counts this part.
+pub(crate) const FLANK: f64 = 512.0 * UNIT;
+
+/// Error of `n . (p - a)`, `n = (b - a) x (c - a)`, all rounded, relative to the sum over k of
+/// `(|u_i v_j| + |u_j v_i|) |p_k - a_k|`, `u` and `v` the edges: each of the eight roundings a term
+/// passes (two differences, product and difference in n; difference, product and two sums after)
+/// adds UNIT to first order, so 8 UNIT; the ninth covers the second order. Underflow: the hull adds
+/// the least normal number to its bound.
+pub(crate) const SIDE_ERROR: f64 = 9.0 * UNIT;

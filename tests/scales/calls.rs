@@ -1,0 +1,506 @@
+//! Every public query, asked of a scene in units from `2^-330` to `2^330`: the answer is the answer in the unit 1, times the
+//! power of two, bit for bit.
+
+use crate::support::body;
+use lab::rng::Rng;
+use lab::shapes;
+use lin_canny::impact::{Impact, Tolerance, cast, cast_within, free_until, held_until};
+use lin_canny::motion::Steady;
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use lin_canny::patch::{
+    Decision, Patch, Surface, SurfaceCompositePair, SurfaceCompositeTracker, SurfacePair, SurfaceShapePair,
+    SurfaceShapeTracker, SurfaceTracker,
+};
+use lin_canny::plan::{Checker, TranslationSpace, World};
+use lin_canny::separation::{PolyhedronPair, Separation, ShapePair};
+use lin_canny::{
+    Composite, CompositePair, CompositeTracker, ConvexPolyhedron, HalfSpace, Manifold, ManifoldOptions, Mesh, MeshPair,
+    MeshTracker, Outcome, Parts, Piece, RelativePose, Shape, ShapeTracker, Tracker, Velocity,
+};
+
+/// The exponents of the units: the ends, both sides of the borders between the units in which bodies are stored, and some
+/// between.
+const EXPONENTS: [i32; 18] = [
+    -330, -316, -315, -272, -211, -210, -106, -105, -40, 1, 40, 104, 105, 190, 210, 314, 315, 330,
+];
+
+/// Casts multiply up to four lengths of the caller's unit, so they are asked in the range in which no such product
+/// underflows.
+const CASTS: std::ops::RangeInclusive<i32> = -260..=330;
+
+/// Control points are accepted up to `2^200`.
+const SURFACES: std::ops::RangeInclusive<i32> = -211..=198;
+
+/// Casts of them.
+const SURFACE_CASTS: std::ops::RangeInclusive<i32> = -211..=198;
+
+/// Everything.
+const ALL: std::ops::RangeInclusive<i32> = -330..=330;
+
+/// Answers in words, lengths in the unit of the scene.
+#[derive(Default)]
+struct Told(Vec<String>);
+
+/// A scene in a unit: every length of it is a multiple of the unit.
+struct Scene {
+    unit: f64,
+    told: Told,
+}
+
+/// A row: what is asked, in which units.
+type Row = (&'static str, std::ops::RangeInclusive<i32>, fn(&mut Scene, &mut Rng));
+
+const ROWS: [Row; 14] = [
+    ("hulls", ALL, hulls),
+    ("points", ALL, points),
+    ("half-spaces", ALL, half_spaces),
+    ("shapes", ALL, shape_pairs),
+    ("meshes", ALL, meshes),
+    ("fit of a hull", ALL, fits),
+    ("composites", ALL, composites),
+    ("surfaces", SURFACES, surfaces),
+    ("casts of hulls", CASTS, hull_casts),
+    ("casts of shapes", CASTS, shape_casts),
+    ("casts of meshes and composites", CASTS, composite_casts),
+    ("casts of surfaces", SURFACE_CASTS, surface_casts),
+    ("clearances", ALL, clearances),
+    ("segments", CASTS, segments),
+];
+
+/// Asks every row in every unit of its range.
+#[test]
+fn every_query_scales_by_powers_of_two() {
+    let ask = |row: fn(&mut Scene, &mut Rng), exponent: i32, case: u64| {
+        let (unit, told) = (2f64.powi(exponent), Told::default());
+        let mut scene = Scene { unit, told };
+        row(&mut scene, &mut Rng::of_case(611, case));
+        scene.told.0
+    };
+    let mut faults = Vec::new();
+    for (name, range, row) in ROWS {
+        for case in 0..4 {
+            let plain = ask(row, 0, case);
+            assert!(plain.len() > 10, "{name}: {plain:?}");
+            for exponent in EXPONENTS.into_iter().filter(|e| range.contains(e)) {
+                let found = ask(row, exponent, case);
+                let other = plain.iter().zip(&found).find(|(x, y)| x != y);
+                if let Some((x, y)) = other {
+                    faults.push(format!("{name}, case {case}, unit 2^{exponent}: {x} became {y}"));
+                    eprintln!("{}", faults[faults.len() - 1]);
+                }
+                if plain.len() != found.len() {
+                    faults.push(format!("{name}, case {case}, unit 2^{exponent}: other calls"));
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+impl Scene {
+    fn lengths(&mut self, what: &str, lengths: impl IntoIterator<Item = f64>) {
+        let lengths: Vec<f64> = lengths.into_iter().map(|x| x / self.unit).collect();
+        self.told.0.push(format!("{what} {lengths:?}"));
+    }
+
+    fn plain(&mut self, what: &str, value: impl std::fmt::Debug) {
+        self.told.0.push(format!("{what} {value:?}"));
+    }
+
+    fn decision(&mut self, what: &str, decision: Decision) {
+        match decision {
+            Decision::Undecided { lower, upper } => self.lengths(what, [lower, upper]),
+            decided => self.plain(what, decided),
+        }
+    }
+
+    fn outcome(&mut self, what: &str, o: &Outcome) {
+        let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
+        self.lengths(what, [o.distance, o.lower, o.upper].into_iter().chain(points));
+        self.plain(what, (o.class, o.features, o.solver, o.normal));
+    }
+
+    fn manifold(&mut self, what: &str, manifold: &Manifold) {
+        for p in manifold.points() {
+            let at = p.point_on_a.iter().chain(p.point_on_b.iter()).copied();
+            self.lengths(what, at.chain([p.separation]));
+            self.plain(what, (p.features, p.id));
+        }
+        self.lengths(what, [manifold.lower(), manifold.upper()]);
+        self.plain(what, (manifold.normal(), manifold.features()));
+    }
+
+    fn impact(&mut self, what: &str, impact: Impact) {
+        match impact {
+            Impact::Start { seen } => self.lengths(what, [seen.distance, seen.lower, seen.upper]),
+            Impact::Hit { safe, hit, seen } => {
+                self.plain(what, (safe, hit, seen.class));
+                self.lengths(what, [seen.distance, seen.lower, seen.upper]);
+            }
+            Impact::Near { safe, distance } => {
+                self.plain(what, safe);
+                self.lengths(what, [distance]);
+            }
+            other => self.plain(what, other),
+        }
+    }
+
+    fn points(&self, points: &[[f64; 3]]) -> Vec<Point3<f64>> {
+        points.iter().map(|&p| Point3::from(p) * self.unit).collect()
+    }
+
+    /// A round body whose box has a half diagonal from 1 to 2, so that any two are stored in one unit.
+    fn round(&self, rng: &mut Rng, n: usize) -> ConvexPolyhedron {
+        let shape = shapes::sphere(rng, n).stretched([1.0, 0.9, 0.8]);
+        let body = body(&shape.stretched([self.unit; 3]));
+        let (low, high) = body.aabb();
+        let half = (high - low).norm() / self.unit / 2.0;
+        assert!((1.0..2.0).contains(&half), "{half}");
+        body
+    }
+
+    /// Any turn, with the origins so far apart.
+    fn place(&self, rng: &mut Rng, apart: f64) -> Isometry3<f64> {
+        let [x, y, z, w] = rng.quat();
+        let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+        let at = Vector3::from(rng.unit()) * (apart * self.unit);
+        Isometry3::from_parts(Translation3::from(at), turn)
+    }
+
+    fn pose(&self, rng: &mut Rng, apart: f64) -> RelativePose {
+        let (a, b) = (self.place(rng, 3.0), self.place(rng, apart));
+        RelativePose::new(&a, &(a * b)).expect("a pose")
+    }
+
+    /// Two motions whose bodies meet in about half of all cases.
+    fn motions(&self, rng: &mut Rng) -> [Steady; 2] {
+        let start = self.place(rng, 4.0);
+        let aim = Vector3::from(rng.unit()) * (rng.range(0.0, 2.5) * self.unit);
+        let way = (aim - start.translation.vector) * rng.range(0.8, 1.5);
+        let spins = [0, 1].map(|_| Vector3::from(rng.unit()) * rng.range(0.0, 2.0));
+        let still = Steady::new(&Isometry3::identity(), Velocity::new(Vector3::zeros(), spins[0]));
+        let flying = Steady::new(&start, Velocity::new(way, spins[1]));
+        [still, flying].map(|motion| motion.expect("a finite motion"))
+    }
+}
+
+/// Distances of the origins: deep, shallow, near contact, apart, far.
+const APART: [f64; 7] = [0.1, 0.9, 1.6, 1.75, 1.9, 2.5, 9.0];
+
+/// Distances asked about.
+const WITHIN: [f64; 4] = [0.0, 0.05, 0.3, 2.0];
+
+fn hulls(scene: &mut Scene, rng: &mut Rng) {
+    let (a, b) = (scene.round(rng, 20), scene.round(rng, 40));
+    let mut options = ManifoldOptions::within(0.05 * scene.unit);
+    let (mut warm, mut local, mut manifold) = (Tracker::new(), Tracker::new(), Manifold::new());
+    for apart in APART {
+        let pose = scene.pose(rng, apart);
+        for tracker in [&mut warm, &mut Tracker::new()] {
+            let o = tracker.closest(&a, &b, &pose);
+            scene.outcome("closest", &o);
+            let (of_a, of_b) = (o.gradient_a(), o.gradient_b(&pose));
+            scene.lengths("gradients", of_a.angular.iter().chain(of_b.angular.iter()).copied());
+            scene.plain("gradients", (of_a.linear, of_b.linear));
+            let d = tracker.distance(&a, &b, &pose);
+            scene.lengths("distance", [d.value, d.lower, d.upper]);
+            scene.plain("intersects", tracker.intersects(&a, &b, &pose));
+            for d in WITHIN {
+                scene.plain("within", tracker.within(&a, &b, &pose, d * scene.unit));
+            }
+            #[cfg(feature = "exact")]
+            scene.outcome("exact", &tracker.closest_exact(&a, &b, &pose));
+        }
+        for tracker in [&mut local, &mut Tracker::new()] {
+            scene.outcome("local depth", &tracker.closest_with_local_depth(&a, &b, &pose));
+        }
+        for local_depth in [false, true] {
+            options.local_depth = local_depth;
+            warm.manifold(&a, &b, &pose, &options, &mut manifold);
+            scene.manifold("manifold", &manifold);
+        }
+    }
+}
+
+fn points(scene: &mut Scene, rng: &mut Rng) {
+    let a = scene.round(rng, 30);
+    let shapes = curved(scene);
+    for _ in 0..20 {
+        let p = Point3::from(Vector3::from(rng.in_ball()) * (2.0 * scene.unit));
+        scene.plain("contains", a.contains(&p));
+        for shape in &shapes {
+            scene.plain("shape contains", shape.contains(&p));
+        }
+        let near = a.closest_point(&p);
+        scene.plain("inside", near.is_none());
+        scene.lengths("closest point", near.into_iter().flat_map(|q| [q.x, q.y, q.z]));
+        scene.plain("extreme vertex", a.extreme_vertex(&p.coords));
+    }
+}
+
+fn half_spaces(scene: &mut Scene, rng: &mut Rng) {
+    let body = scene.round(rng, 30);
+    let options = ManifoldOptions::within(0.2 * scene.unit);
+    for apart in APART {
+        let floor = HalfSpace::new(Vector3::from(rng.unit()), rng.range(-1.0, 1.0) * scene.unit).expect("a half-space");
+        let pose = scene.pose(rng, apart);
+        let d = floor.distance(&body, &pose);
+        scene.lengths("height", [d.value, d.lower, d.upper]);
+        let contacts = floor.contacts(&body, &pose, &options);
+        for p in contacts.points() {
+            let at = p.point_on_plane.iter().chain(p.point_on_body.iter()).copied();
+            scene.lengths("contact", at.chain([p.separation]));
+            scene.plain("contact", p.vertex);
+        }
+    }
+}
+
+/// One shape of each kind.
+fn curved(scene: &Scene) -> Vec<Shape> {
+    let u = scene.unit;
+    let axes = Vector3::new(1.0, 0.7, 0.5) * u;
+    let corners = scene.points(&shapes::octahedron().points);
+    [
+        Shape::ball(u),
+        Shape::capsule(0.8 * u, 0.5 * u),
+        Shape::cuboid(axes).and_then(|s| s.rounded(0.1 * u)),
+        Shape::hull(&corners),
+        Shape::cylinder(0.8 * u, 0.9 * u),
+        Shape::cone(0.9 * u, 0.8 * u),
+        Shape::ellipsoid(axes),
+    ]
+    .map(|shape| shape.expect("a shape"))
+    .into()
+}
+
+fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
+    let shapes = curved(scene);
+    let options = ManifoldOptions::within(0.05 * scene.unit);
+    for (k, a) in shapes.iter().enumerate() {
+        let b = &shapes[(k + rng.below(shapes.len())) % shapes.len()];
+        let (mut warm, mut manifold) = (ShapeTracker::new(), Manifold::new());
+        for apart in [1.2, 1.9, 2.6, 9.0] {
+            let pose = scene.pose(rng, apart);
+            let name = format!("{k} {apart}");
+            scene.outcome(&name, &warm.closest(a, b, &pose));
+            scene.outcome(&name, &ShapeTracker::new().closest_with_local_depth(a, b, &pose));
+            let d = warm.distance(a, b, &pose);
+            scene.lengths(&name, [d.value, d.lower, d.upper]);
+            scene.plain(&name, warm.intersects(a, b, &pose));
+            for d in WITHIN {
+                scene.plain(&name, warm.within(a, b, &pose, d * scene.unit));
+            }
+            warm.manifold(a, b, &pose, &options, &mut manifold);
+            scene.manifold(&name, &manifold);
+        }
+    }
+}
+
+/// A round body with a dent.
+fn dented(scene: &Scene, rng: &mut Rng) -> Mesh {
+    let hull = scene.round(rng, 24);
+    let mut points: Vec<_> = hull.vertex_points().collect();
+    points[0] = Point3::from(points[0].coords * 0.5);
+    let triangles: Vec<_> = hull.triangles().map(|t| t.map(|v| v.index() as u32)).collect();
+    Mesh::new(&points, &triangles).expect("a mesh")
+}
+
+fn meshes(scene: &mut Scene, rng: &mut Rng) {
+    let (a, b) = (dented(scene, rng), dented(scene, rng));
+    let mut warm = MeshTracker::new();
+    for apart in APART {
+        let pose = scene.pose(rng, apart);
+        for tracker in [&mut warm, &mut MeshTracker::new()] {
+            let o = tracker.closest(&a, &b, &pose);
+            let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
+            scene.lengths("closest", [o.distance, o.lower, o.upper].into_iter().chain(points));
+            scene.plain("closest", (o.class, o.on_a, o.on_b, o.normal));
+            let d = tracker.distance(&a, &b, &pose);
+            scene.lengths("distance", [d.value, d.lower, d.upper]);
+            scene.plain("intersects", tracker.intersects(&a, &b, &pose));
+            for d in WITHIN {
+                scene.plain("within", tracker.within(&a, &b, &pose, d * scene.unit));
+            }
+            let lower = tracker.lower_bound(&a, &b, &pose);
+            scene.lengths("lower bound", [lower]);
+            if let Some(p) = tracker.penetration(&a, &b, &pose) {
+                scene.lengths("penetration", [p.lower, p.upper, p.shift.x, p.shift.y, p.shift.z]);
+            }
+        }
+    }
+}
+
+fn fits(scene: &mut Scene, rng: &mut Rng) {
+    for _ in 0..6 {
+        let mesh = dented(scene, rng);
+        let hull = mesh.hull().expect("a hull");
+        let fit = mesh.hull_fit(&hull);
+        scene.lengths("gap", [fit.gap_lower, fit.gap_upper]);
+        // Up to 2^990, a volume is a number.
+        let cubed = scene.unit * scene.unit * scene.unit;
+        scene.plain("volume", (fit.hull_volume / cubed, mesh.volume() / cubed));
+        scene.lengths("centroid", mesh.centroid().iter().copied());
+    }
+}
+
+fn composite(scene: &Scene, rng: &mut Rng) -> Composite {
+    let pieces = (0..3).map(|_| Piece {
+        pose: scene.place(rng, 0.8),
+        ..Piece::new(scene.round(rng, 12))
+    });
+    Composite::new(pieces.collect()).expect("a composite")
+}
+
+fn composites(scene: &mut Scene, rng: &mut Rng) {
+    let (a, b, mesh) = (composite(scene, rng), composite(scene, rng), dented(scene, rng));
+    pieces(scene, rng, &a, &b);
+    pieces(scene, rng, &a, &mesh);
+}
+
+fn pieces<A: Parts, B: Parts>(scene: &mut Scene, rng: &mut Rng, a: &A, b: &B) {
+    let mut warm = CompositeTracker::new();
+    for apart in APART {
+        let pose = scene.pose(rng, apart);
+        for tracker in [&mut warm, &mut CompositeTracker::new()] {
+            let o = tracker.closest(a, b, &pose);
+            let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
+            scene.lengths("closest", [o.distance, o.lower, o.upper].into_iter().chain(points));
+            scene.plain("closest", (o.class, o.pieces, o.features, o.normal));
+            scene.plain("intersects", tracker.intersects(a, b, &pose));
+            for d in WITHIN {
+                scene.plain("within", tracker.within(a, b, &pose, d * scene.unit));
+            }
+            let lower = tracker.lower_bound(a, b, &pose);
+            scene.lengths("lower bound", [lower]);
+            if let Some(p) = tracker.penetration(a, b, &pose) {
+                scene.lengths("penetration", [p.lower, p.upper, p.shift.x, p.shift.y, p.shift.z]);
+            }
+        }
+    }
+}
+
+/// A square of bumps, two units wide.
+fn bumpy(scene: &Scene, rng: &mut Rng) -> Surface {
+    let points = scene.points(&lab::nets::bumps(rng, [2, 2], 0.5));
+    let patch = Patch::polynomial([2, 2], &points).expect("a patch");
+    Surface::new(vec![patch]).expect("a surface")
+}
+
+fn surfaces(scene: &mut Scene, rng: &mut Rng) {
+    let (a, b) = (bumpy(scene, rng), bumpy(scene, rng));
+    let (shapes, body) = (curved(scene), composite(scene, rng));
+    let width = 1e-6 * scene.unit;
+    let mut warm = SurfaceTracker::new();
+    for apart in [2.6, 4.0, 9.0] {
+        let pose = scene.pose(rng, apart);
+        let o = warm.closest(&a, &b, &pose, width);
+        let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
+        scene.lengths("closest", [o.distance, o.lower, o.upper].into_iter().chain(points));
+        scene.plain("closest", (o.class, o.is_reached, o.on_a, o.on_b, o.normal));
+        scene.decision("intersects", warm.intersects(&a, &b, &pose));
+        scene.decision("within", warm.within(&a, &b, &pose, 0.3 * scene.unit));
+        for shape in &shapes {
+            let mut tracker = SurfaceShapeTracker::new();
+            let o = tracker.closest(&a, shape, &pose, width);
+            let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
+            scene.lengths("shape", [o.distance, o.lower, o.upper].into_iter().chain(points));
+            scene.plain("shape", (o.class, o.is_reached, o.on_a, o.feature, o.normal));
+            scene.decision("shape within", tracker.within(&a, shape, &pose, 0.3 * scene.unit));
+        }
+        let mut tracker = SurfaceCompositeTracker::new();
+        let d = tracker.distance(&a, &body, &pose, width);
+        scene.lengths("composite", [d.value, d.lower, d.upper]);
+        scene.decision("composite within", tracker.within(&a, &body, &pose, 0.3 * scene.unit));
+    }
+}
+
+/// Every question about a pair of motions.
+fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation) {
+    let unit = scene.unit;
+    for _ in 0..3 {
+        let [p, q] = scene.motions(rng);
+        let span = (0.0, 1.0);
+        for tolerance in [Tolerance::Distance(1e-4 * unit), Tolerance::Time(1e-4)] {
+            let found = cast(&mut pair, &p, &q, span, tolerance).expect("a finite cast");
+            scene.plain(what, (found.queries, found.proofs));
+            scene.impact(what, found.impact);
+            let found = cast_within(&mut pair, &p, &q, span, tolerance, 0.2 * unit).expect("a finite cast");
+            scene.impact(what, found.impact);
+        }
+        let free = free_until(&mut pair, &p, &q, span, 0.1 * unit).expect("a finite motion");
+        scene.plain(what, free.until);
+        let held = held_until(&pair, &p, &q, span, 0.1 * unit).expect("a finite motion");
+        scene.plain(what, held);
+    }
+}
+
+fn hull_casts(scene: &mut Scene, rng: &mut Rng) {
+    let (a, b) = (scene.round(rng, 20), scene.round(rng, 40));
+    for _ in 0..3 {
+        casts(scene, rng, "hulls", PolyhedronPair::new(&a, &b));
+    }
+}
+
+fn shape_casts(scene: &mut Scene, rng: &mut Rng) {
+    let shapes = curved(scene);
+    for (k, a) in shapes.iter().enumerate() {
+        let b = &shapes[(k + rng.below(shapes.len())) % shapes.len()];
+        casts(scene, rng, &format!("shape {k}"), ShapePair::new(a, b));
+    }
+}
+
+fn composite_casts(scene: &mut Scene, rng: &mut Rng) {
+    let (a, b, mesh) = (composite(scene, rng), dented(scene, rng), dented(scene, rng));
+    casts(scene, rng, "meshes", MeshPair::new(&b, &mesh));
+    casts(scene, rng, "composite and mesh", CompositePair::new(&a, &mesh));
+}
+
+fn surface_casts(scene: &mut Scene, rng: &mut Rng) {
+    let (a, b) = (bumpy(scene, rng), bumpy(scene, rng));
+    let (shapes, body) = (curved(scene), composite(scene, rng));
+    casts(scene, rng, "surfaces", SurfacePair::new(&a, &b));
+    let shape = rng.pick(&shapes).clone();
+    casts(scene, rng, "surface and shape", SurfaceShapePair::new(&a, &shape));
+    casts(
+        scene,
+        rng,
+        "surface and composite",
+        SurfaceCompositePair::new(&a, &body),
+    );
+}
+
+/// A robot of one body among a few others, and configurations of it.
+fn room(scene: &Scene, rng: &mut Rng) -> (Checker<TranslationSpace>, Vec<[f64; 3]>) {
+    let mut world = World::new();
+    world.robot_body("robot", scene.round(rng, 20));
+    for k in 0..4 {
+        world.obstacle(format!("obstacle {k}"), scene.round(rng, 20), scene.place(rng, 4.0));
+    }
+    let reach = 9.0 * scene.unit;
+    let space = TranslationSpace::new([[-reach, reach]; 3], Default::default(), 1).expect("a space");
+    let places = (0..6).map(|_| rng.in_ball().map(|x| 6.0 * x * scene.unit)).collect();
+    (Checker::new(space, world).expect("a checker"), places)
+}
+
+fn clearances(scene: &mut Scene, rng: &mut Rng) {
+    let (mut checker, places) = room(scene, rng);
+    for at in places {
+        let mut found = checker.nearest(&at, 0.5 * scene.unit).expect("a configuration");
+        found.extend(checker.clearance(&at).expect("a configuration"));
+        for near in found {
+            scene.lengths("clearance", [near.distance, near.lower, near.upper]);
+            scene.plain("clearance", (near.pair, &near.gradient));
+        }
+    }
+}
+
+fn segments(scene: &mut Scene, rng: &mut Rng) {
+    let (mut checker, places) = room(scene, rng);
+    for ends in places.windows(2) {
+        scene.plain("free", checker.is_free(&ends[0], &ends[1]).expect("a segment"));
+        scene.plain("safe", checker.certify(&ends[0], &ends[1]).expect("a segment").safe());
+        let along = checker.clearance_along(&ends[0], &ends[1], 1e-3).expect("a segment");
+        scene.lengths("clearance", [along.lower, along.upper]);
+        scene.plain("clearance", (along.t, along.pair));
+    }
+}
