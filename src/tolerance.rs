@@ -16,10 +16,10 @@
 //!   one.
 //! * **D, directions** of length one and edges, for signs: stored coordinates are multiples of
 //!   `2^-357` (`FLUSH_EXPONENT`), directions are of length one or longer than [`ON_BOUNDARY`] times
-//!   L. If the product of the direction's largest coordinate with the edge is not zero, this product
-//!   is above `2^-513`, and underflow of the remaining products is negligible; if the product is
-//!   zero, the other two may be of any size, and underflow may leave either sign. Such a rise is
-//!   certain above `LEAST_RISE` only.
+//!   L. If the product of the direction's largest coordinate with the edge is not zero, it is above
+//!   `2^-513`, and underflow of the remaining products is negligible; if the product is zero, the
+//!   other two may be of any size, and underflow may leave either sign. Such a rise is certain
+//!   above `LEAST_RISE` only.
 //! * **G, guarded**: numbers of the caller of any size. Squares are guarded by [`LEAST_SQUARE`], or
 //!   numbers are scaled first.
 //! * **U, the caller's unit**: bounds leave the stored unit in one function,

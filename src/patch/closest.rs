@@ -312,7 +312,7 @@ pub(super) fn solve(matrix: &[Row; 4], right: &Row, held: &[bool; 4]) -> Option<
         (m[k][k], x[k]) = (1.0, 0.0);
     }
     for k in 0..4 {
-        if !(m[k][k] > PARALLEL * matrix[k][k].abs()) {
+        if !held[k] && !(m[k][k] > PARALLEL * matrix[k][k].abs()) {
             return None;
         }
         for i in k + 1..4 {

@@ -1,29 +1,26 @@
-//! Every public query, asked of a scene in units from `2^-330` to `2^330`: the answer is the answer in the unit 1, times the
-//! power of two, bit for bit.
+//! Every public query, asked of a scene in units from `2^-330` to `2^330`: the answer is the answer in the unit 1,
+//! times the power of two, bit for bit or, where a row says so, in its bounds.
+
+mod moving;
 
 use crate::support::body;
 use lab::rng::Rng;
 use lab::shapes;
-use lin_canny::impact::{Impact, Tolerance, cast, cast_within, free_until, held_until};
+use lin_canny::impact::Impact;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use lin_canny::patch::{
-    Decision, Patch, Surface, SurfaceCompositePair, SurfaceCompositeTracker, SurfacePair, SurfaceShapePair,
-    SurfaceShapeTracker, SurfaceTracker,
-};
-use lin_canny::plan::{Checker, TranslationSpace, World};
-use lin_canny::separation::{PolyhedronPair, Separation, ShapePair};
+use lin_canny::patch::{Decision, Patch, Surface, SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
 use lin_canny::{
-    Composite, CompositePair, CompositeTracker, ConvexPolyhedron, HalfSpace, Manifold, ManifoldOptions, Mesh, MeshPair,
-    MeshTracker, Outcome, Parts, Piece, RelativePose, Shape, ShapeTracker, Tracker, Velocity,
+    Composite, CompositeTracker, ConvexPolyhedron, HalfSpace, Manifold, ManifoldOptions, Mesh, MeshTracker, Outcome,
+    Parts, Piece, RelativePose, Shape, ShapeTracker, Tracker, Velocity,
 };
 
 const CASES: u64 = 2;
 
-/// The exponents of the units: the ends, both sides of the borders between the units in which bodies are stored, and some
-/// between.
-const EXPONENTS: [i32; 18] = [
-    -330, -316, -315, -272, -211, -210, -106, -105, -40, 1, 40, 104, 105, 190, 210, 314, 315, 330,
+/// The exponents of the units: the ends, both sides of the borders between the units in which bodies are stored, and
+/// some between.
+const EXPONENTS: [i32; 19] = [
+    -330, -316, -315, -272, -211, -210, -106, -105, -40, 1, 40, 80, 104, 105, 190, 210, 314, 315, 330,
 ];
 
 type Range = std::ops::RangeInclusive<i32>;
@@ -31,14 +28,15 @@ type Range = std::ops::RangeInclusive<i32>;
 /// Everything.
 const ALL: Range = -330..=330;
 
-/// Casts compare fourth powers of the caller's lengths and speeds, so they are asked in the range in which these are numbers.
+/// Casts compare fourth powers of the caller's lengths and speeds, so they are asked in the range in which these are
+/// numbers.
 const CASTS: Range = -250..=250;
 
 /// Control points are accepted up to `2^200`.
 const SURFACES: Range = -211..=198;
 
-/// Bodies of one scene that differ in size, or are made of parts, are stored in one unit in the middle of a range of `2^210`;
-/// beyond, other arithmetic may answer, and only the bounds are the same.
+/// Bodies of one scene that differ in size, or are made of parts, are stored in one unit in the middle of a range of
+/// `2^210`; beyond, other arithmetic may answer, and only the bounds are the same.
 const MIDDLE: Range = -90..=90;
 
 /// A part of an answer, lengths in the unit of the scene.
@@ -70,21 +68,23 @@ struct Scene {
 /// A row: what is asked, in which units, and in which of these the answer has the same bits.
 type Row = (&'static str, Range, Range, fn(&mut Scene, &mut Rng));
 
-const ROWS: [Row; 14] = [
+const ROWS: [Row; 16] = [
     ("hulls", ALL, ALL, hulls),
+    ("local depths", ALL, ALL, local_depths),
     ("points", ALL, ALL, points),
     ("half-spaces", ALL, ALL, half_spaces),
     ("shapes", ALL, MIDDLE, shape_pairs),
     ("meshes", ALL, ALL, meshes),
     ("fit of a hull", ALL, ALL, fits),
     ("composites", ALL, MIDDLE, composites),
-    ("surfaces", SURFACES, MIDDLE, surfaces),
-    ("casts of hulls", CASTS, CASTS, hull_casts),
-    ("casts of shapes", CASTS, MIDDLE, shape_casts),
-    ("casts of meshes and composites", CASTS, MIDDLE, composite_casts),
-    ("casts of surfaces", MIDDLE, MIDDLE, surface_casts),
-    ("clearances", ALL, ALL, clearances),
-    ("segments", CASTS, CASTS, segments),
+    ("surfaces", SURFACES, SURFACES, surfaces),
+    ("surfaces and others", SURFACES, MIDDLE, surfaces_and_others),
+    ("casts of hulls", CASTS, CASTS, moving::hull_casts),
+    ("casts of shapes", CASTS, MIDDLE, moving::shape_casts),
+    ("casts of meshes and composites", CASTS, MIDDLE, moving::composite_casts),
+    ("casts of surfaces", -90..=198, MIDDLE, moving::surface_casts),
+    ("clearances", ALL, ALL, moving::clearances),
+    ("segments", CASTS, CASTS, moving::segments),
 ];
 
 /// Asks every row in every unit of its range.
@@ -264,6 +264,24 @@ fn hulls(scene: &mut Scene, rng: &mut Rng) {
     }
 }
 
+/// Thin boxes, of whose sides several may be nearer than the facet of a local depth, from pose to pose.
+fn local_depths(scene: &mut Scene, rng: &mut Rng) {
+    let [a, b] = [[0.3, 1.0, 1.0], [0.11, 0.11, 1.1]].map(|half| {
+        let shape = shapes::cuboid(half);
+        body(&shape.stretched([scene.unit; 3]))
+    });
+    let mut tracker = Tracker::new();
+    for _ in 0..60 {
+        let at = Vector3::from(std::array::from_fn(|k| rng.range(-1.0, 1.0) * [0.15, 1.0, 0.8][k]));
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * *rng.pick(&[0.0, 0.1]));
+        let pose = Isometry3::from_parts((at * scene.unit).into(), turn);
+        let pose = RelativePose::from_isometry(&pose).expect("a pose");
+        for tracker in [&mut tracker, &mut Tracker::new()] {
+            scene.outcome("thin", &tracker.closest_with_local_depth(&a, &b, &pose));
+        }
+    }
+}
+
 fn points(scene: &mut Scene, rng: &mut Rng) {
     let a = scene.round(rng, 30);
     let shapes = curved(scene);
@@ -437,7 +455,6 @@ fn bumpy(scene: &Scene, rng: &mut Rng) -> Surface {
 
 fn surfaces(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (bumpy(scene, rng), bumpy(scene, rng));
-    let (shapes, body) = (curved(scene), composite(scene, rng));
     let width = 1e-6 * scene.unit;
     let mut warm = SurfaceTracker::new();
     for apart in [2.6, 4.0, 9.0] {
@@ -449,6 +466,14 @@ fn surfaces(scene: &mut Scene, rng: &mut Rng) {
         scene.plain("closest", (o.class, o.is_reached, o.on_a, o.on_b, o.normal));
         scene.decision("intersects", warm.intersects(&a, &b, &pose));
         scene.decision("within", warm.within(&a, &b, &pose, 0.3 * scene.unit));
+    }
+}
+
+fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
+    let (a, shapes, body) = (bumpy(scene, rng), curved(scene), composite(scene, rng));
+    let width = 1e-6 * scene.unit;
+    for apart in [2.6, 9.0] {
+        let pose = scene.pose(rng, apart);
         for shape in &shapes {
             let mut tracker = SurfaceShapeTracker::new();
             let o = tracker.closest(&a, shape, &pose, width);
@@ -456,104 +481,12 @@ fn surfaces(scene: &mut Scene, rng: &mut Rng) {
             scene.bounds("shape", o.lower, o.upper);
             scene.lengths("shape", [o.distance].into_iter().chain(points));
             scene.plain("shape", (o.class, o.is_reached, o.on_a, o.feature, o.normal));
-            scene.decision("shape within", tracker.within(&a, shape, &pose, 0.3 * scene.unit));
+            scene.decision("within", tracker.within(&a, shape, &pose, 0.3 * scene.unit));
         }
         let mut tracker = SurfaceCompositeTracker::new();
         let d = tracker.distance(&a, &body, &pose, width);
-        scene.bounds("distance", d.lower, d.upper);
+        scene.bounds("composite", d.lower, d.upper);
         scene.lengths("composite", [d.value]);
-        scene.decision("composite within", tracker.within(&a, &body, &pose, 0.3 * scene.unit));
-    }
-}
-
-/// Every question about a pair of motions.
-fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation) {
-    let unit = scene.unit;
-    for _ in 0..3 {
-        let [p, q] = scene.motions(rng);
-        let span = (0.0, 1.0);
-        for tolerance in [Tolerance::Distance(1e-4 * unit), Tolerance::Time(1e-4)] {
-            let found = cast(&mut pair, &p, &q, span, tolerance).expect("a finite cast");
-            scene.plain(what, (found.queries, found.proofs));
-            scene.impact(what, found.impact);
-            let found = cast_within(&mut pair, &p, &q, span, tolerance, 0.2 * unit).expect("a finite cast");
-            scene.impact(what, found.impact);
-        }
-        let free = free_until(&mut pair, &p, &q, span, 0.1 * unit).expect("a finite motion");
-        scene.plain(what, free.until);
-        let held = held_until(&pair, &p, &q, span, 0.1 * unit).expect("a finite motion");
-        scene.plain(what, held);
-    }
-}
-
-fn hull_casts(scene: &mut Scene, rng: &mut Rng) {
-    let (a, b) = (scene.round(rng, 20), scene.round(rng, 40));
-    for _ in 0..3 {
-        casts(scene, rng, "hulls", PolyhedronPair::new(&a, &b));
-    }
-}
-
-fn shape_casts(scene: &mut Scene, rng: &mut Rng) {
-    let shapes = curved(scene);
-    for (k, a) in shapes.iter().enumerate() {
-        let b = &shapes[(k + rng.below(shapes.len())) % shapes.len()];
-        casts(scene, rng, &format!("shape {k}"), ShapePair::new(a, b));
-    }
-}
-
-fn composite_casts(scene: &mut Scene, rng: &mut Rng) {
-    let (a, b, mesh) = (composite(scene, rng), dented(scene, rng), dented(scene, rng));
-    casts(scene, rng, "meshes", MeshPair::new(&b, &mesh));
-    casts(scene, rng, "composite and mesh", CompositePair::new(&a, &mesh));
-}
-
-fn surface_casts(scene: &mut Scene, rng: &mut Rng) {
-    let (a, b) = (bumpy(scene, rng), bumpy(scene, rng));
-    let (shapes, body) = (curved(scene), composite(scene, rng));
-    casts(scene, rng, "surfaces", SurfacePair::new(&a, &b));
-    let shape = rng.pick(&shapes).clone();
-    casts(scene, rng, "surface and shape", SurfaceShapePair::new(&a, &shape));
-    casts(
-        scene,
-        rng,
-        "surface and composite",
-        SurfaceCompositePair::new(&a, &body),
-    );
-}
-
-/// A robot of one body among a few others, and configurations of it.
-fn room(scene: &Scene, rng: &mut Rng) -> (Checker<TranslationSpace>, Vec<[f64; 3]>) {
-    let mut world = World::new();
-    world.robot_body("robot", scene.round(rng, 20));
-    for k in 0..4 {
-        world.obstacle(format!("obstacle {k}"), scene.round(rng, 20), scene.place(rng, 4.0));
-    }
-    let reach = 4.0 * scene.unit;
-    let space = TranslationSpace::new([[-reach, reach]; 3], Default::default(), 1).expect("a space");
-    let places = (0..6).map(|_| rng.in_ball().map(|x| 4.0 * x * scene.unit)).collect();
-    (Checker::new(space, world).expect("a checker"), places)
-}
-
-fn clearances(scene: &mut Scene, rng: &mut Rng) {
-    let (mut checker, places) = room(scene, rng);
-    for at in places {
-        let mut found = checker.nearest(&at, 0.5 * scene.unit).expect("a configuration");
-        found.extend(checker.clearance(&at).expect("a configuration"));
-        for near in found {
-            scene.bounds("clearance", near.lower, near.upper);
-            scene.lengths("clearance", [near.distance]);
-            scene.plain("clearance", (near.pair, &near.gradient));
-        }
-    }
-}
-
-fn segments(scene: &mut Scene, rng: &mut Rng) {
-    let (mut checker, places) = room(scene, rng);
-    for ends in places.windows(2) {
-        scene.plain("free", checker.is_free(&ends[0], &ends[1]).expect("a segment"));
-        scene.plain("safe", checker.certify(&ends[0], &ends[1]).expect("a segment").safe());
-        let along = checker.clearance_along(&ends[0], &ends[1], 1e-3).expect("a segment");
-        scene.bounds("segment", along.lower, along.upper);
-        scene.plain("clearance", (along.t, along.pair));
+        scene.decision("within", tracker.within(&a, &body, &pose, 0.3 * scene.unit));
     }
 }
