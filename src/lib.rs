@@ -88,7 +88,8 @@
 //!   may be one of two neighbours.
 //! * **No absolute tolerance.** A scene scaled by a power of two gives the answer scaled bit for
 //!   bit, unless the scale puts the sizes of two bodies on both sides of 2^105, 2^-105 or another
-//!   border between units of storage: then class and bounds agree.
+//!   border between units of storage: then class and bounds agree. Curved shapes and composites
+//!   keep their bits for sizes from 2^-90 to 2^90, and the agreement of their bounds beyond.
 //! * **Bad input is refused when a body or a pose is made** ([`BuildError`], [`PoseError`]), with
 //!   its index or value. After that no query panics, loops without bound or returns NaN. (Debug
 //!   builds check every answer and panic, with a text that replays the query, on a defect of the
