@@ -5,6 +5,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::frame::Side;
 use super::mesh::Mesh;
 use super::pieces::Composite;
+use crate::num::fingerprint::Fingerprint;
 use crate::num::scalar::greater;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::shape::Shape;
@@ -65,7 +66,7 @@ pub trait Parted {
     fn side(&self) -> Side<'_>;
 
     /// Returns the number by which a tracker recognises the body.
-    fn fingerprint(&self) -> u64;
+    fn fingerprint(&self) -> Fingerprint;
 
     /// Returns one stored unit in the caller's.
     fn stored_unit(&self) -> f64;
@@ -118,7 +119,7 @@ impl Parted for Mesh {
         }
     }
 
-    fn fingerprint(&self) -> u64 {
+    fn fingerprint(&self) -> Fingerprint {
         self.fingerprint
     }
 
@@ -189,7 +190,7 @@ impl Parted for PartsRef<'_> {
         }
     }
 
-    fn fingerprint(&self) -> u64 {
+    fn fingerprint(&self) -> Fingerprint {
         match self {
             Self::Mesh(x) => Parted::fingerprint(*x),
             Self::Pieces(x) => Parted::fingerprint(*x),

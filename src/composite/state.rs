@@ -9,6 +9,7 @@ use super::parts::Parted;
 use super::search::{Goal, Judge, Measured, Search};
 use super::shared::Touching;
 use crate::motion::BallAtPose;
+use crate::num::fingerprint::Fingerprint;
 use crate::pair::outcome::Class;
 use crate::pose::{Operand, RelativePose};
 
@@ -17,7 +18,8 @@ use crate::pose::{Operand, RelativePose};
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct State {
-    fingerprints: [u64; 2],
+    #[cfg_attr(feature = "serde", serde(skip))]
+    fingerprints: [Fingerprint; 2],
     pub(super) kept: Kept,
     /// The last answer that proved surfaces and insides apart: how far, and where B was.
     #[cfg_attr(feature = "serde", serde(skip))]

@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::motion::BallAtPose;
+use crate::num::fingerprint::Fingerprint;
 use crate::pair::outcome::Outcome;
 use crate::pair::rounding;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
@@ -87,7 +88,9 @@ pub struct Manifold {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 struct Made {
-    bodies: [u64; 2],
+    /// Files of older versions have others under another name: they are not recognised.
+    #[cfg_attr(feature = "serde", serde(default, rename = "fingerprints"))]
+    bodies: [Fingerprint; 2],
     options: ManifoldOptions,
     /// Bounding ball of the smaller body at its pose.
     ball: BallAtPose,

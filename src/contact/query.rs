@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::motion::BallAtPose;
+use crate::num::fingerprint::Fingerprint;
 use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::{Operand, RelativePose};
@@ -14,7 +15,7 @@ use super::facet::Facet;
 #[derive(Clone, Copy)]
 pub(crate) struct Extent {
     /// Equal for equal bodies only.
-    pub(crate) fingerprint: u64,
+    pub(crate) fingerprint: Fingerprint,
     /// Centre and radius of a ball that contains the body.
     pub(crate) origin: Vector3<f64>,
     pub(crate) radius: f64,
@@ -89,19 +90,15 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// Returns the query for the bodies as cores, rounded by two radii.
+    /// Returns the query for the bodies as cores, rounded by two radii; the extents are those of the
+    /// cores with the fingerprints of the rounded bodies.
     #[inline]
     pub(crate) fn rounded(mut self, radii: [f64; 2]) -> Self {
-        for (extent, radius) in self.extents.iter_mut().zip(radii) {
-            // Odd, so that unequal radii stay unequal; zero for zero.
-            let mark = radius.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15);
-            extent.fingerprint = extent.fingerprint.rotate_left(1) ^ mark;
-        }
         self.radii = radii;
         self
     }
 
-    pub(super) fn bodies(&self) -> [u64; 2] {
+    pub(super) fn bodies(&self) -> [Fingerprint; 2] {
         [self.extents[0].fingerprint, self.extents[1].fingerprint]
     }
 

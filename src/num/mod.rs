@@ -1,6 +1,8 @@
-//! The arithmetic: scalars of the solvers, double-double, packed vectors and exact signs.
+//! The arithmetic: scalars of the solvers, double-double, packed vectors and exact signs; and the
+//! fingerprints of numbers.
 
 pub(crate) mod double_double;
+pub(crate) mod fingerprint;
 pub(crate) mod packed;
 pub(crate) mod scalar;
 pub(crate) mod sign;

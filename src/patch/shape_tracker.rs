@@ -77,8 +77,9 @@ impl SurfaceShapeTracker {
         Self::default()
     }
 
-    /// Returns the tracker with another budget: the number of nodes that one query may split, at
-    /// most `2^22`. A query that uses up its budget returns wider bounds.
+    /// Returns the tracker with another budget: the number of nodes that one query may split,
+    /// 20,000 by default and at most `2^22`, as
+    /// [`SurfaceTracker::with_budget`](super::SurfaceTracker::with_budget).
     #[must_use]
     pub fn with_budget(mut self, splits: usize) -> Self {
         self.state.allow(splits);
@@ -101,7 +102,7 @@ impl SurfaceShapeTracker {
     /// from the shape, under which every patch lies. Empty for a pair other than that of the last
     /// query.
     pub fn front<'t>(&'t self, a: &'t Surface, b: &Shape) -> impl Iterator<Item = SurfacePart> + 't {
-        let entries = self.state.entries([a.fingerprint, fingerprint(b)]);
+        let entries = self.state.entries([a.fingerprint, b.fingerprint()]);
         entries
             .iter()
             .map(|e| SurfacePart::of(self.grown.node(&a.tree, e.pair[0])))
@@ -140,7 +141,7 @@ impl SurfaceShapeTracker {
     }
 
     /// Decides whether the distance is at most `d`, a length in the caller's unit. Undecided only
-    /// if `d` is within rounding of the distance, or the budget is used up.
+    /// if `d` is within rounding of the distance, or the budget is too small.
     pub fn within(&mut self, a: &Surface, b: &Shape, a_from_b: &RelativePose, d: f64) -> Decision {
         if !(d >= 0.0) {
             return Decision::No;
@@ -170,8 +171,8 @@ impl SurfaceShapeTracker {
         placing: f64,
     ) -> SurfaceShapeOutcome {
         let is_full = self.grown.numbers() > KEPT;
-        if !self.state.recognises([a.fingerprint, fingerprint(b)], is_full) {
-            self.grown = Grown::default();
+        if !self.state.recognises([a.fingerprint, b.fingerprint()], is_full) {
+            (self.grown, self.feet) = (Grown::default(), ShapeTracker::new());
         }
         let reach = [a.reach, reach(b)];
         let points = reach[0] * SURFACE_POINT + reach[1] * SHAPE_POINT;
@@ -219,10 +220,6 @@ pub(super) fn class(lower: f64, upper: f64) -> Class {
 fn reach(shape: &Shape) -> f64 {
     let (centre, radius) = shape.bounding_ball();
     (sqrt(centre.coords.norm_squared()) + radius) * ROUND_UP * ROUND_UP
-}
-
-fn fingerprint(shape: &Shape) -> u64 {
-    shape.core().fingerprint() ^ shape.round().to_bits().rotate_left(17)
 }
 
 /// Bodies so far apart, or so small beside their distance, that only balls about their origins

@@ -8,12 +8,13 @@ use super::gap::Trees;
 use super::outcome::SurfaceWork;
 use super::search::{Goal, Open, Search};
 use super::side::Side;
+use crate::num::fingerprint::Fingerprint;
 use crate::tuning::patch::{GROWTH, IMPATIENT, MOST_SPLITS, SPLITS, TRIES};
 
 /// The front of the last answer, the last witnesses, and counters.
 #[derive(Clone, Debug)]
 pub(super) struct State {
-    fingerprints: [u64; 2],
+    fingerprints: [Fingerprint; 2],
     budget: usize,
     pub(super) front: Front,
     /// Patches and parameters of the last witnesses.
@@ -27,7 +28,7 @@ pub(super) struct State {
 impl Default for State {
     fn default() -> Self {
         Self {
-            fingerprints: [0; 2],
+            fingerprints: [Fingerprint::default(); 2],
             budget: SPLITS,
             front: Front::default(),
             last: None,
@@ -55,7 +56,7 @@ impl State {
 
     /// Begins a query of two bodies: returns whether the state is theirs; if not, or if it
     /// `is_full`, forgets it.
-    pub(super) fn recognises(&mut self, fingerprints: [u64; 2], is_full: bool) -> bool {
+    pub(super) fn recognises(&mut self, fingerprints: [Fingerprint; 2], is_full: bool) -> bool {
         let is_known = self.fingerprints == fingerprints && !is_full;
         if !is_known {
             let work = self.work;
@@ -67,7 +68,7 @@ impl State {
     }
 
     /// Returns the front of these bodies, empty for others.
-    pub(super) fn entries(&self, fingerprints: [u64; 2]) -> &[Entry] {
+    pub(super) fn entries(&self, fingerprints: [Fingerprint; 2]) -> &[Entry] {
         if self.fingerprints == fingerprints {
             &self.front.entries
         } else {

@@ -9,6 +9,7 @@ use super::nurbs::Nurbs;
 use super::tree::Tree;
 use crate::composite::mesh::Mesh;
 use crate::composite::separation::ball_about;
+use crate::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::tolerance::{SEAM, SURFACE_POINT};
 
@@ -51,7 +52,7 @@ pub struct Surface {
     pub(super) tree: Tree,
     /// The largest distance of a control point from the origin, rounded up.
     pub(super) reach: f64,
-    pub(super) fingerprint: u64,
+    pub(super) fingerprint: Fingerprint,
     is_closed: bool,
 }
 
@@ -190,13 +191,15 @@ impl Surface {
     }
 }
 
-/// A 64-bit fingerprint: cached state uses it to detect another surface.
-fn fingerprint(patches: &[Patch]) -> u64 {
-    let stir = |h: u64, x: u64| (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
-    patches.iter().fold(patches.len() as u64, |h, p| {
-        let h = stir(h, (p.degrees[0] * 8 + p.degrees[1]) as u64);
-        p.net.as_flattened().iter().fold(h, |h, x| stir(h, x.to_bits()))
-    })
+/// Returns the fingerprint of degrees and control points.
+fn fingerprint(patches: &[Patch]) -> Fingerprint {
+    let mut all = Fingerprinter::new(*b"surface ");
+    all.word(patches.len() as u64);
+    for patch in patches {
+        patch.degrees.iter().for_each(|d| all.word(*d as u64));
+        patch.net.as_flattened().iter().for_each(|x| all.number(*x));
+    }
+    all.end()
 }
 
 /// Whether borders lie on each other in pairs, each by its control points.

@@ -38,6 +38,7 @@ pub(crate) mod unimodal;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
+use crate::num::fingerprint::Fingerprint;
 pub use bounds::BoxHint;
 pub(crate) use build::cloud::{bounding_box, exponent_of, power_of_two};
 #[cfg(feature = "exact")]
@@ -114,7 +115,7 @@ pub struct ConvexPolyhedron {
     pub(crate) high: Vector3<f64>,
     /// Whether two adjacent faces lie in one plane but for rounding.
     pub(crate) has_coplanar_neighbours: bool,
-    /// 64-bit fingerprint of vertices and faces; cached state uses it to detect another body.
-    pub(crate) fingerprint: u64,
+    /// Of vertices and faces: cached state uses it to detect another body.
+    pub(crate) fingerprint: Fingerprint,
     pub(crate) report: BuildReport,
 }

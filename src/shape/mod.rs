@@ -30,6 +30,7 @@ use alloc::sync::Arc;
 
 use nalgebra::{Point3, Vector3};
 
+use crate::num::fingerprint::Fingerprint;
 use crate::polyhedron::{ConvexPolyhedron, solids};
 use crate::tolerance::{EXTENT_MAX, EXTENT_MIN};
 pub use cone::Cone;
@@ -60,6 +61,7 @@ pub(crate) use support::{Disc, Flat, Support};
 pub struct Shape {
     core: Core,
     round: f64,
+    fingerprint: Fingerprint,
 }
 
 /// Core of a shape: the shape before rounding.
@@ -208,6 +210,7 @@ impl Shape {
             });
         }
         self.round = round;
+        self.fingerprint = self.core.rounded_fingerprint(round);
         Ok(self)
     }
 
@@ -223,8 +226,17 @@ impl Shape {
         self.round
     }
 
+    /// Returns the fingerprint of core and rounding.
+    pub(crate) fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
     fn sharp(core: Core) -> Self {
-        Self { core, round: 0.0 }
+        Self {
+            fingerprint: core.fingerprint(),
+            core,
+            round: 0.0,
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::{Core, Shape, Support};
+use crate::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::num::scalar::{dot, sqrt};
 use crate::polyhedron::BoxHint;
 use crate::pose::rotation_matrix;
@@ -28,24 +29,33 @@ impl Core {
         }
     }
 
-    /// Returns a fingerprint of kind and parameters: cores of equal fingerprint are identical for
-    /// all practical purposes.
-    pub(crate) fn fingerprint(&self) -> u64 {
-        let (kind, parameters) = match self {
-            Self::Polyhedron(body) => return body.fingerprint,
-            Self::Ellipsoid(core) => (1, [core.semi_axes.x, core.semi_axes.y, core.semi_axes.z, 0.0, 0.0]),
-            Self::Cylinder(core) => (2, [core.radius, core.half_height, 0.0, 0.0, 0.0]),
-            Self::Cone(core) => (3, [core.radius, core.half_height, 0.0, 0.0, 0.0]),
+    /// Returns the fingerprint of kind and parameters.
+    pub(super) fn fingerprint(&self) -> Fingerprint {
+        let of = |kind: [u8; 8], parameters: &[f64]| {
+            let mut all = Fingerprinter::new(kind);
+            parameters.iter().for_each(|x| all.number(*x));
+            all.end()
+        };
+        match self {
+            Self::Polyhedron(body) => body.fingerprint,
+            Self::Ellipsoid(core) => of(*b"ellipsoi", core.semi_axes.as_slice()),
+            Self::Cylinder(core) => of(*b"cylinder", &[core.radius, core.half_height]),
+            Self::Cone(core) => of(*b"cone    ", &[core.radius, core.half_height]),
             Self::Superquadric(core) => {
                 let ([x, y, z], [e, f]) = (core.semi_axes.into(), core.exponents);
-                (4, [x, y, z, e, f])
+                of(*b"superqua", &[x, y, z, e, f])
             }
-        };
-        // A step of splitmix64 (Steele, Lea and Flood 2014) for each parameter.
-        parameters.iter().fold(kind, |hash: u64, x| {
-            let mixed = (hash ^ x.to_bits()).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            (mixed ^ (mixed >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb)
-        })
+        }
+    }
+
+    /// Returns the fingerprint of the core rounded by a radius.
+    pub(super) fn rounded_fingerprint(&self, radius: f64) -> Fingerprint {
+        let core = self.fingerprint();
+        if radius == 0.0 {
+            core
+        } else {
+            core.with(*b"rounded ", radius)
+        }
     }
 }
 

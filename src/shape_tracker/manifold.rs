@@ -74,13 +74,14 @@ impl ShapeTracker {
             ..*options
         };
         if let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) {
-            let query = Query::new(x, y, a_from_b, &of_cores).rounded(radii);
+            let facets = [Facet::Body(x), Facet::Body(y)];
+            let query = Query::of([extent(a), extent(b)], facets, a_from_b, &of_cores).rounded(radii);
             if let Err(moved) = manifold.refresh(&query) {
                 manifold.renew(&query, &outcome(self), moved);
             }
             return;
         }
-        let extents = [extent(a.core()), extent(b.core())];
+        let extents = [extent(a), extent(b)];
         let mut query = Query::of(extents, [Facet::Point; 2], a_from_b, &of_cores).rounded(radii);
         if let Err(moved) = manifold.refresh(&query) {
             let outcome = outcome(self);
@@ -110,7 +111,7 @@ impl ShapeTracker {
             prediction: options.prediction + radii[0] + radii[1],
             ..*options
         };
-        let extents = [extent(a.core()), extent(b.core())];
+        let extents = [extent(a), extent(b)];
         let query = Query::of(extents, [Facet::Point; 2], a_from_b, &of_cores).rounded(radii);
         let mut manifold = Manifold::new();
         manifold.renew(&query, outcome, 0.0);
@@ -129,12 +130,18 @@ impl ShapeTracker {
     }
 }
 
-fn extent(core: &Core) -> Extent {
+/// Returns the extent of the core of a shape, with the fingerprint of the shape.
+#[inline]
+fn extent(shape: &Shape) -> Extent {
+    let (core, fingerprint) = (shape.core(), shape.fingerprint());
     if let Core::Polyhedron(body) = core {
-        return Extent::of(body);
+        return Extent {
+            fingerprint,
+            ..Extent::of(body)
+        };
     }
     Extent {
-        fingerprint: core.fingerprint(),
+        fingerprint,
         origin: core.origin(),
         radius: core.radius(),
         is_unscaled: true,

@@ -8,4 +8,5 @@ mod hard;
 mod random;
 mod same;
 mod shapes;
+mod shared;
 mod truth;

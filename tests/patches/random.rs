@@ -12,7 +12,7 @@ use crate::bodies::{grid, place, pose};
 use crate::truth::{Body, Sentence, judge, judge_shape};
 
 /// Kinds of surfaces, all of a size about 2.
-const KINDS: [&str; 8] = [
+pub(crate) const KINDS: [&str; 8] = [
     "polynomial",
     "rational",
     "triangle",
@@ -24,7 +24,7 @@ const KINDS: [&str; 8] = [
 ];
 
 /// How a pair is placed.
-const PLACES: [&str; 4] = ["apart", "tangent", "nested", "close"];
+pub(crate) const PLACES: [&str; 4] = ["apart", "tangent", "nested", "close"];
 
 /// What is counted: far, near (by 0.01), sharing points as far as intervals tell; wider than asked;
 /// too long for the judge.
@@ -103,7 +103,7 @@ fn spline(rng: &mut Rng) -> Surface {
     .expect("a surface")
 }
 
-fn surface(rng: &mut Rng, kind: &str) -> Surface {
+pub(crate) fn surface(rng: &mut Rng, kind: &str) -> Surface {
     let degrees = [1 + rng.below(7), 1 + rng.below(7)];
     let bump = rng.range(0.1, 1.2);
     let patch = match kind {
@@ -144,7 +144,7 @@ fn surface(rng: &mut Rng, kind: &str) -> Surface {
 }
 
 /// A random point of a surface with a normal there.
-fn spot(rng: &mut Rng, s: &Surface) -> (Vector3<f64>, Unit<Vector3<f64>>) {
+pub(crate) fn spot(rng: &mut Rng, s: &Surface) -> (Vector3<f64>, Unit<Vector3<f64>>) {
     let patch = rng.pick(s.patches());
     // At a border or a corner now and then.
     let mut side = || {
@@ -178,7 +178,7 @@ fn touching(rng: &mut Rng, [(p, n), (q, m)]: [(Vector3<f64>, Unit<Vector3<f64>>)
     Isometry3::from_parts(t.into(), rotation)
 }
 
-fn placed(rng: &mut Rng, how: &str, spots: [(Vector3<f64>, Unit<Vector3<f64>>); 2]) -> Isometry3<f64> {
+pub(crate) fn placed(rng: &mut Rng, how: &str, spots: [(Vector3<f64>, Unit<Vector3<f64>>); 2]) -> Isometry3<f64> {
     match how {
         "tangent" => touching(rng, spots, -1.0),
         "nested" => touching(rng, spots, 1.0),

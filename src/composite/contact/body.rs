@@ -11,6 +11,7 @@ use crate::composite::frame::Side;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::Parted;
 use crate::composite::pieces::Composite;
+use crate::num::fingerprint::Fingerprint;
 use crate::shape::Shape;
 
 /// A body as its contacts see it: convex patches of a mesh's surface, or the pieces of a
@@ -20,7 +21,7 @@ use crate::shape::Shape;
 /// The patches of a mesh face outward, whether the mesh is closed or not: a body that touches an
 /// open mesh from behind has no contact.
 #[derive(Clone, Debug)]
-pub struct ContactPatches(Body);
+pub struct ContactPatches(Body, Fingerprint);
 
 #[derive(Clone, Debug)]
 enum Body {
@@ -46,7 +47,8 @@ impl ContactPatches {
     pub fn of_mesh_within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
         let mesh: Arc<Mesh> = mesh.into();
         let stored = tolerance.max(0.0) / mesh.unit();
-        Self(Body::Surface(Arc::new(Surface::new(mesh, stored))))
+        let fingerprint = mesh.fingerprint.with(*b"patches ", stored);
+        Self(Body::Surface(Arc::new(Surface::new(mesh, stored))), fingerprint)
     }
 
     /// Returns the pieces of a body as its patches. Where pieces meet or overlap, only the outside
@@ -60,7 +62,9 @@ impl ContactPatches {
     /// unit, count as meeting: for decompositions whose pieces fit roughly.
     #[must_use]
     pub fn of_pieces_within(body: impl Into<Arc<Composite>>, tolerance: f64) -> Self {
-        Self(Body::Pieces(body.into(), tolerance.max(0.0)))
+        let (body, tolerance): (Arc<Composite>, f64) = (body.into(), tolerance.max(0.0));
+        let fingerprint = body.fingerprint().with(*b"patches ", tolerance);
+        Self(Body::Pieces(body, tolerance), fingerprint)
     }
 
     /// Returns the number of patches or pieces.
@@ -92,11 +96,8 @@ impl ContactPatches {
         }
     }
 
-    pub(super) fn fingerprint(&self) -> u64 {
-        match &self.0 {
-            Body::Surface(surface) => surface.fingerprint,
-            Body::Pieces(body, tolerance) => body.fingerprint() ^ tolerance.to_bits(),
-        }
+    pub(super) fn fingerprint(&self) -> Fingerprint {
+        self.1
     }
 
     pub(super) fn unit(&self) -> f64 {

@@ -34,6 +34,7 @@ use super::front::Pair;
 use super::placed::Placed;
 use super::search::split_pair;
 use crate::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
+use crate::num::fingerprint::Fingerprint;
 use crate::pose::RelativePose;
 use crate::tolerance::ACROSS;
 use crate::tuning::composite::ALIKE;
@@ -89,7 +90,7 @@ pub struct PatchContacts {
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct ContactTracker {
-    fingerprints: [u64; 2],
+    fingerprints: [Fingerprint; 2],
     near: BTreeMap<Pair, Near>,
     found: Vec<PatchContacts>,
 }

@@ -8,7 +8,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::grow::{Patch, corners, grow};
 use crate::composite::frame::Side;
-use crate::composite::mesh::{Mesh, stir};
+use crate::composite::mesh::Mesh;
 use crate::composite::tree::Tree;
 use crate::composite::triangle;
 use crate::num::scalar::sqrt;
@@ -45,7 +45,6 @@ pub(super) struct Surface {
     hulls: Vec<Option<Shape>>,
     /// How far a triangle may be off the hull of its patch, in stored units.
     slack: f64,
-    pub(super) fingerprint: u64,
 }
 
 impl Surface {
@@ -59,7 +58,6 @@ impl Surface {
         tree.fit(&mesh.points, &items, 0.0);
         let is_large = |p: &Patch| p.len() >= MANY_TRIANGLES;
         let mut surface = Self {
-            fingerprint: stir(mesh.fingerprint ^ slack.to_bits()),
             tree,
             order,
             first: alloc::vec![0],

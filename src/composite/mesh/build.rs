@@ -5,9 +5,10 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::edges::Edges;
-use super::weld::{MOST, Welded, mix, stir, weld};
+use super::weld::{MOST, Welded, stir, weld};
 use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
 use crate::composite::tree::{LEAF, Tree};
+use crate::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::num::scalar::sqrt;
 use crate::num::sign;
 use crate::polyhedron::{ConvexPolyhedron, bounding_box};
@@ -224,9 +225,12 @@ impl Ordered {
     }
 }
 
-fn fingerprint(points: &[Vector3<f64>], triangles: &[[u32; 3]], exponent: i32) -> u64 {
-    let start = stir(exponent as u64 ^ (points.len() as u64) << 32);
-    let places = points.iter().fold(start, |h, p| stir(h ^ mix(p)));
-    let corner = |h, t: &[u32; 3]| stir(h ^ (u64::from(t[0]) << 42 ^ u64::from(t[1]) << 21 ^ u64::from(t[2])));
-    triangles.iter().fold(places, corner)
+fn fingerprint(points: &[Vector3<f64>], triangles: &[[u32; 3]], exponent: i32) -> Fingerprint {
+    let mut all = Fingerprinter::new(*b"mesh    ");
+    all.word(exponent as u64);
+    all.word(points.len() as u64);
+    points.iter().for_each(|p| all.vector(p));
+    all.word(triangles.len() as u64);
+    all.indices(triangles.as_flattened().iter().copied());
+    all.end()
 }

@@ -19,7 +19,7 @@ pub use inspect::MeshInspection;
 pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
 
 use super::tree::Tree;
-pub(super) use weld::stir;
+use crate::num::fingerprint::Fingerprint;
 
 /// A body made of triangles: the mesh as the caller brought it, not a decomposition.
 ///
@@ -62,8 +62,8 @@ pub struct Mesh {
     /// Corners of the bounding box, in stored coordinates.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,
-    /// A number made of vertices and triangles, by which a tracker recognises the mesh.
-    pub(crate) fingerprint: u64,
+    /// Of vertices and triangles, by which a tracker recognises the mesh.
+    pub(crate) fingerprint: Fingerprint,
     report: MeshReport,
 }
 

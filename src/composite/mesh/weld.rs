@@ -86,12 +86,12 @@ fn order(a: &Vector3<f64>, b: &Vector3<f64>) -> core::cmp::Ordering {
 }
 
 /// A number that is equal for equal points; no coordinate is a negative zero.
-pub(super) fn mix(p: &Vector3<f64>) -> u64 {
+fn mix(p: &Vector3<f64>) -> u64 {
     p.iter().fold(0, |h, x| stir(h ^ x.to_bits()))
 }
 
 /// One round of multiply and shift, a bijection.
-pub(in crate::composite) fn stir(x: u64) -> u64 {
+pub(super) fn stir(x: u64) -> u64 {
     let x = (x ^ x >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93);
     (x ^ x >> 29).wrapping_mul(0xff51_afd7_ed55_8ccd)
 }

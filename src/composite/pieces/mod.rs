@@ -10,9 +10,10 @@ use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 pub use tracker::{CompositeOutcome, CompositeTracker};
 
 use super::frame::Side;
-use super::mesh::{Mesh, MeshError, stir};
+use super::mesh::{Mesh, MeshError};
 use super::parts::{Parted, PartsRef};
 use super::tree::Tree;
+use crate::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{BoxHint, BuildError, ConvexPolyhedron, bounding_box, exponent_of, power_of_two};
 use crate::shape::{Core, Mass, Shape};
@@ -100,7 +101,7 @@ pub struct Composite {
     high: Vector3<f64>,
     /// An inner point of each piece and another of its points, in stored units.
     probes: Vec<[Vector3<f64>; 2]>,
-    fingerprint: u64,
+    fingerprint: Fingerprint,
 }
 
 impl Composite {
@@ -161,12 +162,8 @@ impl Composite {
         let farthest = pieces.iter().map(reach).fold(0.0, f64::max) * scale;
         tree.fit(&points, &items, CERTIFICATE * UNIT * farthest);
         let (low, high) = bounding_box(&points);
-        let print = |h: u64, p: &Piece| {
-            let pose = p.pose.rotation.coords.iter().chain(p.pose.translation.vector.iter());
-            pose.fold(stir(h ^ fingerprint(&p.shape)), |h, x| stir(h ^ x.to_bits()))
-        };
         Self {
-            fingerprint: pieces.iter().fold(stir(pieces.len() as u64), print),
+            fingerprint: fingerprint(&pieces),
             in_place: pieces.iter().all(|p| p.pose == Isometry3::identity()),
             radius: farthest * (1.0 + 64.0 * UNIT),
             probes: pieces.iter().map(|p| probe(p).map(|x| x * scale)).collect(),
@@ -284,7 +281,7 @@ impl Parted for Composite {
         }
     }
 
-    fn fingerprint(&self) -> u64 {
+    fn fingerprint(&self) -> Fingerprint {
         self.fingerprint
     }
 
@@ -365,25 +362,16 @@ fn extend_by_hull(points: &mut Vec<Vector3<f64>>, shape: &Shape) {
     }
 }
 
-/// A number made of the parameters of a shape.
-fn fingerprint(shape: &Shape) -> u64 {
-    let (kind, numbers) = match shape.core() {
-        Core::Polyhedron(body) => (body.fingerprint, [0.0; 5]),
-        Core::Ellipsoid(e) => (1, five(&e.semi_axes(), [0.0; 2])),
-        Core::Cylinder(c) => (2, [c.radius(), c.half_height(), 0.0, 0.0, 0.0]),
-        Core::Cone(c) => (3, [c.radius(), c.half_height(), 0.0, 0.0, 0.0]),
-        Core::Superquadric(s) => (4, five(&s.semi_axes(), s.exponents())),
-    };
-    let all = numbers
-        .iter()
-        .chain([shape.round()].iter())
-        .copied()
-        .collect::<Vec<f64>>();
-    all.iter().fold(stir(kind), |h, x| stir(h ^ x.to_bits()))
-}
-
-fn five(v: &Vector3<f64>, [d, e]: [f64; 2]) -> [f64; 5] {
-    [v.x, v.y, v.z, d, e]
+/// Returns the fingerprint of shapes and poses.
+fn fingerprint(pieces: &[Piece]) -> Fingerprint {
+    let mut all = Fingerprinter::new(*b"pieces  ");
+    all.word(pieces.len() as u64);
+    for Piece { shape, pose, .. } in pieces {
+        all.fingerprint(shape.fingerprint());
+        pose.rotation.coords.iter().for_each(|x| all.number(*x));
+        all.vector(&pose.translation.vector);
+    }
+    all.end()
 }
 
 #[cfg(feature = "serde")]

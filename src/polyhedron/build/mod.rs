@@ -16,6 +16,7 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::num::double_double::DoubleDouble;
+use crate::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::num::scalar::{Scalar, sqrt};
 use crate::num::sign::side;
 use crate::polyhedron::bounds::Scan;
@@ -192,21 +193,19 @@ impl ConvexPolyhedron {
     }
 }
 
-/// Returns a 64-bit hash of vertices, scale and faces (Fowler, Noll and Vo's hash, by words):
-/// bodies of equal fingerprint are identical for all practical purposes.
-fn fingerprint_of(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> u64 {
-    let mix = |h: u64, x: u64| {
-        (h.rotate_left(29) ^ x)
-            .wrapping_mul(0x0000_0100_0000_01b3)
-            .wrapping_add(0xcbf2_9ce4_8422_2325)
-    };
-    let coordinates = kept.iter().flat_map(|&i| cloud.points[i as usize].iter().copied());
-    let place = cloud.origin.iter().copied().chain([f64::from(cloud.exponent)]);
-    let corners = loops
-        .iter()
-        .flat_map(|l| core::iter::once(u64::MAX).chain(l.iter().map(|&v| u64::from(v))));
-    let numbers = place.chain(coordinates).map(f64::to_bits);
-    numbers.chain(corners).fold(0, mix)
+/// Returns the fingerprint of vertices, scale and faces.
+fn fingerprint_of(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> Fingerprint {
+    let mut all = Fingerprinter::new(*b"polyhedr");
+    all.vector(&cloud.origin);
+    all.word(cloud.exponent as u64);
+    all.word(kept.len() as u64);
+    kept.iter().for_each(|&k| all.vector(&cloud.points[k as usize]));
+    all.word(loops.len() as u64);
+    all.indices(loops.iter().flat_map(|rim| {
+        let length = rim.len() as u32;
+        core::iter::once(length).chain(rim.iter().copied())
+    }));
+    all.end()
 }
 
 /// Returns the plane of each face, and twice the area of the widest triangle on the face; zeros for

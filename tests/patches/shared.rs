@@ -1,0 +1,196 @@
+//! Trackers that were used for other bodies: their answers are those of new trackers, whatever the numbers of the bodies.
+
+use lab::rng::Rng;
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::patch::{Decision, Patch, Surface, SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
+use lin_canny::{Composite, Piece, Shape};
+
+use crate::bodies::{place, pose, sphere};
+use crate::random::{KINDS, surface};
+use crate::shapes::kinds;
+
+const WIDTH: f64 = 1e-6;
+
+/// The surface with one number of one control point changed by some thousandths to tenths.
+fn changed(rng: &mut Rng, s: &Surface) -> Surface {
+    let mut patches = s.patches().to_vec();
+    let which = rng.below(patches.len());
+    let (mut points, weights): (Vec<Point3<f64>>, Vec<f64>) = patches[which].control_points().unzip();
+    let (at, axis) = (rng.below(points.len()), rng.below(3));
+    points[at][axis] += rng.log_range(1e-3, 0.3);
+    patches[which] = Patch::rational(patches[which].degrees(), &points, &weights).expect("a patch");
+    Surface::new(patches).expect("a surface")
+}
+
+/// Any surface, and another: a little different, or of any kind.
+fn two(rng: &mut Rng) -> [Surface; 2] {
+    let kind = rng.below(KINDS.len());
+    let first = surface(rng, KINDS[kind]);
+    let other = if rng.chance(0.5) {
+        changed(rng, &first)
+    } else {
+        let kind = rng.below(KINDS.len());
+        surface(rng, KINDS[kind])
+    };
+    [first, other]
+}
+
+#[test]
+fn surfaces_of_every_kind_share_a_tracker() {
+    let mut shared = SurfaceTracker::new();
+    for k in 0..40 {
+        let mut rng = Rng::of_case(61, k);
+        let ([a, c], [b, d]) = (two(&mut rng), two(&mut rng));
+        let apart = rng.range(0.5, 3.5);
+        let at = pose(&place(&mut rng, apart));
+        for (x, y) in [(&a, &b), (&c, &d), (&a, &d), (&c, &b)] {
+            let o = shared.closest(x, y, &at, WIDTH);
+            assert_eq!(o, SurfaceTracker::new().closest(x, y, &at, WIDTH), "{k}");
+            let within = shared.within(&d, &c, &at, o.distance);
+            assert_eq!(within, SurfaceTracker::new().within(&d, &c, &at, o.distance), "{k}");
+            let meets = shared.intersects(y, x, &at);
+            assert_eq!(meets, SurfaceTracker::new().intersects(y, x, &at), "{k}");
+        }
+    }
+}
+
+/// A shape, and another: with another radius, or of any kind.
+fn two_shapes(rng: &mut Rng) -> [Shape; 2] {
+    let kinds = kinds();
+    let first = rng.pick(&kinds).clone();
+    let other = if rng.chance(0.5) {
+        first.clone().rounded(rng.log_range(1e-3, 0.3)).expect("a radius")
+    } else {
+        let others: Vec<_> = kinds.iter().filter(|s| **s != first).collect();
+        (*rng.pick(&others)).clone()
+    };
+    [first, other]
+}
+
+#[test]
+fn surfaces_and_shapes_of_every_kind_share_a_tracker() {
+    let mut shared = SurfaceShapeTracker::new();
+    for k in 0..40 {
+        let mut rng = Rng::of_case(62, k);
+        let ([a, c], [b, d]) = (two(&mut rng), two_shapes(&mut rng));
+        let apart = rng.range(0.5, 3.5);
+        let at = pose(&place(&mut rng, apart));
+        let pairs = [(&a, &b), (&c, &d), (&a, &d), (&c, &b)];
+        for (n, (x, y)) in pairs.into_iter().enumerate() {
+            let o = shared.closest(x, y, &at, WIDTH);
+            assert_eq!(o, SurfaceShapeTracker::new().closest(x, y, &at, WIDTH), "{k}");
+            // Neither this pair nor the next.
+            let (z, w) = pairs[(n + 2) % 4];
+            let within = shared.within(z, w, &at, o.distance);
+            let cold = SurfaceShapeTracker::new().within(z, w, &at, o.distance);
+            assert_eq!(within, cold, "{k}");
+        }
+    }
+}
+
+fn is_consistent(x: Decision, y: Decision) -> bool {
+    x.known().is_none() || y.known().is_none() || x == y
+}
+
+/// Here a tracker asks the piece first that was closest before, so bounds may differ within their interval.
+#[test]
+fn surfaces_and_bodies_of_pieces_share_a_tracker() {
+    let mut shared = SurfaceCompositeTracker::new();
+    for k in 0..20 {
+        let mut rng = Rng::of_case(63, k);
+        let [a, c] = two(&mut rng);
+        let bodies: [Composite; 2] = std::array::from_fn(|n| {
+            let count = 1 + rng.below(3) + n;
+            let pieces = (0..count).map(|_| Piece {
+                pose: place(&mut rng, 0.8),
+                ..Piece::new(two_shapes(&mut rng)[1].clone())
+            });
+            Composite::new(pieces.collect()).expect("a body")
+        });
+        let [b, d] = &bodies;
+        let apart = rng.range(0.5, 3.5);
+        let at = pose(&place(&mut rng, apart));
+        for (x, y) in [(&a, b), (&c, d), (&a, d), (&c, b)] {
+            let o = shared.closest(x, y, &at, WIDTH).closest;
+            let cold = SurfaceCompositeTracker::new().closest(x, y, &at, WIDTH).closest;
+            assert!(o.lower <= cold.upper && cold.lower <= o.upper, "{k}: {o:?} {cold:?}");
+            assert!(o.is_reached && cold.is_reached, "{k}: {o:?} {cold:?}");
+            let within = shared.within(&c, d, &at, o.distance);
+            let cold = SurfaceCompositeTracker::new().within(&c, d, &at, o.distance);
+            assert!(is_consistent(within, cold), "{k}: {within:?} {cold:?}");
+        }
+    }
+}
+
+/// One step of a hash that can be undone: a change of one number is taken back by the next.
+fn step(h: u64, x: u64) -> u64 {
+    (h ^ x).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+}
+
+/// Two roofs whose tops differ in x and y so that hashes of the second kind agree.
+fn roofs_that_collide(rng: &mut Rng) -> [Surface; 2] {
+    let made = |top: [f64; 2]| {
+        let mut points: Vec<Point3<f64>> = (0..4)
+            .map(|k| Point3::new(f64::from(k / 2), f64::from(k % 2), 0.0))
+            .collect();
+        points[3] = Point3::new(top[0], top[1], 1.0);
+        Surface::new(vec![Patch::polynomial([1, 1], &points).expect("a patch")]).expect("a surface")
+    };
+    let before = [0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0_f64];
+    let begun = before.iter().fold(step(1, 9), |h, x| step(h, x.to_bits()));
+    let [x, y] = [rng.range(1.0, 2.0), rng.range(1.0, 2.0)];
+    loop {
+        let other: f64 = rng.range(1.0, 8.0);
+        let back = y.to_bits() ^ step(begun, x.to_bits()) ^ step(begun, other.to_bits());
+        let back = f64::from_bits(back);
+        if (0.5..8.0).contains(&back.abs()) && (back - y).abs() > 0.1 {
+            return [made([x, y]), made([other, back])];
+        }
+    }
+}
+
+/// Two rounded ellipsoids: the radius of the second makes up for all other numbers, if numbers are joined by `xor`.
+fn eggs_that_collide(rng: &mut Rng) -> [Shape; 2] {
+    let of = |axes: &Vector3<f64>| {
+        [axes.x, axes.y, axes.z, 0.0, 0.0].iter().fold(1, |hash: u64, x| {
+            let mixed = (hash ^ x.to_bits()).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            (mixed ^ (mixed >> 29)).wrapping_mul(0x94d0_49bb_1331_11eb)
+        })
+    };
+    let mut axes = || Vector3::from_fn(|_, _| rng.range(0.1, 1.0));
+    let (first, radius) = (axes(), 0.25_f64);
+    loop {
+        let other = axes();
+        let bits = (of(&first) ^ of(&other)).rotate_right(17) ^ radius.to_bits();
+        let found = f64::from_bits(bits);
+        if (1e-3..10.0).contains(&found) {
+            let egg = |axes, r| Shape::ellipsoid(axes).and_then(|s| s.rounded(r)).expect("an egg");
+            return [egg(first, radius), egg(other, found)];
+        }
+    }
+}
+
+/// Bodies that hashes of invertible steps do not tell apart, found in some thousand tries: the tracker of one does not
+/// take its claims for the other.
+#[test]
+fn bodies_made_to_be_taken_for_each_other_are_told_apart() {
+    let ball = sphere(0.5);
+    for k in 0..10 {
+        let mut rng = Rng::of_case(64, k);
+        let (roofs, eggs) = (roofs_that_collide(&mut rng), eggs_that_collide(&mut rng));
+        for _ in 0..5 {
+            let apart = rng.range(2.0, 12.0);
+            let at = pose(&place(&mut rng, apart));
+            let mut shared = SurfaceTracker::new();
+            let mut of_eggs = SurfaceShapeTracker::new();
+            for roof in &roofs {
+                let o = shared.closest(&ball, roof, &at, WIDTH);
+                assert_eq!(o, SurfaceTracker::new().closest(&ball, roof, &at, WIDTH), "{k}");
+            }
+            for egg in &eggs {
+                let o = of_eggs.closest(&ball, egg, &at, WIDTH);
+                assert_eq!(o, SurfaceShapeTracker::new().closest(&ball, egg, &at, WIDTH), "{k}");
+            }
+        }
+    }
+}
