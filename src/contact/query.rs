@@ -90,8 +90,8 @@ impl<'a> Query<'a> {
         }
     }
 
-    /// Returns the query for the bodies as cores, rounded by two radii; the extents are those of the
-    /// cores with the fingerprints of the rounded bodies.
+    /// Returns the query for the bodies as cores, rounded by two radii; the extents are those of
+    /// the cores with the fingerprints of the rounded bodies.
     #[inline]
     pub(crate) fn rounded(mut self, radii: [f64; 2]) -> Self {
         self.radii = radii;
