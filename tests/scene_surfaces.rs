@@ -10,6 +10,7 @@ use lin_canny::{Class, Composite, Feature, Mesh, Piece, Shape, Velocity};
 const ALL: Group = Group::new(0).unwrap();
 const NONE: Effects = Effects::none();
 const D: f64 = 0.2;
+const FAR: f64 = 0.5;
 
 fn sphere(r: f64) -> Surface {
     let half = 0.5_f64.sqrt();
@@ -19,10 +20,10 @@ fn sphere(r: f64) -> Surface {
 }
 
 /// Bodies that are all round, with their radii; surfaces and shapes take turns.
-fn round_bodies(scene: &mut Scene, rng: &mut Rng) -> Vec<(BodyId, f64, bool)> {
+fn round_bodies(scene: &mut Scene, rng: &mut Rng, count: usize) -> Vec<(BodyId, f64, bool)> {
     let shells = [0.3, 0.4].map(|r| BodyShape::from(sphere(r)));
     let mut bodies = Vec::new();
-    for k in 0..24 {
+    for k in 0..count {
         let r = if k / 2 % 2 == 0 { 0.3 } else { 0.4 };
         let is_surface = k % 2 == 0;
         let shape = if is_surface {
@@ -47,39 +48,29 @@ fn truth(scene: &Scene, (a, r, a_is): (BodyId, f64, bool), (b, s, b_is): (BodyId
     outside.max(within_a).max(within_b).max(0.0)
 }
 
-#[test]
-fn a_scene_of_shells_and_balls_is_that_of_brute_force() {
-    let mut rng = Rng::new(51);
-    let mut scene = Scene::new();
-    let effects = Effects {
-        overlap: true,
-        within: Some(D),
-        distance: Some(0.5),
-        features: true,
-        ..NONE
-    };
-    scene.call_for(ALL, ALL, effects).unwrap();
-    let bodies = round_bodies(&mut scene, &mut rng);
-    let (mut overlapping, mut within, mut measured) = (0, 0, 0);
-    for _ in 0..10 {
-        for (id, ..) in &bodies {
-            let mut at = *scene.pose(*id).unwrap();
-            at.translation.vector += Vector3::from(rng.in_ball()) * 0.1;
-            scene.set_pose(*id, at).unwrap();
-        }
-        scene.step();
+/// How many pairs overlapped, were within the distance, and were measured.
+#[derive(Debug, Default)]
+struct Seen {
+    overlapping: u32,
+    within: u32,
+    measured: u32,
+}
+
+impl Seen {
+    /// Asserts that the answers of a step are those of brute force.
+    fn judge(&mut self, scene: &Scene, bodies: &[(BodyId, f64, bool)]) {
         for (k, x) in bodies.iter().enumerate() {
             for y in &bodies[k + 1..] {
-                let truth = truth(&scene, *x, *y);
+                let truth = truth(scene, *x, *y);
                 let found = scene.pair(x.0, y.0);
                 let overlaps = found.as_ref().and_then(|p| p.overlaps) == Some(true);
                 let is_within = found.as_ref().and_then(|p| p.within) == Some(true);
                 assert_eq!(overlaps, truth == 0.0, "{truth} {found:?}");
                 assert_eq!(is_within, truth <= D, "{truth} {found:?}");
-                overlapping += u32::from(overlaps);
-                within += u32::from(is_within);
-                if truth <= 0.5 {
-                    measured += 1;
+                self.overlapping += u32::from(overlaps);
+                self.within += u32::from(is_within);
+                if truth <= FAR {
+                    self.measured += 1;
                     let o = found.as_ref().and_then(|p| p.outcome).expect("measured");
                     if truth > 0.0 {
                         assert_eq!(o.class, Class::Separated, "{truth} {o:?}");
@@ -98,8 +89,98 @@ fn a_scene_of_shells_and_balls_is_that_of_brute_force() {
             }
         }
     }
-    println!("{overlapping} overlap, {within} within, {measured} measured");
-    assert!(overlapping > 50 && within > 100 && measured > 200);
+}
+
+#[test]
+fn a_scene_of_shells_and_balls_is_that_of_brute_force() {
+    let mut rng = Rng::new(51);
+    let mut scene = Scene::new();
+    let effects = Effects {
+        overlap: true,
+        within: Some(D),
+        distance: Some(FAR),
+        features: true,
+        ..NONE
+    };
+    scene.call_for(ALL, ALL, effects).unwrap();
+    let bodies = round_bodies(&mut scene, &mut rng, 24);
+    let mut seen = Seen::default();
+    for _ in 0..10 {
+        for (id, ..) in &bodies {
+            let mut at = *scene.pose(*id).unwrap();
+            at.translation.vector += Vector3::from(rng.in_ball()) * 0.1;
+            scene.set_pose(*id, at).unwrap();
+        }
+        scene.step();
+        seen.judge(&scene, &bodies);
+    }
+    println!("{seen:?}");
+    assert!(seen.overlapping > 50 && seen.within > 100 && seen.measured > 200);
+}
+
+/// The velocity of a body in the next tick: it falls and is thrown back; from tick 40 to tick 50 all bodies rest.
+fn next(scene: &Scene, id: BodyId, tick: usize) -> Velocity {
+    let (mut v, at) = (scene.velocity(id).unwrap(), scene.pose(id).unwrap().translation.vector);
+    if (40..50).contains(&tick) {
+        return Velocity::default();
+    }
+    v.linear.z -= 9.81 / 60.0;
+    for k in 0..3 {
+        if at[k].abs() > 0.9 && at[k] * v.linear[k] > 0.0 {
+            v.linear[k] *= -0.9;
+        }
+    }
+    v
+}
+
+/// Shells and balls under gravity, a third of them at rest from the start. Of three scenes one asks for everything in every
+/// tick, one as it likes, and one is saved and read back between `advance` and `step`.
+#[test]
+fn shells_fall_and_rest_and_are_read_back_in_the_middle_of_a_tick() {
+    let mut scenes: Vec<Scene> = (0..3).map(|_| Scene::new()).collect();
+    let effects = Effects {
+        overlap: true,
+        within: Some(D),
+        distance: Some(FAR),
+        features: true,
+        ..NONE
+    };
+    let mut bodies = Vec::new();
+    for (k, scene) in scenes.iter_mut().enumerate() {
+        scene.call_for(ALL, ALL, effects).unwrap();
+        scene.set_schedule(k != 0);
+        scene.set_budget(k != 0);
+        let mut rng = Rng::new(52);
+        bodies = round_bodies(scene, &mut rng, 12);
+        for (id, ..) in bodies.iter().skip(1).step_by(3).chain(bodies.iter().skip(2).step_by(3)) {
+            let way = Vector3::from(rng.in_ball()) * 3.0;
+            scene
+                .set_velocity(*id, Velocity::new(way, Vector3::from(rng.in_ball())))
+                .unwrap();
+        }
+    }
+    let (mut seen, mut events) = (Seen::default(), 0);
+    for tick in 0..60 {
+        for scene in &mut scenes {
+            for (_, (id, ..)) in bodies.iter().enumerate().filter(|(k, _)| k % 3 != 0) {
+                scene.set_velocity(*id, next(scene, *id, tick)).unwrap();
+            }
+            scene.advance(1.0 / 60.0).unwrap();
+        }
+        #[cfg(feature = "serde")]
+        if tick % 4 == 1 {
+            scenes[2] = serde_json::from_str(&serde_json::to_string(&scenes[2]).unwrap()).unwrap();
+        }
+        for scene in &mut scenes {
+            scene.step();
+            seen.judge(scene, &bodies);
+            events += scene.events().len();
+        }
+        assert_eq!(scenes[0].events(), scenes[1].events(), "tick {tick}");
+        assert_eq!(scenes[1].events(), scenes[2].events(), "tick {tick}");
+    }
+    println!("{seen:?}, {events} events");
+    assert!(seen.overlapping > 100 && seen.within > 200 && events > 100);
 }
 
 #[test]
