@@ -133,6 +133,9 @@
 //! * Curved shapes ([`shape`]) have the same bounds. Class and predicates are exact for polyhedra,
 //!   rounded or not; for other shapes within `3e-14 L` of contact they are undecided, and
 //!   `intersects` and `within` return true.
+//! * Surfaces of patches ([`patch`]) have an interval of a width asked for. Where it holds both
+//!   answers, `intersects` and `within` are undecided, at one pose perhaps warm and not cold.
+//!   Surfaces that are equally far along a curve or over an area keep wide intervals.
 //! * There is no dynamics: see rapier.
 //!
 //! # Recipes

@@ -25,8 +25,9 @@ pub struct SurfaceOutcome {
     /// Upper bound of the distance.
     pub upper: f64,
     /// Whether the bounds are no farther apart than was asked for. If not, the budget of splits was
-    /// used up, or the width is below [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size
-    /// of the pair; the bounds hold all the same.
+    /// used up or is too small by far (see [`patch`](crate::patch)), or the width is below
+    /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size of the pair; the bounds hold
+    /// all the same.
     pub is_reached: bool,
     /// The witness on A by its parameters.
     pub on_a: SurfacePoint,

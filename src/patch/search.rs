@@ -16,7 +16,7 @@ use super::side::Side;
 use super::tree::Node;
 use crate::num::scalar::sqrt;
 use crate::tolerance::UNIT;
-use crate::tuning::patch::{BEGINNING, GROWING, PATIENCE, SHRINKING, SMALL};
+use crate::tuning::patch::{BEGINNING, FIRST_LOOK, GROWING, LENIENT, PATIENCE, SHRINKING, SMALL};
 
 /// A pair that may be closer than the goal.
 #[derive(Clone, Copy, Debug)]
@@ -69,6 +69,49 @@ impl Goal {
     }
 }
 
+/// How fast the bounds of a search approach each other.
+///
+/// The number of splits grows with the logarithm of the narrowness where the closest points are
+/// isolated, but with a power of it where two surfaces are equally far along a curve or over an
+/// area. There most queries could use up any budget without reaching their goal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pace {
+    /// Splits that a query may make.
+    allowed: usize,
+    /// Pairs of patches or parts of them split so far: those of groups are finite in number.
+    splits: usize,
+    /// Splits at the last look, and how far apart the bounds were.
+    looked: usize,
+    apart: f64,
+}
+
+impl Pace {
+    pub(super) fn new(allowed: usize) -> Self {
+        Self {
+            allowed,
+            splits: 0,
+            looked: 0,
+            apart: f64::INFINITY,
+        }
+    }
+
+    /// Returns whether bounds that are now so far `apart` will be as close as `needed` within some
+    /// times the splits allowed, if each doubling of the splits brings them as much closer as the
+    /// last one. Looks after [`FIRST_LOOK`] splits, twice as many, and so on; true between looks.
+    fn is_enough(&mut self, apart: f64, needed: f64) -> bool {
+        if self.splits < FIRST_LOOK.max(2 * self.looked) {
+            return true;
+        }
+        let gain = self.apart / apart;
+        (self.looked, self.apart) = (self.splits, apart);
+        let (mut splits, mut apart) = (self.splits, apart);
+        while splits < LENIENT * self.allowed && apart > needed {
+            (splits, apart) = (2 * splits, apart / gain);
+        }
+        apart <= needed
+    }
+}
+
 /// A search under way.
 pub(super) struct Search<'a, 't, B, M> {
     pub(super) trees: &'a mut Trees<'t, B>,
@@ -76,6 +119,7 @@ pub(super) struct Search<'a, 't, B, M> {
     pub(super) goal: Goal,
     /// Splits that are left.
     pub(super) budget: usize,
+    pub(super) pace: Pace,
     pub(super) heap: &'a mut BinaryHeap<Open>,
     pub(super) front: &'a mut Front,
     pub(super) best: Option<Meeting>,
@@ -308,10 +352,10 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
         while !self.is_over() {
             let Some(open) = self.heap.pop() else { break };
             self.improve(&open);
-            let is_far = open.gap.gap.max(0.0) >= self.level();
-            if is_far || !self.split(&open) {
+            let is_over = open.gap.gap.max(0.0) >= self.level() || !self.is_worth(&open);
+            if is_over || !self.split(&open) {
                 self.close(open.pair, &open.gap);
-                if is_far || self.budget == 0 {
+                if is_over || self.budget == 0 {
                     break;
                 }
             }
@@ -325,6 +369,13 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
         self.least.clamp(0.0, self.upper)
     }
 
+    /// Returns whether the search may reach its goal within its budget, as far as its pace
+    /// tells; `open` is the pair with the least bound.
+    fn is_worth(&mut self, open: &Open) -> bool {
+        let needed = self.upper - self.level();
+        self.pace.is_enough(self.upper - open.gap.gap, needed)
+    }
+
     /// Splits the larger node of a pair and sorts the two new pairs; false if nothing can be split.
     fn split(&mut self, open: &Open) -> bool {
         let [x, y] = open.pair;
@@ -332,12 +383,14 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
             return false;
         }
         let (a, b) = (self.trees.a.node(x), self.trees.b.node(y));
+        let is_of_groups = a.is_group() || b.is_group();
         let of_a = match (a.can_split(), b.can_split()) {
             (false, false) => return false,
             (true, true) => a.radius >= b.radius,
             (of_a, _) => of_a,
         };
         self.budget -= 1;
+        self.pace.splits += usize::from(!is_of_groups);
         self.work.splits += 1;
         let pairs = if of_a {
             let child = self.trees.a.split(x);

@@ -6,7 +6,7 @@ use super::closest::{Meeting, Meets};
 use super::front::{Entry, Front};
 use super::gap::Trees;
 use super::outcome::SurfaceWork;
-use super::search::{Goal, Open, Search};
+use super::search::{Goal, Open, Pace, Search};
 use super::side::Side;
 use crate::num::fingerprint::Fingerprint;
 use crate::tuning::patch::{GROWTH, IMPATIENT, MOST_SPLITS, SPLITS, TRIES};
@@ -93,6 +93,7 @@ impl State {
             points,
             goal,
             budget: self.budget,
+            pace: Pace::new(self.budget),
             heap: &mut self.heap,
             front: &mut self.front,
             best: None,

@@ -70,7 +70,9 @@ impl SurfaceTracker {
     }
 
     /// Returns the tracker with another budget: the number of pairs of nodes that one query may
-    /// split, at most `2^22`. A query that uses up its budget returns wider bounds.
+    /// split, 20,000 by default and at most `2^22`. A query that uses up its budget returns wider
+    /// bounds; so does one that would need several times its budget by the speed at which its
+    /// bounds approach each other.
     #[must_use]
     pub fn with_budget(mut self, splits: usize) -> Self {
         self.state.allow(splits);
@@ -154,7 +156,7 @@ impl SurfaceTracker {
 
     /// Decides whether the surfaces share a point. Yes is proven where one surface runs through the
     /// other inside two patches, by an existence theorem; surfaces that merely touch stay
-    /// undecided.
+    /// undecided, and those that are close all over an area and for which the budget is too small.
     pub fn intersects(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose) -> Decision {
         let found = self.search(a, b, a_from_b, Goal::Within(0.0));
         let (lower, upper) = (found.lower, found.upper);
@@ -168,7 +170,7 @@ impl SurfaceTracker {
     }
 
     /// Decides whether the distance of the surfaces is at most `d`, a length in the caller's unit.
-    /// Undecided only if `d` is within rounding of the distance, or the budget is used up.
+    /// Undecided only if `d` is within rounding of the distance, or the budget is too small.
     pub fn within(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, d: f64) -> Decision {
         if !(d >= 0.0) {
             return Decision::No;

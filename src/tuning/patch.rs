@@ -1,8 +1,18 @@
 //! Curved patches: thresholds that steer work.
 
 /// Splits of nodes that one query may make by default. Two bicubic patches in general position
-/// need some hundred, surfaces that touch along a curve any number.
+/// need some hundred, surfaces that are level along a curve any number: see [`FIRST_LOOK`].
 pub(crate) const SPLITS: usize = 20_000;
+
+/// Splits after which a search first looks how far apart its bounds are; at twice as many it asks
+/// whether they approach each other fast enough for its budget. Of 2,500 random pairs one in a
+/// thousand needs more than 1,848 splits.
+pub(crate) const FIRST_LOOK: usize = 1_024;
+
+/// A search goes on if it is expected to need at most so many times its budget: the speed of its
+/// bounds is seen only roughly. Pairs that are level along a curve need some twenty times the
+/// usual budget for an interval of 1e-9.
+pub(crate) const LENIENT: usize = 4;
 
 /// Splits that a query may be allowed: two nodes each of 448 numbers at most are counted in 32
 /// bits.

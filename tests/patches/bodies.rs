@@ -19,6 +19,18 @@ pub(crate) fn tube(r: f64, h: f64) -> Surface {
     revolution(&[&[[r, -h, 1.0], [r, h, 1.0]]]).expect("a cylinder")
 }
 
+/// A torus about z as sixteen rational patches: the radius of the circle of middles, and of the tube.
+pub(crate) fn torus(middle: f64, r: f64) -> Surface {
+    let arc = |k: usize| {
+        let [(s, c), (t, d)] = [k, k + 1].map(|k| (k as f64 * std::f64::consts::FRAC_PI_2).sin_cos());
+        let corner = [middle + r * (c + d), r * (s + t), HALF];
+        vec![[middle + r * c, r * s, 1.0], corner, [middle + r * d, r * t, 1.0]]
+    };
+    let arcs: Vec<Vec<[f64; 3]>> = (0..4).map(arc).collect();
+    let arcs: Vec<&[[f64; 3]]> = arcs.iter().map(Vec::as_slice).collect();
+    revolution(&arcs).expect("a torus")
+}
+
 /// A vase of 32 patches.
 pub(crate) fn vase() -> Surface {
     let curves = lab::nets::vase();

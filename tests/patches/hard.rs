@@ -5,7 +5,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::patch::{Decision, Nurbs, Patch, PatchError, Surface, SurfaceTracker, revolution};
 use lin_canny::{Class, Mesh, MeshTracker, RelativePose};
 
-use crate::bodies::{place, pose, sphere, tube, vase};
+use crate::bodies::{bumpy, place, pose, sphere, torus, tube, vase};
 use crate::truth::judge;
 
 fn square(f: impl Fn(f64, f64) -> f64) -> Vec<Point3<f64>> {
@@ -208,6 +208,72 @@ fn a_budget_ends_what_has_no_end() {
         let at = pose(&Isometry3::translation(2.5, 0.3, 0.1));
         let o = SurfaceTracker::new().closest(&ball, &ball, &at, width);
         assert!(!o.is_reached && o.upper - o.lower < 1e-11, "{o:?}");
+    }
+}
+
+/// A turn about z by any angle.
+fn about_z(rng: &mut Rng) -> Isometry3<f64> {
+    let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), rng.range(-3.0, 3.0));
+    Isometry3::from_parts(Vector3::zeros().into(), turn)
+}
+
+/// Two surfaces that are equally far along a curve or over an area, one in the other; their place, and the distance.
+fn level(rng: &mut Rng, kind: usize) -> (Surface, Surface, Isometry3<f64>, f64) {
+    let (r, part) = (rng.range(0.3, 1.5), rng.range(0.2, 0.999));
+    let s = r * part;
+    match kind {
+        0 => (sphere(r), sphere(s), place(rng, 0.0), r - s),
+        1 => (tube(r, 1.0), tube(s, 1.0), about_z(rng), r - s),
+        2 => (torus(2.0, r), torus(2.0, s), about_z(rng), r - s),
+        3 => (torus(2.0 * r, r), sphere(s), place(rng, 0.0), r - s),
+        _ => (sphere(r), tube(0.8 * s, 0.6 * s), about_z(rng), r - s),
+    }
+}
+
+/// Such pairs end long before their budget, at bounds that hold; warm as well.
+#[test]
+fn surfaces_that_are_level_end_soon() {
+    let mut widest = [0.0_f64; 5];
+    for k in 0..15 {
+        let mut rng = Rng::of_case(71, k);
+        let kind = k as usize % 5;
+        let (a, b, at, truth) = level(&mut rng, kind);
+        let mut tracker = SurfaceTracker::new();
+        for _ in 0..2 {
+            let before = tracker.work().splits;
+            let o = tracker.closest(&a, &b, &pose(&at), 1e-9);
+            assert!(
+                o.lower <= truth + 1e-14 && truth <= o.upper + 1e-14,
+                "{k} {truth}: {o:?}"
+            );
+            assert!(
+                tracker.work().splits - before <= 4_096,
+                "{k} {truth}: {:?}",
+                tracker.work()
+            );
+            widest[kind] = widest[kind].max(o.upper - o.lower);
+        }
+        // A wide interval is no harder than elsewhere.
+        assert!(tracker.closest(&a, &b, &pose(&at), 0.3).is_reached, "{k}");
+    }
+    println!("widths {widest:?}");
+    assert!(widest.iter().all(|w| *w < 0.3), "{widest:?}");
+}
+
+/// A patch and the same patch a little higher are close everywhere.
+#[test]
+fn a_patch_just_above_itself_is_decided_soon_or_not() {
+    for k in 0..6 {
+        let mut rng = Rng::of_case(72, k);
+        let degrees = [1 + rng.below(4), 2 + rng.below(3)];
+        let patch = Surface::new(vec![bumpy(&mut rng, degrees, 0.7)]).expect("a surface");
+        let up = rng.log_range(1e-8, 3e-6);
+        let mut tracker = SurfaceTracker::new();
+        let found = tracker.intersects(&patch, &patch, &pose(&Isometry3::translation(0.0, 0.0, up)));
+        assert!(found != Decision::Yes, "{k} {up:e}");
+        assert!(tracker.work().splits <= 4_096, "{k} {up:e}: {:?}", tracker.work());
+        let away = pose(&Isometry3::translation(0.0, 0.0, 2.0));
+        assert_eq!(tracker.intersects(&patch, &patch, &away), Decision::No);
     }
 }
 
