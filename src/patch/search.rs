@@ -369,11 +369,12 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
         self.least.clamp(0.0, self.upper)
     }
 
-    /// Returns whether the search may reach its goal within its budget, as far as its pace
-    /// tells; `open` is the pair with the least bound.
+    /// Returns whether the search may reach its goal within its budget, as far as its pace tells;
+    /// `open` is the pair with the least bound. Beside a convex body, where bounds come close late
+    /// at the rims of cylinders and cones, always.
     fn is_worth(&mut self, open: &Open) -> bool {
         let needed = self.upper - self.level();
-        self.pace.is_enough(self.upper - open.gap.gap, needed)
+        B::IS_CONVEX || self.pace.is_enough(self.upper - open.gap.gap, needed)
     }
 
     /// Splits the larger node of a pair and sorts the two new pairs; false if nothing can be split.

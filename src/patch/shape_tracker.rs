@@ -78,8 +78,7 @@ impl SurfaceShapeTracker {
     }
 
     /// Returns the tracker with another budget: the number of nodes that one query may split,
-    /// 20,000 by default and at most `2^22`, as
-    /// [`SurfaceTracker::with_budget`](super::SurfaceTracker::with_budget).
+    /// 20,000 by default and at most `2^22`. A query that uses up its budget returns wider bounds.
     #[must_use]
     pub fn with_budget(mut self, splits: usize) -> Self {
         self.state.allow(splits);
