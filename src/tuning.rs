@@ -188,6 +188,11 @@ pub(crate) mod contact {
     /// Vertices of a face boundary tried next to a hint before bisection takes over. Not measured.
     pub(crate) const MAX_LOCAL_STEPS: usize = 4;
 
+    /// Rays are cast from a point of an overlap this many times the rounding of a position off the
+    /// boundaries: nearer, rounding chooses the edges by which they leave. Narrower overlaps count
+    /// as lines. Not measured.
+    pub(crate) const INSIDE: f64 = 16.0;
+
     /// Depths of contacts of a flat round face count as equal within this times the radius of the
     /// smaller shape: contacts that stand still on a shape that trembles, for depth. Tilted by `t`,
     /// a rim is deepest between two of its eight named points by up to `0.08 t` radii more, so

@@ -11,6 +11,8 @@ pub(super) struct Axes {
     pub(super) tangents: [Vector3<f64>; 2],
     pub(super) normal: Vector3<f64>,
     pub(super) witness: Vector3<f64>,
+    /// Rounding of a plane coordinate.
+    pub(super) noise: f64,
 }
 
 impl Axes {

@@ -86,10 +86,10 @@ impl Candidates {
         }
     }
 
-    /// Adds a candidate with the given heights over the witnesses if near enough; returns whether
-    /// added. The witnesses are accepted at any separation.
+    /// Adds a candidate with the given heights over the witnesses if near enough. The
+    /// witnesses are accepted at any separation.
     #[inline(always)]
-    pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [Location; 2]) -> bool {
+    pub(super) fn push(&mut self, at: [f64; 2], [on_a, on_b]: [f64; 2], on: [Location; 2]) {
         let separation = self.distance + (on_b - on_a);
         let is_accepted =
             (separation <= self.prediction || on == ContactCandidate::WITNESS) && self.count < MAX_CANDIDATES;
@@ -97,7 +97,6 @@ impl Candidates {
             self.list[self.count] = ContactCandidate { at, separation, on };
             self.count += 1;
         }
-        is_accepted
     }
 
     #[inline(always)]

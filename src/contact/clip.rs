@@ -135,47 +135,58 @@ pub(super) struct Crossing {
     pub(super) heights: [f64; 2],
 }
 
-/// Returns the crossing of an edge of A with an edge of B, whose line separates the ends of A's
-/// edge.
+/// Returns the crossing of an edge of A with an edge of B; `None` unless each line separates the
+/// ends of the opposite edge, and the edges meet within `noise`.
 #[inline(always)]
-pub(super) fn intersection([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2]) -> Crossing {
+pub(super) fn crossing(e: &[LocalPoint; 2], f: &[LocalPoint; 2], noise: f64) -> Option<Crossing> {
+    do_cross(e, f).then(|| intersection(e, f, noise)).flatten()
+}
+
+/// Returns the crossing of an edge of A with an edge of B, whose line separates the ends of A's
+/// edge but for rounding; `None` if the edges are further apart than `noise`, as edges in one line
+/// may be.
+#[inline(always)]
+fn intersection([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2], noise: f64) -> Option<Crossing> {
     let (u, v) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]]);
     let side = |x: &LocalPoint| v[0] * (x[1] - r[1]) - v[1] * (x[0] - r[0]);
     let (from, to) = (side(p), side(q));
     // Exactly one of the two values is negative; if rounding hides the parameter, take the middle.
     let t = from / (from - to);
     let t = if (0.0..=1.0).contains(&t) { t } else { 0.5 };
-    let place = |t: f64| [p[0] + t * u[0], p[1] + t * u[1]];
+    let point = |from: &LocalPoint, way: [f64; 2], t: f64| [from[0] + t * way[0], from[1] + t * way[1]];
     let foot = |at: [f64; 2], from: &LocalPoint, way: [f64; 2]| {
         let along = (at[0] - from[0]) * way[0] + (at[1] - from[1]) * way[1];
         along / (way[0] * way[0] + way[1] * way[1])
     };
-    let along = foot(place(t), r, v);
+    let along = foot(point(p, u, t), r, v);
     // Edges on one line cross anywhere on both: at an end of B's if A's goes beyond.
     let (t, along) = if (0.0..=1.0).contains(&along) {
         (t, along)
     } else {
         let end = if along > 0.0 { 1.0 } else { 0.0 };
-        let beside = foot([r[0] + end * v[0], r[1] + end * v[1]], p, u);
+        let beside = foot(point(r, v, end), p, u);
         (if beside > 0.0 { beside.min(1.0) } else { 0.0 }, end)
     };
-    let at = place(t);
-    Crossing {
+    let (at, opposite) = (point(p, u, t), point(r, v, along));
+    let apart = [at[0] - opposite[0], at[1] - opposite[1]];
+    let meet = apart[0] * apart[0] + apart[1] * apart[1] <= noise * noise;
+    meet.then(|| Crossing {
         at,
         along: [t, along],
         heights: [p[2] + t * (q[2] - p[2]), r[2] + along * (s[2] - r[2])],
-    }
+    })
 }
 
 /// Returns whether two edges cross: each line separates the ends of the opposite edge.
 #[inline(always)]
-pub(super) fn do_cross([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2]) -> bool {
+fn do_cross([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2]) -> bool {
     let left =
         |p: &LocalPoint, q: &LocalPoint, x: &LocalPoint| (q[0] - p[0]) * (x[1] - p[1]) >= (q[1] - p[1]) * (x[0] - p[0]);
     left(r, s, p) != left(r, s, q) && left(p, q, r) != left(p, q, s)
 }
 
-/// Adds the crossing of edge `i` of A and edge `j` of B, whose lines separate each other's ends.
+/// Adds the crossing of edge `i` of A and edge `j` of B, whose lines separate each other's
+/// ends but for rounding, if the edges meet.
 #[inline(always)]
 pub(super) fn push_crossing(
     a: &ProjectedFeature,
@@ -183,9 +194,10 @@ pub(super) fn push_crossing(
     i: usize,
     j: usize,
     candidates: &mut Candidates,
-) -> bool {
-    let Crossing { at, heights, .. } = intersection(&a.ends(i), &b.ends(j));
-    candidates.push(at, heights, [Location::edge(i), Location::edge(j)])
+) {
+    if let Some(Crossing { at, heights, .. }) = intersection(&a.ends(i), &b.ends(j), a.axes.noise) {
+        candidates.push(at, heights, [Location::edge(i), Location::edge(j)]);
+    }
 }
 
 /// Adds the ends of the overlap of two nearly parallel edges, each end opposite its foot on the

@@ -158,6 +158,7 @@ impl Patch {
             tangents: axes.tangents,
             normal: axes.normal,
             witness: (axes.witness - body.origin) / unit,
+            noise: axes.noise / unit,
         };
         let mut lazy = LazyProjection::new(body, feature, &stored, side == 1);
         let projected = lazy.get();

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use super::axes::Axes;
 use super::candidates::{Candidates, ContactCandidate, Location};
-use super::clip::{do_cross, intersection};
+use super::clip::crossing;
 use super::facet::{Facet, Patch};
 use super::reduce::reduce;
 use super::{ContactPoint, Contacts, MOST_POINTS, Manifold, Query, tangents_of};
@@ -84,17 +84,19 @@ fn axes_of(query: &Query, outcome: &Outcome) -> ([Axes; 2], f64) {
     let (on_a, on_b) = (outcome.point_on_a.coords, outcome.point_on_b.coords);
     let between = query.rotation * on_b + query.translation - on_a;
     let distance = normal.dot(&between);
-    let tangents = tangents_of(&normal);
+    let (tangents, noise) = (tangents_of(&normal), ACROSS * query.size());
     let axes = [
         Axes {
             tangents,
             normal,
             witness: on_a,
+            noise,
         },
         Axes {
             tangents: tangents.map(|v| query.rotation.tr_mul(&v)),
             normal: query.rotation.tr_mul(&normal),
             witness: on_b - query.rotation.tr_mul(&(between - normal * distance)),
+            noise,
         },
     ];
     (axes, distance)
@@ -184,8 +186,7 @@ fn clip(patches: &[Patch; 2], noise: f64, parallel: (f64, f64), candidates: &mut
     for i in 0..a.edge_count() {
         for j in 0..b.edge_count() {
             let (p, q) = (a.ends(i), b.ends(j));
-            if do_cross(&p, &q) {
-                let crossing = intersection(&p, &q);
+            if let Some(crossing) = crossing(&p, &q, noise) {
                 candidates.push(crossing.at, crossing.heights, [Location::edge(i), Location::edge(j)]);
             }
         }

@@ -85,7 +85,7 @@ impl Projections<'_> {
                     self.a.get()
                 };
                 let inside = other.inside_by(m.at);
-                if !(inside >= -posed.noise()) {
+                if !(inside >= -other.axes.noise) {
                     return false;
                 }
                 margin = self::margin(inside * unit, separation, options) + moved;
@@ -138,7 +138,7 @@ impl Projections<'_> {
             }
             (Feature::Edge(e), Feature::Edge(g)) if on[0].as_edge().is_some() => {
                 let ((p, local_p), (q, local_q)) = (ends(a, e, ours)?, ends(b, g, theirs)?);
-                let crossing = clip::do_cross(&local_p, &local_q).then(|| clip::intersection(&local_p, &local_q))?;
+                let crossing = clip::crossing(&local_p, &local_q, ours.noise)?;
                 let along = |[from, to]: &[Vector3<f64>; 2], t: f64| from + (to - from) * t;
                 Some(MeasuredContact {
                     points: [along(&p, crossing.along[0]), along(&q, crossing.along[1])],

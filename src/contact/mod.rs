@@ -164,23 +164,21 @@ impl PosedOutcome<'_> {
     fn axes(&self) -> [Axes; 2] {
         let normal = self.outcome.normal.into_inner();
         let tangents = tangents_of(&normal);
+        let noise = ACROSS * self.size / self.a.unit();
         [
             Axes {
                 tangents,
                 normal,
                 witness: self.a.to_stored(&self.outcome.point_on_a),
+                noise,
             },
             Axes {
                 tangents: tangents.map(|v| self.rotation.tr_mul(&v)),
                 normal: self.rotation.tr_mul(&normal),
                 witness: self.b.to_stored(&self.outcome.point_on_b),
+                noise,
             },
         ]
-    }
-
-    /// Returns the rounding of a plane coordinate, in stored units.
-    fn noise(&self) -> f64 {
-        ACROSS * self.size / self.a.unit()
     }
 
     /// Returns the features that bear the contact.
@@ -229,7 +227,6 @@ impl ProjectedPair<'_> {
     fn add_candidates(
         &self,
         options: &ManifoldOptions,
-        noise: f64,
         before: &Manifold,
         rays: &mut Rays,
         candidates: &mut Candidates,
@@ -240,9 +237,9 @@ impl ProjectedPair<'_> {
         } else if a.is_large() || b.is_large() {
             let middle = |p: &Point3<f64>| a.position_of(&self.posed.a.to_stored(p));
             let hint = before.middle().as_ref().map(middle);
-            rims::clip([a, b], noise, hint, options.most(), rays, candidates);
+            rims::clip([a, b], hint, options.most(), rays, candidates);
         } else {
-            clip::clip(a, b, noise, candidates);
+            clip::clip(a, b, a.axes.noise, candidates);
         }
         if !self.has_deepest(candidates) {
             candidates.push([0.0; 2], [0.0; 2], ContactCandidate::WITNESS);
@@ -264,8 +261,8 @@ impl ProjectedPair<'_> {
     #[inline(always)]
     fn choose(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) {
         let PosedOutcome { a, b, outcome, .. } = self.posed;
-        let (mut candidates, noise) = (self.no_candidates(options), self.posed.noise());
-        self.add_candidates(options, noise, before, &mut contacts.rays, &mut candidates);
+        let (mut candidates, noise) = (self.no_candidates(options), self.a.axes.noise);
+        self.add_candidates(options, before, &mut contacts.rays, &mut candidates);
         let merge = noise.max(options.drift * a.radius.min(b.radius));
         let kept = self.kept(candidates.all(), options, before);
         let chosen = reduce(candidates.all(), kept, options.most(), merge, noise);

@@ -51,7 +51,7 @@ impl<'a> LazyProjection<'a> {
 /// Up to [`LARGE`] vertices are projected at once; the vertices of larger faces on demand.
 pub(super) struct ProjectedFeature<'a> {
     body: &'a ConvexPolyhedron,
-    axes: &'a Axes,
+    pub(super) axes: &'a Axes,
     pub(super) feature: Feature,
     pub(super) count: usize,
     /// Plane coordinates; after the last vertex of a small face the first vertex is repeated.
@@ -303,6 +303,15 @@ impl<'a> ProjectedFeature<'a> {
     #[inline(always)]
     pub(super) fn height_on_face(&self, at: [f64; 2]) -> f64 {
         self.plane.height(at)
+    }
+
+    /// Returns the height over a point of the plane: of the face, or of the edge at the point's foot.
+    pub(super) fn height_at(&self, at: [f64; 2]) -> f64 {
+        if self.is_edge() {
+            self.height_on_edge(0, at)
+        } else {
+            self.height_on_face(at)
+        }
     }
 
     /// Returns the parameter along edge `k` of the foot of a point, from 0 to 1.

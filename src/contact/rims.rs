@@ -12,6 +12,10 @@
 //!
 //! Each face is left by an edge found by bisection; the nearer exit is on the boundary of the
 //! overlap, and the end of the edge, or its crossing with the opposite boundary, is a candidate.
+//! An exit that rounding hides is none, and neither is a crossing whose edges do not meet, so every
+//! candidate lies in both faces. Faces that share a line along two edges have no interior point:
+//! the ends of the line are found among the vertices next to the witnesses.
+//!
 //! Four rays are cast crosswise, some between them, and then some out of the longest sides found so
 //! far. So for two discs of `m` vertices each ray visits `log m` of them. Not all vertices of the
 //! overlap are found, but more than requested, spread over the overlap.
@@ -23,7 +27,7 @@ use super::candidates::{Candidates, Location};
 use super::clip::push_crossing;
 use super::projection::ProjectedFeature;
 use crate::num::scalar::sqrt;
-use crate::tuning::contact::MAX_LOCAL_STEPS;
+use crate::tuning::contact::{INSIDE, MAX_LOCAL_STEPS};
 
 /// Exit edges of the previous frame's rays on the faces of A and of B: the next rays exit nearby.
 pub(super) type Rays = [[u32; 2]; 12];
@@ -52,9 +56,10 @@ impl ProjectedFeature<'_> {
         [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
     }
 
-    /// Returns whether the face is no wider than `noise`, so that rounding decides the exits of
+    /// Returns whether the face is no wider than rounding, so that rounding decides the exits of
     /// rays. A large face is judged by an inscribed triangle.
-    fn is_sliver(&self, noise: f64) -> bool {
+    fn is_sliver(&self) -> bool {
+        let noise = self.axes.noise;
         let count = if self.is_large() { 3 } else { self.count };
         let relative = |k: usize| minus(self.position(k * self.count / count), self.position(0));
         let (mut area, mut reach) = (0.0, 0.0f64);
@@ -68,7 +73,8 @@ impl ProjectedFeature<'_> {
     }
 
     /// Returns the exit of a ray from `from`, inside the face: the ray parameter in multiples of
-    /// `way`, and the exit edge. Fast if the exit edge is `hint` or near it.
+    /// `way`, and the exit edge; the parameter is 0 if no point of the edge found lies on the ray,
+    /// as may be if `from` is on the boundary. Fast if the exit edge is `hint` or near it.
     fn exit(&self, from: Point2, way: Point2, hint: usize) -> (f64, usize) {
         let relative = |k: usize| minus(self.position(k), from);
         let exit_at = |k: usize, p: Point2, q: Point2| {
@@ -79,7 +85,9 @@ impl ProjectedFeature<'_> {
                 0.5
             };
             let x = [p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])];
-            (dot(x, way) / dot(way, way), k)
+            let (beside, squared) = (turn(way, x), dot(way, way));
+            let is_on_ray = beside * beside <= self.axes.noise * self.axes.noise * squared;
+            (if is_on_ray { dot(x, way) / squared } else { 0.0 }, k)
         };
         // Right of the ray at the start, left of the ray at the end, and seen from inside.
         let hit = |p: Point2, q: Point2| {
@@ -137,26 +145,57 @@ impl ProjectedFeature<'_> {
     pub(super) fn contains(&self, middle: Point2, at: Point2) -> bool {
         !(self.exit(middle, minus(at, middle), usize::MAX).0 < 1.0)
     }
+
+    /// Returns whether a point is in the face, off the boundary by several times rounding, as seen
+    /// from the interior point `middle`; an edge has no interior, and its points will do.
+    fn is_well_inside(&self, middle: Point2, at: Point2) -> bool {
+        let (far, k) = self.exit(middle, minus(at, middle), usize::MAX);
+        let (p, q) = (self.position(k), self.position(self.next(k)));
+        let (u, margin) = (minus(q, p), INSIDE * self.axes.noise);
+        let inside = turn(u, minus(at, p));
+        // At the middle the parameter is NaN.
+        !(far < 1.0) && (self.is_edge() || inside > 0.0 && inside * inside > margin * margin * dot(u, u))
+    }
+
+    /// Returns the edge by which a ray from the middle through the witness leaves the face, and the
+    /// unit direction from the edge inwards.
+    fn edge_at_witness(&self, middle: Point2) -> (usize, Point2) {
+        let (_, k) = self.exit(middle, [-middle[0], -middle[1]], usize::MAX);
+        let u = minus(self.position(self.next(k)), self.position(k));
+        let length = sqrt(dot(u, u));
+        (k, [-u[1] / length, u[0] / length])
+    }
+
+    /// Returns the four vertices next to the witness, of which the inner two end the edge that
+    /// holds the witness, if the witness is on the boundary.
+    fn vertices_at_witness(&self) -> [usize; 4] {
+        let (k, _) = self.edge_at_witness(self.middle());
+        [self.count - 1, 0, 1, 2].map(|n| (k + n) % self.count)
+    }
+
+    /// Returns whether a point is in the face, or off the face by no more than rounding.
+    fn holds(&self, at: Point2) -> bool {
+        let middle = self.middle();
+        let (far, k) = self.exit(middle, minus(at, middle), usize::MAX);
+        let (p, q, t) = (self.position(k), self.position(self.next(k)), self.along(k, at));
+        let off = [0, 1].map(|i| p[i] + t * (q[i] - p[i]) - at[i]);
+        far >= 1.0 || dot(off, off) <= self.axes.noise * self.axes.noise
+    }
 }
 
-/// Returns a point well inside both faces: the hint, or a point offset from the witnesses (the
-/// origin of the plane) towards the middle of a face, or away from both boundaries.
+/// Returns a point well inside both faces, farther from their boundaries than rounding: the hint,
+/// or a point offset from the witnesses (the origin of the plane) towards the middle of a face, or
+/// away from a boundary or both. `None` if the overlap is as narrow as rounding.
 fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>) -> Option<Point2> {
     let (of_a, of_b) = (a.middle(), b.middle());
-    let both = |p: &Point2| a.contains(of_a, *p) && b.contains(of_b, *p);
+    let both = |p: &Point2| a.is_well_inside(of_a, *p) && b.is_well_inside(of_b, *p);
     if let Some(hint) = hint.filter(both) {
         return Some(hint);
     }
     if let Some(p) = [of_a, of_b].map(|w| [w[0] * 0.5, w[1] * 0.5]).into_iter().find(both) {
         return Some(p);
     }
-    let inward = |s: &ProjectedFeature, middle: Point2| {
-        let (_, k) = s.exit(middle, [-middle[0], -middle[1]], usize::MAX);
-        let u = minus(s.position(s.next(k)), s.position(k));
-        let length = sqrt(dot(u, u));
-        [-u[1] / length, u[0] / length]
-    };
-    let (m, n) = (inward(a, of_a), inward(b, of_b));
+    let ((_, m), (_, n)) = (a.edge_at_witness(of_a), b.edge_at_witness(of_b));
     let reach = sqrt(dot(of_a, of_a).min(dot(of_b, of_b)));
     let between = [(m[0] + n[0]) * reach, (m[1] + n[1]) * reach];
     let mut part = 1.0;
@@ -167,7 +206,42 @@ fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>
         }
         part *= 0.5;
     }
-    None
+    // A strip: half the way across.
+    let across = |way: Point2| {
+        let width = [a, b].map(|face| face.exit([0.0; 2], way, usize::MAX).0);
+        let half = 0.5 * width[0].min(width[1]);
+        [way[0] * half, way[1] * half]
+    };
+    [m, n].map(across).into_iter().find(both)
+}
+
+/// Adds the ends of a line along which two faces meet: the vertices of each near the witnesses that
+/// lie in the opposite face.
+fn share_line(a: &ProjectedFeature, b: &ProjectedFeature, candidates: &mut Candidates) {
+    for k in a.vertices_at_witness() {
+        if b.holds(a.position(k)) {
+            push_vertex_of_a(a, k, b, candidates);
+        }
+    }
+    for k in b.vertices_at_witness() {
+        if a.holds(b.position(k)) {
+            push_vertex_of_b(a, b, k, candidates);
+        }
+    }
+}
+
+/// Adds vertex `k` of A and the point of B opposite.
+fn push_vertex_of_a(a: &ProjectedFeature, k: usize, b: &ProjectedFeature, candidates: &mut Candidates) {
+    let at = a.position(k);
+    let heights = [a.vertex(k)[2], b.height_at(at)];
+    candidates.push(at, heights, [Location::vertex(k), Location::WHOLE]);
+}
+
+/// Adds vertex `k` of B and the point of A opposite.
+fn push_vertex_of_b(a: &ProjectedFeature, b: &ProjectedFeature, k: usize, candidates: &mut Candidates) {
+    let at = b.position(k);
+    let heights = [a.height_at(at), b.vertex(k)[2]];
+    candidates.push(at, heights, [Location::WHOLE, Location::vertex(k)]);
 }
 
 /// Two faces, and the number of rays cast so far.
@@ -179,19 +253,19 @@ pub(super) struct RayCaster<'a> {
 }
 
 /// Adds candidates on the boundary of the overlap of two faces, enough to choose `most` from; none
-/// if a face is a sliver no wider than `noise`. `hint` may be near the middle of the overlap.
+/// if a face is a sliver no wider than rounding. `hint` may be near the middle of the overlap.
 pub(super) fn clip(
     [a, b]: [&ProjectedFeature; 2],
-    noise: f64,
     hint: Option<Point2>,
     most: usize,
     rays: &mut Rays,
     candidates: &mut Candidates,
 ) {
-    if a.is_sliver(noise) || b.is_sliver(noise) {
+    if a.is_sliver() || b.is_sliver() {
         return;
     }
     let Some(mut centre) = common_point(a, b, hint) else {
+        share_line(a, b, candidates);
         return;
     };
     let mut caster = RayCaster { a, b, rays, count: 0 };
@@ -278,27 +352,17 @@ impl RayCaster<'_> {
         self.count += 1;
         if far_a <= far_b {
             for end in tested_ends(a, i) {
-                let at = a.position(end);
                 match crossing_edge((a, i, end), (b, j), from) {
-                    None => candidates.push(
-                        at,
-                        [a.vertex(end)[2], b.height_on_face(at)],
-                        [Location::vertex(end), Location::WHOLE],
-                    ),
+                    None => push_vertex_of_a(a, end, b, candidates),
                     Some(j) => push_crossing(a, b, i, j, candidates),
-                };
+                }
             }
         } else {
             for end in tested_ends(b, j) {
-                let at = b.position(end);
                 match crossing_edge((b, j, end), (a, i), from) {
-                    None => candidates.push(
-                        at,
-                        [a.height_on_face(at), b.vertex(end)[2]],
-                        [Location::WHOLE, Location::vertex(end)],
-                    ),
+                    None => push_vertex_of_b(a, b, end, candidates),
                     Some(i) => push_crossing(a, b, i, j, candidates),
-                };
+                }
             }
         }
         far_a.min(far_b)

@@ -6,6 +6,7 @@ mod frames;
 mod hard;
 mod judge;
 mod planar;
+mod rims;
 #[path = "../support/mod.rs"]
 mod support;
 

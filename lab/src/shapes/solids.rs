@@ -46,6 +46,28 @@ pub fn prism(n: usize, r: f64, h: f64) -> Shape {
     }
 }
 
+/// A plate of half sizes `h` whose upright edges are rounded by `k` points each, at a radius of half the shorter side: a box for
+/// `k = 1`. Between the corners its rims are straight.
+pub fn rounded_plate(h: Point, k: usize) -> Shape {
+    let r = 0.5 * h[0].min(h[1]);
+    let quarter = |i: usize| if k > 1 { i as f64 / (k - 1) as f64 } else { 0.5 };
+    let corner = |i: usize| {
+        let (y, x) = (0.25 * TAU * quarter(i)).sin_cos();
+        if k > 1 {
+            [h[0] - r + r * x, h[1] - r + r * y]
+        } else {
+            [h[0], h[1]]
+        }
+    };
+    let mut points = Vec::new();
+    for signs in [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]] {
+        for [x, y] in (0..k).map(corner) {
+            points.extend([-h[2], h[2]].map(|z| [signs[0] * x, signs[1] * y, z]));
+        }
+    }
+    Shape::hull(format!("plate {}", 4 * k), points)
+}
+
 /// A cone over a regular `n`-gon of radius `r` at `z = 0`, with its tip (the last point, of valence `n`) at height `h`.
 pub fn cone(n: usize, r: f64, h: f64) -> Shape {
     let mut points = ring(n, r, 0.0);

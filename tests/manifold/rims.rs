@@ -1,0 +1,131 @@
+//! Straight rims of faces of many corners beside, above and over straight edges: what the faces share is a line or a strip.
+
+use crate::judge::judge;
+use crate::{exact, manifold, support};
+use lab::motion::Frame;
+use lab::pose::scale;
+use lab::rng::Rng;
+use lab::shapes;
+use lab::{Point, Pose};
+use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
+
+/// Half length of a straight rim along y, and half the width of its body along x.
+#[derive(Clone, Copy)]
+struct Rim {
+    half: f64,
+    width: f64,
+}
+
+fn plate(k: usize) -> (ConvexPolyhedron, Rim) {
+    let body = support::body(&shapes::rounded_plate([1.0, 1.5, 0.25], k));
+    let half = if k > 1 { 1.0 } else { 1.5 };
+    (body, Rim { half, width: 1.0 })
+}
+
+fn bodies() -> Vec<(ConvexPolyhedron, Rim)> {
+    let mut bodies: Vec<_> = [1, 4, 6, 7, 8, 10, 15, 40].map(plate).into();
+    for h in [[0.5, 0.5, 0.25], [0.125, 2.0, 0.25]] {
+        let rim = Rim {
+            half: h[1],
+            width: h[0],
+        };
+        bodies.push((support::body(&shapes::cuboid(h)), rim));
+    }
+    bodies
+}
+
+/// Length along y of what the bodies share, and of what the points of a manifold span.
+fn lengths([a, b]: [Rim; 2], aside: f64, m: &Manifold) -> (f64, f64) {
+    let shared = (a.half.min(aside + b.half) - (-a.half).max(aside - b.half)).max(0.0);
+    let y = m.points().iter().map(|p| -> f64 {
+        let p: Point = p.point_on_a.coords.into();
+        p[1]
+    });
+    let (low, high) = y.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
+        (low.min(y), high.max(y))
+    });
+    (shared, high - low)
+}
+
+#[test]
+fn straight_rims_bear_contacts_on_both_bodies() {
+    let (mut rng, bodies) = (Rng::new(621), bodies());
+    let (mut lines, mut short) = (0, 0);
+    for k in 0..6000 {
+        let ((a, of_a), (b, of_b)) = (rng.pick(&bodies), rng.pick(&bodies));
+        // Of either sign: the rims are in line, the bodies apart beside each other, or they share a strip.
+        let across = match k % 4 {
+            0 => 0.0,
+            1 => rng.log_range(1e-17, 1e-3),
+            2 => -rng.log_range(1e-17, 1e-3),
+            _ => rng.range(-0.02, 0.01),
+        };
+        let gap = match k / 4 % 4 {
+            0 => rng.log_range(1e-15, 3e-2),
+            1 | 2 => rng.log_range(1e-6, 3e-2),
+            _ => -across.abs() * rng.range(0.0, 0.5),
+        };
+        let aside = rng.range(-0.9, 0.9) * (of_a.half + of_b.half);
+        let yaw = [0.0, rng.log_range(1e-17, 1e-2)][usize::from(k % 3 == 0)];
+        let t = [of_a.width + of_b.width + across, aside, 0.5 + gap];
+        let mut frame = Frame {
+            a: Pose::IDENTITY,
+            b: Pose::turn([0.0, 0.0, 1.0], yaw, t),
+        };
+        if rng.chance(0.5) {
+            frame = frame.moved(&Pose {
+                q: rng.quat(),
+                t: scale(rng.unit(), 3.0),
+            });
+        }
+        let options = exact(0.1, 4 + rng.below(5));
+        let m = manifold(a, b, &frame, &options);
+        let o = judge(a, b, &frame, &m, &options, &format!("rims {k}"));
+        judge(
+            b,
+            a,
+            &frame.swapped(),
+            &manifold(b, a, &frame.swapped(), &options),
+            &options,
+            "rims, swapped",
+        );
+        let steep = o.normal.z.abs() < 0.9;
+        if yaw == 0.0 && o.lower > 0.0 && !steep {
+            let (shared, spanned) = lengths([*of_a, *of_b], aside, &m);
+            lines += 1;
+            short += usize::from(spanned < 0.9 * shared);
+        }
+    }
+    assert!(lines > 2000 && short == 0, "{short} of {lines}");
+}
+
+/// A box is drawn off a rim, along it and across: what is kept from frame to frame is as sound as what is chosen.
+#[test]
+fn contacts_kept_along_straight_rims_are_sound() {
+    let (mut rng, bodies) = (Rng::new(622), bodies());
+    let mut kept = 0;
+    for _ in 0..150 {
+        let ((a, of_a), (b, of_b)) = (rng.pick(&bodies), rng.pick(&bodies));
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        let mut options = ManifoldOptions::within(0.1);
+        options.drift = 0.0;
+        let (gap, drawn) = (
+            rng.log_range(1e-6, 3e-2),
+            rng.log_range(1e-17, 1e-3) * if rng.chance(0.5) { 1.0 } else { -1.0 },
+        );
+        let step = rng.log_range(1e-4, 0.05);
+        let start = -(of_a.half + of_b.half) * rng.range(0.5, 1.0);
+        for k in 0..40 {
+            let across = if k % 2 == 0 { 0.0 } else { drawn };
+            let t = [of_a.width + of_b.width + across, start - step * f64::from(k), 0.5 + gap];
+            let frame = Frame {
+                a: Pose::IDENTITY,
+                b: Pose::shift(t),
+            };
+            pair.manifold(a, b, &support::relative(&frame), &options, &mut m);
+            judge(a, b, &frame, &m, &options, "drawn along a rim");
+            kept += m.points().len();
+        }
+    }
+    assert!(kept > 6000, "{kept}");
+}
