@@ -353,6 +353,11 @@ pub(crate) mod broad {
     /// Longest wait between two checks of the column width, in steps. Not measured.
     pub(crate) const PATIENCE: u32 = 1024;
 
+    /// Columns are cut anew if a step compares this many times the entries, a body, of the step
+    /// measured last: more than the windows of fast bodies are widened by, less than a fourfold
+    /// density costs. Not measured.
+    pub(crate) const SURGE: f64 = 3.0;
+
     /// A new column width must promise at most this part of the present cost. Not measured.
     pub(crate) const GAIN: f64 = 0.85;
 

@@ -49,7 +49,8 @@ use tune::{Counts, Tuning};
 ///    No flags a pair, no set of found pairs: storage grows with bodies and overlapping pairs only.
 /// 4. If few boxes changed, only their entries and windows are scanned (`repair`), column by
 ///    column; a column is swept whole or repaired, whichever is cheaper, with equal results.
-/// 5. Column width follows from the counts of the last sweep (`tune`).
+/// 5. Axis and column width follow from the counts of a sweep (`tune`), checked the more rarely the
+///    longer they are right, and at once when a step compares several times the entries.
 ///
 /// Cost of a step: proportional to the entries if most boxes move, else to the boxes moved and
 /// their windows. Worst case n^2 if all boxes really overlap on all but the pruned axes, as in a
@@ -198,7 +199,7 @@ impl PencilSweep {
             counts.add(core::mem::take(&mut worker.counts));
         }
         self.collect();
-        self.tuning.observe(&self.state.bodies, counts);
+        self.tuning.observe(&self.state.bodies, counts, total);
     }
 
     fn repair_touched(&mut self) {
@@ -213,6 +214,7 @@ impl PencilSweep {
     fn collect(&mut self) {
         for worker in &mut self.workers {
             self.state.changes.append(&mut worker.changes);
+            worker.counts = Counts::default();
             self.swaps += core::mem::take(&mut worker.swaps);
             self.scanned += core::mem::take(&mut worker.scanned);
         }
@@ -231,6 +233,7 @@ impl PencilSweep {
             self.sweep_all();
         } else {
             self.repair_touched();
+            self.tuning.watch(self.scanned as f64 / self.state.bodies.len() as f64);
         }
         note_unbounded(&self.state.bodies, &mut self.state.changes);
     }

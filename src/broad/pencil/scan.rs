@@ -151,6 +151,7 @@ impl Worker {
                 self.boxes.lay_floors(&self.alone);
                 self.scan::<true>(column, cell, bodies);
             }
+            self.counts.entries += column.entries.len() as u64;
             if self.counting {
                 self.count(column, bodies);
             }
@@ -255,6 +256,7 @@ impl Worker {
         }
         settle(&mut pending[..waiting], column, cell, bodies, &mut self.changes);
         self.scanned += scanned as u64;
+        self.counts.compared += scanned as u64;
     }
 
     /// Counts the entries inside the windows of a sample of the column.
@@ -266,7 +268,6 @@ impl Worker {
             self.counts.tests += start[i + 1..].partition_point(|s| *s <= end) as u64;
             self.counts.sampled += 1;
         }
-        self.counts.entries += n as u64;
         self.counts.columns += 1;
     }
 

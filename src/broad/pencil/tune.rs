@@ -5,12 +5,16 @@
 //! change with the width follows from the sizes of the boxes, so the best width is read off a
 //! curve; errors of the curve due to varying density are measured again by the next sweep.
 //! Everything counted is a number of entries, never a time: equal calls give equal columns.
+//!
+//! The longer the columns are right, the rarer they are checked. A step that compares several times
+//! the entries of the last check ends the calm, and so does a check that finds the bodies spread
+//! along another axis: axis and width are then chosen as for a new world.
 
 use crate::broad::body::{Bodies, UNBOUNDED};
 use crate::broad::bounds::Bounds;
 use crate::broad::grid::{Grid, MOST_COLUMNS_OF_AXIS};
 use crate::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
-use crate::tuning::broad::{COLUMN, EMPTY_COLUMN, ENTRY, GAIN, MOST_ENTRIES, PATIENCE, SAMPLE, WINDOW};
+use crate::tuning::broad::{COLUMN, EMPTY_COLUMN, ENTRY, GAIN, MOST_ENTRIES, PATIENCE, SAMPLE, SURGE, WINDOW};
 use alloc::vec::Vec;
 
 /// Sizes and positions of all bounded boxes, in the axes of the stored boxes.
@@ -185,8 +189,10 @@ impl Survey {
 /// Counts of a full sweep.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Counts {
-    /// Entries swept.
+    /// Entries swept, of columns in which something moved.
     pub(super) entries: u64,
+    /// Entries compared with the entries of windows, in whole blocks.
+    pub(super) compared: u64,
     /// Entries inside the windows of a sample of the entries.
     pub(super) tests: u64,
     pub(super) sampled: u64,
@@ -197,6 +203,7 @@ pub(super) struct Counts {
 impl Counts {
     pub(super) fn add(&mut self, other: Self) {
         self.entries += other.entries;
+        self.compared += other.compared;
         self.tests += other.tests;
         self.sampled += other.sampled;
         self.columns += other.columns;
@@ -214,6 +221,10 @@ pub(super) struct Tuning {
     patience: u32,
     /// The width that promised to be clearly better, if any.
     wanted: Option<f64>,
+    /// Entries compared, a body, when the width was last checked: of a sweep of all columns.
+    compared: f64,
+    /// Whether axis and width are to be chosen as for a new world.
+    anew: bool,
 }
 
 impl Tuning {
@@ -223,6 +234,8 @@ impl Tuning {
             wait: 0,
             patience: 1,
             wanted: None,
+            compared: f64::INFINITY,
+            anew: false,
         }
     }
 
@@ -231,8 +244,16 @@ impl Tuning {
         self.wait <= 1
     }
 
-    /// Records the counts of a full sweep.
-    pub(super) fn observe(&mut self, bodies: &Bodies, counts: Counts) {
+    /// Ends the calm if a step compared several times the entries, a body, of the last check.
+    pub(super) fn watch(&mut self, compared: f64) {
+        self.anew |= compared > SURGE * self.compared;
+    }
+
+    /// Records the counts of a full sweep of so many entries.
+    pub(super) fn observe(&mut self, bodies: &Bodies, counts: Counts, entries: usize) {
+        // Columns at rest are not swept, and count as those swept.
+        let compared = counts.compared as f64 / counts.entries as f64 * entries as f64 / bodies.len() as f64;
+        self.watch(compared);
         self.wait = self.wait.saturating_sub(1);
         if self.wait > 0 || counts.entries == 0 || counts.sampled == 0 {
             return;
@@ -244,6 +265,8 @@ impl Tuning {
         self.patience = (self.patience * 2).min(PATIENCE);
         self.wait = self.patience;
         self.wanted = (share < GAIN).then_some(better);
+        self.compared = compared;
+        self.anew |= survey.best_axis() != 0;
     }
 
     /// Returns the grid to cut before this step, if a new grid is due.
@@ -251,15 +274,16 @@ impl Tuning {
         let count = bodies.len();
         let changed = count > 2 * self.count.max(8) || 4 * count < self.count;
         let crowded = entries > 2 * MOST_ENTRIES * count + 4096 && bodies.grid.column_count() > 1;
-        if !changed && !crowded && self.wanted.is_none() {
+        let anew = core::mem::take(&mut self.anew) || changed || crowded;
+        if !anew && self.wanted.is_none() {
             return None;
         }
         let survey = Survey::of(bodies);
-        if changed || crowded {
-            (self.wait, self.patience) = (0, 1);
+        if anew {
+            (self.wait, self.patience, self.compared) = (0, 1, f64::INFINITY);
         }
         self.count = count;
-        let wanted = self.wanted.take().filter(|_| !changed && !crowded);
+        let wanted = self.wanted.take().filter(|_| !anew);
         Some(choose(bodies, survey, wanted))
     }
 }
