@@ -231,22 +231,76 @@ fn moves(a: &Drawn, b: &Drawn, rng: &mut Rng) -> (&'static str, Vec<Frame>) {
     }
 }
 
+/// The motion in which every manifold is judged.
+pub(crate) const ALONG_A_RIM: &str = "along a rim";
+
+/// A plate of 28 to 60 corners a face, or a box.
+fn rimmed(rng: &mut Rng, corners: usize) -> Drawn {
+    let shape = shapes::rounded_plate([dyadic(rng), dyadic(rng), 0.25 * dyadic(rng)], corners);
+    let body = body(&shape.points).expect("a plate is a solid");
+    Drawn {
+        family: "plate",
+        shape,
+        body,
+    }
+}
+
+/// Two plates, or a plate and a box in either order, one flush beside and above the other's straight rim: in line with it, over
+/// it or beside it by as little as rounding.
+fn along_a_rim(rng: &mut Rng) -> Trial {
+    let (many, other) = (7 + rng.below(9), *rng.pick(&[1, 1, 7, 12]));
+    let corners = if rng.chance(0.5) { [many, other] } else { [other, many] };
+    let [a, b] = corners.map(|k| rimmed(rng, k));
+    let reach = |d: &Drawn, k: usize| d.shape.points.iter().map(|p| p[k]).fold(0.0, f64::max);
+    let [width, length, height] = [0, 1, 2].map(|k| reach(&a, k) + reach(&b, k));
+    let gap = rng.log_range(1e-16, 0.05);
+    let frames = (0..60).map(|_| {
+        let across = *rng.pick(&[
+            0.0,
+            rng.clone().log_range(1e-17, 1e-2),
+            -rng.clone().log_range(1e-17, 1e-2),
+        ]);
+        let t = [width + across, rng.range(-1.0, 1.0) * length, height + gap];
+        Frame {
+            a: Pose::IDENTITY,
+            b: Pose::shift(t),
+        }
+    });
+    let frames = frames.collect();
+    Trial {
+        a,
+        b,
+        motion: ALONG_A_RIM,
+        frames,
+    }
+}
+
 /// Trial `k` of a seed, whatever was drawn before it.
 pub(crate) fn trial(seed: u64, k: u64) -> Trial {
     let mut rng = Rng::of_case(seed, k);
-    let a = drawn(&mut rng);
-    let twins = rng.chance(0.15);
-    let b = if twins { a.clone() } else { drawn(&mut rng) };
-    let (motion, mut frames) = moves(&a, &b, &mut rng);
-    let size = radius(&a.shape.points) + radius(&b.shape.points);
+    let mut trial = if rng.chance(0.1) {
+        along_a_rim(&mut rng)
+    } else {
+        moving(&mut rng)
+    };
+    let size = radius(&trial.a.shape.points) + radius(&trial.b.shape.points);
     // Moved in common: turned, or far out.
     if rng.chance(0.3) {
         let t = scale(rng.unit(), size * rng.log_range(0.1, 1e3));
         let common = Pose { q: rng.quat(), t };
-        frames.iter_mut().for_each(|f| *f = f.moved(&common));
+        trial.frames.iter_mut().for_each(|f| *f = f.moved(&common));
     } else if rng.chance(0.15) {
         let t = scale(rng.unit(), size * rng.log_range(1e3, 1e12));
-        frames.iter_mut().for_each(|f| *f = f.moved(&Pose::shift(t)));
+        trial.frames.iter_mut().for_each(|f| *f = f.moved(&Pose::shift(t)));
     }
+    trial
+}
+
+/// Bodies of any family in any of the motions.
+fn moving(rng: &mut Rng) -> Trial {
+    let a = drawn(rng);
+    let twins = rng.chance(0.15);
+    let b = if twins { a.clone() } else { drawn(rng) };
+    let (motion, frames) = moves(&a, &b, rng);
     Trial { a, b, motion, frames }
 }

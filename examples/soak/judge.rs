@@ -8,7 +8,7 @@ use lab::pose::{add, cross, dot, norm, scale, sub, unit};
 use lab::rng::Rng;
 use lab::shapes::Shape;
 use lab::{Body, Point, Pose, bound, exact};
-use lin_canny::{Class, Outcome};
+use lin_canny::{Class, Manifold, Outcome};
 
 use crate::draw::{Drawn, Trial};
 use crate::support;
@@ -239,6 +239,27 @@ impl Judge {
         // Comparisons with NaN are false.
         let fault = told.iter().find(|(holds, _)| !holds)?.1;
         Some(format!("{fault}: {s:?}, size {size:e}"))
+    }
+
+    /// What is wrong with the contacts of an answer, if anything is: each lies on both bodies, and its points are opposite each
+    /// other along the normal, as far apart as they say.
+    pub(crate) fn contact_fault(&self, f: &Frame, o: &Outcome, m: &Manifold) -> Option<String> {
+        let (a_from_b, width) = (f.relative(), WIDTH * self.size(f) + 2.0 * self.slack(f));
+        let (p, q, n) = parts(o);
+        let aside = |between: Point| norm(sub(between, scale(n, dot(n, between))));
+        let between = |p: Point, q: Point| sub(a_from_b.apply(q), p);
+        let of_witnesses = aside(between(p, q));
+        // Edges that are parallel but for an angle have feet, not opposite points.
+        let edges = m.features().is_some_and(|f| support::kinds(f) == (1, 1));
+        let wrong = m.points().iter().find(|c| {
+            let (p, q) = (c.point_on_a.coords.into(), c.point_on_b.coords.into());
+            let off = self.a.outside(p).abs().max(self.b.outside(q).abs());
+            let apart = between(p, q);
+            let opposite = edges || aside(apart) <= of_witnesses + width;
+            !(off <= width && opposite && (dot(n, apart) - c.separation).abs() <= width)
+        });
+        let told = wrong.map(|c| format!("a contact off its bodies or not opposite: {c:?}"));
+        told.or_else(|| m.points().is_empty().then(|| "no contact".into()))
     }
 
     /// Directions that might show a lesser depth or a greater distance than the answer allows.

@@ -32,7 +32,7 @@ use lab::motion::Frame;
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lin_canny::broad::PencilSweep;
-use lin_canny::{Accuracy, Class, Outcome, RelativePose, Tracker};
+use lin_canny::{Accuracy, Class, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 use tally::Tally;
 
 struct Options {
@@ -137,6 +137,9 @@ impl Run<'_> {
             {
                 fault = Some(format!("the distance jumped from {s:e}"));
             }
+            if fault.is_none() && self.trial.motion == draw::ALONG_A_RIM {
+                fault = self.contacts(frame, &pose, &o);
+            }
             last = Some((*frame, o.distance));
             if fault.is_none() && self.rng.chance(0.125) {
                 fault = self.more(frame, &pose, &o);
@@ -173,6 +176,15 @@ impl Run<'_> {
             .or_else(|| wrong(within, "not within the upper bound"))
             .or_else(|| wrong(!beyond, "within less than the lower bound"))
             .or_else(|| self.judge.refuted(frame, o, &mut self.rng))
+    }
+
+    /// The manifold of an answer, judged.
+    fn contacts(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
+        let (a, b) = (&self.trial.a.body, &self.trial.b.body);
+        let options = ManifoldOptions::within(o.upper.max(0.0));
+        self.tally.manifolds += 1;
+        self.judge
+            .contact_fault(frame, o, &Manifold::of_outcome((a, b), pose, o, &options))
     }
 
     fn against_truth(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {

@@ -29,6 +29,8 @@ pub(crate) struct Tally {
     /// Frames whose truth the oracle told.
     pub(crate) truths: u64,
     pub(crate) failures: u64,
+    /// Manifolds judged.
+    pub(crate) manifolds: u64,
     /// Worlds of equal boxes.
     pub(crate) worlds: Mix,
     /// Motions of curved shapes.
@@ -61,6 +63,7 @@ impl Tally {
         self.exactly += o.exactly;
         self.truths += o.truths;
         self.failures += o.failures;
+        self.manifolds += o.manifolds;
         self.worlds.add(&o.worlds);
         self.curves.add(&o.curves);
         self.slowest = self.slowest.max(o.slowest);
@@ -104,9 +107,10 @@ impl Tally {
         );
         println!("answered by: {}", list(&LAYERS, &self.layers));
         println!(
-            "judged: all in f64, {} by exact bounds, {} by the exact oracle; slowest query {:.1} ms (trial {})",
+            "judged: all in f64, {} by exact bounds, {} by the exact oracle, {} manifolds; slowest query {:.1} ms (trial {})",
             self.exactly,
             self.truths,
+            self.manifolds,
             self.slowest.0 as f64 / 1e6,
             self.slowest.1
         );
