@@ -253,13 +253,9 @@ fn along_a_rim(rng: &mut Rng) -> Trial {
     let [a, b] = corners.map(|k| rimmed(rng, k));
     let reach = |d: &Drawn, k: usize| d.shape.points.iter().map(|p| p[k]).fold(0.0, f64::max);
     let [width, length, height] = [0, 1, 2].map(|k| reach(&a, k) + reach(&b, k));
-    let gap = rng.log_range(1e-16, 0.05);
+    let gap = rng.log_range(1e-16, 0.05) * *rng.pick(&[1.0, 1.0, -1.0]);
     let frames = (0..60).map(|_| {
-        let across = *rng.pick(&[
-            0.0,
-            rng.clone().log_range(1e-17, 1e-2),
-            -rng.clone().log_range(1e-17, 1e-2),
-        ]);
+        let across = rng.log_range(1e-17, 1e-2) * *rng.pick(&[0.0, 1.0, -1.0]);
         let t = [width + across, rng.range(-1.0, 1.0) * length, height + gap];
         Frame {
             a: Pose::IDENTITY,

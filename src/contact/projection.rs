@@ -305,7 +305,8 @@ impl<'a> ProjectedFeature<'a> {
         self.plane.height(at)
     }
 
-    /// Returns the height over a point of the plane: of the face, or of the edge at the point's foot.
+    /// Returns the height over a point of the plane: of the face, or of the edge at the point's
+    /// foot.
     pub(super) fn height_at(&self, at: [f64; 2]) -> f64 {
         if self.is_edge() {
             self.height_on_edge(0, at)
