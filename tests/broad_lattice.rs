@@ -22,7 +22,7 @@ fn play<B: BroadPhase>(sequences: u64, make: impl Fn() -> B) {
         "{mix:?}"
     );
     assert!(
-        mix.jumps > n && mix.slides > n && mix.reused > n / 4 && mix.quiet > 2 * n,
+        mix.jumps > n && mix.slides > n && mix.reused > n / 4 && mix.turns > n / 4 && mix.quiet > 2 * n,
         "{mix:?}"
     );
 }

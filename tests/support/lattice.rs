@@ -25,6 +25,8 @@ pub struct Mix {
     pub slides: u64,
     /// Bodies that were given the index of a removed one.
     pub reused: u64,
+    /// Worlds turned to another axis as a whole.
+    pub turns: u64,
     /// Steps in which at most a tenth of the bodies changed.
     pub quiet: u64,
 }
@@ -39,6 +41,7 @@ impl Mix {
         self.jumps += other.jumps;
         self.slides += other.slides;
         self.reused += other.reused;
+        self.turns += other.turns;
         self.quiet += other.quiet;
     }
 }
@@ -61,6 +64,13 @@ impl Brick {
     fn shifted(&self, by: [f64; 3]) -> Self {
         let low = core::array::from_fn(|k| self.low[k] + by[k]);
         Self { low, ..*self }
+    }
+
+    /// The same along the next axis.
+    fn turned(mut self) -> Self {
+        self.low.rotate_left(1);
+        self.side.rotate_left(1);
+        self
     }
 
     fn meets(&self, other: &Self) -> bool {
@@ -139,6 +149,16 @@ impl<B: BroadPhase> Play<B> {
         self.mix.slides += u64::from(!far && brick != held.brick);
         held.brick = brick;
         self.broad.set_box(held.id, &brick.aabb()).map_err(|e| e.to_string())
+    }
+
+    /// Turns the world: long along one axis, it is long along another.
+    fn turn(&mut self) -> Result<(), String> {
+        self.mix.turns += 1;
+        for i in 0..self.held.len() {
+            self.held[i].home = self.held[i].home.turned();
+            self.set(i, self.held[i].brick.turned())?;
+        }
+        Ok(())
     }
 
     /// A new direction, a fraction of a brick a step.
@@ -236,6 +256,9 @@ pub fn sequence(seed: u64, broad: impl BroadPhase) -> Result<Mix, String> {
     // Some bodies do all that is done, so that what one call leaves behind meets the next.
     let busy = 1 + play.rng.below(3);
     for _ in 0..steps {
+        if play.rng.chance(0.03) {
+            play.turn()?;
+        }
         let crowd = play.rng.chance(0.1);
         let moves = if crowd { play.held.len() } else { 1 + play.rng.below(2) };
         play.mix.quiet += u64::from(moves * 10 <= play.held.len());
