@@ -447,6 +447,12 @@ pub(crate) const LN2_REST: f64 = 2.319_046_813_846_299_6e-17;
 /// each bound.
 pub const DEPTH_GOAL: f64 = 1.0 / (1u64 << 20) as f64;
 
+/// The axis of B is this much farther off that of A than the rotation matrix says, as a chord of the
+/// unit circle: the matrix is off a rotation by 19 UNIT (see [`CERTIFICATE`]), its sine by 3 more,
+/// of itself. Heights along normals of edges err by 4 UNIT L for the rounding of the normals, far
+/// less than what the term leaves over.
+pub(crate) const PARALLEL_AXES: f64 = 32.0 * UNIT;
+
 /// A core smaller than this times the size of its pair, `2^-60`, is a point but for its radius.
 pub(crate) const SPECK: f64 = 1.0 / (1u64 << 60) as f64;
 

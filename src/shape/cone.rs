@@ -101,6 +101,15 @@ impl Support for Cone {
         (centre, to_side(&centre).min(centre.z + h).max(0.0))
     }
 
+    /// Returns the normals of the base and of the side; the meridian is a triangle, half of which
+    /// turns.
+    fn meridian(&self) -> Option<[[f64; 2]; 3]> {
+        let (r, height) = (self.radius, 2.0 * self.half_height);
+        let slant = sqrt(r * r + height * height);
+        let side = [height / slant, r / slant];
+        Some([[0.0, -1.0], side, side])
+    }
+
     fn disc(&self, n: &Vector3<f64>) -> Option<Disc> {
         (n.z < 0.0).then_some(Disc {
             z: -self.half_height,

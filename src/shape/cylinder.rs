@@ -120,6 +120,10 @@ impl Support for Cylinder {
         (centre, (h - centre.z.abs()).min(r - off(&centre)).max(0.0))
     }
 
+    fn meridian(&self) -> Option<[[f64; 2]; 3]> {
+        Some([[0.0, 1.0], [0.0, -1.0], [1.0, 0.0]])
+    }
+
     fn disc(&self, n: &Vector3<f64>) -> Option<Disc> {
         let side = if n.z < 0.0 { -1.0 } else { 1.0 };
         Some(Disc {

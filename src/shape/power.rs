@@ -19,7 +19,9 @@ pub(super) fn power<T: Scalar>(x: T, p: T) -> T {
     }
     // One step of Newton's method doubles the digits of the logarithm.
     let l = T::from(libm::log(x.value()));
-    let l = l + (x * exponential(-l) - T::from(1.0));
+    // As a product of two roots: the inverse of a subnormal number is infinite.
+    let inverse_root = exponential(-l * T::from(0.5));
+    let l = l + (x * inverse_root * inverse_root - T::from(1.0));
     exponential(p * l)
 }
 
@@ -53,5 +55,16 @@ mod tests {
         }
         let root = power(of(2.0), of(0.5));
         assert!((root * root - of(2.0)).value().abs() < 1e-28);
+    }
+
+    #[test]
+    fn powers_of_subnormal_numbers_are_numbers() {
+        for k in [1, 2, 3, 1 << 20, (1 << 52) - 1] {
+            let x = f64::from_bits(k);
+            let fourth = power(DoubleDouble::from(x), DoubleDouble::from(0.25));
+            let error = (fourth * fourth * fourth * fourth).value() / x - 1.0;
+            assert!(error.abs() < 1e-15 || x < 1e-308, "{x:e} {fourth:?} {error}");
+            assert!((fourth.value() - libm::pow(x, 0.25)).abs() < 1e-90, "{x:e} {fourth:?}");
+        }
     }
 }

@@ -99,6 +99,18 @@ pub(crate) trait Support {
     /// Returns the flat round face that faces along `n`; `None` if the core has none.
     fn disc(&self, n: &Vector3<f64>) -> Option<Disc>;
 
+    /// Returns the outward unit normals of the edges of the polygon that sweeps the core as it turns
+    /// about the z axis: the parts off the axis and along it. `None` if no polygon does.
+    fn meridian(&self) -> Option<[[f64; 2]; 3]> {
+        None
+    }
+
+    /// Calls `each` with the outward normals of the flat faces that a branch is a part of.
+    fn flat_faces(&self, _branch: u32, each: &mut impl FnMut(Vec3<f64>)) {
+        let sides = [1.0, -1.0].map(|z| self.disc(&Vector3::new(0.0, 0.0, z)));
+        sides.iter().flatten().for_each(|disc| each([0.0, 0.0, disc.side]));
+    }
+
     /// Returns the flat or straight part of the surface that faces along `n` most nearly; `None` if
     /// the core is curved both ways, or a polyhedron.
     fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {

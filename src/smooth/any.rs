@@ -97,6 +97,14 @@ impl Support for Any<'_> {
         each!(self, core => core.flat(n), None)
     }
 
+    fn meridian(&self) -> Option<[[f64; 2]; 3]> {
+        each!(self, core => core.meridian(), None)
+    }
+
+    fn flat_faces(&self, branch: u32, each: &mut impl FnMut(Vec3<f64>)) {
+        each!(self, core => core.flat_faces(branch, each), ())
+    }
+
     fn feature(&self, branches: &[u32], point: &Vector3<f64>) -> Feature {
         each!(self, core => core.feature(branches, point), Feature::Vertex(VertexId(0)))
     }

@@ -3,14 +3,19 @@
 //! From the best direction known, the main solver descends to the nearest local minimum of the
 //! depth. Balls inside both cores that touch the surfaces at the deepest points prove a global
 //! minimum if the balls are larger than the depth: if A contains a ball of radius `rA` about `cA`
-//! and B a ball of radius `rB` about `cB`, the depth is at least `rA + rB - |cB - cA|`. Otherwise a
+//! and B a ball of radius `rB` about `cB`, the depth is at least `rA + rB - |cB - cA|`. Of bodies of
+//! revolution about parallel axes the depth is that of two polygons (`parallel`). Otherwise a
 //! surface around the origin gives an interval.
+
+use alloc::vec::Vec;
 
 use super::bent::Run;
 use super::best::{Best, Set};
 use super::frozen::Around;
-use super::posed::Posed;
+use super::parallel;
+use super::posed::{Piece, Posed, unit};
 use super::surface;
+use crate::num::scalar::{Vec3, cross, neg, sub};
 use crate::shape::Support;
 use crate::tolerance::{CERTIFICATE, DEPTH_GOAL, UNIT};
 
@@ -35,6 +40,9 @@ pub(super) fn deepen<A: Support, B: Support>(
         ..*known
     };
     local(posed, known.n, &known.set, &mut best);
+    if !best.closes(posed) {
+        parallel::prove(posed, &mut best);
+    }
     let mut deep = Deep {
         best,
         inside: corners.is_some_and(|c| c.points().len() == 4),
@@ -47,6 +55,7 @@ pub(super) fn deepen<A: Support, B: Support>(
     deep.grown = true;
     let best = &mut deep.best;
     let Some(found) = surface::deepen(posed, corners.points(), best) else {
+        from_faces(posed, corners.points(), best);
         return deep;
     };
     deep.inside = true;
@@ -57,6 +66,35 @@ pub(super) fn deepen<A: Support, B: Support>(
         (best.upper, best.set) = (-found.least, set);
     }
     deep
+}
+
+/// Searches the depth from the normals of flat faces and of the triangles between the corners.
+///
+/// No surface is certain if the origin is on the boundary of the difference but for rounding. Then
+/// it lies in the hull of corners that all lie on the supporting plane through the origin: a flat
+/// face of a core that bears contains branches of such corners, and if there is none, three corners
+/// are close to the plane.
+fn from_faces<A: Support, B: Support>(posed: &Posed<A, B, f64>, corners: &[Piece<f64>], best: &mut Best<f64>) {
+    let mut prove = |n: Vec3<f64>, of: [u32; 2]| {
+        let toward = posed.toward(n);
+        best.prove(&toward, &posed.support(&toward, of));
+    };
+    for piece in corners {
+        let of = piece.of;
+        posed.a.flat_faces(of[0], &mut |n| prove(n, of));
+        posed
+            .b
+            .flat_faces(of[1], &mut |m| prove(neg(&posed.frame.vector(&m)), of));
+    }
+    let mut starts = Vec::from([best.n]);
+    for k in 0..corners.len() {
+        let [p, q, r] = [1, 2, 3].map(|by| corners[(k + by) % corners.len()].w);
+        let n = unit(&cross(&sub(&q, &p), &sub(&r, &p)));
+        starts.extend(n.iter().flat_map(|n| [*n, neg(n)]));
+    }
+    for n in starts {
+        local(posed, n, &Set::default(), best);
+    }
 }
 
 /// Returns whether an overlap is proven, and the depth to the accuracy of a surface.

@@ -3,8 +3,8 @@
 //! One solver for all pairs: GJK whose direction step knows the curvature (`bent`, on the model of
 //! `model`). Before it, the parts of the last answer are proved again (`warm`); behind it stand GJK
 //! on fixed support points (`frozen`), then both in double-double (`layers`, the order of all).
-//! Overlaps are the work of `depth` and `surface`, the witnesses of overlaps that of `opposite`. A
-//! core is a support map with branches and second derivatives
+//! Overlaps are the work of `depth`, `parallel` and `surface`, the witnesses of overlaps that of
+//! `opposite`. A core is a support map with branches and second derivatives
 //! ([`Support`](crate::shape::Support)); there is no table of pairs of kinds.
 //!
 //! For any unit direction the height of the difference is a lower bound of the signed distance, the
@@ -30,6 +30,7 @@ mod layers;
 mod model;
 mod opposite;
 mod pair;
+mod parallel;
 mod polyhedral;
 mod posed;
 mod surface;

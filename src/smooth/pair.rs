@@ -176,9 +176,9 @@ pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memo
         outcome.solver = solver;
     }
     match ended {
-        Ended::Closed => take(&posed, &best, (CERTIFICATE + noise) * UNIT * size, &mut outcome),
-        Ended::Open => finer(&posed, setting, &best, &mut outcome),
         Ended::Deep => best.set = set.unwrap_or(best.set),
+        Ended::Closed if take(&posed, &best, (CERTIFICATE + noise) * UNIT * size, &mut outcome) => {}
+        Ended::Closed | Ended::Open => finer(&posed, setting, &best, &mut outcome),
     }
     memory.keep((*outcome.normal).into(), best.set);
     outcome
@@ -200,17 +200,15 @@ fn deepen<A: Kind, B: Kind>(
     let found = is_done.then(|| opposite::witnesses(posed, &mut deep.best));
     outcome.work.steps += deep.best.evaluations - known.evaluations;
     let Best { on_a, on_b, set, .. } = found?;
-    take(
-        posed,
-        &Best {
-            on_a,
-            on_b,
-            set,
-            ..deep.best
-        },
-        term,
-        outcome,
-    );
+    let answer = Best {
+        on_a,
+        on_b,
+        set,
+        ..deep.best
+    };
+    if !take(posed, &answer, term, outcome) {
+        return None;
+    }
     if deep.grown {
         outcome.solver = Solver::Surface;
     }
@@ -228,7 +226,12 @@ fn deepen<A: Kind, B: Kind>(
 fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &Best<f64>, outcome: &mut Outcome) {
     outcome.work.double_doubles += 1;
     outcome.solver = Solver::DoubleDouble;
-    take(posed, best, (CERTIFICATE + posed.noise) * UNIT * posed.size, outcome);
+    // Without an answer: no two points of the cores are farther apart than L, nor is a depth greater.
+    (outcome.lower, outcome.upper) = (-2.0 * posed.size, 2.0 * posed.size);
+    let mut known = *best;
+    if !take(posed, best, (CERTIFICATE + posed.noise) * UNIT * posed.size, outcome) {
+        known = Best::new();
+    }
     let (a, b) = (posed.a.any(), posed.b.any());
     let Some(frame) = setting.fine_frame() else { return };
     let (a, b, size, noise) = (&a, &b, posed.size, posed.noise);
@@ -243,11 +246,9 @@ fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &B
     let mut solver = Solver::DoubleDouble;
     let start = best.n.map(DoubleDouble::from);
     let start = unit(&start).map(|n| (n, best.set));
-    let ended = separate(&fine, start, &mut found, &mut solver, |known, corners| {
-        let known = Best {
-            n: known.n.map(Scalar::value),
-            ..Best::new()
-        };
+    let ended = separate(&fine, start, &mut found, &mut solver, |finest, corners| {
+        let (mut known, toward) = (known, posed.toward(finest.n.map(Scalar::value)));
+        known.prove(&toward, &posed.support(&toward, [0; 2]));
         let rounded = |p: Piece<DoubleDouble>| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value));
         corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), outcome).is_some())
     });
@@ -261,11 +262,21 @@ fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &B
     take(&fine, &found, term, outcome);
 }
 
-/// Copies the bounds and witnesses of a solver to the outcome.
+/// Copies the bounds and witnesses of a solver to the outcome. Returns false, and copies nothing, if
+/// the solver has failed: a point that is no number, or bounds that contradict each other.
 #[inline(always)]
-fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>, term: f64, outcome: &mut Outcome) {
-    outcome.lower = round_outward(best.lower, -term);
-    outcome.upper = round_outward(best.upper, term).min(f64::MAX);
+fn take<A: Support, B: Support, T: Scalar>(
+    posed: &Posed<A, B, T>,
+    best: &Best<T>,
+    term: f64,
+    outcome: &mut Outcome,
+) -> bool {
+    let upper = round_outward(best.upper, term).min(f64::MAX);
+    let points = best.on_a.iter().chain(&best.on_b);
+    if !points.fold(true, |all, x| all & x.value().is_finite()) || !(best.lower.value() <= upper) {
+        return false;
+    }
+    (outcome.lower, outcome.upper) = (round_outward(best.lower, -term), upper);
     let estimate = if outcome.lower > 0.0 { best.upper } else { best.lower };
     outcome.distance = estimate
         .value()
@@ -291,6 +302,7 @@ fn take<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T
         a: posed.a.feature(&a[..len], &outcome.point_on_a.coords),
         b: posed.b.feature(&b[..len], &outcome.point_on_b.coords),
     };
+    true
 }
 
 /// Returns the outcome of a pair of extreme sizes or places, solved in a unit of the pair; a core

@@ -65,6 +65,12 @@ impl Support for Hull<'_> {
         None
     }
 
+    fn flat_faces(&self, branch: u32, each: &mut impl FnMut(Vec3<f64>)) {
+        let faces = self.body.vertex_faces(VertexId(branch));
+        let normals = faces.filter_map(|face| self.body.face_plane(face));
+        normals.for_each(|(normal, _)| each((*normal).into()));
+    }
+
     fn feature(&self, branches: &[u32], _: &Vector3<f64>) -> Feature {
         let first = VertexId(branches.first().copied().unwrap_or(0));
         let mut vertices = [first; 3];

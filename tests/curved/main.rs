@@ -6,6 +6,7 @@
 mod corpus;
 mod manifolds;
 mod opposite;
+mod special;
 mod suites;
 
 use lab::curved::{KINDS, Kind, Place, Wide};

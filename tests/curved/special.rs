@@ -1,0 +1,140 @@
+//! Promise: the same holds at special poses: flush over an edge, about parallel axes, and for superquadrics near the limits of
+//! their exponents.
+
+use super::Mix;
+use lab::curved::special::{about_parallel_axes, flush_over_edge, near_limits};
+use lab::curved::{KINDS, Kind, Place};
+use lab::rng::Rng;
+use lin_canny::nalgebra::Vector3;
+use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, Shape, ShapeTracker};
+
+/// Whether an answer of shapes that are flush is the gap, along the axis of the faces.
+fn is_flush(o: &Outcome, side: f64, apart: f64, size: f64) -> bool {
+    let near = |x: f64| (x - apart).abs() <= 1e-13 * size;
+    let bounded = o.lower <= apart + 1e-15 * size && apart <= o.upper + 1e-15 * size;
+    bounded && near(o.distance) && side * o.normal.z > 1.0 - 1e-9
+}
+
+/// A flat face flush on another that overlaps it by little: one quantity with one normal, however little, cold and lowered
+/// from above.
+#[test]
+fn a_face_flush_over_an_edge_is_a_gap_along_its_axis() {
+    let (mut rng, mut sideways, mut told) = (Rng::new(2400), [0; 3], String::new());
+    for _ in 0..super::count() * 10 {
+        let ([a, b], place, side, apart) = flush_over_edge(&mut rng);
+        let (x, y, size) = (a.shape(), b.shape(), place.size(&a, &b));
+        let mut note = |way: usize, what: &Outcome| {
+            sideways[way] += 1;
+            if sideways[way] < 3 {
+                told += &format!("{way} {a:?} {b:?} {place:?} apart {apart:e}\n{what:?}\n");
+            }
+        };
+        let o = ShapeTracker::new().closest(&x, &y, &place.pose());
+        if !is_flush(&o, side, apart, size) {
+            note(0, &o);
+        }
+        let (mut pair, mut last) = (ShapeTracker::new(), o);
+        for lift in [0.1, 1e-2, 1e-4, 1e-7, 1e-11, 0.0] {
+            let mut lifted = place;
+            lifted.t[2] += side * lift;
+            last = pair.closest(&x, &y, &lifted.pose());
+        }
+        if !is_flush(&last, side, apart, size) {
+            note(1, &last);
+        }
+        let mut manifold = Manifold::new();
+        pair.manifold(&x, &y, &place.pose(), &ManifoldOptions::within(1e-6), &mut manifold);
+        let upright = |n: Vector3<f64>| side * n.z > 1.0 - 1e-9;
+        if manifold.points().is_empty() || !upright(*manifold.normal()) {
+            note(2, &last);
+        }
+    }
+    assert_eq!(sideways, [0; 3], "cold, warm, contacts\n{told}");
+}
+
+/// Rotations by multiples of a quarter turn about one axis, tilted a little or not at all.
+fn quarter(rng: &mut Rng) -> [f64; 4] {
+    let axis = *rng.pick(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let angle = *rng.pick(&[0.0, 0.5, 1.0]) * core::f64::consts::PI;
+    let tilt = *rng.pick(&[0.0, 1e-14, 1e-9, 1e-4]);
+    lab::pose::unit_quat(lab::pose::quat_mul(
+        lab::pose::quat(rng.unit(), tilt),
+        lab::pose::quat(axis, angle),
+    ))
+}
+
+/// The pose of B moved along the axis between the origins to a gap.
+fn moved_to(a: &Shape, b: &Shape, mut place: Place, gap: f64) -> Place {
+    for _ in 0..3 {
+        let o = ShapeTracker::new().closest(a, b, &place.pose());
+        place.t = (Vector3::from(place.t) - *o.normal * (o.distance - gap)).into();
+    }
+    place
+}
+
+/// Superquadrics all but octahedra and boxes, close to contact: points of the shapes, bounds in order.
+#[test]
+fn superquadrics_near_the_limits_are_bounded_close_to_contact() {
+    let (mut rng, mut mix) = (Rng::new(2401), Mix::default());
+    let cases = super::count() * 2;
+    for k in 0..cases as usize {
+        let a = near_limits(&mut rng);
+        let b = match rng.below(4) {
+            0 => near_limits(&mut rng),
+            // A triangle all but flat against a tip.
+            1 | 2 => Kind::Hull((0..3).map(|_| rng.in_ball()).map(|p| [p[0], p[1], 0.0]).collect()),
+            _ => Kind::random(KINDS[k % 6], &mut rng, 3.0),
+        };
+        let mut along = [0.0; 3];
+        along[rng.below(3)] = *rng.pick(&[-3.0, 3.0]);
+        let (x, y) = (a.shape(), b.shape());
+        let q = quarter(&mut rng);
+        let gap = rng.log_range(1e-12, 1.0);
+        let place = moved_to(&x, &y, Place { q, t: along }, gap);
+        let o = ShapeTracker::new().closest(&x, &y, &place.pose());
+        let told = || format!("{a:?} {b:?} {place:?} {o:?}");
+        for p in [o.point_on_a, o.point_on_b] {
+            assert!(p.coords.iter().all(|x| x.is_finite()), "{}", told());
+        }
+        assert!(o.distance.is_finite() && o.upper.is_finite(), "{}", told());
+        if o.class == Class::Separated {
+            mix.judge(&a, &b, &place, &o);
+        }
+        let round = rng.range(0.1, 1.0);
+        let p = ShapeTracker::new().closest(&x.rounded(round).expect("a radius"), &y, &place.pose());
+        let slack = 1e-13 * (place.size(&a, &b) + round);
+        let meets = p.lower <= o.upper - round + slack && o.lower - round <= p.upper + slack;
+        assert!(meets, "rounded by {round}: {p:?}\n{}", told());
+    }
+    mix.print("superquadric", "near limits");
+    assert!(mix.count() > cases * 9 / 10, "{mix:?}");
+    assert!(mix.widest <= 2e-13, "{}", mix.widest);
+}
+
+/// Cylinders and cones about parallel axes: the depth is that of two polygons, to the width of bodies apart, though it is least
+/// along a whole circle of directions.
+#[test]
+fn depths_about_parallel_axes_are_closed() {
+    let (mut rng, mut told, mut bad, mut deep) = (Rng::new(2402), String::new(), 0, 0);
+    for _ in 0..super::count() {
+        let ([a, b], place) = about_parallel_axes(&mut rng);
+        let (x, y, size) = (a.shape(), b.shape(), place.size(&a, &b));
+        for (x, y, pose) in [(&x, &y, place.pose()), (&y, &x, place.pose().swapped())] {
+            let o = ShapeTracker::new().closest(x, y, &pose);
+            if o.class == Class::Separated {
+                continue;
+            }
+            deep += 1;
+            if o.class != Class::Overlapping || o.upper - o.lower > 1e-13 * size {
+                bad += 1;
+                if bad < 4 {
+                    told += &format!("{:e} {a:?} {b:?} {place:?}\n{o:?}\n", (o.upper - o.lower) / size);
+                }
+            }
+        }
+        let o = ShapeTracker::new().closest(&x, &y, &place.pose());
+        let known = super::suites::sampled(&a, &b, &place, &mut rng);
+        assert!(known <= o.upper + 1e-15 * size, "{known:e} {a:?} {b:?} {place:?} {o:?}");
+    }
+    assert!(bad == 0 && deep > 300, "{bad} of {deep}\n{told}");
+}
