@@ -77,12 +77,10 @@ impl Kind {
                 lin_canny::ConvexPolyhedron::segment(Point3::from(points[0]), Point3::from(points[1]))
                     .expect("a segment"),
             ),
-            Self::Hull(points) if points.len() == 3 => {
-                let corners: Vec<_> = points.iter().map(|&p| Point3::from(p)).collect();
-                Shape::from(lin_canny::ConvexPolyhedron::polygon(&corners).expect("a triangle"))
-            }
             Self::Hull(points) => {
-                Shape::hull(&points.iter().map(|&p| Point3::from(p)).collect::<Vec<_>>()).expect("a hull")
+                let corners: Vec<_> = points.iter().map(|&p| Point3::from(p)).collect();
+                let flat = || lin_canny::ConvexPolyhedron::polygon(&corners).map(Shape::from);
+                Shape::hull(&corners).or_else(|e| flat().map_err(|_| e)).expect("a hull")
             }
             Self::Ellipsoid(a) => Shape::ellipsoid(Vector3::from(*a)).expect("an ellipsoid"),
             Self::Cylinder(h, r) => Shape::cylinder(*h, *r).expect("a cylinder"),
