@@ -85,7 +85,8 @@
 //!   to B and B to A, and distances agree within their bounds. Only among exact ties may features
 //!   follow the history. A tracker last used with other bodies costs time and nothing else. Meshes
 //!   and bodies of pieces keep bounds and predicates so; within `1e-13 L` of contact their class
-//!   may be one of two neighbours.
+//!   may be one of two neighbours. For curved shapes, [`within`](ShapeTracker::within) may follow
+//!   the history if `d` lies between the bounds.
 //! * **No absolute tolerance.** A scene scaled by a power of two gives the answer scaled bit for
 //!   bit, unless the scale puts the sizes of two bodies on both sides of 2^105, 2^-105 or another
 //!   border between units of storage: then class and bounds agree. Curved shapes and composites
@@ -130,11 +131,14 @@
 //!   are.
 //! * Contacts of meshes and bodies of pieces ([`ContactTracker`]) are those of shallow overlap.
 //!   Their depth is an interval ([`MeshTracker::penetration`]) that may stay wide.
-//! * Curved shapes ([`shape`]) have the same bounds. Class and predicates are exact for polyhedra,
-//!   rounded or not; for other shapes within `3e-14 L` of contact they are undecided, and
-//!   `intersects` and `within` return true.
-//! * Surfaces of patches ([`patch`]) have an interval of a width asked for. Where it holds both
-//!   answers, `intersects` and `within` are undecided, at one pose perhaps warm and not cold.
+//! * Curved shapes ([`shape`]) have the same bounds, superquadrics twice as wide. Class and
+//!   predicates are exact for polyhedra, rounded or not; other shapes within `3e-14 L` of contact,
+//!   superquadrics within `1e-13 L`, count as touching or are undecided, and `intersects` and
+//!   `within` return true. Depths of curved shapes are searched to `2^-19 L` if no ball inside the
+//!   shapes proves them, and may stay wider about a common centre: see
+//!   [`ShapeTracker::closest`].
+//! * Surfaces of patches ([`patch`]) have an interval of a width asked for. If the interval holds
+//!   both answers, `intersects` and `within` are undecided, at one pose perhaps warm and not cold.
 //!   Surfaces that are equally far along a curve or over an area keep wide intervals.
 //! * There is no dynamics: see rapier.
 //!

@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use lab::Pose;
-use lab::curved::{KINDS, Kind, Place, Wide, wide};
+use lab::curved::{KINDS, Kind, Place, Wide, special, wide};
 use lab::motion::{self, Frame};
 use lab::pose::{norm, sub};
 use lab::rng::Rng;
@@ -12,6 +12,9 @@ use lin_canny::{Class, Outcome, Shape, ShapeTracker, Solver};
 /// Aspect up to which the width of bounds is promised, and the promise, over the size of the pair.
 const ASPECT: f64 = 30.0;
 const WIDTH: f64 = 1e-13;
+
+/// The promised width for a pair with a superquadric.
+const ROUGH: f64 = 2e-13;
 
 /// Counts of the curved motions of a run.
 #[derive(Default, Debug)]
@@ -50,6 +53,9 @@ struct Trial {
 }
 
 fn trial(rng: &mut Rng) -> Trial {
+    if rng.chance(0.25) {
+        return special_trial(rng);
+    }
     let plain = rng.chance(0.9);
     let aspect = rng.log_range(1.0, if plain { ASPECT } else { 1e5 });
     let (first, second) = (*rng.pick(&KINDS), *rng.pick(&KINDS[3..]));
@@ -76,6 +82,42 @@ fn trial(rng: &mut Rng) -> Trial {
         round,
         shapes,
         plain,
+        frames,
+    }
+}
+
+/// Sharp shapes at special poses: lowered onto an edge, about parallel axes, superquadrics near the limits of their exponents
+/// close to contact.
+fn special_trial(rng: &mut Rng) -> Trial {
+    let (cores, frames) = match rng.below(3) {
+        0 => {
+            let (cores, place, side, _) = special::flush_over_edge(rng);
+            let lifts = [0.1, 1e-2, 1e-4, 1e-7, 1e-9, 1e-11, 1e-13, 0.0, 0.0];
+            let lowered = lifts.map(|lift| Place {
+                t: [place.t[0], place.t[1], place.t[2] + side * lift],
+                ..place
+            });
+            (cores, lowered.iter().map(Place::frame).collect())
+        }
+        1 => {
+            let (cores, place) = special::about_parallel_axes(rng);
+            (cores, vec![place.frame()])
+        }
+        _ => {
+            let mut cores = [special::near_limits(rng), Kind::random(*rng.pick(&KINDS), rng, 3.0)];
+            if rng.chance(0.5) {
+                cores.reverse();
+            }
+            let frames = moves(&cores, [0.0; 2], rng);
+            (cores, frames)
+        }
+    };
+    let shapes = [cores[0].shape(), cores[1].shape()];
+    Trial {
+        cores,
+        round: [0.0; 2],
+        shapes,
+        plain: true,
         frames,
     }
 }
@@ -175,6 +217,12 @@ fn frame_of(
     fault.map_or(Ok(o), |what| Err(format!("{what}\n{o:?}")))
 }
 
+/// The width of bounds that is promised for the pair, over its size.
+fn widest(trial: &Trial) -> f64 {
+    let is_rough = |kind: &Kind| matches!(kind, Kind::Superquadric(..));
+    if trial.cores.iter().any(is_rough) { ROUGH } else { WIDTH }
+}
+
 /// Whether an answer contradicts itself or the judge.
 fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mix) -> Option<String> {
     let [a, b] = &trial.cores;
@@ -183,6 +231,10 @@ fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mi
     let slack = 8.0 * f64::EPSILON * size;
     if !(o.lower <= o.distance && o.distance <= o.upper && o.upper.is_finite()) {
         return Some("bounds out of order".into());
+    }
+    let points = [o.point_on_a, o.point_on_b];
+    if points.iter().any(|p| !p.coords.iter().all(|x| x.is_finite())) {
+        return Some("a point that is no number".into());
     }
     if (o.normal.norm() - 1.0).abs() > 1e-15 {
         return Some("a normal not of unit length".into());
@@ -205,7 +257,7 @@ fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mi
     if trial.plain {
         mix.widest = mix.widest.max(width);
     }
-    if trial.plain && width > WIDTH {
+    if trial.plain && width > widest(trial) {
         return Some(format!("bounds {width:e} L wide"));
     }
     // Points of rounded shapes are outside of the cores by the rounding.
@@ -236,7 +288,7 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut ShapeTracker) ->
     let round = trial.round[0] + trial.round[1];
     let size = place.size(&trial.cores[0], &trial.cores[1]) + round;
     // The predicate takes bounds of its own, and what they leave open counts as within.
-    if trial.plain && o.lower > 0.0 && pair.within(a, b, &pose, o.lower - WIDTH * size) {
+    if trial.plain && o.lower > 0.0 && pair.within(a, b, &pose, o.lower - widest(trial) * size) {
         return Some("within less than the lower bound".into());
     }
     if round == 0.0 {

@@ -18,7 +18,8 @@ pub enum Class {
     /// Proven to share an interior point.
     Overlapping,
     /// The bounds are wider than the requested accuracy, whether they straddle zero or not.
-    /// Possible only without the feature `exact`.
+    /// Of polyhedra possible only without the feature `exact`; of curved shapes also with it, as
+    /// no arithmetic here decides their contact.
     Undecided,
 }
 

@@ -30,10 +30,13 @@ fn exponential<T: Scalar>(x: T) -> T {
     let k = libm::round(x.value() / LN2[0]);
     let r = x - T::from(k) * T::from(LN2[0]) - T::from(k * LN2[1]);
     let small = r * T::from(1.0 / f64::from(1 << HALVINGS));
-    let (mut sum, one) = (T::from(1.0), T::from(1.0));
+    // The series times the factorial of its last term: all factors are whole numbers.
+    let (mut sum, mut factor) = (T::from(1.0), T::from(1.0));
     for n in (1..=TERMS).rev() {
-        sum = one + sum * small / T::from(f64::from(n));
+        factor = factor * T::from(f64::from(n));
+        sum = sum * small + factor;
     }
+    sum = sum / factor;
     for _ in 0..HALVINGS {
         sum = sum * sum;
     }

@@ -99,8 +99,8 @@ pub(crate) trait Support {
     /// Returns the flat round face that faces along `n`; `None` if the core has none.
     fn disc(&self, n: &Vector3<f64>) -> Option<Disc>;
 
-    /// Returns the outward unit normals of the edges of the polygon that sweeps the core as it turns
-    /// about the z axis: the parts off the axis and along it. `None` if no polygon does.
+    /// Returns the outward unit normals of the edges of the polygon that sweeps the core as it
+    /// turns about the z axis: the parts off the axis and along it. `None` if no polygon does.
     fn meridian(&self) -> Option<[[f64; 2]; 3]> {
         None
     }

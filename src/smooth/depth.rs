@@ -3,9 +3,9 @@
 //! From the best direction known, the main solver descends to the nearest local minimum of the
 //! depth. Balls inside both cores that touch the surfaces at the deepest points prove a global
 //! minimum if the balls are larger than the depth: if A contains a ball of radius `rA` about `cA`
-//! and B a ball of radius `rB` about `cB`, the depth is at least `rA + rB - |cB - cA|`. Of bodies of
-//! revolution about parallel axes the depth is that of two polygons (`parallel`). Otherwise a
-//! surface around the origin gives an interval.
+//! and B a ball of radius `rB` about `cB`, the depth is at least `rA + rB - |cB - cA|`. Cylinders
+//! and cones about parallel axes have the depth of two polygons (`parallel`). Otherwise a surface
+//! around the origin gives an interval.
 
 use alloc::vec::Vec;
 

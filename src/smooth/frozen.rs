@@ -1,9 +1,9 @@
 //! Solver behind the main one: GJK on fixed support points, curvature ignored (Gilbert, Johnson and
 //! Keerthi 1988).
 //!
-//! On curved cores GJK converges slowly, but from anywhere. Every few steps the main solver tries
-//! to finish from the simplex. GJK also proves overlaps: by four points of the difference around
-//! the origin.
+//! On curved cores GJK converges slowly, but from anywhere. After ever more steps the main solver
+//! tries to finish from the simplex. GJK also proves overlaps: by four points of the difference
+//! around the origin.
 
 use super::bent::{End, Run};
 use super::best::{Best, Set};
@@ -18,7 +18,8 @@ use crate::shape::Support;
 /// Support points one solve may take.
 const POINTS: usize = 96;
 
-/// Steps between two attempts to finish.
+/// Steps before the first attempt to finish; each further one comes after twice as many, as an
+/// attempt costs as much as many steps: a heuristic.
 const ATTEMPT: usize = 4;
 
 /// Steps of a first approach.
@@ -122,7 +123,7 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
             return Frozen::Closed;
         }
         let near = goal == Goal::Approach && height + height > simplex.witness_distance();
-        if near || !gains || goal == Goal::Close && k % ATTEMPT == 0 {
+        if near || !gains || goal == Goal::Close && k >= ATTEMPT && k.is_power_of_two() {
             let mut set = Set::default();
             simplex.points().iter().for_each(|c| set.add(points[c.a.index()].of));
             if goal == Goal::Approach {

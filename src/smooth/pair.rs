@@ -226,7 +226,7 @@ fn deepen<A: Kind, B: Kind>(
 fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &Best<f64>, outcome: &mut Outcome) {
     outcome.work.double_doubles += 1;
     outcome.solver = Solver::DoubleDouble;
-    // Without an answer: no two points of the cores are farther apart than L, nor is a depth greater.
+    // No two points of the cores are farther apart than L, nor is a depth greater.
     (outcome.lower, outcome.upper) = (-2.0 * posed.size, 2.0 * posed.size);
     let mut known = *best;
     if !take(posed, best, (CERTIFICATE + posed.noise) * UNIT * posed.size, outcome) {
@@ -262,8 +262,8 @@ fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &B
     take(&fine, &found, term, outcome);
 }
 
-/// Copies the bounds and witnesses of a solver to the outcome. Returns false, and copies nothing, if
-/// the solver has failed: a point that is no number, or bounds that contradict each other.
+/// Copies the bounds and witnesses of a solver to the outcome. Returns false, and copies nothing,
+/// if the solver has failed: a point that is no number, or bounds that contradict each other.
 #[inline(always)]
 fn take<A: Support, B: Support, T: Scalar>(
     posed: &Posed<A, B, T>,

@@ -2,6 +2,7 @@
 //! normal at the distance returned.
 
 use super::{at_gap, pairs};
+use lab::curved::special::{about_parallel_axes, flush_over_edge};
 use lab::curved::{Kind, Place, matrix, turned_back, wide};
 use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
@@ -119,6 +120,24 @@ fn witnesses_of_overlaps_are_opposite() {
         }
     }
     assert!(failed.is_empty(), "not opposite: {failed}");
+}
+
+/// Faces flush over an edge, and bodies of revolution about parallel axes.
+#[test]
+fn witnesses_at_special_poses_are_opposite() {
+    let (mut rng, mut worst) = (Rng::new(2330), Worst::default());
+    for k in 0..super::count() * 4 {
+        let (kinds, place) = if k % 2 == 0 {
+            let (kinds, place, ..) = flush_over_edge(&mut rng);
+            (kinds, place)
+        } else {
+            about_parallel_axes(&mut rng)
+        };
+        let radii = *rng.pick(&[[0.0, 0.0], [0.0, 0.3], [0.2, 0.05]]);
+        worst.take([&kinds[0], &kinds[1]], radii, &place, &mut ShapeTracker::new());
+    }
+    println!("{worst:?}");
+    assert_eq!(worst.bad, 0, "{worst:?}");
 }
 
 /// A segment all but coaxial with a cylinder: balls on both sides of the axis are equally large.

@@ -80,7 +80,9 @@ impl Kind {
             Self::Hull(points) => {
                 let corners: Vec<_> = points.iter().map(|&p| Point3::from(p)).collect();
                 let flat = || lin_canny::ConvexPolyhedron::polygon(&corners).map(Shape::from);
-                Shape::hull(&corners).or_else(|e| flat().map_err(|_| e)).expect("a hull")
+                Shape::hull(&corners)
+                    .or_else(|e| flat().map_err(|_| e))
+                    .expect("a hull")
             }
             Self::Ellipsoid(a) => Shape::ellipsoid(Vector3::from(*a)).expect("an ellipsoid"),
             Self::Cylinder(h, r) => Shape::cylinder(*h, *r).expect("a cylinder"),

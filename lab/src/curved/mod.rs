@@ -14,6 +14,7 @@ use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{Outcome, RelativePose};
 
 use crate::motion::Frame;
+use crate::pose::Pose;
 
 /// B in the frame of A.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +32,15 @@ impl Place {
         Self {
             q: relative.q,
             t: relative.t,
+        }
+    }
+
+    /// A frame of a motion: A at its own origin.
+    pub fn frame(&self) -> Frame {
+        let (q, t) = (self.q, self.t);
+        Frame {
+            a: Pose::IDENTITY,
+            b: Pose { q, t },
         }
     }
 
