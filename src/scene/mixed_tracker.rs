@@ -70,12 +70,17 @@ impl MixedTracker {
         use BodyShape::{Composite as C, Mesh as M, Surface as S};
         Some(match (a, b) {
             (S(_), _) | (_, S(_)) => Self::Patches(Box::new(WithSurface::new(a, b)?)),
-            (M(_), _) | (_, M(_)) if let (Some(x), Some(y)) = (as_mesh(a), as_mesh(b)) => {
-                Self::Triangles(Tracked::new([x, y]))
-            }
-            (M(_) | C(_), _) | (_, M(_) | C(_)) => Self::Pieces(Tracked::new([as_composite(a), as_composite(b)])),
+            (M(_), _) | (_, M(_)) => match (as_mesh(a), as_mesh(b)) {
+                (Some(x), Some(y)) => Self::Triangles(Tracked::new([x, y])),
+                _ => Self::of_pieces(a, b),
+            },
+            (C(_), _) | (_, C(_)) => Self::of_pieces(a, b),
             _ => Self::Convex(Box::default()),
         })
+    }
+
+    fn of_pieces(a: &BodyShape, b: &BodyShape) -> Self {
+        Self::Pieces(Tracked::new([as_composite(a), as_composite(b)]))
     }
 }
 
