@@ -7,6 +7,7 @@ use super::frame::Frame;
 use super::front::{Front, Pair, Place};
 use super::search::{Judge, Search};
 use super::work::MeshWork;
+use crate::num::count::Counter;
 use crate::num::scalar::sqrt;
 use crate::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR, STALE};
 
@@ -83,7 +84,7 @@ impl Kept {
 
     fn conclude<J: Judge>(&mut self, search: &Search<J>) {
         self.work += search.work;
-        self.work.settled += search.judge.settled();
+        self.work.settled.count(search.judge.settled());
         let Some(best) = &search.best else { return };
         self.distance = best.distance;
         match search.directions[0] {

@@ -9,6 +9,7 @@ use super::parts::Parted;
 use super::search::{Goal, Judge, Measured, Search};
 use super::shared::Touching;
 use crate::motion::BallAtPose;
+use crate::num::count::Counter;
 use crate::num::fingerprint::Fingerprint;
 use crate::pair::outcome::Class;
 use crate::pose::{Operand, RelativePose};
@@ -230,7 +231,7 @@ impl State {
 
     fn inside<A: Parted, B: Parted>(&mut self, posed: &Posed<A, B>, lower: f64) -> Inside {
         let (inside, windings) = posed.inside(lower);
-        self.kept.work.windings += windings;
+        self.kept.work.windings.count(windings);
         inside
     }
 

@@ -8,6 +8,7 @@ use super::pair::{MeshPair, spots};
 use super::state::{Answer, Posed, State};
 use super::triangle::Spot;
 use super::work::MeshWork;
+use crate::num::count::Counter;
 use crate::pair::outcome::Distance;
 use crate::pose::RelativePose;
 
@@ -118,7 +119,7 @@ impl MeshTracker {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
         }
         self.state.recognise(a, b);
-        self.state.kept.work.queries += 1;
+        self.state.kept.work.queries.count(1);
         let answer = match Posed::new(a, b, a_from_b) {
             Some(posed) => self.state.closest(&posed, MeshPair::new(a, b, a_from_b, None)),
             None => Posed::far(a, b, a_from_b),
@@ -151,7 +152,7 @@ impl MeshTracker {
             return self.within(b, a, &a_from_b.swapped(), d);
         }
         self.state.recognise(a, b);
-        self.state.kept.work.queries += 1;
+        self.state.kept.work.queries.count(1);
         match Posed::new(a, b, a_from_b) {
             Some(posed) => {
                 let judge = MeshPair::new(a, b, a_from_b, Some(d));

@@ -1,5 +1,7 @@
 //! Counters of the work of queries.
 
+use crate::num::count::sum_of_counters;
+
 /// Work done by queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -27,17 +29,15 @@ pub struct MeshWork {
     pub windings: u64,
 }
 
-impl core::ops::AddAssign for MeshWork {
-    fn add_assign(&mut self, o: Self) {
-        self.queries += o.queries;
-        self.entries += o.entries;
-        self.failed += o.failed;
-        self.bounds += o.bounds;
-        self.looks += o.looks;
-        self.leaves += o.leaves;
-        self.measured += o.measured;
-        self.settled += o.settled;
-        self.cuts += o.cuts;
-        self.windings += o.windings;
-    }
-}
+sum_of_counters!(MeshWork {
+    queries,
+    entries,
+    failed,
+    bounds,
+    looks,
+    leaves,
+    measured,
+    settled,
+    cuts,
+    windings,
+});

@@ -1,6 +1,7 @@
-//! The arithmetic: scalars of the solvers, double-double, packed vectors and exact signs; and the
-//! fingerprints of numbers.
+//! The arithmetic: scalars of the solvers, double-double, packed vectors and exact signs;
+//! counters, and the fingerprints of numbers.
 
+pub(crate) mod count;
 pub(crate) mod double_double;
 pub(crate) mod fingerprint;
 pub(crate) mod packed;

@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
+use crate::num::count::sum_of_counters;
 use crate::polyhedron::FeaturePair;
 
 /// Whether two bodies are apart, touch or overlap.
@@ -185,21 +186,18 @@ pub struct Work {
     pub facets: u32,
 }
 
-impl core::ops::AddAssign for Work {
-    /// Adds with saturation.
-    fn add_assign(&mut self, o: Self) {
-        self.steps = self.steps.saturating_add(o.steps);
-        self.certificates = self.certificates.saturating_add(o.certificates);
-        self.restarts = self.restarts.saturating_add(o.restarts);
-        self.ellipsoids = self.ellipsoids.saturating_add(o.ellipsoids);
-        self.fallbacks = self.fallbacks.saturating_add(o.fallbacks);
-        self.double_doubles = self.double_doubles.saturating_add(o.double_doubles);
-        self.exacts = self.exacts.saturating_add(o.exacts);
-        self.depths = self.depths.saturating_add(o.depths);
-        self.points_added = self.points_added.saturating_add(o.points_added);
-        self.facets = self.facets.saturating_add(o.facets);
-    }
-}
+sum_of_counters!(Work {
+    steps,
+    certificates,
+    restarts,
+    ellipsoids,
+    fallbacks,
+    double_doubles,
+    exacts,
+    depths,
+    points_added,
+    facets,
+});
 
 /// Closest features of two bodies, with proven bounds of the distance.
 ///

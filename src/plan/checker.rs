@@ -1,7 +1,6 @@
 //! Segments and paths proven free over their whole length.
 
 use alloc::vec::Vec;
-use core::ops::AddAssign;
 
 use nalgebra::{Isometry3, Point3};
 
@@ -11,6 +10,7 @@ use super::space::{BodyMotion, ConfigurationSpace, SegmentMotion};
 use super::world::{Part, PartPair, World};
 use crate::impact::{Cast, Certificate, Impact, ImpactError, Tolerance, cast_noting};
 use crate::motion::{Motion, Steady};
+use crate::num::count::sum_of_counters;
 use crate::separation::Separation;
 use crate::tuning::plan::CONTACT;
 
@@ -77,16 +77,14 @@ pub struct CheckWork {
     pub measures: u64,
 }
 
-impl AddAssign for CheckWork {
-    fn add_assign(&mut self, other: Self) {
-        self.segments += other.segments;
-        self.free += other.free;
-        self.pairs += other.pairs;
-        self.queries += other.queries;
-        self.configurations += other.configurations;
-        self.measures += other.measures;
-    }
-}
+sum_of_counters!(CheckWork {
+    segments,
+    free,
+    pairs,
+    queries,
+    configurations,
+    measures,
+});
 
 /// The proof that a pair stays apart on a segment: certificates one after the other, from time 0
 /// to 1.

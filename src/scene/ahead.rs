@@ -36,14 +36,10 @@ impl Context<'_> {
     #[inline]
     pub(super) fn is_asleep(&self, header: &PairHeader) -> bool {
         let bodies = self.bodies;
-        let is_disturbed = |i: u32| {
-            let moving = bodies.moving.get(i as usize);
-            moving.is_some_and(|m| m.is_disturbed(bodies.step))
-        };
         self.schedule
             && !bodies.ticks.is_changed
-            && !is_disturbed(header.a)
-            && !is_disturbed(header.b)
+            && !bodies.is_disturbed(header.a)
+            && !bodies.is_disturbed(header.b)
             && (bodies.ticks.now as f64) < header.wake
     }
 
@@ -89,7 +85,7 @@ impl Context<'_> {
         let whole = ticks(free.unwrap_or(0.0), length).min(TICKS);
         if whole > 0 {
             header.state.sleeps = true;
-            header.wake = bodies.ticks.now.saturating_add(whole + 1) as f64;
+            header.wake = bodies.ticks.later(whole + 1);
         }
         whole > 0
     }
@@ -166,7 +162,7 @@ impl Context<'_> {
                 sleeps: true,
                 ..PairFlags::default()
             };
-            header.wake = self.bodies.ticks.now.saturating_add(whole) as f64;
+            header.wake = self.bodies.ticks.later(whole);
         }
         whole > 0
     }

@@ -145,9 +145,9 @@ pub(super) struct Bodies {
     /// proxy.
     pub(super) proxies: Vec<broad::BodyId>,
     pub(super) body_of_proxy: Vec<u32>,
-    /// Motions of the bodies; empty until a first velocity is set.
+    /// Motions of the bodies; empty until a first velocity is set, and until the first tick.
     pub(super) moving: Vec<Moving>,
-    /// Sweeps of the step being prepared; empty until a scene that calls for impacts is advanced.
+    /// Sweeps of the step being prepared, up to the last body that ever had one.
     pub(super) sweeps: Vec<Option<Sweep>>,
     /// Bodies that have a sweep.
     pub(super) swept: Vec<u32>,
@@ -204,9 +204,6 @@ impl Bodies {
             self.proxies.push(proxy);
             if !self.moving.is_empty() {
                 self.moving.push(Moving::default());
-            }
-            if !self.sweeps.is_empty() {
-                self.sweeps.push(None);
             }
         }
         let id = self.slots.begin(index);
@@ -273,6 +270,12 @@ impl Bodies {
         self.moving.get(i).map_or_else(Velocity::default, |m| m.velocity)
     }
 
+    /// Begins a tick: from now on a disturbance of any body is noted, as pairs may sleep.
+    pub(super) fn begin_tick(&mut self, length: f64, is_swept: bool) {
+        self.moving.resize(self.poses.len(), Moving::default());
+        self.ticks.begin(length, is_swept);
+    }
+
     /// Sets the velocity of a body.
     pub(super) fn set_velocity(&mut self, i: usize, velocity: Velocity) {
         self.moving.resize(self.poses.len(), Moving::default());
@@ -293,6 +296,13 @@ impl Bodies {
         }
     }
 
+    /// Whether the motion of a body changes in the step being prepared, for all that is known.
+    #[inline]
+    pub(super) fn is_disturbed(&self, index: u32) -> bool {
+        let moving = self.moving.get(index as usize);
+        moving.is_none_or(|m| m.is_disturbed(self.step))
+    }
+
     /// Notes that the motion of a body changes in the step being prepared.
     fn disturb(&mut self, i: usize) {
         if let Some(moving) = self.moving.get_mut(i) {
@@ -309,10 +319,8 @@ impl Bodies {
         }
         let ball = solid.ball.at(pose);
         let way = solid.displacement((&self.poses[i], &self.balls[i]), (pose, &ball));
-        if !self.moving.is_empty() {
-            self.disturb(i);
-            self.keep_start(i);
-        }
+        self.disturb(i);
+        self.keep_start(i);
         self.shift(i, (pose, ball), way);
     }
 
@@ -323,24 +331,25 @@ impl Bodies {
         let way = solid.displacement((&self.poses[i], &self.balls[i]), (pose, &ball));
         // A point may go out and come back within a sweep.
         let farthest = sweep.map_or(way, |s| way.max(s.displacement(solid.reach(), self.ticks.length.abs())));
-        if sweep.is_some() {
-            self.sweeps[i] = sweep;
-            self.swept.push(i as u32);
+        if let Some(sweep) = sweep {
+            self.keep_sweep(i, sweep);
         }
         self.shift(i, (pose, ball), farthest);
     }
 
     /// Notes the pose of a body that is moved after the tick of the step and not by the tick.
     fn keep_start(&mut self, i: usize) {
-        if self.ticks.is_pending
-            && let Some(sweep @ None) = self.sweeps.get_mut(i)
-        {
-            *sweep = Some(Sweep {
-                from: self.poses[i],
-                velocity: Velocity::default(),
-            });
-            self.swept.push(i as u32);
+        if self.ticks.is_swept && self.sweeps.get(i).is_none_or(Option::is_none) {
+            self.keep_sweep(i, self.sweep(i));
         }
+    }
+
+    fn keep_sweep(&mut self, i: usize, sweep: Sweep) {
+        if i >= self.sweeps.len() {
+            self.sweeps.resize(i + 1, None);
+        }
+        self.sweeps[i] = Some(sweep);
+        self.swept.push(i as u32);
     }
 
     /// Puts a body and its ball at a pose, `way` being an upper bound of the displacement.
@@ -369,8 +378,10 @@ impl Bodies {
         self.ticks.end_step();
         self.wide.clear();
         for index in self.swept.drain(..) {
-            self.sweeps[index as usize] = None;
-            self.wide.push(index);
+            // A body that was removed has lost its sweep.
+            if self.sweeps[index as usize].take().is_some() {
+                self.wide.push(index);
+            }
         }
     }
 

@@ -23,15 +23,15 @@ use crate::tolerance::BOX_TURNED;
 /// |---|---|---|
 /// | polyhedra | [`Tracker`](crate::Tracker) | none |
 /// | convex shapes | [`ShapeTracker`](crate::ShapeTracker) | none |
-/// | composite with composite or convex shape | [`CompositeTracker`] | `depth` |
-/// | mesh with mesh or composite of polyhedra | [`MeshTracker`] | `depth` |
-/// | mesh with convex shape or any other composite | [`CompositeTracker`] | `depth` |
-/// | surface with surface | [`SurfaceTracker`] | `depth`, `manifold` |
-/// | surface with convex shape | [`SurfaceShapeTracker`] | `depth`, `manifold` |
-/// | surface with composite | [`SurfaceCompositeTracker`] | `depth`, `manifold` |
+/// | composite with composite or convex shape | [`CompositeTracker`] | depths |
+/// | mesh with mesh or composite of polyhedra | [`MeshTracker`] | depths |
+/// | mesh with convex shape or any other composite | [`CompositeTracker`] | depths |
+/// | surface with surface | [`SurfaceTracker`] | depths, `manifold` |
+/// | surface with convex shape | [`SurfaceShapeTracker`] | depths, `manifold` |
+/// | surface with composite | [`SurfaceCompositeTracker`] | depths, `manifold` |
 /// | surface with mesh | none | all but `boxes` |
 ///
-/// The effect `manifold` of a pair with a composite or mesh is answered by
+/// Depths are the effects `depth` and `local_depth`. The effect `manifold` of a pair with a composite or mesh is answered by
 /// [`ContactTracker`](crate::ContactTracker), as
 /// [`PairAnswer::contacts`](super::PairAnswer::contacts); overlaps of such a pair have the distance
 /// 0.

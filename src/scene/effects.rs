@@ -115,7 +115,7 @@ pub struct Effects {
     /// and no lower bound. Without `distance` or `features` only overlaps are measured.
     pub depth: bool,
     /// A local depth of an overlap, where `depth` does not call for the least: an upper bound for
-    /// a fraction of the time, see [`Tracker::closest_with_local_depth`]. Bodies other than
+    /// a fraction of the time, see [`Tracker::closest_with_local_depth`]. Convex bodies other than
     /// polyhedra, sharp or rounded, get the depth. Without `distance` or `features` only overlaps
     /// are measured.
     ///

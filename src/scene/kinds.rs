@@ -51,8 +51,8 @@ fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static 
     if a.is_convex() && b.is_convex() {
         return None;
     }
-    if effects.depth {
-        return Some("depth");
+    if effects.depth || effects.local_depth {
+        return Some(if effects.depth { "depth" } else { "local_depth" });
     }
     let is_surface = |kind: ShapeKind| kind == ShapeKind::Surface;
     if !is_surface(a) && !is_surface(b) {

@@ -3,11 +3,15 @@
 //!
 //! A *tick* is one call of [`Scene::advance`](super::Scene::advance). While all ticks are equally
 //! long and a body is moved by ticks alone, at one velocity, the motion of the body is known ahead.
-//! A body is *disturbed* in a step if a call gave the body another velocity or another pose.
+//! A body is *disturbed* in a step if a call gave the body another velocity or another pose. From
+//! the first tick on every body has a row of motions, with a velocity or without: no pair sleeps
+//! before that tick, and afterwards no disturbance is lost.
 
 use nalgebra::Isometry3;
 
-use crate::motion::{Motion, Steady, Velocity};
+use crate::motion::{Motion, Steady, Velocity, displacement};
+use crate::num::count::Counter;
+use crate::tolerance::{PLACED_CENTRE, ROUND_UP};
 
 /// Velocity of a body, and the steps in which the motion last changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,23 +69,27 @@ impl Sweep {
     /// Returns the growth of the box about both ends of a sweep that holds the body at every
     /// instant between. The body's own origin goes straight, and no point is farther than `radius`
     /// from the origin: the second derivative of its place is at most `radius w^2`, hence the
-    /// distance from the chord of both ends at most `radius (w t)^2 / 8`, and at most the diameter.
-    /// The drift of the motion is the rounding of the poses.
+    /// distance from the chord of both ends at most `radius (w t)^2 / 8`. The drift of the motion is
+    /// the rounding of the poses. No turn carries a point farther than the diameter.
     pub(super) fn bulge(&self, radius: f64, time: f64) -> f64 {
         let angle = self.velocity.angular.norm() * time;
-        let chord = (0.125 * radius * angle * angle).min(2.0 * radius);
-        let drift = self
-            .motion()
-            .map_or(0.0, |motion| motion.course(0.0, time).drift(radius).at(time));
-        chord + drift
+        let course = self.motion().map(|motion| motion.course(0.0, time));
+        let [shift, turn] = course.map_or([0.0; 2], |course| [course.shift.at(time), course.turn.at(time)]);
+        // The least of a number and NaN is the number.
+        (radius * (0.125 * angle * angle + turn)).min(2.0 * radius) + shift
     }
 
     /// Returns an upper bound of the displacement of any point of the body from its start, at every
-    /// instant of the sweep.
+    /// instant of the sweep. The bound is finite at every velocity: the body's own origin goes
+    /// straight, and no turn carries a point farther than the diameter.
     pub(super) fn displacement(&self, radius: f64, time: f64) -> f64 {
-        self.motion().map_or(f64::INFINITY, |motion| {
-            motion.course(0.0, time).displacement(radius, time)
-        })
+        let (start, way) = (&self.from.translation.vector, self.velocity.linear * time);
+        let straight = displacement(&way, 0.0, &self.from.rotation, &self.from.rotation);
+        let rounding = PLACED_CENTRE * (start.lp_norm(1) + way.lp_norm(1));
+        let most = (straight + rounding + 2.0 * radius) * ROUND_UP;
+        let course = self.motion().map(|motion| motion.course(0.0, time));
+        // The least of a number and NaN is the number.
+        course.map_or(most, |course| course.displacement(radius, time).min(most))
     }
 }
 
@@ -95,20 +103,40 @@ pub(super) struct Ticks {
     pub(super) length: f64,
     /// Whether a tick came since the last step.
     pub(super) is_pending: bool,
+    /// Whether impacts were called for when that tick began, so that the step needs its sweeps.
+    pub(super) is_swept: bool,
     /// Whether the length of a tick changed since the last step.
     pub(super) is_changed: bool,
 }
 
 impl Ticks {
     /// Begins a tick.
-    pub(super) fn begin(&mut self, length: f64) {
+    pub(super) fn begin(&mut self, length: f64, is_swept: bool) {
         self.is_changed |= self.length != length;
         self.length = length;
-        self.is_pending = true;
-        self.now += 1;
+        (self.is_pending, self.is_swept) = (true, is_swept);
+        self.now.count(1);
+    }
+
+    /// Returns the tick that comes some ticks later, as the number that a pair stores: rounded down,
+    /// so that beyond 2^53 ticks a pair sleeps less, and never too long.
+    pub(super) fn later(&self, by: u64) -> f64 {
+        let tick = self.now.saturating_add(by);
+        let stored = tick as f64;
+        if stored as u64 > tick {
+            stored.next_down()
+        } else {
+            stored
+        }
+    }
+
+    /// Ends a tick that moved nothing. Whether the length changed is kept for the next step.
+    pub(super) fn end_idle(&mut self) {
+        (self.is_pending, self.is_swept) = (false, false);
     }
 
     pub(super) fn end_step(&mut self) {
-        (self.is_pending, self.is_changed) = (false, false);
+        self.end_idle();
+        self.is_changed = false;
     }
 }

@@ -6,6 +6,7 @@ use core::time::Duration;
 
 use super::{Event, PairImpact, Scene};
 use crate::broad::{self, BroadPhase};
+use crate::num::count::sum_of_counters;
 use crate::pair::outcome::{Outcome, Solver};
 use crate::pair::world::AnsweredBy;
 
@@ -96,42 +97,37 @@ impl Counts {
     }
 }
 
-impl AddAssign for Counts {
-    /// Adds all counts, `pairs`, `uncovered` and `called` too, so that a sum over steps divided by
-    /// `steps` is the mean. Sums saturate.
-    fn add_assign(&mut self, o: Self) {
-        self.steps = self.steps.saturating_add(o.steps);
-        self.boxes = self.boxes.saturating_add(o.boxes);
-        self.swaps = self.swaps.saturating_add(o.swaps);
-        self.began = self.began.saturating_add(o.began);
-        self.ended = self.ended.saturating_add(o.ended);
-        self.pairs = self.pairs.saturating_add(o.pairs);
-        self.uncovered = self.uncovered.saturating_add(o.uncovered);
-        self.called = self.called.saturating_add(o.called);
-        self.resting = self.resting.saturating_add(o.resting);
-        self.skipped = self.skipped.saturating_add(o.skipped);
-        self.slept = self.slept.saturating_add(o.slept);
-        self.balls = self.balls.saturating_add(o.balls);
-        self.ahead = self.ahead.saturating_add(o.ahead);
-        self.casts = self.casts.saturating_add(o.casts);
-        self.impacts = self.impacts.saturating_add(o.impacts);
-        self.queries = self.queries.saturating_add(o.queries);
-        self.separated = self.separated.saturating_add(o.separated);
-        self.walked = self.walked.saturating_add(o.walked);
-        self.certificates = self.certificates.saturating_add(o.certificates);
-        self.depths = self.depths.saturating_add(o.depths);
-        self.overlaps = self.overlaps.saturating_add(o.overlaps);
-        self.withins = self.withins.saturating_add(o.withins);
-        self.distances = self.distances.saturating_add(o.distances);
-        self.features = self.features.saturating_add(o.features);
-        self.manifolds = self.manifolds.saturating_add(o.manifolds);
-        self.renewed = self.renewed.saturating_add(o.renewed);
-        self.events = self.events.saturating_add(o.events);
-        for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
-            *mine = mine.saturating_add(theirs);
-        }
-    }
-}
+// Adds `pairs`, `uncovered` and `called` too, so that a sum over steps divided by `steps` is the mean.
+sum_of_counters!(Counts {
+    steps,
+    boxes,
+    swaps,
+    began,
+    ended,
+    pairs,
+    uncovered,
+    called,
+    resting,
+    skipped,
+    slept,
+    balls,
+    ahead,
+    casts,
+    impacts,
+    queries,
+    answered,
+    separated,
+    walked,
+    certificates,
+    depths,
+    overlaps,
+    withins,
+    distances,
+    features,
+    manifolds,
+    renewed,
+    events,
+});
 
 /// Wall time of a step by stage, or summed over many. Zero without the feature `std`, and if the
 /// target has no clock.

@@ -20,14 +20,16 @@ use crate::tuning::scene::QUERY_IN_BOXES;
 
 impl Scene {
     /// Applies all calls since the last step and computes the effects called for. Does nothing if
-    /// there were no calls.
+    /// there were no calls, or only ticks that move no body.
     pub fn step(&mut self) -> &Report {
         let last = core::mem::take(&mut self.report).counts.queries;
         self.report.counts.steps = 1;
         self.events.clear();
         self.impacts.clear();
-        if self.is_due() {
+        if self.is_due() || self.bodies.ticks.is_pending {
             self.bodies.narrow();
+        }
+        if self.is_due() {
             let mut clock = Clock::start();
             let recreated = self.replan();
             if self.changed || self.replanned != 0 {
@@ -43,13 +45,15 @@ impl Scene {
             self.report.times.events = clock.lap();
             self.bodies.end_step();
             (self.changed, self.replanned) = (false, 0);
+        } else {
+            self.bodies.ticks.end_idle();
         }
         self.report.counts.pairs = self.broad.pair_count() as u64;
         self.report.counts.uncovered = self.census.count(|group| self.partners[group.index()] == 0);
         &self.report
     }
 
-    /// Whether anything was called since the last step.
+    /// Whether a call since the last step changed anything that a step reads, beside the ticks.
     pub(super) fn is_due(&self) -> bool {
         self.changed || self.replanned != 0 || !self.bodies.due.is_empty()
     }

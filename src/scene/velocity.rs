@@ -63,10 +63,7 @@ impl Scene {
             checked(&pose, Some(self.bodies.id(i as u32)))?;
             poses.push(pose);
         }
-        self.bodies.ticks.begin(time);
-        if is_swept {
-            self.bodies.sweeps.resize(self.bodies.poses.len(), None);
-        }
+        self.bodies.begin_tick(time, is_swept);
         for (&i, pose) in moving.iter().zip(&poses) {
             let velocity = self.bodies.moving[i].velocity;
             let sweep = is_swept.then(|| Sweep {

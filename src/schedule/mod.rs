@@ -31,9 +31,10 @@
 //!    lets the pair sleep until tick k + m + 1.
 //! 2. A pair that is due and not put to sleep is due again at the next tick: pairs in contact stay
 //!    due.
-//! 3. An answer counts only if neither body was disturbed since the pair was due ([`Due`] carries
-//!    the epochs of both bodies).
-//! 4. Ticks are integers: no wake-up is lost to the rounding of a clock.
+//! 3. An answer counts only if neither body was disturbed, nor the pair removed, since the pair was
+//!    due: [`Due`] carries how many disturbances and arrivals of pairs came before.
+//! 4. Ticks are integers: no wake-up is lost to the rounding of a clock. No tick follows the tick
+//!    `u64::MAX`: a pair that would be due after that tick sleeps until a body is disturbed.
 //!
 //! # When not to use a schedule
 //!
@@ -52,7 +53,7 @@
 //!    closest points alone, and a spinning rod outruns this speed by any factor.
 //! 2. No least time between looks: a pair in contact is looked at in every tick, a pair apart by
 //!    the bound.
-//! 3. A disturbed body has another epoch, so that no stale wake-up or answer counts.
+//! 3. Disturbances are numbered, so that no stale wake-up or answer counts.
 
 use alloc::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use core::cmp::Reverse;
@@ -64,13 +65,26 @@ use crate::tuning::schedule::SPARE;
 #[derive(Clone, Debug, Default)]
 pub struct Schedule {
     now: u64,
-    /// The tick at which each pair is due.
-    pairs: BTreeMap<(u32, u32), u64>,
+    /// The number of disturbances and arrivals of pairs so far: an epoch is one of these numbers.
+    epoch: u64,
+    pairs: BTreeMap<(u32, u32), Entry>,
     /// All pairs again, the higher id first.
     turned: BTreeSet<(u32, u32)>,
-    epochs: BTreeMap<u32, u64>,
+    /// The epoch of the last disturbance of each body. The pairs of a body that was removed and
+    /// comes again are younger than any answer about the body before, so that this epoch may be
+    /// forgotten.
+    disturbed: BTreeMap<u32, u64>,
     /// Entries that agree with `pairs`, and stale ones.
     heap: BinaryHeap<Reverse<(u64, u32, u32)>>,
+}
+
+/// A pair of the schedule.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    /// The tick at which the pair is due; `None` after the last tick of all.
+    tick: Option<u64>,
+    /// The epoch in which the pair arrived.
+    arrived: u64,
 }
 
 /// A pair to be looked at now.
@@ -80,8 +94,8 @@ pub struct Due {
     pub pair: (u32, u32),
     /// The tick at which the pair became due: now, or before if ticks were left out.
     pub since: u64,
-    /// How often each body was disturbed until now.
-    epochs: (u64, u64),
+    /// The epoch in which the pair was found due.
+    epoch: u64,
 }
 
 impl Schedule {
@@ -98,8 +112,11 @@ impl Schedule {
         if a == b || self.pairs.contains_key(&pair) {
             return false;
         }
+        self.epoch += 1;
+        let arrived = self.epoch;
+        self.pairs.insert(pair, Entry { tick: None, arrived });
         self.turned.insert((pair.1, pair.0));
-        self.wake_at(pair, self.now);
+        self.wake_at(pair, Some(self.now));
         true
     }
 
@@ -115,7 +132,7 @@ impl Schedule {
         for (a, b) in self.of(body) {
             self.remove(a, b);
         }
-        self.epochs.remove(&body);
+        self.disturbed.remove(&body);
     }
 
     /// Returns the number of pairs.
@@ -144,10 +161,12 @@ impl Schedule {
     /// Notes that the velocity of a body changed, or that the body was put elsewhere: all pairs of
     /// the body are due now.
     pub fn disturb(&mut self, body: u32) {
-        *self.epochs.entry(body).or_insert(0) += 1;
+        self.epoch += 1;
+        self.disturbed.insert(body, self.epoch);
         for pair in self.of(body) {
-            if self.pairs.get(&pair).is_some_and(|&tick| tick > self.now) {
-                self.wake_at(pair, self.now);
+            let entry = self.pairs.get(&pair);
+            if entry.is_some_and(|entry| entry.tick.is_none_or(|tick| tick > self.now)) {
+                self.wake_at(pair, Some(self.now));
             }
         }
     }
@@ -160,13 +179,12 @@ impl Schedule {
                 return None;
             }
             self.heap.pop();
-            if self.pairs.get(&(a, b)) == Some(&since) {
-                self.wake_at((a, b), self.now.saturating_add(1));
-                let epochs = self.epochs_of((a, b));
+            if self.pairs.get(&(a, b)).is_some_and(|entry| entry.tick == Some(since)) {
+                self.wake_at((a, b), self.now.checked_add(1));
                 return Some(Due {
                     pair: (a, b),
                     since,
-                    epochs,
+                    epoch: self.epoch,
                 });
             }
         }
@@ -175,34 +193,42 @@ impl Schedule {
 
     /// Lets a pair sleep for a number of whole ticks after the present tick: the pair is due at the
     /// tick after these. Changes nothing if a body of the pair was disturbed since the pair was
-    /// due, or the pair is gone.
+    /// due, or the pair was removed, be it there again or not.
     pub fn sleep(&mut self, due: &Due, ticks: u64) {
-        if ticks > 0 && self.pairs.contains_key(&due.pair) && self.epochs_of(due.pair) == due.epochs {
-            self.wake_at(due.pair, self.now.saturating_add(ticks).saturating_add(1));
+        if ticks > 0 && self.is_valid(due) {
+            let next = self.now.checked_add(ticks).and_then(|last| last.checked_add(1));
+            self.wake_at(due.pair, next);
         }
     }
 
-    /// Returns the tick at which the next pair is due, if there is a pair.
+    /// Returns the tick at which the next pair is due, if any pair is due at any tick.
     #[must_use]
     pub fn next(&self) -> Option<u64> {
-        self.pairs.values().copied().min().map(|tick| tick.max(self.now))
+        let ticks = self.pairs.values().filter_map(|entry| entry.tick);
+        ticks.min().map(|tick| tick.max(self.now))
     }
 
-    fn wake_at(&mut self, pair: (u32, u32), tick: u64) {
-        self.pairs.insert(pair, tick);
-        self.heap.push(Reverse((tick, pair.0, pair.1)));
+    fn wake_at(&mut self, pair: (u32, u32), tick: Option<u64>) {
+        let Some(entry) = self.pairs.get_mut(&pair) else { return };
+        entry.tick = tick;
+        self.heap.extend(tick.map(|tick| Reverse((tick, pair.0, pair.1))));
         if self.heap.len() > 4 * self.pairs.len() + SPARE {
-            self.heap = self
-                .pairs
-                .iter()
-                .map(|(&(a, b), &tick)| Reverse((tick, a, b)))
+            let entries = self.pairs.iter();
+            self.heap = entries
+                .filter_map(|(&(a, b), entry)| Some(Reverse((entry.tick?, a, b))))
                 .collect();
         }
     }
 
-    fn epochs_of(&self, (a, b): (u32, u32)) -> (u64, u64) {
-        let epoch = |body: u32| self.epochs.get(&body).copied().unwrap_or(0);
-        (epoch(a), epoch(b))
+    /// Whether an answer to a pair that was due is one about the pair as it is now.
+    fn is_valid(&self, due: &Due) -> bool {
+        let (a, b) = due.pair;
+        let is_old = |body: u32| self.disturbed.get(&body).is_none_or(|epoch| *epoch <= due.epoch);
+        self.pairs
+            .get(&due.pair)
+            .is_some_and(|entry| entry.arrived <= due.epoch)
+            && is_old(a)
+            && is_old(b)
     }
 
     /// Returns the pairs of a body, in the order of ids.
@@ -336,5 +362,58 @@ mod tests {
         schedule.sleep(&due, u64::MAX);
         schedule.advance(u64::MAX - 1);
         assert!(schedule.due().is_none());
+    }
+
+    #[test]
+    fn the_last_tick_ends() {
+        for slept in [None, Some(0), Some(1), Some(u64::MAX)] {
+            let mut schedule = Schedule::new();
+            for (a, b) in [(1, 2), (1, 3), (4, 5)] {
+                schedule.insert(a, b);
+            }
+            for now in [7, u64::MAX - 1, u64::MAX, u64::MAX] {
+                schedule.advance(now);
+                let mut looks = 0;
+                while let Some(due) = schedule.due() {
+                    looks += 1;
+                    assert!(looks <= 3, "a pair is due once a tick");
+                    if let Some(ticks) = slept {
+                        schedule.sleep(&due, ticks);
+                    }
+                }
+                assert!(looks == 3 || slept == Some(u64::MAX) || schedule.now() == u64::MAX);
+            }
+            assert_eq!(schedule.next(), None);
+            schedule.disturb(1);
+            assert_eq!(schedule.next(), Some(u64::MAX));
+            assert_eq!(core::iter::from_fn(|| schedule.due()).count(), 2);
+        }
+    }
+
+    #[test]
+    fn no_answer_about_a_pair_that_was_removed_counts() {
+        // What is removed, and whether bodies were disturbed before.
+        for (k, disturbed) in [(0, false), (0, true), (1, false), (1, true), (2, false), (2, true)] {
+            let mut schedule = Schedule::new();
+            schedule.insert(1, 2);
+            if disturbed {
+                schedule.disturb(1);
+                schedule.disturb(2);
+            }
+            let due = schedule.due().expect("a pair is due at once");
+            match k {
+                0 => schedule.remove_body(1),
+                1 => schedule.remove_body(2),
+                _ => assert!(schedule.remove(2, 1)),
+            }
+            schedule.sleep(&due, 9);
+            assert_eq!(schedule.next(), None);
+            schedule.insert(2, 1);
+            schedule.sleep(&due, 9);
+            assert_eq!(schedule.next(), Some(0), "{k} {disturbed}");
+            let due = schedule.due().expect("a pair is due at once");
+            schedule.sleep(&due, 9);
+            assert_eq!(schedule.next(), Some(10), "{k} {disturbed}");
+        }
     }
 }

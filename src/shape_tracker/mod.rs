@@ -158,10 +158,7 @@ impl ShapeTracker {
     }
 
     fn count(&mut self, outcome: &Outcome) {
-        self.totals.queries += 1;
-        self.totals.steps += u64::from(outcome.work.steps);
-        self.totals.depths += u64::from(outcome.work.depths);
-        self.totals.answered[outcome.solver as usize] += 1;
+        self.totals.note(false, outcome.solver, &outcome.work);
     }
 
     /// Forgets features and counters.

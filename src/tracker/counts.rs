@@ -1,5 +1,6 @@
 //! Counters of a tracker: costs of the two ways to start a walk, and totals for the caller.
 
+use crate::num::count::{Counter, sum_of_counters};
 use crate::pair::outcome::{Solver, Work};
 use crate::pair::world::AnsweredBy;
 use crate::tuning::tracker::{CLIMBS, ELLIPSOIDS};
@@ -86,28 +87,21 @@ impl core::fmt::Display for Totals {
 }
 
 impl Totals {
-    /// Counts a query and its work. A counter saturates: a file may hold the largest number.
+    /// Counts a query and its work.
     #[inline(always)]
-    pub(super) fn note(&mut self, warm: bool, solver: Solver, work: &Work) {
-        let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
-        add(&mut self.queries, 1);
-        add(&mut self.warm, u64::from(warm));
-        add(&mut self.answered[solver as usize], 1);
-        add(&mut self.steps, u64::from(work.steps));
-        add(&mut self.depths, u64::from(work.depths));
+    pub(crate) fn note(&mut self, warm: bool, solver: Solver, work: &Work) {
+        self.queries.count(1);
+        self.warm.count(u64::from(warm));
+        self.answered[solver as usize].count(1);
+        self.steps.count(u64::from(work.steps));
+        self.depths.count(u64::from(work.depths));
     }
 }
 
-impl core::ops::AddAssign for Totals {
-    /// Adds counters that saturate.
-    fn add_assign(&mut self, o: Self) {
-        let add = |counter: &mut u64, by: u64| *counter = counter.saturating_add(by);
-        add(&mut self.queries, o.queries);
-        add(&mut self.warm, o.warm);
-        add(&mut self.steps, o.steps);
-        add(&mut self.depths, o.depths);
-        for (mine, theirs) in self.answered.iter_mut().zip(o.answered) {
-            add(mine, theirs);
-        }
-    }
-}
+sum_of_counters!(Totals {
+    queries,
+    warm,
+    answered,
+    steps,
+    depths
+});

@@ -9,6 +9,7 @@ use crate::composite::kept::Kept;
 use crate::composite::parts::Parts;
 use crate::composite::state::{Answer, Posed, State};
 use crate::composite::work::MeshWork;
+use crate::num::count::Counter;
 use crate::pair::outcome::{Class, Distance};
 use crate::polyhedron::FeaturePair;
 use crate::pose::RelativePose;
@@ -137,7 +138,7 @@ impl CompositeTracker {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
         }
         self.recognise(a, b);
-        self.state.kept.work.queries += 1;
+        self.state.kept.work.queries.count(1);
         let answer = match Posed::new(a, b, a_from_b) {
             Some(posed) => {
                 let judge = PartPair::new((a, b), a_from_b, None, &mut self.near);
@@ -172,7 +173,7 @@ impl CompositeTracker {
             return self.within(b, a, &a_from_b.swapped(), d);
         }
         self.recognise(a, b);
-        self.state.kept.work.queries += 1;
+        self.state.kept.work.queries.count(1);
         let Some(posed) = Posed::new(a, b, a_from_b) else {
             return Posed::far::<()>(a, b, a_from_b).lower <= d;
         };
