@@ -28,29 +28,36 @@ impl Slots {
     /// these contradict each other.
     #[cfg(feature = "serde")]
     pub(crate) fn restored(generations: Vec<u32>, free: Vec<u32>, leaving: Vec<u32>) -> Option<Self> {
-        let mut is_listed = alloc::vec![false; generations.len()];
-        for (list, most) in [(&free, RETIRED), (&leaving, u32::MAX)] {
+        let slots = Self {
+            living: generations.iter().filter(|g| **g % 2 == 1).count(),
+            generations,
+            free,
+            leaving,
+        };
+        slots.is_consistent().then_some(slots)
+    }
+
+    /// Whether every index without a body is listed once and no other is.
+    pub(crate) fn is_consistent(&self) -> bool {
+        let mut is_listed = alloc::vec![false; self.generations.len()];
+        for (list, most) in [(&self.free, RETIRED), (&self.leaving, u32::MAX)] {
             for &index in list {
-                let generation = *generations.get(index as usize)?;
+                let Some(&generation) = self.generations.get(index as usize) else {
+                    return false;
+                };
                 let is_twice = core::mem::replace(&mut is_listed[index as usize], true);
                 if is_twice || generation % 2 == 1 || generation >= most {
-                    return None;
+                    return false;
                 }
             }
         }
         // Generation u32::MAX would have no successor.
         let sound = |(g, listed): (&u32, &bool)| *g < u32::MAX && (g % 2 == 1 || *listed || *g >= RETIRED);
-        let all_sound = generations.iter().zip(&is_listed).all(sound);
-        all_sound.then(|| Self {
-            living: generations.iter().filter(|g| **g % 2 == 1).count(),
-            generations,
-            free,
-            leaving,
-        })
+        let living = self.generations.iter().filter(|g| **g % 2 == 1).count();
+        living == self.living && self.generations.iter().zip(&is_listed).all(sound)
     }
 
     /// Returns the number of indices, of living bodies and others.
-    #[cfg(feature = "serde")]
     pub(crate) fn index_count(&self) -> usize {
         self.generations.len()
     }

@@ -75,7 +75,7 @@ impl Body {
 #[derive(Clone, Debug)]
 pub(super) struct Solid {
     pub(super) shape: BodyShape,
-    ball: Ball,
+    pub(super) ball: Ball,
     pub(super) group: Group,
     pub(super) fixed: bool,
     /// Whether the broad phase has a box of the body: none if the range of the body is infinite.

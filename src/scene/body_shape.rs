@@ -31,8 +31,8 @@ use crate::tolerance::BOX_TURNED;
 /// | surface with composite | [`SurfaceCompositeTracker`] | depths, `manifold` |
 /// | surface with mesh | none | all but `boxes` |
 ///
-/// Depths are the effects `depth` and `local_depth`. The effect `manifold` of a pair with a composite or mesh is answered by
-/// [`ContactTracker`](crate::ContactTracker), as
+/// Depths are the effects `depth` and `local_depth`. The effect `manifold` of a pair with a
+/// composite or mesh is answered by [`ContactTracker`](crate::ContactTracker), as
 /// [`PairAnswer::contacts`](super::PairAnswer::contacts); overlaps of such a pair have the distance
 /// 0.
 ///

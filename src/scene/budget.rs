@@ -61,6 +61,11 @@ impl Travel {
         self.moved = step;
     }
 
+    /// Whether the box is marked as due.
+    pub(super) fn is_due(&self, step: u32) -> bool {
+        self.due == step
+    }
+
     /// Marks the box as due; returns whether this is the first mark of the step.
     #[inline]
     pub(super) fn mark_due(&mut self, step: u32) -> bool {

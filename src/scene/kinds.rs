@@ -83,7 +83,7 @@ fn called(effects: &Effects) -> Option<&'static str> {
 
 /// The number of bodies by group and kind. Two fixed bodies make no pair, so fixed bodies are
 /// counted apart.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Census(BTreeMap<Member, u32>);
 
 /// Group and kind of a body, and whether the body is fixed.

@@ -147,6 +147,7 @@ mod ball;
 mod body;
 mod body_shape;
 pub mod budget;
+mod check;
 mod closest;
 mod effects;
 mod error;

@@ -105,6 +105,10 @@ impl<T: PairTracker, A: StoredAnswer> PairTable<T, A> {
         })
     }
 
+    fn is_parallel(&self) -> bool {
+        [self.trackers.len(), self.answers.len()] == [self.headers.len(); 2]
+    }
+
     fn bytes(&self) -> usize {
         let surfaces: usize = self.trackers.iter().map(T::heap_bytes).sum();
         let manifolds = self.answers.iter().filter(|a| a.contacts().is_some()).count();
@@ -235,7 +239,6 @@ impl<T: PairTracker> DetailTables<T> {
     }
 
     /// Returns the headers of the four tables.
-    #[cfg(feature = "serde")]
     fn headers(&self) -> [&[PairHeader]; 4] {
         [
             &self.predicates.headers,
@@ -243,6 +246,14 @@ impl<T: PairTracker> DetailTables<T> {
             &self.features.headers,
             &self.contacts.headers,
         ]
+    }
+
+    /// Whether the lists of all tables are equally long.
+    fn is_parallel(&self) -> bool {
+        self.predicates.is_parallel()
+            && self.distances.is_parallel()
+            && self.features.is_parallel()
+            && self.contacts.is_parallel()
     }
 
     fn trim(&mut self) {
@@ -344,8 +355,33 @@ impl PairTables {
         rows.filter(|(row, _)| row.is_box_event_sent()).map(|(_, slot)| slot)
     }
 
+    /// Returns the table of the pair of a slot by its level of detail, if the pair is stored, and
+    /// whether its box event was sent.
+    pub(super) fn place(&self, slot: u32) -> (Option<u32>, bool) {
+        let entry = self.rows.get(slot as usize).copied().unwrap_or(TableRow::NONE);
+        let table = (entry.table() != TableRow::NONE.table()).then_some(entry.table() % MIXED);
+        (table, entry.is_box_event_sent())
+    }
+
+    /// Whether every pair of the tables is found by its slot, and every slot finds a pair.
+    pub(super) fn is_consistent(&self) -> bool {
+        let tables = self.polyhedra.headers().into_iter().chain(self.mixed.headers());
+        let rows = (0u32..).zip(tables).flat_map(|(table, headers)| {
+            let rows = headers.iter().zip(0u32..);
+            rows.map(move |(header, row)| (header.pair.slot, TableRow::of(table, row)))
+        });
+        let is_found = |(slot, row): (u32, TableRow)| {
+            let entry = self.rows.get(slot as usize);
+            entry.is_some_and(|entry| entry.0 & !BOX_EVENT_SENT == row.0)
+        };
+        let stored = self.rows.iter().filter(|row| row.table() != TableRow::NONE.table());
+        self.polyhedra.is_parallel()
+            && self.mixed.is_parallel()
+            && stored.count() == self.headers().count()
+            && rows.into_iter().all(is_found)
+    }
+
     /// Iterates over the pairs of all tables.
-    #[cfg(feature = "serde")]
     pub(super) fn headers(&self) -> impl Iterator<Item = &PairHeader> {
         let all = self.polyhedra.headers().into_iter().chain(self.mixed.headers());
         all.flatten()

@@ -9,23 +9,21 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use super::body::{Bodies, Body, Solid, checked};
+use super::body::{Bodies, Body, Solid};
 use super::body_shape::BodyShape;
 use super::budget::Travel;
+use super::check::census_of;
 use super::effects::{Effects, GROUPS, Group, Table};
 use super::filter::Ignored;
-use super::kinds::Census;
 use super::mixed_tracker::{MixedTracker, StoredTracker};
 use super::moving::{Moving, Sweep, Ticks};
 use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
 use super::pair_tracker::PairTracker;
 use super::report::Report;
-use super::step::{bodies_of, group};
 use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, PairImpact, Scene, Settings};
 use crate::broad::slots::Slots;
 use crate::broad::{self, BroadPhase, PencilSweep};
-use crate::motion::Velocity;
 use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::BoxHint;
 use crate::tracker::Tracker;
@@ -230,25 +228,10 @@ impl Snapshot {
         let growth = |g: f64| if g == f64::MAX { f64::INFINITY } else { g };
         let growths: Vec<f64> = self.growths.into_iter().map(growth).collect();
         let growths: [f64; GROUPS] = growths.try_into().map_err(|_| "a scene has 32 groups")?;
-        if !growths.iter().all(|g| *g >= 0.0) {
-            return Err("a box of the scene grows by less than nothing".into());
-        }
         let shapes = self.shapes;
         let lists = [self.free, self.leaving, self.body_of_proxy, self.due];
         let motions = (self.moving, self.sweeps, self.wide, self.ticks);
         let bodies = restored_bodies(self.rows, &shapes, lists, motions, self.step)?;
-        let planned = |g: usize| self.replanned & 1 << g != 0;
-        for g in (0..GROUPS).filter(|&g| !planned(g)) {
-            let group = group(g);
-            if growths[g] != table.growth(group) || self.partners[g] != table.partners(group) {
-                return Err("the boxes of a group of the scene are not what its effects call for".into());
-            }
-        }
-        let fits = |s: &Solid| planned(s.group.index()) || s.boxed == (growths[s.group.index()] < f64::INFINITY);
-        if !bodies.solids.iter().flatten().all(fits) {
-            return Err("a body of the scene has a box where it should have none, or none where it should".into());
-        }
-        check_proxies(&bodies, &self.broad)?;
         let ignored = restored_filter(&self.ignored, &bodies)?;
         let slots = self.broad.pairs().map(|p| p.id.slot as usize + 1).max().unwrap_or(0);
         let shapes_of = |header: &PairHeader| {
@@ -265,7 +248,6 @@ impl Snapshot {
         })?;
         let pair_tables = PairTables::restored(polyhedra, mixed, &self.box_event_sent, slots);
         let pair_tables = pair_tables.ok_or("two pairs of the scene sit in one seat")?;
-        check_rows(&pair_tables, &bodies, &self.broad)?;
         let census = census_of(&bodies, &table)?;
         let mut scene = Scene {
             bodies,
@@ -287,45 +269,10 @@ impl Snapshot {
             batch: Vec::new(),
             workspace: Workspace::default(),
         };
+        scene.check_tables()?;
         scene.make_patches();
         Ok(scene)
     }
-}
-
-/// Counts the bodies, and refuses bodies that cannot answer the effects of their groups.
-fn census_of(bodies: &Bodies, table: &Table) -> Result<Census, String> {
-    let mut census = Census::default();
-    let living = bodies.solids.iter().enumerate().filter(|(i, _)| bodies.lives(*i));
-    for solid in living.filter_map(|(_, solid)| solid.as_ref()) {
-        census
-            .check_body(solid.member(), |other| table.effects(solid.group, other))
-            .map_err(|e| alloc::format!("{e}"))?;
-        census.add(solid.member());
-    }
-    Ok(census)
-}
-
-/// Checks that every body has a proxy in the broad phase, and every proxy a body.
-fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
-    let n = bodies.slots.index_count();
-    let is_kept = |i: usize| broad.contains(bodies.proxies[i]);
-    let is_linked = |i: usize| bodies.body_of_proxy.get(bodies.proxies[i].index as usize) == Some(&(i as u32));
-    if !(0..n).all(|i| !bodies.lives(i) || is_kept(i) && is_linked(i)) {
-        return Err("a body of the scene has no place in its broad phase".into());
-    }
-    let has_body = |id: broad::BodyId| {
-        bodies
-            .body_of_proxy
-            .get(id.index as usize)
-            .is_some_and(|o| (*o as usize) < n)
-    };
-    if !broad.bodies().all(has_body) {
-        return Err("a box of the scene belongs to no body".into());
-    }
-    if !broad.pairs().all(|p| has_body(p.a) && has_body(p.b)) {
-        return Err("a pair of the scene has no bodies".into());
-    }
-    Ok(())
 }
 
 /// Returns the list of ignored pairs, if every pair names two bodies.
@@ -338,19 +285,6 @@ fn restored_filter(pairs: &[(u32, u32)], bodies: &Bodies) -> Result<Ignored, Str
         }
     }
     Ok(ignored)
-}
-
-/// Checks that every row holds a pair of the broad phase.
-fn check_rows(pair_tables: &PairTables, bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
-    let sound = |header: &PairHeader| {
-        let pair = broad.pair_of(header.pair).map(|pair| bodies_of(bodies, &pair));
-        let class = usize::from(header.class) < GROUPS * GROUPS;
-        class && header.a != header.b && pair == Some((header.a, header.b))
-    };
-    if !pair_tables.headers().all(sound) {
-        return Err("a seat of the scene is taken by no pair".into());
-    }
-    Ok(())
 }
 
 /// Motions of the bodies, sweeps of the step being prepared, bodies with wide boxes, and ticks.
@@ -372,19 +306,12 @@ fn restored_bodies(
     let here = |i: &u32| (*i as usize) < n;
     let swept: Vec<u32> = sweeps.iter().map(|(i, _)| *i).collect();
     let are_here = due.iter().chain(&wide).chain(&swept).all(here);
-    if !body_of_proxy.iter().all(known) || !are_here || !(moving.is_empty() || moving.len() == n) {
+    if !body_of_proxy.iter().all(known) || !are_here {
         return Err("a list of the scene names a body that is not there".into());
-    }
-    let finite = |v: &Velocity| v.linear.iter().chain(v.angular.iter()).all(|x| x.is_finite());
-    if !moving.iter().all(|m| finite(&m.velocity)) || !ticks.length.is_finite() {
-        return Err("a velocity of the scene is not finite".into());
     }
     let mut table = alloc::vec![None; if sweeps.is_empty() { 0 } else { n }];
     for (i, sweep) in sweeps {
-        checked(&sweep.from, None).map_err(|e| alloc::format!("{e}"))?;
-        if !finite(&sweep.velocity) || table[i as usize].replace(sweep).is_some() {
-            return Err("a sweep of the scene is not finite, or is there twice".into());
-        }
+        table[i as usize] = Some(sweep);
     }
     let mut bodies = Bodies {
         slots,
@@ -408,13 +335,8 @@ fn restored_bodies(
                 solid.boxed = s.boxed;
                 Some(solid)
             }
-            None if row.generation % 2 == 1 => return Err("a body of the scene has no shape".into()),
             None => None,
         };
-        checked(&row.pose, None).map_err(|e| alloc::format!("{e}"))?;
-        if !(row.travel.odometer >= 0.0) {
-            return Err("an odometer of the scene is no number".into());
-        }
         bodies.restore(solid, row.pose, row.travel, row.hint, row.proxy);
     }
     Ok(bodies)
