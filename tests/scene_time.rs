@@ -7,6 +7,7 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, BodyShape, Change, Counts, Effects, Event, Group, Scene, SceneError};
+use lin_canny::schedule::Schedule;
 use lin_canny::{Composite, Mesh, Piece, RelativePose, Shape, ShapeTracker, Velocity};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -463,4 +464,57 @@ fn a_step_sees_one_tick_where_impacts_are_called_for() {
         ..NONE
     };
     assert!(matches!(scene.call_for(ALL, ALL, wrong), Err(SceneError::Range { .. })));
+}
+
+#[test]
+fn the_last_tick_of_a_schedule_ends() {
+    for slept in [None, Some(0), Some(1), Some(u64::MAX)] {
+        let mut schedule = Schedule::new();
+        for (a, b) in [(1, 2), (1, 3), (4, 5)] {
+            schedule.insert(a, b);
+        }
+        for now in [7, u64::MAX - 1, u64::MAX, u64::MAX] {
+            schedule.advance(now);
+            let mut looks = 0;
+            while let Some(due) = schedule.due() {
+                looks += 1;
+                assert!(looks <= 3, "a pair is due once a tick");
+                if let Some(ticks) = slept {
+                    schedule.sleep(&due, ticks);
+                }
+            }
+            assert!(looks == 3 || slept == Some(u64::MAX) || schedule.now() == u64::MAX);
+        }
+        assert_eq!(schedule.next(), None);
+        schedule.disturb(1);
+        assert_eq!(schedule.next(), Some(u64::MAX));
+        assert_eq!(std::iter::from_fn(|| schedule.due()).count(), 2);
+    }
+}
+
+#[test]
+fn no_answer_about_a_pair_that_was_removed_counts() {
+    // What is removed, and whether bodies were disturbed before.
+    for (k, disturbed) in [(0, false), (0, true), (1, false), (1, true), (2, false), (2, true)] {
+        let mut schedule = Schedule::new();
+        schedule.insert(1, 2);
+        if disturbed {
+            schedule.disturb(1);
+            schedule.disturb(2);
+        }
+        let due = schedule.due().expect("a pair is due at once");
+        match k {
+            0 => schedule.remove_body(1),
+            1 => schedule.remove_body(2),
+            _ => assert!(schedule.remove(2, 1)),
+        }
+        schedule.sleep(&due, 9);
+        assert_eq!(schedule.next(), None);
+        schedule.insert(2, 1);
+        schedule.sleep(&due, 9);
+        assert_eq!(schedule.next(), Some(0), "{k} {disturbed}");
+        let due = schedule.due().expect("a pair is due at once");
+        schedule.sleep(&due, 9);
+        assert_eq!(schedule.next(), Some(10), "{k} {disturbed}");
+    }
 }

@@ -14,6 +14,9 @@ mod judge;
 #[path = "../../tests/support/lattice.rs"]
 #[allow(unreachable_pub)]
 mod lattice;
+#[path = "../../tests/support/scenes.rs"]
+#[allow(unreachable_pub)]
+mod scenes;
 #[path = "../../tests/support/mod.rs"]
 mod support;
 mod tally;
@@ -32,6 +35,7 @@ use lab::motion::Frame;
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lin_canny::broad::PencilSweep;
+use lin_canny::scene::Scene;
 use lin_canny::{Accuracy, Class, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 use tally::Tally;
 
@@ -46,8 +50,8 @@ struct Options {
 const USAGE: &str = "\
 usage: soak [--minutes M] [--seed S] [--threads N] [--out DIR] [--trial K]
 
-Random bodies of every hard family and curved shapes in random motions, and worlds of boxes, every frame judged by arithmetic
-of its own. Failures are written to DIR as texts for the example replay, and end the program with status 1.
+Random bodies of every hard family and curved shapes in random motions, worlds of boxes, and scenes of bodies of every kind,
+every frame judged by arithmetic of its own. Failures are written to DIR as texts for the example replay, and end the program with status 1.
 
   --minutes M   how long (default: 1)
   --seed S      names the run (default: 1)
@@ -223,6 +227,7 @@ fn run(options: &Options, number: u64) -> Tally {
     }
     worlds(options, number, &mut run.tally);
     curves(options, number, &mut run.tally);
+    scenes_of_bodies(options, number, &mut run.tally);
     let frames = run.tally.frames;
     run.tally.body(trial.a.family, frames);
     run.tally.body(trial.b.family, frames);
@@ -266,6 +271,38 @@ fn curves(options: &Options, number: u64, tally: &mut Tally) {
             }
         }
     }
+}
+
+/// Scenes a trial, and the bytes of their calls.
+const SCENES: u64 = 3;
+const CALLS: usize = 1500;
+
+/// Scenes of bodies of every kind, each step against brute force. Nowhere else were bodies without velocities, ticks, jumps and
+/// files drawn together.
+fn scenes_of_bodies(options: &Options, number: u64, tally: &mut Tally) {
+    for k in 0..SCENES {
+        let mut rng = Rng::of_case(options.seed ^ 0x5ce2, number * SCENES + k);
+        let bytes: Vec<u8> = (0..CALLS).map(|_| rng.bits() as u8).collect();
+        match catch_unwind(|| scenes::drive(&bytes, read_back)) {
+            Ok(mix) => tally.scenes.add(&mix),
+            Err(_) => {
+                tally.failures += 1;
+                eprintln!(
+                    "seed {} trial {number}: scene {k} is not that of brute force",
+                    options.seed
+                );
+            }
+        }
+    }
+}
+
+/// The scene as a file gives it back, if files are compiled in.
+fn read_back(scene: &Scene) -> Scene {
+    #[cfg(feature = "serde")]
+    let read = serde_json::from_str(&serde_json::to_string(scene).expect("a scene is written")).expect("and read");
+    #[cfg(not(feature = "serde"))]
+    let read = scene.clone();
+    read
 }
 
 /// Trials until the time is over.

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::curved;
 use crate::lattice::Mix;
+use crate::scenes;
 use lin_canny::Outcome;
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -33,6 +34,8 @@ pub(crate) struct Tally {
     pub(crate) manifolds: u64,
     /// Worlds of equal boxes.
     pub(crate) worlds: Mix,
+    /// Scenes of bodies of every kind.
+    pub(crate) scenes: scenes::Mix,
     /// Motions of curved shapes.
     pub(crate) curves: curved::Mix,
     /// Nanoseconds of the slowest query, and its trial.
@@ -66,6 +69,7 @@ impl Tally {
         self.manifolds += o.manifolds;
         self.worlds.add(&o.worlds);
         self.curves.add(&o.curves);
+        self.scenes.add(&o.scenes);
         self.slowest = self.slowest.max(o.slowest);
         self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
         self.layers.iter_mut().zip(o.layers).for_each(|(s, n)| *s += n);
@@ -89,6 +93,7 @@ impl Tally {
             self.queries as f64 / seconds
         );
         println!("worlds of equal boxes: {:?}", self.worlds);
+        println!("scenes of bodies of every kind: {:?}", self.scenes);
         let c = &self.curves;
         println!(
             "{} frames of curved shapes, {} queries: {}; {} of rounded shapes, {} separated beyond the first solver, bounds at most {:.1e} L wide",

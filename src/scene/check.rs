@@ -84,7 +84,8 @@ impl Scene {
             };
             let class = group_pair_of(g, h);
             let plan = self.table.plan(class);
-            let detail = (plan.detail > Detail::Boxes).then_some(plan.detail as u32 - Detail::Predicates as u32);
+            let table = || plan.detail as u32 - Detail::Predicates as u32;
+            let detail = (plan.detail > Detail::Boxes).then(table);
             if self.pair_tables.place(pair.id.slot) != (detail, plan.boxes) {
                 return Err(format!("{} is in another table than its effects call for", pair.id));
             }

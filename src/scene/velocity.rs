@@ -43,8 +43,9 @@ impl Scene {
     /// separation ends. If an impact is called for between any groups, a step sees one tick.
     ///
     /// # Errors
-    /// If the time is not finite, a body would leave the scene's reach, or an impact is called for
-    /// and the scene was advanced since the last step; then no body has moved.
+    /// If the time is not finite, a body would leave the scene's reach or turn by an angle beyond
+    /// the range of f64, or an impact is called for and the scene was advanced since the last step;
+    /// then no body has moved.
     pub fn advance(&mut self, time: f64) -> Result<(), SceneError> {
         if !time.is_finite() {
             return Err(SceneError::Velocity);

@@ -1,40 +1,59 @@
 //! Promise: whatever is called in whatever order, a scene says what is true.
 
-mod play;
+#[path = "../support/scenes.rs"]
+#[allow(unreachable_pub)]
+mod scenes;
 #[path = "../support/mod.rs"]
 mod support;
 
 use lab::rng::Rng;
 use lab::shapes;
+use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene};
+use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
 use lin_canny::{Class, RelativePose, Tracker, Velocity};
-use play::Play;
+use scenes::Mix;
 use std::sync::Arc;
 use support::body;
 
 const NONE: Effects = Effects::none();
 
-fn group(k: usize) -> Group {
-    Group::new(k as u8).unwrap()
+fn group(k: u8) -> Group {
+    Group::new(k).unwrap()
 }
 
+/// The scene as a file gives it back, if files are compiled in.
+fn read_back(scene: &Scene) -> Scene {
+    #[cfg(feature = "serde")]
+    let read = serde_json::from_str(&serde_json::to_string(scene).unwrap()).unwrap();
+    #[cfg(not(feature = "serde"))]
+    let read = scene.clone();
+    read
+}
+
+/// The bytes of a generator lead everywhere.
 #[test]
 fn any_calls_in_any_order_give_what_is_true() {
-    let mut seen = [0; 4];
-    for seed in 0..8 {
-        let mut play = Play::new(seed);
-        for _ in 0..150 {
-            for _ in 0..play.rng.below(6) {
-                play.call();
-            }
-            for (sum, n) in seen.iter_mut().zip(play.step()) {
-                *sum += n;
-            }
-        }
+    let mut mix = Mix::default();
+    for seed in 0..60 {
+        let mut rng = Rng::of_case(77, seed);
+        let mut bytes: Vec<u8> = (0..1500).map(|_| rng.bits() as u8).collect();
+        // The kinds in turn: those of many queries are rare.
+        bytes[0] = [0, 1, 0, 2, 1, 0, 3][seed as usize % 7];
+        mix.add(&scenes::drive(&bytes, read_back));
     }
-    assert!(seen.iter().all(|n| *n > 500), "{seen:?}");
+    assert!(mix.steps > 2500 && mix.refused > 5 && mix.reused > 100, "{mix:?}");
+    assert!(
+        mix.ticks.iter().chain(&mix.saved).all(|n| *n > 500) && mix.late > 500,
+        "{mix:?}"
+    );
+    assert!(mix.overlapping.iter().all(|n| *n > 50) && mix.within > 100, "{mix:?}");
+    assert!(
+        mix.distances[1] > 200 && mix.events > 300 && mix.impacts > 10,
+        "{mix:?}"
+    );
+    assert!(mix.slept.iter().all(|n| *n > 50), "{mix:?}");
 }
 
 #[test]
@@ -55,7 +74,7 @@ fn questions_on_top_equal_brute_force() {
             Body::moving(shape)
         };
         scene
-            .insert(made.group(group(k / 2 % 2)), lab::Pose { q, t }.isometry())
+            .insert(made.group(group(k as u8 / 2 % 2)), lab::Pose { q, t }.isometry())
             .unwrap();
     }
     scene.step();
@@ -205,4 +224,160 @@ fn spinning_bodies_are_looked_at_in_time() {
         }
     }
     assert!(events > 1000 && skipped > 3000, "{events} {skipped}");
+}
+
+/// Two cubes whose boxes overlap and which are apart: where the second is, and where it overlaps the first.
+fn places() -> [Isometry3<f64>; 2] {
+    let turned = |x: f64| Isometry3::new(Vector3::new(x, x, 0.0), Vector3::z() * std::f64::consts::FRAC_PI_4);
+    [turned(1.0), turned(0.5)]
+}
+
+fn pair_of_cubes(effects: Effects) -> (Scene, [BodyId; 3]) {
+    let mut scene = Scene::with_effects(effects).unwrap();
+    let cube = Arc::new(solids::cuboid(Vector3::repeat(0.5)).unwrap());
+    let far = Isometry3::translation(0.0, 0.0, 1e3);
+    let ids = [Isometry3::identity(), places()[0], far].map(|at| scene.insert(Body::moving(cube.clone()), at).unwrap());
+    (scene, ids)
+}
+
+/// Ticks pass, calls alone move bodies, and velocities are never set, set for a body far away, or set and taken back.
+#[test]
+fn a_jump_wakes_a_pair_whatever_velocities_were_set() {
+    let speed = Velocity::new(Vector3::z(), Vector3::zeros());
+    for (thrown, when) in [
+        (None, 0),
+        (Some(2), 0),
+        (Some(2), 10),
+        (Some(2), 30),
+        (Some(1), 0),
+        (Some(0), 10),
+    ] {
+        for (is_late, is_scheduled) in [(true, true), (false, true), (true, false)] {
+            let (mut scene, ids) = pair_of_cubes(Effects { overlap: true, ..NONE });
+            scene.set_schedule(is_scheduled);
+            let mut events = Vec::new();
+            for frame in 0..60 {
+                if let (Some(k), 0) = (thrown, frame - when) {
+                    scene.set_velocity(ids[k], speed).unwrap();
+                    let back = if k == 2 { speed } else { Velocity::default() };
+                    scene.set_velocity(ids[k], back).unwrap();
+                }
+                let to = places()[usize::from((20..40).contains(&frame))];
+                if is_late {
+                    scene.advance(1.0 / 60.0).unwrap();
+                }
+                scene.set_pose(ids[1], to).unwrap();
+                if !is_late {
+                    scene.advance(1.0 / 60.0).unwrap();
+                }
+                scene.step();
+                assert_eq!(scene.check(), Ok(()));
+                events.extend(scene.events().iter().map(|e| (frame, e.change)));
+            }
+            let expected = [(20, Change::OverlapBegan), (40, Change::OverlapEnded)];
+            assert_eq!(events, expected, "{thrown:?} {when} {is_late} {is_scheduled}");
+        }
+    }
+}
+
+#[test]
+fn a_tick_in_which_all_bodies_rest_ends_with_its_step() {
+    let impact = Some(Tolerance::Distance(1e-6));
+    for rest in 0..4 {
+        let effects = Effects {
+            impact,
+            boxes: true,
+            ..NONE
+        };
+        let (mut scene, ids) = pair_of_cubes(effects);
+        let away = Velocity::new(Vector3::new(3.0, 3.0, 0.0), Vector3::zeros());
+        let mut met = 0;
+        for tick in 0..12 {
+            let velocity = if tick < rest { away } else { Velocity::default() };
+            scene.set_velocity(ids[1], velocity).unwrap();
+            scene.advance(0.1).unwrap();
+            assert_eq!(scene.advance(0.1), Err(SceneError::StepDue));
+            scene.step();
+            met += scene.events().iter().filter(|e| e.change == Change::BoxesMet).count();
+            met -= scene
+                .events()
+                .iter()
+                .filter(|e| e.change == Change::BoxesParted)
+                .count();
+            // The box of a body at rest holds no way.
+            assert_eq!(met == 1, rest == 0 || tick == 0, "{rest} {tick}");
+            assert_eq!(scene.check(), Ok(()));
+        }
+    }
+}
+
+/// A tick that moves nothing still says from where a body jumps, in the scene that was read back as in the other.
+#[test]
+#[cfg(feature = "serde")]
+fn a_scene_read_back_within_a_tick_goes_on_alike() {
+    let impact = Some(Tolerance::Distance(1e-6));
+    for (is_thrown, is_swept) in [(false, true), (true, true), (false, false), (true, false)] {
+        let impact = impact.filter(|_| is_swept);
+        let (mut scene, ids) = pair_of_cubes(Effects {
+            impact,
+            boxes: true,
+            ..NONE
+        });
+        if is_thrown {
+            let speed = Velocity::new(Vector3::x(), Vector3::zeros());
+            scene.set_velocity(ids[2], speed).unwrap();
+        }
+        let mut parted = [0; 2];
+        for frame in 0..6 {
+            scene.advance(0.1).unwrap();
+            let mut other = read_back(&scene);
+            let to = Isometry3::translation(if frame % 2 == 0 { 9.0 } else { 0.8 }, 0.0, 0.0);
+            for scene in [&mut scene, &mut other] {
+                scene.set_pose(ids[1], to).unwrap();
+                scene.step();
+                assert_eq!(scene.check(), Ok(()));
+            }
+            assert_eq!(scene.events(), other.events());
+            parted[usize::from(frame > 0)] += scene.events().len();
+        }
+        assert_eq!(parted, if is_swept { [1, 0] } else { [0, 5] });
+    }
+}
+
+/// However fast a body is, its odometer stays a number, and its scene a file that can be read.
+#[test]
+fn no_speed_spoils_a_scene() {
+    let impact = Some(Tolerance::Distance(1e-6));
+    for (spin, speed, time) in [
+        (1e120, 0.0, 1e-3),
+        (1e150, 0.0, 1e-3),
+        (1e99, 0.0, 1e200),
+        (3.0, 1e120, 1e-120),
+    ] {
+        for impact in [impact, None] {
+            let (mut scene, ids) = pair_of_cubes(Effects {
+                overlap: true,
+                impact,
+                ..NONE
+            });
+            let velocity = Velocity::new(Vector3::x() * speed, Vector3::z() * spin);
+            scene.set_velocity(ids[1], velocity).unwrap();
+            for _ in 0..3 {
+                scene.advance(time).unwrap();
+                scene.step();
+                assert_eq!(scene.check(), Ok(()));
+                scene = read_back(&scene);
+            }
+            // What the odometer has gathered lets the pair still sleep.
+            scene.set_velocity(ids[1], Velocity::default()).unwrap();
+            let mut skipped = 0;
+            for k in 0..9 {
+                let shift = Vector3::new(0.1 + 0.01 * f64::from(k), 0.1, 0.0);
+                let at = Isometry3::from_parts((places()[0].translation.vector + shift).into(), places()[0].rotation);
+                scene.set_pose(ids[1], at).unwrap();
+                skipped += scene.step().counts.skipped;
+            }
+            assert!(skipped > 4, "{spin} {speed} {time}: {skipped}");
+        }
+    }
 }
