@@ -351,7 +351,7 @@ fn no_speed_spoils_a_scene() {
     for (spin, speed, time) in [
         (1e120, 0.0, 1e-3),
         (1e150, 0.0, 1e-3),
-        (1e99, 0.0, 1e200),
+        (1e99, 0.0, 1e60),
         (3.0, 1e120, 1e-120),
     ] {
         for impact in [impact, None] {
