@@ -16,8 +16,8 @@ use crate::tuning::scene::TICKS;
 
 impl Scene {
     /// Returns the first contradiction among the tables of the scene: bodies and odometers, motions
-    /// and ticks, boxes, effects, pairs and their wake-ups. A tool of tests and fuzzing, between any
-    /// two calls; the check reads everything, so the cost is far more than the cost of a step.
+    /// and ticks, boxes, effects, pairs and their wake-ups. A tool of tests and fuzzing, between
+    /// any two calls; the check reads everything, so the cost is far more than the cost of a step.
     ///
     /// # Errors
     /// A text that names the contradiction: a defect of the crate, whatever was called.

@@ -69,8 +69,8 @@ impl Sweep {
     /// Returns the growth of the box about both ends of a sweep that holds the body at every
     /// instant between. The body's own origin goes straight, and no point is farther than `radius`
     /// from the origin: the second derivative of its place is at most `radius w^2`, hence the
-    /// distance from the chord of both ends at most `radius (w t)^2 / 8`. The drift of the motion is
-    /// the rounding of the poses. No turn carries a point farther than the diameter.
+    /// distance from the chord of both ends at most `radius (w t)^2 / 8`. The drift of the motion
+    /// is the rounding of the poses. No turn carries a point farther than the diameter.
     pub(super) fn bulge(&self, radius: f64, time: f64) -> f64 {
         let angle = self.velocity.angular.norm() * time;
         let course = self.motion().map(|motion| motion.course(0.0, time));
@@ -118,8 +118,8 @@ impl Ticks {
         self.now.count(1);
     }
 
-    /// Returns the tick that comes some ticks later, as the number that a pair stores: rounded down,
-    /// so that beyond 2^53 ticks a pair sleeps less, and never too long.
+    /// Returns the tick that comes some ticks later, as the number that a pair stores: rounded
+    /// down, so that beyond 2^53 ticks a pair sleeps less, and never too long.
     pub(super) fn later(&self, by: u64) -> f64 {
         let tick = self.now.saturating_add(by);
         let stored = tick as f64;

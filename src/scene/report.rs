@@ -97,7 +97,7 @@ impl Counts {
     }
 }
 
-// Adds `pairs`, `uncovered` and `called` too, so that a sum over steps divided by `steps` is the mean.
+// With `pairs`, `uncovered` and `called`, so that a sum over steps divided by `steps` is the mean.
 sum_of_counters!(Counts {
     steps,
     boxes,
