@@ -520,6 +520,12 @@ fn effects_that_kinds_cannot_answer_are_refused_by_name() {
     scene.insert(Body::moving(cylinder()).group(other), at).unwrap();
     let refused = scene.call_for(ALL, other, deep).unwrap_err();
     assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Curved));
+    let local = Effects {
+        local_depth: true,
+        ..near
+    };
+    let refused = scene.call_for(ALL, other, local).unwrap_err();
+    assert_eq!(refused, refusal("local_depth", ShapeKind::Mesh, ShapeKind::Curved));
     assert_eq!(scene.effects(ALL, other), NONE, "a refused call changes nothing");
     scene.call_for(ALL, other, near).unwrap();
 

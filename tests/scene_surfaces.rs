@@ -299,4 +299,16 @@ fn what_no_tracker_answers_is_refused() {
         refused.unwrap_err().to_string(),
         "no depth is computed between a surface of patches and a surface of patches"
     );
+    let mut scene = call(Effects {
+        local_depth: true,
+        ..NONE
+    });
+    let bodies = [
+        (Body::moving(mesh), ShapeKind::Mesh),
+        (Body::moving(die()), ShapeKind::Polyhedron),
+        (Body::moving(sphere(0.5)), ShapeKind::Surface),
+    ];
+    for (body, kind) in bodies {
+        assert_eq!(scene.insert(body, at), refusal("local_depth", kind));
+    }
 }
