@@ -199,7 +199,7 @@ fn check_motions(bodies: &Bodies) -> Result<(), String> {
     {
         return Err("a velocity of the scene is that of no moving body".into());
     }
-    if ticks.is_swept && !ticks.is_pending || !bodies.swept.is_empty() && !ticks.is_pending {
+    if !ticks.is_pending && (ticks.is_swept || !bodies.swept.is_empty()) {
         return Err("a sweep of the scene belongs to no tick".into());
     }
     Ok(())

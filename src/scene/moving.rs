@@ -85,7 +85,7 @@ impl Sweep {
     pub(super) fn displacement(&self, radius: f64, time: f64) -> f64 {
         let (start, way) = (&self.from.translation.vector, self.velocity.linear * time);
         let straight = displacement(&way, 0.0, &self.from.rotation, &self.from.rotation);
-        let rounding = PLACED_CENTRE * (start.lp_norm(1) + way.lp_norm(1));
+        let rounding = PLACED_CENTRE * (start.abs().sum() + way.abs().sum());
         let most = (straight + rounding + 2.0 * radius) * ROUND_UP;
         let course = self.motion().map(|motion| motion.course(0.0, time));
         // The least of a number and NaN is the number.
