@@ -8,10 +8,10 @@
 
 use lab::command::Arguments;
 use lin_canny::impact::{Impact, Tolerance, cast};
-use lin_canny::motion::Steady;
+use lin_canny::motion::{MotionError, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::separation::PolyhedronPair;
-use lin_canny::{ConvexPolyhedron, Velocity};
+use lin_canny::{ConvexPolyhedron, PoseError, Velocity};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -77,10 +77,27 @@ fn motion(text: &str) -> Result<Steady, Trouble> {
     };
     let turn = UnitQuaternion::new_normalize(Quaternion::new(qw, qx, qy, qz));
     let start = Isometry3::from_parts(Vector3::new(x, y, z).into(), turn);
-    Ok(Steady::new(
-        &start,
-        Velocity::new(Vector3::new(vx, vy, vz), Vector3::new(wx, wy, wz)),
-    )?)
+    let velocity = Velocity::new(Vector3::new(vx, vy, vz), Vector3::new(wx, wy, wz));
+    Steady::new(&start, velocity).map_err(|e| match e {
+        MotionError::Pose(PoseError::Rotation { .. }) => "the rotation of the start is no quaternion".into(),
+        MotionError::Pose(PoseError::Translation { axis, value, .. }) => {
+            format!("coordinate {axis} of the start is {value}").into()
+        }
+        other => other.into(),
+    })
+}
+
+/// Names the part of the line in which a fault lies.
+fn named<T>(part: &str, read: Result<T, Trouble>) -> Result<T, Trouble> {
+    read.map_err(|e| format!("{part}: {e}").into())
+}
+
+fn number(text: &str) -> Result<f64, Trouble> {
+    let list = numbers(text)?;
+    let [x] = list[..] else {
+        return Err(format!("expected one number, not {}", list.len()).into());
+    };
+    Ok(x)
 }
 
 fn answer(line: &str) -> Result<String, Trouble> {
@@ -88,9 +105,10 @@ fn answer(line: &str) -> Result<String, Trouble> {
     let [a, b, motion_a, motion_b, end, tolerance] = parts[..] else {
         return Err(format!("a line has six parts, not {}", parts.len()).into());
     };
-    let (a, b) = (body(a)?, body(b)?);
-    let (motion_a, motion_b) = (motion(motion_a)?, motion(motion_b)?);
-    let (end, tolerance): (f64, f64) = (end.trim().parse()?, tolerance.trim().parse()?);
+    let (a, b) = (named("points of A", body(a))?, named("points of B", body(b))?);
+    let motion_a = named("motion of A", motion(motion_a))?;
+    let motion_b = named("motion of B", motion(motion_b))?;
+    let (end, tolerance) = (named("t_end", number(end))?, named("tolerance", number(tolerance))?);
     let mut pair = PolyhedronPair::new(&a, &b);
     let found = cast(
         &mut pair,

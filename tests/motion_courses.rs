@@ -1,9 +1,9 @@
 //! Promise: a body on a motion is nowhere farther from the model of its course than the drift says, poses as rounded.
 
 use lab::rng::Rng;
-use lin_canny::Velocity;
 use lin_canny::motion::{Course, Motion, MotionError, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use lin_canny::{Operand, PoseError, Velocity};
 
 fn vector(rng: &mut Rng, size: f64) -> Vector3<f64> {
     Vector3::from(rng.in_ball()) * size
@@ -220,8 +220,25 @@ fn numbers_that_are_no_motion_are_refused() {
         Translation3::identity(),
         UnitQuaternion::new_unchecked(Quaternion::new(1.1, 0.0, 0.0, 0.0)),
     );
-    assert!(matches!(
-        Steady::new(&long, Velocity::default()),
-        Err(MotionError::Pose(_))
-    ));
+    // The only pose is that of A; of two poses the first is that of A.
+    let on = |made: Result<(), MotionError>, of: Operand| match made {
+        Err(MotionError::Pose(PoseError::Rotation { body, .. } | PoseError::Translation { body, .. })) => {
+            assert_eq!(body, of);
+        }
+        other => panic!("{other:?}"),
+    };
+    let lost = Isometry3::translation(0.0, f64::NAN, 0.0);
+    let (origin, still) = (Point3::origin(), Velocity::default());
+    for bad in [&long, &lost] {
+        on(Steady::new(bad, still).map(drop), Operand::A);
+        on(Steady::about(bad, origin, still).map(drop), Operand::A);
+        on(
+            Steady::screw(bad, &origin, &Vector3::x(), 1.0, 1.0).map(drop),
+            Operand::A,
+        );
+        on(Steady::between(bad, &one, 1.0, origin).map(drop), Operand::A);
+        on(Steady::between(&one, bad, 1.0, origin).map(drop), Operand::B);
+        on(Nlerp::new(bad, &one, 1.0, origin).map(drop), Operand::A);
+        on(Nlerp::new(&one, bad, 1.0, origin).map(drop), Operand::B);
+    }
 }

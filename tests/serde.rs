@@ -337,3 +337,81 @@ fn surfaces_come_back() {
         "{error}"
     );
 }
+
+/// Motions: what is stored is what was given; what follows from it is not read, and what a constructor refuses is refused.
+#[test]
+fn motions_come_back_and_false_ones_are_refused() {
+    use lin_canny::motion::{Motion, Nlerp, Steady};
+    use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+    let mut rng = lab::rng::Rng::new(41);
+    let mut vector = |size: f64| Vector3::from(rng.in_ball()) * size;
+    for _ in 0..200 {
+        let (from, to) = (
+            Isometry3::new(vector(3.0), vector(3.0)),
+            Isometry3::new(vector(3.0), vector(3.0)),
+        );
+        let velocity = lin_canny::Velocity::new(vector(2.0), vector(9.0));
+        let pivot = Point3::from(vector(2.0));
+        let steady = Steady::about(&from, pivot, velocity).and_then(|m| m.accelerated(vector(9.0)));
+        let steady = steady.and_then(|m| m.within(0.25, 0.5)).expect("a motion");
+        let nlerp = Nlerp::new(&from, &to, 0.7, pivot).expect("a motion");
+        let back = (round_trip(&steady), round_trip(&nlerp));
+        assert_eq!(
+            (back.0.pose(0.3), back.1.pose(0.3)),
+            (steady.pose(0.3), nlerp.pose(0.3))
+        );
+
+        let damaged = |motion: serde_json::Value, at: &str, value: serde_json::Value| {
+            let mut motion = motion;
+            *motion.pointer_mut(at).expect(at) = value;
+            motion
+        };
+        let (s, n) = (
+            serde_json::to_value(steady).expect("JSON"),
+            serde_json::to_value(nlerp).expect("JSON"),
+        );
+        for at in [
+            "/rotation/0",
+            "/centre/1",
+            "/pivot/2",
+            "/velocity/linear/0",
+            "/velocity/angular/1",
+            "/acceleration/2",
+        ] {
+            let file = damaged(s.clone(), at, serde_json::json!(1e200));
+            let read = serde_json::from_value::<Steady>(file);
+            assert!(read.is_err() || at.starts_with("/centre"), "{at}: {read:?}");
+        }
+        let file = damaged(s.clone(), "/open/1", serde_json::json!(-1.0));
+        assert!(serde_json::from_value::<Steady>(file).is_err());
+        for (at, value) in [
+            ("/duration", 0.0),
+            ("/duration", -1.0),
+            ("/to/3", 5.0),
+            ("/from/0", 5.0),
+            ("/pivot/0", 1e200),
+        ] {
+            let file = damaged(n.clone(), at, serde_json::json!(value));
+            assert!(serde_json::from_value::<Nlerp>(file).is_err(), "{at}");
+        }
+        // Numbers that follow from others, as older files have them, false: the motion is that of the rest.
+        let mut file = s.clone();
+        file["spin"] = serde_json::json!({"axis": [1.0, 0.0, 0.0], "rate": [0.0, 0.0]});
+        assert_eq!(serde_json::from_value::<Steady>(file).expect("a motion"), steady);
+        let mut file = n.clone();
+        file["axis"] = serde_json::json!([0.0, 0.0, 0.0]);
+        file["versine"] = serde_json::json!(0.0);
+        assert_eq!(serde_json::from_value::<Nlerp>(file).expect("a motion"), nlerp);
+        // The longer way round is the shorter way of the opposite quaternion.
+        let mut file = n.clone();
+        let opposite = |x: &serde_json::Value| serde_json::json!(-x.as_f64().expect("a number"));
+        file["to"] = n["to"].as_array().expect("four").iter().map(opposite).collect();
+        assert_eq!(serde_json::from_value::<Nlerp>(file).expect("a motion"), nlerp);
+        // A rotation of few digits is normalised.
+        let mut file = s.clone();
+        let longer = |x: &serde_json::Value| serde_json::json!(x.as_f64().expect("a number") * (1.0 + 3e-13));
+        file["rotation"] = s["rotation"].as_array().expect("four").iter().map(longer).collect();
+        let read: Steady = serde_json::from_value(file).expect("a motion");
+        assert!((read.pose(0.0).rotation.coords.norm() - 1.0).abs() < 1e-15);
+    }
+}

@@ -27,10 +27,10 @@ use super::kept::Kept;
 use super::parts::Parted;
 use super::search::split_pair;
 use super::state::Posed;
-use crate::motion::{Course, Drift};
-use crate::num::scalar::sqrt;
+use crate::motion::{Course, Drift, length};
+use crate::num::scalar::{greater, sqrt};
 use crate::separation::{Flight, Measure};
-use crate::tolerance::ROOT;
+use crate::tolerance::{LEAST_SQUARE, ROOT};
 use crate::tuning::composite::{AHEAD_ITEMS, AHEAD_PAIRS, HORIZONS};
 
 /// One body at the instant.
@@ -51,7 +51,7 @@ impl Mover {
             course: *course,
             pivot: origin + pose.rotation * course.pivot.coords,
             origin,
-            rate: course.angular.norm(),
+            rate: length(&course.angular),
         }
     }
 }
@@ -216,13 +216,13 @@ impl<'a, A: Parted, B: Parted> Ahead<'a, A, B> {
         let velocity = of_q.linear - of_p.linear + of_q.angular.cross(&arm);
         let push = of_q.acceleration - of_p.acceleration;
         let rise = of_p.angular.cross(n).dot(&between) + n.dot(&velocity);
-        let pace = radius * (of_p.angular - of_q.angular).norm() - rise;
-        let (pushed, swung) = (push.norm(), q.rate * arm.norm());
-        let straight = (of_q.linear - of_p.linear).norm() + swung;
+        let pace = radius * length(&(of_p.angular - of_q.angular)) - rise;
+        let (pushed, swung) = (length(&push), q.rate * length(&arm));
+        let straight = length(&(of_q.linear - of_p.linear)) + swung;
         let (mut horizon, mut best) = (self.flight.span, 0.0f64);
         for _ in 0..HORIZONS {
             let fastest = straight + pushed * horizon;
-            let farthest = between.norm() + fastest * horizon;
+            let farthest = length(&between) + fastest * horizon;
             let bend = p.rate * p.rate * farthest + 2.0 * p.rate * fastest + pushed + q.rate * swung;
             let time = first_root(way - self.drift.at(horizon), pace, bend) * (1.0 - ROOT);
             best = best.max(time.min(horizon));
@@ -236,13 +236,17 @@ impl<'a, A: Parted, B: Parted> Ahead<'a, A, B> {
 }
 
 /// The first time at which `way - pace s - bend s^2 / 2` is zero, for a bend that is not negative;
-/// infinite if never, zero if the way is not positive.
+/// infinite if never, zero if the way is not positive or the square of the way is lost.
 fn first_root(way: f64, pace: f64, bend: f64) -> f64 {
     // Written so that NaN is zero.
-    if !(way > 0.0) {
+    if !(way > 0.0 && way * way > LEAST_SQUARE) {
         return 0.0;
     }
     let root = sqrt(pace * pace + 2.0 * bend * way);
     let below = pace + root;
-    if below > 0.0 { 2.0 * way / below } else { f64::INFINITY }
+    if below <= 0.0 {
+        f64::INFINITY
+    } else {
+        greater(2.0 * way / below, 0.0)
+    }
 }

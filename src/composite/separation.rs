@@ -127,6 +127,8 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
     seen: &Measure,
     flight: &Flight,
 ) -> Free {
+    let (timed, tick) = flight.on_own_clock();
+    let flight = &timed;
     let apart = flight.apart(pair);
     let mut span = flight.held(pair, seen.lower - flight.keep - apart.noise);
     if span < flight.span
@@ -137,7 +139,7 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
         span = span.max(Ahead::new(&posed, flight, apart.noise, apart.radii).span(kept, seen));
     }
     Free {
-        span,
+        span: span * tick,
         proof: Proof::Own,
     }
 }

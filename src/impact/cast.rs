@@ -43,16 +43,18 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
         for look in 0..LOOKS {
             let (relative, flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
             let apart = flight.apart(self.pair);
-            if apart.span >= flight.span && apart.span > 0.0 {
-                self.note((time, self.until), self.distance, Proof::Balls);
-                return Ok(Impact::Miss);
-            }
-            if apart.gap > CLEAR * apart.reach {
-                let next = later(time, apart.span);
-                if next > time {
-                    self.note((time, next), self.distance, Proof::Balls);
-                    time = next;
-                    continue;
+            if flight.is_known() {
+                if apart.span >= flight.span && apart.span > 0.0 {
+                    self.note((time, self.until), self.distance, Proof::Balls);
+                    return Ok(Impact::Miss);
+                }
+                if apart.gap > CLEAR * apart.reach {
+                    let next = later(time, apart.span);
+                    if next > time {
+                        self.note((time, next), self.distance, Proof::Balls);
+                        time = next;
+                        continue;
+                    }
                 }
             }
             let known = self.seen.take().filter(|_| time == from);
@@ -71,6 +73,12 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                         distance: seen.upper,
                     }
                 });
+            }
+            if !flight.is_known() {
+                break;
+            }
+            if flight.span == 0.0 {
+                return Ok(self.at_once(time, seen, apart.noise, &relative));
             }
             match self.step(time, &seen, flight, apart.noise, &mut shrunk)? {
                 Next::Go(next) => time = next,
@@ -99,6 +107,22 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
         }
     }
 
+    /// The answer of an interval without length, for a pair that is not seen to meet.
+    fn at_once(&mut self, time: f64, seen: Measure, noise: f64, relative: &RelativePose) -> Impact {
+        if seen.class == Class::Separated && seen.lower - noise > self.distance {
+            self.note((time, time), self.distance, Proof::Own);
+            return Impact::Miss;
+        }
+        self.proofs += 1;
+        if self.pair.meets(relative, self.distance, &seen) {
+            return Impact::Start { seen };
+        }
+        Impact::Near {
+            safe: time,
+            distance: seen.upper,
+        }
+    }
+
     /// One look: a hit if the pair is near enough for a proof, else a step as far as a plane
     /// proves.
     fn step(
@@ -118,7 +142,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
         loop {
             let allowed = (whole * *shrunk).max(least);
             if gap <= allowed {
-                let last = allowed == least;
+                let last = !(allowed > least);
                 if let Some(hit) = self.hit(time, seen, &flight, gap + AIM * allowed, last)? {
                     let seen = *seen;
                     return Ok(Next::Found(Impact::Hit { safe: time, hit, seen }));
@@ -140,7 +164,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                 self.note((time, next), flight.keep, free.proof);
                 return Ok(Next::Go(next));
             }
-            if allowed == least {
+            if !(allowed > least) {
                 let distance = seen.upper;
                 return Ok(Next::Found(Impact::Near { safe: time, distance }));
             }

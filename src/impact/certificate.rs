@@ -65,7 +65,8 @@ impl Certificate {
 /// Returns the time for which two shapes are proven to stay more than `distance` apart, by one
 /// look.
 ///
-/// The certificate ends at its begin if the shapes are not more than `distance` apart there.
+/// The certificate ends at its begin if the shapes are not more than `distance` apart there, or if
+/// a motion returns a course that is not finite.
 ///
 /// # Errors
 /// If the interval ends before its begin, the distance is negative or not finite, or a motion
@@ -99,16 +100,20 @@ where
         distance,
         proof,
     };
+    let nothing = Certificate {
+        until: from,
+        ..certificate(0.0, Proof::Own)
+    };
+    if !flight.is_known() {
+        return Ok(nothing);
+    }
     let apart = flight.apart(pair);
     if apart.span > 0.0 && apart.span >= flight.span {
         return Ok(certificate(apart.span, Proof::Balls));
     }
     let seen = pair.measure(&relative);
     if seen.class != Class::Separated || !(seen.lower > distance) {
-        return Ok(Certificate {
-            until: from,
-            ..certificate(0.0, Proof::Own)
-        });
+        return Ok(nothing);
     }
     let free = pair.free_for(&seen, &flight);
     Ok(if apart.span > free.span {
@@ -119,7 +124,8 @@ where
 }
 
 /// Returns the instant until which shapes that overlap at least `depth` deep at the begin of the
-/// interval are proven to overlap: the begin if nothing is proven.
+/// interval are proven to overlap: the begin if nothing is proven, as of a motion that returns a
+/// course that is not finite.
 ///
 /// A motion that moves no point of A, seen from B, by more than `m` changes the depth by at most
 /// `m`.
@@ -148,8 +154,12 @@ where
     }
     let (from, end) = interval;
     let (_, flight) = flight(motion_a, motion_b, from, end, 0.0)?;
-    let span = flight.held(pair, depth);
-    Ok(if span >= flight.span {
+    let span = if flight.is_known() {
+        flight.held(pair, depth)
+    } else {
+        0.0
+    };
+    Ok(if span > 0.0 && span >= flight.span {
         end
     } else {
         later(from, span).clamp(from, end)

@@ -118,7 +118,9 @@ pub enum Impact {
     },
     /// The shapes are proven apart over the whole interval, both ends included.
     Miss,
-    /// The limit of looks was reached.
+    /// The limit of 20,000 looks was reached, as of some motions that graze, or a motion returned a
+    /// [`Course`](crate::motion::Course) that is not finite or has a negative bound: nothing is
+    /// known of later instants.
     Unknown {
         /// The shapes are proven apart up to here.
         safe: f64,
@@ -296,12 +298,13 @@ where
         cast: None,
         queries,
     };
-    let by_balls = until(flight.apart(pair).span);
+    let is_known = flight.is_known();
+    let by_balls = if is_known { until(flight.apart(pair).span) } else { 0.0 };
     if by_balls >= tick {
         return Ok(proven(by_balls, 0));
     }
     let seen = pair.measure(&relative);
-    if seen.class == Class::Separated && seen.lower > distance {
+    if is_known && seen.class == Class::Separated && seen.lower > distance {
         let by_plane = until(pair.free_for(&seen, &flight).span);
         if by_plane >= tick {
             return Ok(proven(by_plane, 1));

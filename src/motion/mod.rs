@@ -33,7 +33,8 @@ mod way;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::tolerance::UNIT;
+use crate::num::scalar::{magnitude, sqrt};
+use crate::tolerance::{SQUARE_MIN, UNIT};
 
 pub use error::MotionError;
 pub use nlerp::Nlerp;
@@ -49,7 +50,9 @@ pub(crate) use way::{BallAtPose, displacement};
 /// s` and, if `time + s` is an f64, the pose that [`pose`](Self::pose) returns for `time + s`. For
 /// every point within `r` of the pivot both are within `shift(s) + r turn(s)` of the position in
 /// the model of the course, if the model starts from the pose returned for `time`. Rounding of the
-/// poses is part of the bound: drifts begin above zero.
+/// poses is part of the bound: drifts begin above zero. A course with a number that is NaN or
+/// infinite, or with a negative bound, is one of which nothing is known: no query proves anything
+/// by it.
 ///
 /// A turntable whose rate swings, so that the rate changes by at most 0.6 a unit of time each unit
 /// of time:
@@ -125,9 +128,32 @@ impl Course {
     /// `span`.
     #[must_use]
     pub fn displacement(&self, radius: f64, span: f64) -> f64 {
-        let straight = span * (self.linear.norm() + 0.5 * span * self.acceleration.norm());
-        let turned = (span * self.angular.norm()).min(2.0);
-        (straight + self.shift.at(span) + radius * (turned + self.turn.at(span))) * (1.0 + 16.0 * UNIT)
+        // Products with the time first: the ways are lengths, and what they lose by underflow is
+        // less than the least normal number.
+        let straight = length(&(self.linear * span)) + 0.5 * length(&(self.acceleration * span * span));
+        let turned = length(&(self.angular * span)).min(2.0);
+        let most = straight + self.shift.at(span) + radius * (turned + self.turn.at(span));
+        most * (1.0 + 16.0 * UNIT) + f64::MIN_POSITIVE
+    }
+
+    /// Whether all numbers are finite, and no bound is negative: else nothing is known of the
+    /// motion.
+    pub(crate) fn is_known(&self) -> bool {
+        let vectors = [&self.pivot.coords, &self.linear, &self.angular, &self.acceleration];
+        let is_bound = |drift: &Drift| drift.0.iter().all(|d| (0.0..f64::INFINITY).contains(d));
+        vectors.iter().all(|v| v.iter().all(|x| x.is_finite())) && is_bound(&self.shift) && is_bound(&self.turn)
+    }
+
+    /// Returns the course on a clock with this unit, a power of two.
+    pub(crate) fn on_clock(&self, unit: f64) -> Self {
+        Self {
+            pivot: self.pivot,
+            linear: self.linear * unit,
+            angular: self.angular * unit,
+            acceleration: self.acceleration * unit * unit,
+            shift: self.shift.on_clock(unit),
+            turn: self.turn.on_clock(unit),
+        }
     }
 
     /// Returns an upper bound of the distance of a point within `radius` of the pivot from the
@@ -149,9 +175,26 @@ impl Drift {
     /// Returns the bound at `s` after the start.
     #[must_use]
     pub fn at(&self, s: f64) -> f64 {
-        let [d0, d1, d2, d3] = self.0;
-        d0 + s * (d1 + s * (0.5 * d2 + s * (d3 / 6.0)))
+        // Products with the time first, as of a displacement.
+        let [d0, d1, d2, d3] = self.on_clock(s).0;
+        d0 + (d1 + (0.5 * d2 + d3 / 6.0))
     }
+
+    /// Returns the bound on a clock with this unit.
+    fn on_clock(&self, unit: f64) -> Self {
+        let [d0, d1, d2, d3] = self.0;
+        Self([d0, d1 * unit, d2 * unit * unit, d3 * unit * unit * unit])
+    }
+}
+
+/// Returns the length of a vector of any size, also of a vector whose square leaves f64.
+pub(crate) fn length(v: &Vector3<f64>) -> f64 {
+    let square = v.norm_squared();
+    if square > SQUARE_MIN && square < 1.0 / SQUARE_MIN {
+        return sqrt(square);
+    }
+    let unit = magnitude(v.amax());
+    unit * sqrt((v / unit).norm_squared())
 }
 
 impl core::ops::Add for Drift {

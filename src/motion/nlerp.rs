@@ -17,7 +17,11 @@ use crate::tolerance::{PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 /// `2 sin b` at the ends to `4 tan (b / 2)` in the middle. Before and after the given time the
 /// motion continues by the same formula.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "StoredNlerp")
+)]
 pub struct Nlerp {
     /// Unit quaternions whose product is not negative.
     from: Quaternion<f64>,
@@ -26,8 +30,11 @@ pub struct Nlerp {
     way: Vector3<f64>,
     pivot: Point3<f64>,
     duration: f64,
-    /// The axis times the sine of `b`, and one less the cosine of `b`.
+    /// The axis times the sine of `b`.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     axis: Vector3<f64>,
+    /// One less the cosine of `b`.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     versine: f64,
 }
 
@@ -50,27 +57,66 @@ impl Nlerp {
             normalised(&from.rotation.into_inner()),
             normalised(&to.rotation.into_inner()),
         );
-        let last = if first.dot(&last) < 0.0 { -last } else { last };
         let mut way = to.translation.vector - from.translation.vector;
         if pivot != Point3::origin() {
             way += turned(&last, &pivot.coords) - turned(&first, &pivot.coords);
         }
-        Ok(Self {
-            from: first,
-            to: last,
-            centre: from.translation.vector + turned(&first, &pivot.coords),
+        let centre = from.translation.vector + turned(&first, &pivot.coords);
+        Ok(Self::of([first, last], [centre, way], pivot, duration))
+    }
+
+    /// Returns the motion from one rotation to another, the pivot from a place by a way.
+    fn of(
+        [from, to]: [Quaternion<f64>; 2],
+        [centre, way]: [Vector3<f64>; 2],
+        pivot: Point3<f64>,
+        duration: f64,
+    ) -> Self {
+        let to = if from.dot(&to) < 0.0 { -to } else { to };
+        Self {
+            from,
+            to,
+            centre,
             way,
             pivot,
             duration,
-            axis: (last * first.conjugate()).imag(),
-            versine: 0.5 * (last - first).norm_squared(),
-        })
+            axis: (to * from.conjugate()).imag(),
+            versine: 0.5 * (to - from).norm_squared(),
+        }
     }
 
     /// Returns the squared norm of the sum of the quaternions, `from_middle` of the whole way
     /// before or after the middle.
     fn square(&self, from_middle: f64) -> f64 {
         1.0 - 2.0 * (0.25 - from_middle * from_middle) * self.versine
+    }
+}
+
+/// A [`Nlerp`] as stored: what follows from the rest is not read.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredNlerp {
+    from: Quaternion<f64>,
+    to: Quaternion<f64>,
+    centre: Vector3<f64>,
+    way: Vector3<f64>,
+    pivot: Point3<f64>,
+    duration: f64,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredNlerp> for Nlerp {
+    type Error = MotionError;
+
+    fn try_from(stored: StoredNlerp) -> Result<Self, MotionError> {
+        let (centre, way) = (stored.centre, stored.way);
+        let pose = |q: &Quaternion<f64>, at: Vector3<f64>| {
+            Isometry3::from_parts(Translation3::from(at), UnitQuaternion::new_unchecked(*q))
+        };
+        let (from, to) = (pose(&stored.from, centre), pose(&stored.to, centre + way));
+        Self::new(&from, &to, stored.duration, stored.pivot)?;
+        let rotations = [&stored.from, &stored.to].map(super::steady::restored);
+        Ok(Self::of(rotations, [centre, way], stored.pivot, stored.duration))
     }
 }
 

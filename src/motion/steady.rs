@@ -28,13 +28,18 @@ use crate::tolerance::{EXTENT_MAX, PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
 /// # Ok::<(), lin_canny::motion::MotionError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "StoredSteady")
+)]
 pub struct Steady {
     /// At time zero: the rotation, and the pivot in the world.
     rotation: Quaternion<f64>,
     centre: Vector3<f64>,
     pivot: Point3<f64>,
     velocity: Velocity,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     spin: Spin,
     acceleration: Vector3<f64>,
     /// Bounds of the unknown part: acceleration of the pivot, and angular acceleration.
@@ -57,7 +62,7 @@ impl Steady {
     /// # Errors
     /// A pose, a pivot or a velocity that is not finite or out of range.
     pub fn about(pose: &Isometry3<f64>, pivot: Point3<f64>, velocity: Velocity) -> Result<Self, MotionError> {
-        RelativePose::from_isometry(pose)?;
+        RelativePose::new(pose, &Isometry3::identity())?;
         in_range("pivot", &pivot.coords)?;
         in_range("linear velocity", &velocity.linear)?;
         in_range("angular velocity", &velocity.angular)?;
@@ -122,7 +127,7 @@ impl Steady {
         rate: f64,
         advance: f64,
     ) -> Result<Self, MotionError> {
-        RelativePose::from_isometry(pose)?;
+        RelativePose::new(pose, &Isometry3::identity())?;
         in_range("point", &point.coords)?;
         in_range("axis", axis)?;
         let length = axis.norm();
@@ -170,6 +175,47 @@ impl Steady {
     #[must_use]
     pub fn velocity(&self) -> Velocity {
         self.velocity
+    }
+}
+
+/// A [`Steady`] as stored: what follows from the rest is not read.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredSteady {
+    rotation: Quaternion<f64>,
+    centre: Vector3<f64>,
+    pivot: Point3<f64>,
+    velocity: Velocity,
+    acceleration: Vector3<f64>,
+    open: [f64; 2],
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredSteady> for Steady {
+    type Error = MotionError;
+
+    fn try_from(stored: StoredSteady) -> Result<Self, MotionError> {
+        let turn = UnitQuaternion::new_unchecked(stored.rotation);
+        let pose = Isometry3::from_parts(Translation3::from(stored.centre), turn);
+        let [linear, angular] = stored.open;
+        let motion = Self::about(&pose, stored.pivot, stored.velocity)?
+            .accelerated(stored.acceleration)?
+            .within(linear, angular)?;
+        Ok(Self {
+            rotation: restored(&stored.rotation),
+            centre: stored.centre,
+            ..motion
+        })
+    }
+}
+
+/// Returns a stored quaternion unchanged if its norm is one up to rounding, else over its norm.
+#[cfg(feature = "serde")]
+pub(super) fn restored(q: &Quaternion<f64>) -> Quaternion<f64> {
+    if (q.norm_squared() - 1.0).abs() <= crate::tolerance::NORMALISED {
+        *q
+    } else {
+        normalised(q)
     }
 }
 

@@ -3,14 +3,13 @@
 use nalgebra::{Quaternion, Vector3};
 
 use crate::num::double_double::{DoubleDouble, two_product};
-use crate::num::scalar::sqrt;
+use crate::num::scalar::{magnitude, sqrt};
 use crate::tolerance::SQUARE_MIN;
 
 /// An angular velocity as axis and rate. The rate and its product with a time are kept in
 /// double-double, so that a body that has turned thousands of times is placed as accurately as a
 /// body that has not (`TURN` in [`crate::tolerance`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Spin {
     /// Unit up to rounding; zero for a rate of zero.
     axis: Vector3<f64>,
@@ -30,18 +29,17 @@ impl Spin {
                 rate: [rate, rest.hi / (2.0 * rate)],
             };
         }
-        let largest = angular.amax();
-        if largest == 0.0 {
+        let unit = magnitude(angular.amax());
+        if *angular == Vector3::zeros() || squared.is_nan() {
             return Self {
                 axis: Vector3::zeros(),
                 rate: [0.0; 2],
             };
         }
-        let scaled = angular / largest;
-        let norm = sqrt(scaled.norm_squared());
+        let scaled = Self::new(&(angular / unit));
         Self {
-            axis: scaled / norm,
-            rate: [largest * norm, 0.0],
+            rate: scaled.rate.map(|rate| rate * unit),
+            ..scaled
         }
     }
 

@@ -9,6 +9,18 @@ pub(crate) fn sqrt(x: f64) -> f64 {
     return libm::sqrt(x);
 }
 
+/// Returns the largest power of two that is no greater than a positive normal number: products and
+/// quotients with it are exact, but for what leaves the range. Of a subnormal number the least
+/// normal number, 1 of a number that is not positive and finite.
+#[inline]
+pub(crate) fn magnitude(x: f64) -> f64 {
+    if x > 0.0 && x < f64::INFINITY {
+        f64::from_bits(x.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE)
+    } else {
+        1.0
+    }
+}
+
 /// The greater of two numbers, the second if one is NaN: a single instruction.
 #[inline(always)]
 pub(crate) fn greater(a: f64, b: f64) -> f64 {

@@ -13,8 +13,8 @@ use crate::tuning::separation::ROUNDS;
 pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
     let largest = coefficients.iter().fold(0.0f64, |m, c| m.max(c.abs()));
     let mut c = coefficients.map(|c| c - BERNSTEIN * largest);
-    // Comparisons are written so that NaN ends at zero.
-    if !(largest < f64::INFINITY && c[0] > 0.0) {
+    // Written so that NaN ends at zero, of any of the coefficients.
+    if !(coefficients.iter().all(|c| c.is_finite()) && c[0] > 0.0) {
         return 0.0;
     }
     let mut from = 0.0;
@@ -99,8 +99,13 @@ mod tests {
     fn the_hull_is_that_of_all_pairs() {
         let c = [1.0, 0.01, 0.6, -1.0];
         assert!(hull_until(&c) < 0.35, "{}", hull_until(&c));
-        assert_eq!(positive_until([f64::NAN, 1.0, 1.0, 1.0]), 0.0);
-        assert_eq!(positive_until([1.0, f64::INFINITY, 1.0, 1.0]), 0.0);
+        for k in 0..4 {
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut c = [1.0; 4];
+                c[k] = bad;
+                assert_eq!(positive_until(c), 0.0, "{c:?}");
+            }
+        }
         assert_eq!(positive_until([0.0, 1.0, 1.0, 1.0]), 0.0);
     }
 }

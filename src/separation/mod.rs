@@ -16,10 +16,12 @@ mod bernstein;
 mod plane;
 mod polyhedra;
 mod shapes;
+mod straight;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use crate::motion::Course;
+use crate::num::scalar::magnitude;
 use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::polyhedron::FeaturePair;
 use crate::pose::{Operand, RelativePose};
@@ -173,6 +175,26 @@ pub enum Proof {
 }
 
 impl Flight {
+    /// Whether both courses are those of motions: else nothing is proven of them.
+    pub(crate) fn is_known(&self) -> bool {
+        self.course_a.is_known() && self.course_b.is_known()
+    }
+
+    /// Returns the flight on a clock on which the span is at least one and less than two, and the
+    /// unit of the clock, a power of two. On that clock rates are ways and angles of the whole
+    /// flight: what squares and cubes of rates lose by underflow is nothing beside the rounding of
+    /// the size of the pair.
+    pub(crate) fn on_own_clock(&self) -> (Self, f64) {
+        let unit = magnitude(self.span);
+        let timed = Self {
+            course_a: self.course_a.on_clock(unit),
+            course_b: self.course_b.on_clock(unit),
+            span: self.span / unit,
+            ..*self
+        };
+        (timed, unit)
+    }
+
     /// Returns the time in which the witnesses come nearer by `way`, to second order: an
     /// expectation, no bound. `None` if never.
     #[must_use]

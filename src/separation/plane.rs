@@ -14,18 +14,32 @@
 //!
 //! and `g > 0` on an interval proves the shapes apart there, whatever eta is. Taylor's theorem with
 //! `m' = (eta - w) x n`, `m'' = eta x (eta x n) - 2 w x (eta x n) + w x (w x n)` and
-//! `|m'''| <= |eta - w| (|eta| + |w|)^2 =: M` (m' is a rotated rotation of `(eta - w) x n`; each
-//! further derivative adds a factor of at most `|eta| + |w|`) puts m within `M s^3 / 6` of a
-//! parabola, and a parabola is a Bezier curve: with `D0 = n`, `D1 = n + s1 m' / 2`,
-//! `D2 = n + s1 m' + s1^2 m'' / 2` and x = s / s1,
+//! a bound M of `|m'''|` on the interval [0, s1] put m within `M s^3 / 6` of a parabola, and a
+//! parabola is a Bezier curve: with `D0 = n`, `D1 = n + s1 m' / 2`, `D2 = n + s1 m' + s1^2 m'' / 2`
+//! and x = s / s1,
 //!
 //! `h(m(s)) <= (1 - x)^2 h(D0) + 2 x (1 - x) h(D1) + x^2 h(D2) + r M s^3 / 6`,
 //!
 //! since h is sublinear and at most r times its argument's length. Three support points a shape
-//! bound all points at all times. The first term is treated likewise,
-//! `|f'''| <= |eta|^3 |dc + dv s + da s^2 / 2| + 3 |eta|^2 |dv + da s| + 3 |eta| |da|`. So g is at
-//! least the cubic of four Bernstein coefficients, less the drifts of both motions, and its first
-//! root bounds the time.
+//! bound all points at all times. The first term f, `n(s) . (dc + dv s + da s^2 / 2)`, is treated
+//! likewise. So g is at least the cubic of four Bernstein coefficients, less the drifts of both
+//! motions, and its first root bounds the time.
+//!
+//! # Third derivatives
+//!
+//! Let E, W and D be the cross products with eta, w and `eta - w`, and `e = |eta x n|`. As
+//! `n' = E n(s)`, derivatives of m are `exp(-w s) P n(s)` with `P = D`, then `-W D + D E`, then
+//! `W^2 D - 2 W D E + D E^2`. E commutes with the rotation about eta, so `|E n(s)| = e` and
+//! `|E^2 n(s)| = |eta| e` at every s, and n(s) is within `e s` of n. Hence
+//!
+//! `|D n(s)| <= min(|eta - w|, |(eta - w) x n| + |eta - w| e s1)`,
+//!
+//! `M = |w|^2 |D n(s)| + |eta - w| e (2 |w| + |eta|)`,
+//!
+//! `|f'''| <= e (|eta|^2 |dc + dv s + da s^2 / 2| + 3 |eta| |dv + da s| + 3 |da|)`.
+//!
+//! Both vanish where n is the axis of all turns, as of a plate that spins over a parallel one; e is
+//! at most `|eta|`, so M is never more than `|eta - w| (|eta| + |w|)^2`.
 //!
 //! # Which way the plane turns
 //!
@@ -42,15 +56,31 @@
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use super::bernstein::positive_until;
+use super::straight::{one_norm, straight_until, time_to, turns_neither};
 use super::{Flight, Free, Measure, Proof, Separation, Tangent};
-use crate::motion::{Course, Drift};
-use crate::num::scalar::sqrt;
+use crate::motion::{Course, Drift, length};
 use crate::pose::{Operand, rotation_matrix};
-use crate::tolerance::PLANE;
+use crate::tolerance::{PLANE, TILT};
 use crate::tuning::separation::{AHEAD, ENOUGH, FAR, TRIES};
 
 /// Returns the time for which a turning plane proves the shapes more than `flight.keep` apart.
 pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
+    let (timed, tick) = flight.on_own_clock();
+    let free = free_on_own_clock(pair, seen, &timed);
+    let proof = match free.proof {
+        Proof::Plane { normal, spin } => Proof::Plane {
+            normal,
+            spin: spin / tick,
+        },
+        other => other,
+    };
+    Free {
+        span: free.span * tick,
+        proof,
+    }
+}
+
+fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
     let still = Vector3::zeros();
     if seen.by_plane && turns_neither(flight) {
         let normal = flight.pose_a.rotation * seen.normal.into_inner();
@@ -78,7 +108,9 @@ pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, fli
 
 /// Returns the time in which the witnesses come nearer by `way`, to second order; `None` if never.
 pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight: &Flight, way: f64) -> Option<f64> {
-    let ahead = |slope: f64, bend: f64| Some(time_to(way, slope, bend)).filter(|t| *t < f64::INFINITY);
+    let (timed, tick) = flight.on_own_clock();
+    let flight = &timed;
+    let ahead = |slope: f64, bend: f64| Some(time_to(way, slope, bend) * tick).filter(|t| *t < f64::INFINITY);
     if turns_neither(flight) {
         let normal = flight.pose_a.rotation * seen.normal.into_inner();
         return ahead(normal.dot(&flight.velocity()), normal.dot(&flight.acceleration()));
@@ -86,83 +118,13 @@ pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight:
     let set = Setting::new(pair, flight);
     let normal = set.a.rotation * seen.normal.into_inner();
     let spin = set.spin(&normal, &seen.tangent);
-    let (turn_a, turn_b) = (
-        set.a.turn(&normal, &spin, spin.norm()),
-        set.b.turn(&normal, &spin, spin.norm()),
-    );
+    let (turn_a, turn_b) = (set.a.turn(&normal, &spin), set.b.turn(&normal, &spin));
     let on_a = set.a.rotation * (seen.point_on_a - flight.course_a.pivot);
     let on_b = set.b.rotation * (seen.point_on_b - flight.course_b.pivot);
     let [_, f1, f2] = set.way(&normal, &spin);
     let slope = f1 - turn_a.first.dot(&on_a) + turn_b.first.dot(&on_b);
     let bend = f2 - turn_a.second.dot(&on_a) + turn_b.second.dot(&on_b);
     ahead(slope, bend)
-}
-
-/// Whether neither shape turns: then a plane that proves the shapes apart keeps its normal, and the
-/// gap is a parabola, exactly.
-fn turns_neither(flight: &Flight) -> bool {
-    flight.course_a.angular == Vector3::zeros() && flight.course_b.angular == Vector3::zeros()
-}
-
-/// Returns the time for which shapes that do not turn are apart along a normal, from the gap along
-/// the normal now.
-fn straight_until<S: Separation + ?Sized>(pair: &S, flight: &Flight, n: &Vector3<f64>, gap: f64) -> f64 {
-    let reach = |which: Operand, course: &Course| {
-        let (centre, radius) = pair.ball(which);
-        radius + one_norm(&(centre - course.pivot))
-    };
-    let (course_a, course_b) = (&flight.course_a, &flight.course_b);
-    let (reach_a, reach_b) = (reach(Operand::A, course_a), reach(Operand::B, course_b));
-    let size = flight.size(reach_a + reach_b);
-    let Drift([d0, d1, d2, d3]) = course_a.drift(reach_a) + course_b.drift(reach_b);
-    let (velocity, acceleration) = (flight.velocity(), flight.acceleration());
-    let (slope, bend) = (n.dot(&velocity), n.dot(&acceleration));
-    let length = flight.span.min(AHEAD * time_to(gap, slope, bend));
-    if !(length < f64::INFINITY) {
-        return 0.0;
-    }
-    let ways = length * (one_norm(&velocity) + length * one_norm(&acceleration));
-    let b0 = gap - (PLANE * (size + ways) + flight.keep + d0);
-    let way = |k: f64| slope * length * (k / 3.0);
-    let (late, square) = (d1 * length, 0.5 * (bend - d2) * length * length);
-    let cube = d3 * length * length * length * (1.0 / 6.0);
-    let part = positive_until([
-        b0,
-        b0 + way(1.0) - late * (1.0 / 3.0),
-        b0 + way(2.0) - late * (2.0 / 3.0) + square * (1.0 / 3.0),
-        b0 + way(3.0) - late + square - cube,
-    ]);
-    part * length
-}
-
-impl Flight {
-    /// Returns the velocity of B's pivot less that of A's.
-    fn velocity(&self) -> Vector3<f64> {
-        self.course_b.linear - self.course_a.linear
-    }
-
-    fn acceleration(&self) -> Vector3<f64> {
-        self.course_b.acceleration - self.course_a.acceleration
-    }
-
-    /// Returns lengths to which rounding is relative, without the displacements of the pivots;
-    /// `reach` is the sum of those of both shapes.
-    fn size(&self, reach: f64) -> f64 {
-        let offset = self.pose_b.translation.vector - self.pose_a.translation.vector;
-        let pivots = one_norm(&self.course_a.pivot.coords) + one_norm(&self.course_b.pivot.coords);
-        reach + one_norm(&offset) + 2.0 * pivots + self.keep
-    }
-}
-
-/// The first time at which `way + slope s + bend s^2 / 2` is zero; infinite if never.
-fn time_to(way: f64, slope: f64, bend: f64) -> f64 {
-    let square = slope * slope - 2.0 * way * bend;
-    let pace = sqrt(square.max(0.0)) - slope;
-    if square >= 0.0 && pace > 0.0 {
-        2.0 * way / pace
-    } else {
-        f64::INFINITY
-    }
 }
 
 /// One shape at the instant.
@@ -181,14 +143,17 @@ struct Side {
 /// Heights of both shapes along the normal, and their points.
 type Heights = ((f64, Vector3<f64>), (f64, Vector3<f64>));
 
-/// Turn of the direction as seen from a shape: first and second derivative, and a bound of the
-/// third.
+/// Turn of the direction as seen from a shape: the first and the second derivative, and what bounds
+/// the third.
 struct Turn {
     /// Whether the direction does not turn at all.
     rests: bool,
     first: Vector3<f64>,
     second: Vector3<f64>,
-    third: f64,
+    /// The rate at which the direction turns less that of the shape.
+    off: f64,
+    /// Upper bound of the length of the first derivative.
+    pace: f64,
 }
 
 impl Side {
@@ -202,7 +167,7 @@ impl Side {
             arm,
             reach: radius + one_norm(&arm),
             angular: course.angular,
-            rate: course.angular.norm(),
+            rate: length(&course.angular),
         }
     }
 
@@ -216,24 +181,32 @@ impl Side {
         )
     }
 
-    fn turn(&self, n: &Vector3<f64>, spin: &Vector3<f64>, spin_rate: f64) -> Turn {
+    fn turn(&self, n: &Vector3<f64>, spin: &Vector3<f64>) -> Turn {
         let w = &self.angular;
         if w == spin {
             return Turn {
                 rests: true,
                 first: Vector3::zeros(),
                 second: Vector3::zeros(),
-                third: 0.0,
+                off: 0.0,
+                pace: 0.0,
             };
         }
-        let with_spin = spin.cross(n);
-        let rate = spin_rate + self.rate;
+        let (with_spin, first) = (spin.cross(n), (spin - w).cross(n));
         Turn {
             rests: false,
-            first: (spin - w).cross(n),
+            first,
             second: spin.cross(&with_spin) - w.cross(&with_spin) * 2.0 + w.cross(&w.cross(n)),
-            third: (spin - w).norm() * rate * rate,
+            off: length(&(spin - w)),
+            pace: tilt(&first, &(spin - w)),
         }
+    }
+
+    /// Bound of the third derivative of a direction, times the cube of an interval, for the angle
+    /// by which the direction turns and the length of the way of its tip.
+    fn remainder(&self, turn: &Turn, interval: f64, [angle, tilt]: [f64; 2]) -> f64 {
+        let [rate, off, pace] = [self.rate, turn.off, turn.pace].map(|x| x * interval);
+        rate * rate * off.min(pace + off * tilt) + off * tilt * (2.0 * rate + angle)
     }
 }
 
@@ -296,13 +269,14 @@ impl<'a> Setting<'a> {
 
     /// Returns the plane that turns at a rate, and the interval of the first try.
     fn plane<'b>(&'b self, n: &'b Vector3<f64>, spin: &Vector3<f64>, at: &'b Heights) -> Plane<'b> {
-        let spin_rate = spin.norm();
+        let spin_rate = length(spin);
         let mut plane = Plane {
             setting: self,
             n,
-            turn_a: self.a.turn(n, spin, spin_rate),
-            turn_b: self.b.turn(n, spin, spin_rate),
+            turn_a: self.a.turn(n, spin),
+            turn_b: self.b.turn(n, spin),
             spin_rate,
+            tilt: tilt(&spin.cross(n), spin),
             rate: spin_rate + self.a.rate.max(self.b.rate),
             way: self.way(n, spin),
             at_a: &at.0,
@@ -335,6 +309,8 @@ struct Plane<'a> {
     turn_a: Turn,
     turn_b: Turn,
     spin_rate: f64,
+    /// Upper bound of the velocity of the tip of the normal.
+    tilt: f64,
     /// No direction turns faster as either shape sees it.
     rate: f64,
     way: [f64; 3],
@@ -372,36 +348,43 @@ impl Plane<'_> {
     fn taken(&self, length: f64) -> f64 {
         let (set, q) = (self.setting, 1.0 + self.rate * length);
         let ways = length * (one_norm(&set.velocity) + length * one_norm(&set.acceleration));
-        PLANE * q * q * (set.size + ways) + set.flight.keep + set.drift.0[0]
+        PLANE * q * q * (set.size + ways) + set.flight.keep + set.drift.0[0] + f64::MIN_POSITIVE
     }
 
-    /// Returns the time at which the present support points would meet the plane from both sides;
-    /// infinite if never.
+    /// Returns the time at which the present support points would meet the plane from both sides,
+    /// the drifts against them; infinite if never.
     fn expected(&self) -> f64 {
         let (a, b) = (&self.at_a.1, &self.at_b.1);
         let slope = self.way[1] - self.turn_a.first.dot(a) + self.turn_b.first.dot(b);
         let bend = self.way[2] - self.turn_a.second.dot(a) + self.turn_b.second.dot(b);
-        time_to(self.gap, slope, bend)
+        let [_, d1, d2, _] = self.setting.drift.0;
+        time_to(self.gap, slope - d1, bend - d2)
     }
 
-    /// Bound of the third derivative of the gap over an interval.
-    fn third(&self, length: f64) -> f64 {
-        let (set, eta) = (self.setting, self.spin_rate);
-        let push = set.acceleration.norm();
-        let pace = set.velocity.norm() + push * length;
-        let apart = set.between.norm() + pace * length;
-        let of_way = eta * (eta * (eta * apart + 3.0 * pace) + 3.0 * push);
-        (of_way + set.a.reach * self.turn_a.third + set.b.reach * self.turn_b.third) * (1.0 + PLANE)
+    /// Bound of the remainder of Taylor's theorem over an interval: of the third derivative of the
+    /// gap, times the cube of the interval, over six. All factors are angles and ways of the
+    /// interval, so no cube of a rate leaves f64.
+    fn remainder(&self, interval: f64) -> f64 {
+        let set = self.setting;
+        let [angle, tilt] = [self.spin_rate, self.tilt].map(|x| x * interval);
+        let push = length(&set.acceleration) * interval * interval;
+        let pace = length(&set.velocity) * interval + push;
+        let apart = length(&set.between) + pace;
+        let of_way = tilt * (angle * (angle * apart + 3.0 * pace) + 3.0 * push);
+        let of_a = set.a.reach * set.a.remainder(&self.turn_a, interval, [angle, tilt]);
+        let of_b = set.b.reach * set.b.remainder(&self.turn_b, interval, [angle, tilt]);
+        (of_way + of_a + of_b) * ((1.0 + PLANE) / 6.0)
     }
 
-    /// Returns the interval, cut until the remainder of Taylor's theorem is at most twice the gap;
-    /// zero for an interval without end.
-    fn shortened(&self, length: f64) -> f64 {
-        let mut length = if length < f64::INFINITY { length } else { 0.0 };
-        while self.third(length) * length * length * length > 12.0 * self.gap {
-            length *= 0.75;
+    /// Returns the interval, cut until the remainder is at most twice the gap, and until the margin
+    /// leaves half of the gap; zero for an interval without end.
+    fn shortened(&self, interval: f64) -> f64 {
+        let mut interval = if interval < f64::INFINITY { interval } else { 0.0 };
+        let most = self.taken(0.0) + 0.5 * self.gap;
+        while self.remainder(interval) > 2.0 * self.gap || self.taken(interval) > most {
+            interval *= 0.75;
         }
-        length
+        interval
     }
 
     /// Bernstein coefficients of a cubic that is nowhere above the gap over an interval.
@@ -422,7 +405,7 @@ impl Plane<'_> {
         let b0 = f0 - self.at_a.0 - self.at_b.0 - taken;
         let b1 = f0 + f1 * half - a[0] - b[0] - taken;
         let b2 = f0 + (f1 + f2 * half) * length - a[1] - b[1] - taken;
-        let rest = self.third(length) * length * length * length * (1.0 / 6.0);
+        let rest = self.remainder(length);
         let (d1, d2, d3) = self.drifts(length);
         [
             b0,
@@ -442,7 +425,7 @@ impl Plane<'_> {
     }
 }
 
-/// The sum of the absolute coordinates: no less than the length.
-fn one_norm(v: &Vector3<f64>) -> f64 {
-    v.x.abs() + v.y.abs() + v.z.abs()
+/// Upper bound of the length of the cross product of a rate with a unit vector, from the product.
+fn tilt(product: &Vector3<f64>, rate: &Vector3<f64>) -> f64 {
+    length(product) + TILT * one_norm(rate)
 }

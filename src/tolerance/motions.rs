@@ -23,6 +23,12 @@ pub(crate) const PLACED_PIVOT: f64 = 192.0 * UNIT;
 /// UNIT.
 pub(crate) const TURN: f64 = 64.0 * UNIT;
 
+/// Deviation of the squared norm of a quaternion that was divided by its norm: the square errs by 4
+/// UNIT, the root by half of that and UNIT, the quotient by UNIT: 8 of the square, and 4 of the
+/// square taken anew.
+#[cfg(feature = "serde")]
+pub(crate) const NORMALISED: f64 = 16.0 * UNIT;
+
 /// Error of the coefficients of a plane's gap (`separation::plane`), times `(1 + q)^2` with q the
 /// angle that a direction turns by as a shape sees it, in units of both reaches, the ways of the
 /// pivots, the difference of the translations, and twice the distances of the pivots from the
@@ -37,6 +43,11 @@ pub(crate) const TURN: f64 = 64.0 * UNIT;
 /// 3. Sums of at most five terms, and from square to cube, 8 u; the length of the normal, 3 u,
 ///    times the distance to keep.
 pub(crate) const PLANE: f64 = 64.0 * UNIT;
+
+/// Error of the length of a cross product of a unit vector with another, in units of the length of
+/// the other: the product errs by 2.5 UNIT, the difference of two rates by 1, the unit vector,
+/// turned into the world, is longer than one by less than 4.
+pub(crate) const TILT: f64 = 8.0 * UNIT;
 
 /// Error of the coefficients of a cubic that is cut four times: each cut is three rounds of two
 /// products and a sum, 3 UNIT each, so 36 UNIT of the largest.

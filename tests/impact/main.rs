@@ -1,9 +1,14 @@
 //! Promise: a cast is never wrong. Up to `safe`, and all along a miss, the bodies are apart at every instant looked at; at `hit` they
 //! meet; a second scheme, conservative advancement, contradicts none of it.
 
+mod falls;
 mod hard;
+mod hostile;
 mod judge;
+mod pairs;
+mod parallel;
 mod planes;
+mod scales;
 mod shapes;
 
 use judge::{Judge, Tally};

@@ -1,0 +1,135 @@
+//! One pair of every kind that can be cast, of any size, and motions that are none of the crate's.
+
+use crate::Rng;
+use lin_canny::motion::{Course, Drift, Motion};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::patch::{Surface, SurfaceCompositePair, SurfacePair, SurfaceShapePair, revolution};
+use lin_canny::polyhedron::solids;
+use lin_canny::separation::{PolyhedronPair, Separation, ShapePair};
+use lin_canny::{Composite, CompositePair, ConvexPolyhedron, Mesh, MeshPair, PartsRef, Shape};
+
+/// Bodies that reach from -1/2 to 1/2 along x, times a size, however they turn about x.
+pub(crate) struct Bodies {
+    hull: ConvexPolyhedron,
+    ball: Shape,
+    cone: Shape,
+    pieces: Composite,
+    mesh: Mesh,
+    surface: Surface,
+}
+
+/// A cuboid as a mesh of twelve triangles.
+fn mesh(half: Vector3<f64>) -> Mesh {
+    let corner = |k: u32| {
+        let sign = |bit: u32| if k >> bit & 1 == 1 { 1.0 } else { -1.0 };
+        Point3::from(Vector3::new(sign(0), sign(1), sign(2)).component_mul(&half))
+    };
+    let points: Vec<_> = (0..8).map(corner).collect();
+    let sides = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let triangles: Vec<_> = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Mesh::new(&points, &triangles).expect("a closed mesh")
+}
+
+impl Bodies {
+    pub(crate) fn new(size: f64) -> Self {
+        let half = Vector3::new(0.5, 0.4, 0.3) * size;
+        let (r, h) = (0.5 * size, std::f64::consts::FRAC_1_SQRT_2);
+        let south: &[[f64; 3]] = &[[0.0, -r, 1.0], [r, -r, h], [r, 0.0, 1.0]];
+        let north: &[[f64; 3]] = &[[r, 0.0, 1.0], [r, r, h], [0.0, r, 1.0]];
+        Self {
+            hull: solids::cuboid(half).expect("a cuboid"),
+            ball: Shape::ball(r).expect("a ball"),
+            cone: Shape::ellipsoid(half).expect("an ellipsoid"),
+            pieces: Composite::from(Shape::cuboid(half).expect("a cuboid")),
+            mesh: mesh(half),
+            surface: revolution(&[south, north]).expect("a sphere"),
+        }
+    }
+
+    /// Calls with a pair of every kind.
+    pub(crate) fn each(&self, mut call: impl FnMut(&str, &mut dyn Separation)) {
+        let Self {
+            hull,
+            ball,
+            cone,
+            pieces,
+            mesh,
+            surface,
+        } = self;
+        call("polyhedra", &mut PolyhedronPair::new(hull, hull));
+        call("shapes", &mut ShapePair::new(ball, cone));
+        call("composites", &mut CompositePair::new(pieces, pieces));
+        call(
+            "composite and mesh",
+            &mut CompositePair::new(pieces, PartsRef::from(mesh)),
+        );
+        call("meshes", &mut MeshPair::new(mesh, mesh));
+        call("surfaces", &mut SurfacePair::new(surface, surface));
+        call("surface and shape", &mut SurfaceShapePair::new(surface, ball));
+        call("shape and surface", &mut SurfaceShapePair::new(surface, ball).swapped());
+        call("surface and composite", &mut SurfaceCompositePair::new(surface, pieces));
+    }
+}
+
+/// A motion of a user: a fall from a pose with a velocity, turning evenly, its bounds as simple as can be.
+#[derive(Clone, Copy)]
+pub(crate) struct Fall {
+    pub(crate) start: Isometry3<f64>,
+    pub(crate) linear: Vector3<f64>,
+    pub(crate) angular: Vector3<f64>,
+    pub(crate) gravity: Vector3<f64>,
+    /// Whether the course names the acceleration, or only bounds the deviation by it.
+    pub(crate) is_named: bool,
+}
+
+impl Fall {
+    pub(crate) fn still() -> Self {
+        Self {
+            start: Isometry3::identity(),
+            linear: Vector3::zeros(),
+            angular: Vector3::zeros(),
+            gravity: Vector3::zeros(),
+            is_named: true,
+        }
+    }
+
+    pub(crate) fn random(rng: &mut Rng) -> Self {
+        Self {
+            start: Isometry3::from(Vector3::from(rng.unit()) * rng.range(1.5, 4.0)),
+            linear: Vector3::from(rng.in_ball()),
+            angular: Vector3::from(rng.in_ball()),
+            gravity: Vector3::from(rng.in_ball()),
+            is_named: rng.chance(0.5),
+        }
+    }
+}
+
+impl Motion for Fall {
+    fn pose(&self, time: f64) -> Isometry3<f64> {
+        let at = self.start.translation.vector + (self.linear + self.gravity * (0.5 * time)) * time;
+        let turn = UnitQuaternion::from_scaled_axis(self.angular * time) * self.start.rotation;
+        Isometry3::from_parts(at.into(), UnitQuaternion::new_normalize(turn.into_inner()))
+    }
+
+    fn course(&self, time: f64, span: f64) -> Course {
+        let last = time.abs() + span;
+        let way = self.start.translation.vector.amax() + (self.linear.amax() + self.gravity.amax() * last) * last;
+        let unknown = if self.is_named { 0.0 } else { self.gravity.norm() };
+        let angle = 1.0 + self.angular.amax() * last;
+        Course {
+            pivot: Point3::origin(),
+            linear: self.linear + self.gravity * time,
+            angular: self.angular,
+            acceleration: if self.is_named { self.gravity } else { Vector3::zeros() },
+            shift: Drift([16.0 * f64::EPSILON * way, 0.0, unknown, 0.0]),
+            turn: Drift([32.0 * f64::EPSILON * angle, 0.0, 0.0, 0.0]),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Faces that stay parallel: plates that spin and slide over each other, bodies carried round together. The gap never
+//! changes, so the looks must not grow as the gap shrinks.
+
+use lab::casts::solid;
+use lab::rng::Rng;
+use lab::shapes;
+use lin_canny::Velocity;
+use lin_canny::impact::{Impact, Tolerance, cast};
+use lin_canny::motion::Steady;
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::separation::PolyhedronPair;
+
+/// The most looks of casts at a gap, by the turn.
+fn most_looks(gap: f64, turn: f64) -> u32 {
+    // Rounding grows with the square of the turn of one step, so that a step turns by no more than the root of the gap
+    // over rounding.
+    let step = (gap / 1e-12).sqrt();
+    4 + (6.0 * turn / step) as u32
+}
+
+/// A plate spins and slides over a parallel one at rest, or over one that spins otherwise; either is A.
+#[test]
+fn plates_spin_over_plates() {
+    let plate = solid(&shapes::cuboid([1.0, 0.8, 0.05]).points);
+    let round = solid(&shapes::prism(9, 1.0, 0.05).points);
+    let mut rng = Rng::new(1925);
+    let mut most = 0;
+    for case in 0..300 {
+        let gap = rng.log_range(1e-12, 1e-2);
+        let turn = [1.0, 6.0, 60.0][case % 3];
+        // The normal of the plates: an axis, or any direction.
+        let tilt = if case % 2 == 0 {
+            UnitQuaternion::identity()
+        } else {
+            UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * 2.0)
+        };
+        let gap = if case % 2 == 0 { gap } else { gap.max(1e-11) };
+        let slide = Vector3::from(rng.in_ball());
+        let slide = tilt * Vector3::new(slide.x, slide.y, 0.0);
+        let axis = tilt * Vector3::z();
+        let under = if case % 5 == 0 {
+            axis * (0.3 * turn)
+        } else {
+            Vector3::zeros()
+        };
+        let motion = |height: f64, linear: Vector3<f64>, angular: Vector3<f64>| {
+            let start = Isometry3::from_parts((axis * height).into(), tilt);
+            Steady::new(&start, Velocity::new(linear, angular)).expect("a motion")
+        };
+        let (low, high) = (
+            motion(0.0, Vector3::zeros(), under),
+            motion(0.1 + gap, slide, axis * turn),
+        );
+        let tolerance = Tolerance::Distance(1e-10);
+        let found = if case % 4 < 2 {
+            cast(
+                &mut PolyhedronPair::new(&plate, &round),
+                &low,
+                &high,
+                (0.0, 1.0),
+                tolerance,
+            )
+        } else {
+            cast(
+                &mut PolyhedronPair::new(&round, &plate),
+                &high,
+                &low,
+                (0.0, 1.0),
+                tolerance,
+            )
+        };
+        let found = found.expect("a cast");
+        assert_eq!(
+            found.impact,
+            Impact::Miss,
+            "{case}: gap {gap:e}, turn {turn}: {found:?}"
+        );
+        let bound = most_looks(gap, turn);
+        assert!(
+            found.queries <= bound,
+            "{case}: gap {gap:e}, turn {turn}: {} looks, {bound}",
+            found.queries
+        );
+        most = most.max(found.queries);
+    }
+    eprintln!("{most} looks at most");
+}
+
+/// The same with an approach so slow that the plates meet: on time, whatever the turn.
+#[test]
+fn plates_that_sink_meet_on_time() {
+    let plate = solid(&shapes::cuboid([1.0, 0.8, 0.05]).points);
+    for (k, turn) in [1.0, 6.0, 60.0].into_iter().enumerate() {
+        for gap in [1e-2, 1e-4, 1e-6, 1e-8] {
+            let motion = |height: f64, sink: f64, turn: f64| {
+                let start = Isometry3::translation(0.1, 0.0, height);
+                let velocity = Velocity::new(Vector3::new(0.3, 0.1, -sink), Vector3::z() * turn);
+                Steady::new(&start, velocity).expect("a motion")
+            };
+            let (low, high) = (motion(0.0, 0.0, 0.0), motion(0.1 + gap, 2.0 * gap, turn));
+            let mut pair = PolyhedronPair::new(&plate, &plate);
+            let found = cast(&mut pair, &low, &high, (0.0, 1.0), Tolerance::Distance(0.01 * gap)).expect("a cast");
+            let Impact::Hit { safe, hit, .. } = found.impact else {
+                panic!("{k} {gap:e}: {found:?}")
+            };
+            assert!(
+                safe <= 0.5 + 1e-7 && 0.5 - 1e-7 <= hit && hit - safe < 0.02,
+                "{turn} {gap:e}: {found:?}"
+            );
+            assert!(found.queries <= 4 + most_looks(gap, turn), "{turn} {gap:e}: {found:?}");
+        }
+    }
+}
+
+/// Two bodies carried round as one, a hair apart: a long try has no margin left, a shorter one has.
+#[test]
+fn bodies_carried_round_a_hair_apart_never_meet() {
+    let (cube, other) = (
+        solid(&shapes::cuboid([0.5, 0.5, 0.5]).points),
+        solid(&shapes::prism(7, 0.5, 0.5).points),
+    );
+    let mut rng = Rng::new(1926);
+    for case in 0..200 {
+        let gap = rng.log_range(3e-12, 1e-2);
+        let turn = [1.0, 6.0, 60.0, 600.0][case % 4];
+        let axis = if case % 3 == 0 {
+            Vector3::z()
+        } else {
+            Vector3::from(rng.unit())
+        };
+        let spin = Velocity::new(Vector3::zeros(), axis * turn);
+        let away = Vector3::z() * (1.0 + gap);
+        let a = Steady::new(&Isometry3::identity(), spin).expect("a motion");
+        let b = Steady::about(&Isometry3::from(away), Point3::from(-away), spin).expect("a motion");
+        let mut pair = PolyhedronPair::new(&cube, &other);
+        let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-10)).expect("a cast");
+        assert_eq!(
+            found.impact,
+            Impact::Miss,
+            "{case}: gap {gap:e}, turn {turn}: {found:?}"
+        );
+        let bound = most_looks(gap, turn);
+        assert!(
+            found.queries <= bound,
+            "{case}: gap {gap:e}, turn {turn}: {} looks, {bound}",
+            found.queries
+        );
+    }
+}
