@@ -108,11 +108,12 @@ fn until_as_far(growth: &Drift, way: f64, span: f64) -> f64 {
         return span;
     }
     // The first and the second term reach the way by themselves no earlier, and the cubic term is
-    // at most the way after some halvings: all three are at most three ways.
+    // at most the way after some cuts: all three are at most three ways.
     let [_, first, second, _] = growth.0;
     let mut late = span.min(way / first).min(sqrt(2.0 * way / second));
-    while growth.at(late) > 3.0 * way {
-        late *= 0.5;
+    // Cuts by a quarter do not end at zero.
+    while growth.at(late) > 3.0 * way && late > f64::MIN_POSITIVE {
+        late *= 0.75;
     }
     // The displacement is convex, so below its chords: a chord reaches the way first.
     let most = growth.at(late);

@@ -382,6 +382,9 @@ impl Plane<'_> {
         let mut interval = if interval < f64::INFINITY { interval } else { 0.0 };
         let most = self.taken(0.0) + 0.5 * self.gap;
         while self.remainder(interval) > 2.0 * self.gap || self.taken(interval) > most {
+            if !(interval > f64::MIN_POSITIVE) {
+                return 0.0;
+            }
             interval *= 0.75;
         }
         interval

@@ -35,7 +35,7 @@ pub(super) fn straight_until<S: Separation + ?Sized>(pair: &S, flight: &Flight, 
     if !(length < f64::INFINITY && now > 0.0) {
         return 0.0;
     }
-    while margin(length) > 0.5 * now {
+    while margin(length) > 0.5 * now && length > f64::MIN_POSITIVE {
         length *= 0.75;
     }
     let b0 = now - margin(length);
