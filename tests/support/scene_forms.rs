@@ -10,7 +10,8 @@ use lin_canny::{RelativePose, Shape, ShapeTracker, Tracker};
 /// Bodies of which one is no sharp polyhedron, and whose bounds are as near to a threshold as this, may be either side of it.
 pub const TIE: f64 = 1e-7;
 
-/// A body as its trackers take it.
+/// A body as its trackers take it. Few are made, and none is moved often.
+#[allow(clippy::large_enum_variant)]
 pub enum Form {
     /// A sharp polyhedron, of which every predicate is exact.
     Sharp(Shape, ConvexPolyhedron),
