@@ -447,11 +447,11 @@ pub(crate) const LN2_REST: f64 = 2.319_046_813_846_299_6e-17;
 /// each bound.
 pub const DEPTH_GOAL: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// The axis of B is at most this much farther off that of A than the matrix of the rotation says, as
-/// a chord of the unit circle. The matrix is off a rotation by 19 UNIT, and turns a vertex of B
-/// wrong by 71 UNIT rB and 28 UNIT |t| (see [`CERTIFICATE`]); the normals of edges are rounded by 4
-/// UNIT, which counts by L; a height along a normal errs by 12 UNIT for the turned direction and by
-/// 6 and 3 for products and sums. With 38 UNIT rB, twice the 19, these are at most 138 UNIT L; twice
+/// The axis of B is at most this much farther off that of A than the matrix of the rotation says,
+/// as a chord of the unit circle. The matrix is off a rotation by 19 UNIT, and turns a vertex of B
+/// wrong by 71 UNIT rB and 28 UNIT |t| (see [`CERTIFICATE`]); the normals of edges are rounded by
+/// 4 UNIT, which counts by L; a height along a normal errs by 12 UNIT for the turned direction and
+/// by 6 and 3 for products and sums. With 38 UNIT rB, twice the 19, these are at most 138 UNIT L; twice
 /// this term, 64 UNIT rB, and [`CERTIFICATE`] are more.
 pub(crate) const PARALLEL_AXES: f64 = 32.0 * UNIT;
 
