@@ -213,7 +213,7 @@ impl OneWay {
         let mut to = to.to_vec();
         let turn = self.0.difference(from, &to)[2];
         // Half a turn and a little more is the other way round, as the shorter way goes.
-        if turn < -3.1415926 {
+        if turn < 1e-7 - std::f64::consts::PI {
             to[2] -= 1e-7;
         }
         to
