@@ -136,3 +136,32 @@ fn contacts_kept_along_straight_rims_are_sound() {
     }
     assert!(kept > 6000, "{kept}");
 }
+
+/// Rims in one line but for rounding, a hair apart, in turned frames: edges that rounding takes for crossing need not meet.
+#[test]
+fn rims_in_line_bear_contacts_only_where_they_meet() {
+    let (mut rng, bodies) = (Rng::new(623), bodies());
+    for k in 0..8000 {
+        let ((a, of_a), (b, of_b)) = (rng.pick(&bodies), rng.pick(&bodies));
+        let across = match k % 4 {
+            0 | 1 => 0.0,
+            2 => rng.log_range(1e-17, 1e-14),
+            _ => -rng.log_range(1e-17, 1e-14),
+        };
+        // Beside each other, or one over the other with both rims on one side.
+        let side = if rng.chance(0.7) { 1.0 } else { -1.0 };
+        let aside = rng.range(-0.9, 0.9) * (of_a.half + of_b.half);
+        let gap = rng.log_range(1e-15, 1e-13);
+        let frame = Frame {
+            a: Pose::IDENTITY,
+            b: Pose::shift([of_a.width + side * of_b.width + across, aside, 0.5 + gap]),
+        };
+        let frame = frame.moved(&Pose {
+            q: rng.quat(),
+            t: scale(rng.unit(), 3.0),
+        });
+        let options = exact(0.1, 4 + rng.below(5));
+        let m = manifold(a, b, &frame, &options);
+        judge(a, b, &frame, &m, &options, &format!("in line {k}"));
+    }
+}
