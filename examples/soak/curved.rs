@@ -104,7 +104,10 @@ fn special_trial(rng: &mut Rng) -> Trial {
             (cores, vec![place.frame()])
         }
         _ => {
-            let mut cores = [special::near_limits(rng), Kind::random(rng.pick::<&str>(&KINDS), rng, 3.0)];
+            let mut cores = [
+                special::near_limits(rng),
+                Kind::random(rng.pick::<&str>(&KINDS), rng, 3.0),
+            ];
             if rng.chance(0.5) {
                 cores.reverse();
             }

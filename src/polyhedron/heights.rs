@@ -174,6 +174,23 @@ mod tests {
     use crate::rng::Rng;
 
     #[test]
+    fn rises_below_the_least_number_are_told() {
+        let mut rng = Rng::new(12);
+        for _ in 0..2000 {
+            let [a, b, c, d] = [0; 4].map(|_| rng.range(-8.0, 8.0).round());
+            // Products of one size, of which f64 holds none.
+            let (i, j) = (1070 - rng.below(60) as i32, 1070 - rng.below(60) as i32);
+            let two = |e: i32| power_of_two(-e / 2) * power_of_two(-e + e / 2);
+            let n = Vector3::new(1.0, a * two(i), c * two(j));
+            let e = Vector3::new(0.0, b * two(1370 - i), d * two(1370 - j));
+            let points = [Vector3::zeros(), e];
+            let direction = Direction::new(&points, &n, &Vector3::zeros());
+            let [p, q] = [0, 1].map(VertexId);
+            assert_eq!(direction.rise(p, q), sign(a * b + c * d), "{n} {e}");
+        }
+    }
+
+    #[test]
     fn slopes_compare_exactly() {
         let mut rng = Rng::new(11);
         let whole = |rng: &mut Rng| Vector3::from_fn(|_, _| rng.range(-4.0, 4.0).round());
