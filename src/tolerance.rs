@@ -54,7 +54,7 @@ pub(crate) use motions::*;
 pub(crate) use patches::*;
 pub use patches::{PATCH_LIMIT, PATCH_POINT};
 pub use signs::{EDGE_SIGN, EXACT_FILTER, ORIENTATION, STEEPER, VOLUME};
-pub(crate) use signs::{FLANK, LEAST_RISE, SIDE_ERROR};
+pub(crate) use signs::{FLANK, LEAST_RISE, SIDE_ERROR, SLANT};
 
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub const UNIT: f64 = f64::EPSILON / 2.0;

@@ -77,3 +77,11 @@ pub(crate) const FLANK: f64 = 512.0 * UNIT;
 /// adds UNIT to first order, so 8 UNIT; the ninth covers the second order. Underflow: the hull adds
 /// the least normal number to its bound.
 pub(crate) const SIDE_ERROR: f64 = 9.0 * UNIT;
+
+/// Difference of the slants of two edges along one line, rounded: `s = (g . u)^2 / u^2` with `u` a
+/// difference of points over the largest of its coordinates and `g` fixed, shorter than 3/4. The
+/// coordinates of `u` are off by 2 UNIT of themselves, products and sums add 3: `g . u` is off by
+/// `5 UNIT |g| |u|`, and `s` by `10 UNIT |g|^2 < 6 UNIT`. Square, norm and quotient add
+/// `(1 + 7 + 1) UNIT s < 6 UNIT`. Two slants: 24 UNIT, and the second order. Nothing underflows: of
+/// stored points, differences are above `2^-357` and their largest coordinates below `2^107`.
+pub(crate) const SLANT: f64 = 32.0 * UNIT;

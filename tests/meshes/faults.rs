@@ -129,6 +129,41 @@ fn layers_that_share_a_face_count_twice() {
     }
 }
 
+/// A cone of a fan whose edges at the apex are whole in one sector and cut at the middle in the
+/// next; the triangles without area between them are dropped.
+fn cut_fan(n: u32) -> Soup {
+    let grid = |x: f64| (x * 1_048_576.0).round() / 524_288.0;
+    let rim = |k: u32| {
+        let angle = std::f64::consts::TAU * f64::from(k) / f64::from(n);
+        [grid(angle.cos()), grid(angle.sin()), 2.0]
+    };
+    let mut points = vec![[0.0; 3], [0.0, 0.0, 2.0]];
+    points.extend((0..n).map(rim));
+    points.extend((0..n).map(|k| scale(rim(k), 0.5)));
+    let mut triangles = Vec::new();
+    for k in 0..n {
+        let (r, next, cut) = (2 + k, 2 + (k + 1) % n, 2 + n + (k + 1) % n);
+        triangles.extend([[0, cut, r], [r, cut, next], [0, next, cut], [1, r, next]]);
+    }
+    Soup { points, triangles }
+}
+
+#[test]
+fn a_fan_of_triangles_without_area_builds_in_time() {
+    for n in [64, 40_000] {
+        let begun = std::time::Instant::now();
+        let m = mesh(&cut_fan(n));
+        assert_eq!(m.kind(), MeshKind::Solid, "{n}");
+        assert_eq!(m.report().degenerate.len(), n as usize);
+        // Pairs of lines would take minutes.
+        assert!(begun.elapsed().as_secs() < 20, "{:?}", begun.elapsed());
+        let mut open = cut_fan(n);
+        open.points[2 + n as usize + 7][2] += 1.0 / 1_048_576.0;
+        open.triangles.retain(|t| *t != [0, 9, 9 + n]);
+        assert_eq!(mesh(&open).kind(), MeshKind::Surface, "{n}");
+    }
+}
+
 #[test]
 fn a_border_stays_a_border() {
     // A slit that is really open: the middle of the edge is off the edge.

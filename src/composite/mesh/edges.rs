@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::MeshPart;
 use crate::num::sign;
+use crate::tolerance::SLANT;
 
 /// The edges of a mesh that are not between two triangles of opposite sense.
 #[derive(Default)]
@@ -57,23 +58,39 @@ fn cancels(points: &[Vector3<f64>], edges: &[[u32; 2]]) -> bool {
     ends.chunk_by(|a, b| a.0 == b.0).all(|at| cancels_at(points, at))
 }
 
-/// Whether the ends of edges at one vertex cancel along every line. The line of the first one comes
-/// first, so that an open border fails at once.
+/// Whether the ends of edges at one vertex cancel along every line. Edges of one line are near each
+/// other in the order of their slants; exact predicates tell them from others of like slant.
 fn cancels_at(points: &[Vector3<f64>], at: &[(u32, u32, i64)]) -> bool {
-    let mut left = at.to_vec();
-    while let Some(&(v, w, _)) = left.first() {
+    let end = |&(v, w, sense): &(u32, u32, i64)| (slant(&(points[w as usize] - points[v as usize])), v, w, sense);
+    let mut ends: Vec<(f64, u32, u32, i64)> = at.iter().map(end).collect();
+    ends.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
+    for k in 0..ends.len() {
+        let (least, v, w, own) = ends[k];
+        // An end that has been counted has no sense left.
+        if own == 0 {
+            continue;
+        }
         let mut sum = 0;
-        left.retain(|&(_, other, sense)| {
-            let [a, b, c] = [v, w, other].map(|k| &points[k as usize]);
-            let is_along = other == w || sign::projection(a, b, c).is_none();
-            sum += if is_along { sense } else { 0 };
-            !is_along
-        });
+        for (_, _, other, sense) in ends[k..].iter_mut().take_while(|x| x.0 <= least + SLANT) {
+            let [a, b, c] = [v, w, *other].map(|k| &points[k as usize]);
+            if *sense != 0 && (*other == w || sign::projection(a, b, c).is_none()) {
+                sum += *sense;
+                *sense = 0;
+            }
+        }
         if sum != 0 {
             return false;
         }
     }
     true
+}
+
+/// A number of the line through the origin along a direction that is not zero: the square of the
+/// cosine of the angle to a fixed line that no round number is along.
+fn slant(v: &Vector3<f64>) -> f64 {
+    let u = v / v.amax();
+    let along = u.dot(&Vector3::new(0.137, 0.618_033_988, 0.381_966));
+    along * along / u.norm_squared()
 }
 
 /// Connected parts by shared vertices, in the order of their first triangle, and of each four
