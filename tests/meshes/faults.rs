@@ -150,12 +150,12 @@ fn cut_fan(n: u32) -> Soup {
 
 #[test]
 fn a_fan_of_triangles_without_area_builds_in_time() {
-    for n in [64, 40_000] {
+    for n in [64, 10_000] {
         let begun = std::time::Instant::now();
         let m = mesh(&cut_fan(n));
         assert_eq!(m.kind(), MeshKind::Solid, "{n}");
         assert_eq!(m.report().degenerate.len(), n as usize);
-        // Pairs of lines would take minutes.
+        // Pairs of lines would take half a minute and more.
         assert!(begun.elapsed().as_secs() < 20, "{:?}", begun.elapsed());
         let mut open = cut_fan(n);
         open.points[2 + n as usize + 7][2] += 1.0 / 1_048_576.0;
