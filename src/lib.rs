@@ -139,7 +139,9 @@
 //!   [`ShapeTracker::closest`].
 //! * Surfaces of patches ([`patch`]) have an interval of a width asked for. If the interval holds
 //!   both answers, `intersects` and `within` are undecided, at one pose perhaps warm and not cold.
-//!   Surfaces that are equally far along a curve or over an area keep wide intervals.
+//!   Surfaces that are equally far along a curve or over an area keep wide intervals. Coordinates
+//!   are at most 2^200 (1.6e60), and pairs with L below 2^-300 (5e-91) are measured by their
+//!   origins alone.
 //! * There is no dynamics: see rapier.
 //!
 //! # Recipes

@@ -234,6 +234,15 @@ pub(crate) mod separation {
     /// Tries of a plane, at most. Measured: 1.4 on average.
     pub(crate) const TRIES: u32 = 3;
 
+    /// Cut of an interval whose bound is a little too large. Not measured.
+    pub(crate) const CUT: f64 = 0.75;
+
+    /// Excess of a bound, `2^24`, from which on an interval is cut deeper. Not measured.
+    pub(crate) const CUT_FAR: f64 = (1u64 << 24) as f64;
+
+    /// The deepest cut at a time, `2^-60`: 18 reach zero from an interval of one. Not measured.
+    pub(crate) const CUT_MOST: f64 = 1.0 / (1u64 << 60) as f64;
+
     /// Gap, over the sum of both radii, beyond which a plane that does not turn is tried as well:
     /// wins up to 40 % of the steps measured for the time of a second plane.
     pub(crate) const FAR: f64 = 0.05;

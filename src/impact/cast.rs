@@ -28,6 +28,14 @@ pub(super) struct Search<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
     pub(super) trail: Option<&'a mut Vec<Certificate>>,
 }
 
+/// What a search keeps from look to look.
+struct Pace {
+    /// Looks that are left; further rounds of a look are counted, too.
+    left: u32,
+    /// Factor by which the tolerance has shrunk while the pair is nearer than the tolerance.
+    shrunk: f64,
+}
+
 /// The continuation of a search after a look.
 enum Next {
     /// Free up to this time.
@@ -35,12 +43,24 @@ enum Next {
     Found(Impact),
 }
 
+impl Pace {
+    /// Shrinks the tolerance for another round; false if no round is left.
+    fn again(&mut self) -> bool {
+        self.shrunk *= SHRINK;
+        self.left = self.left.saturating_sub(1);
+        self.left > 0
+    }
+}
+
 impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, S, A, B> {
     pub(super) fn run(&mut self, from: f64) -> Result<Impact, PoseError> {
         let mut time = from;
-        // Factor by which the tolerance has shrunk while the pair is nearer than the tolerance.
-        let mut shrunk = 1.0;
-        for look in 0..LOOKS {
+        let mut pace = Pace {
+            left: LOOKS,
+            shrunk: 1.0,
+        };
+        while pace.left > 0 {
+            pace.left -= 1;
             let (relative, flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
             let apart = flight.apart(self.pair);
             if flight.is_known() {
@@ -63,11 +83,11 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                 self.pair.measure(&relative)
             });
             if self.is_met(&seen) {
-                // Steps are proven, so a pair can meet only at the begin of the interval.
+                // Steps are proven, so a pair can meet only at the begin of the interval, or on a
+                // motion that breaks its contract.
                 return Ok(if time == from {
                     Impact::Start { seen }
                 } else {
-                    debug_assert!(false, "a pair proven apart meets at {time}, look {look}: {seen:?}");
                     Impact::Near {
                         safe: time,
                         distance: seen.upper,
@@ -80,7 +100,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
             if flight.span == 0.0 {
                 return Ok(self.at_once(time, seen, apart.noise, &relative));
             }
-            match self.step(time, &seen, flight, apart.noise, &mut shrunk)? {
+            match self.step(time, &seen, flight, apart.noise, &mut pace)? {
                 Next::Go(next) => time = next,
                 Next::Found(impact) => return Ok(impact),
             }
@@ -131,16 +151,16 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
         seen: &Measure,
         mut flight: Flight,
         noise: f64,
-        shrunk: &mut f64,
+        pace: &mut Pace,
     ) -> Result<Next, PoseError> {
         let gap = seen.upper - self.distance;
         let least = LEAST * noise;
         let whole = self.allowed(seen, &flight).max(least);
         if gap > whole {
-            *shrunk = 1.0;
+            pace.shrunk = 1.0;
         }
         loop {
-            let allowed = (whole * *shrunk).max(least);
+            let allowed = (whole * pace.shrunk).max(least);
             if gap <= allowed {
                 let last = !(allowed > least);
                 if let Some(hit) = self.hit(time, seen, &flight, gap + AIM * allowed, last)? {
@@ -148,7 +168,9 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                     return Ok(Next::Found(Impact::Hit { safe: time, hit, seen }));
                 }
                 if !last {
-                    *shrunk *= SHRINK;
+                    if !pace.again() {
+                        break;
+                    }
                     continue;
                 }
             }
@@ -168,8 +190,11 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                 let distance = seen.upper;
                 return Ok(Next::Found(Impact::Near { safe: time, distance }));
             }
-            *shrunk *= SHRINK;
+            if !pace.again() {
+                break;
+            }
         }
+        Ok(Next::Found(Impact::Unknown { safe: time }))
     }
 
     /// The tolerance as a length.

@@ -109,7 +109,8 @@ pub enum Impact {
         seen: Measure,
     },
     /// The shapes come so near that rounding hides whether they meet, and nothing is known of later
-    /// instants.
+    /// instants. Also the answer if the shapes are seen to meet at `safe`, which happens only to a
+    /// [`Motion`] that breaks its contract.
     Near {
         /// The shapes are proven apart up to here.
         safe: f64,
@@ -118,7 +119,8 @@ pub enum Impact {
     },
     /// The shapes are proven apart over the whole interval, both ends included.
     Miss,
-    /// The limit of 20,000 looks was reached, as of some motions that graze, or a motion returned a
+    /// The limit of 20,000 looks was reached, further rounds of a look with a smaller tolerance
+    /// counted, as of some motions that graze, or a motion returned a
     /// [`Course`](crate::motion::Course) that is not finite or has a negative bound: nothing is
     /// known of later instants.
     Unknown {

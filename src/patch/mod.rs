@@ -50,6 +50,15 @@
 //! number of splits grows with the logarithm of the width; scenes with meshes; no
 //! exact arithmetic decides touching surfaces.
 //!
+//! # Sizes
+//!
+//! Coordinates of control points are at most `2^200` (1.6e60; other bodies: 1e100). Answers hold
+//! for pairs of any size, and are as narrow as asked for if the size L is between `2^-300` (5e-91)
+//! and `2^300`. Beyond, squares of lengths leave f64, and a pair is measured by the distance of
+//! its origins alone, to the sum of both reaches: no contact of bodies below that size is decided,
+//! and a cast onto one ends as [`Near`](crate::impact::Impact::Near) or
+//! [`Unknown`](crate::impact::Impact::Unknown).
+//!
 //! # Wider intervals than asked for
 //!
 //! Where the closest points are isolated, the splits of a query grow with the logarithm of the

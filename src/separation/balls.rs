@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
+use super::straight::cut;
 use super::{Flight, Separation};
 use crate::motion::{Course, Drift, length};
 use crate::num::scalar::{magnitude, sqrt};
@@ -113,7 +114,7 @@ fn until_as_far(growth: &Drift, way: f64, span: f64) -> f64 {
     let mut late = span.min(way / first).min(sqrt(2.0 * way / second));
     // Cuts by a quarter do not end at zero.
     while growth.at(late) > 3.0 * way && late > f64::MIN_POSITIVE {
-        late *= 0.75;
+        late *= cut(growth.at(late) / (3.0 * way));
     }
     // The displacement is convex, so below its chords: a chord reaches the way first.
     let most = growth.at(late);

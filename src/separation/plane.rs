@@ -56,9 +56,10 @@
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use super::bernstein::positive_until;
-use super::straight::{one_norm, straight_until, time_to, turns_neither};
+use super::straight::{cut, one_norm, straight_until, time_to, turns_neither};
 use super::{Flight, Free, Measure, Proof, Separation, Tangent};
 use crate::motion::{Course, Drift, length};
+use crate::num::scalar::greater;
 use crate::pose::{Operand, rotation_matrix};
 use crate::tolerance::{PLANE, TILT};
 use crate::tuning::separation::{AHEAD, ENOUGH, FAR, TRIES};
@@ -380,14 +381,17 @@ impl Plane<'_> {
     /// leaves half of the gap; zero for an interval without end.
     fn shortened(&self, interval: f64) -> f64 {
         let mut interval = if interval < f64::INFINITY { interval } else { 0.0 };
-        let most = self.taken(0.0) + 0.5 * self.gap;
-        while self.remainder(interval) > 2.0 * self.gap || self.taken(interval) > most {
+        let (now, half) = (self.taken(0.0), 0.5 * self.gap);
+        loop {
+            let (rest, margin) = (self.remainder(interval), self.taken(interval));
+            if !(rest > 2.0 * self.gap || margin > now + half) {
+                return interval;
+            }
             if !(interval > f64::MIN_POSITIVE) {
                 return 0.0;
             }
-            interval *= 0.75;
+            interval *= cut(greater(rest / (2.0 * self.gap), (margin - now) / half));
         }
-        interval
     }
 
     /// Bernstein coefficients of a cubic that is nowhere above the gap over an interval.

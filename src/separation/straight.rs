@@ -5,10 +5,10 @@ use nalgebra::Vector3;
 use super::bernstein::positive_until;
 use super::{Flight, Separation};
 use crate::motion::{Course, Drift};
-use crate::num::scalar::sqrt;
+use crate::num::scalar::{greater, sqrt};
 use crate::pose::Operand;
 use crate::tolerance::PLANE;
-use crate::tuning::separation::AHEAD;
+use crate::tuning::separation::{AHEAD, CUT, CUT_FAR, CUT_MOST};
 
 /// Whether neither shape turns: then a plane that proves the shapes apart keeps its normal, and the
 /// gap is a parabola, exactly.
@@ -36,7 +36,7 @@ pub(super) fn straight_until<S: Separation + ?Sized>(pair: &S, flight: &Flight, 
         return 0.0;
     }
     while margin(length) > 0.5 * now && length > f64::MIN_POSITIVE {
-        length *= 0.75;
+        length *= cut(margin(length) / (0.5 * now));
     }
     let b0 = now - margin(length);
     let way = |k: f64| slope * length * (k / 3.0);
@@ -81,7 +81,68 @@ pub(super) fn time_to(way: f64, slope: f64, bend: f64) -> f64 {
     }
 }
 
+/// Returns the factor by which an interval is cut if a bound over the interval is `excess` times
+/// what is allowed: a quarter off while the bound is near, so that no cut is much too deep; far
+/// off, as much as a bound of degree eight needs at least, so that some hundred cuts end at any
+/// bound. An infinite bound is cut as deep as may be.
+pub(super) fn cut(excess: f64) -> f64 {
+    if excess < CUT_FAR {
+        CUT
+    } else {
+        greater(sqrt(sqrt(sqrt(1.0 / excess))), CUT_MOST)
+    }
+}
+
 /// The sum of the absolute coordinates: no less than the length.
 pub(super) fn one_norm(v: &Vector3<f64>) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::rng::Rng;
+
+    /// Bounds of every degree and size, and infinite ones: a hundred cuts or so, and none much too
+    /// deep.
+    #[test]
+    fn cuts_end_soon_and_none_is_much_too_deep() {
+        let mut rng = Rng::new(29);
+        let mut most = 0;
+        for case in 0..3000 {
+            let terms: [f64; 8] = core::array::from_fn(|_| {
+                if rng.chance(0.3) {
+                    rng.log_range(1e-290, 1e290)
+                } else {
+                    0.0
+                }
+            });
+            let allowed = rng.log_range(1e-290, 1e290);
+            let bound = |x: f64| {
+                terms
+                    .iter()
+                    .fold((0.0, x), |(sum, power), c| (sum + c * power, power * x))
+                    .0
+            };
+            let mut interval = rng.log_range(1e-300, 2.0);
+            let mut cuts = 0;
+            let mut last = interval;
+            while bound(interval) > allowed && interval > f64::MIN_POSITIVE {
+                last = interval;
+                interval *= cut(bound(interval) / allowed);
+                cuts += 1;
+            }
+            assert!(cuts < 150, "{case}: {terms:?} {allowed} {cuts}");
+            // Powers of such intervals are no longer normal.
+            let is_known = bound(last) < f64::INFINITY && interval > 1e-37;
+            assert!(
+                !is_known || cuts == 0 || bound(1.34 * interval) > allowed,
+                "{case}: {terms:?} {allowed} {interval}"
+            );
+            most = cuts.max(most);
+        }
+        assert!(most > 30, "{most}");
+        assert_eq!([cut(1.0), cut(f64::INFINITY), cut(f64::NAN)], [CUT, CUT_MOST, CUT_MOST]);
+    }
 }

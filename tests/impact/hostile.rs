@@ -2,10 +2,11 @@
 
 use super::pairs::{Bodies, Fall};
 use lab::rng::Rng;
-use lin_canny::RelativePose;
 use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance, cast, cast_within, free_until, held_until};
-use lin_canny::motion::{Course, Motion};
-use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::motion::{Course, Motion, Steady};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::separation::{Flight, Free, Measure, Proof, Separation, Tangent};
+use lin_canny::{Class, Operand, RelativePose, Velocity};
 
 const FINE: Tolerance = Tolerance::Distance(1e-6);
 
@@ -203,4 +204,220 @@ fn an_interval_without_length_is_an_instant() {
         });
     }
     assert!(starts > 120 && misses > 120, "{starts} {misses}");
+}
+
+/// A number of a motion: half of them ordinary, the others from all of the range.
+fn number(rng: &mut Rng) -> f64 {
+    let extremes = [
+        0.0, 5e-324, 1e-300, 1e-150, 1e-100, 1e-30, 1e-12, 1e-6, 1e3, 1e6, 1e15, 1e30, 1e100, 1e150, 1e300,
+    ];
+    let sign = if rng.chance(0.25) { -1.0 } else { 1.0 };
+    let ordinary = rng.range(0.1, 4.0);
+    let k = rng.below(2 * extremes.len());
+    sign * extremes.get(k).copied().unwrap_or(ordinary)
+}
+
+fn vector(rng: &mut Rng) -> Vector3<f64> {
+    match rng.below(4) {
+        0 => Vector3::new(number(rng), number(rng), number(rng)),
+        1 => Vector3::zeros(),
+        2 => Vector3::x() * -number(rng),
+        _ => Vector3::from(rng.unit()) * number(rng),
+    }
+}
+
+/// A motion of any numbers: one of the crate's, or one of a user.
+fn wild(rng: &mut Rng, at: Vector3<f64>) -> Box<dyn Motion> {
+    let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.in_ball()));
+    let start = Isometry3::from_parts(at.into(), turn);
+    let (linear, angular) = (vector(rng), vector(rng));
+    let gravity = if rng.chance(0.5) { vector(rng) } else { Vector3::zeros() };
+    let pivot = if rng.chance(0.3) {
+        Point3::from(vector(rng))
+    } else {
+        Point3::origin()
+    };
+    let steady = Steady::about(&start, pivot, Velocity::new(linear, angular));
+    if let (Ok(steady), true) = (steady, rng.chance(0.7)) {
+        let most = number(rng).abs();
+        let other = match rng.below(3) {
+            0 => steady.accelerated(gravity),
+            1 => steady.within(most, number(rng).abs()),
+            _ => Ok(steady),
+        };
+        return Box::new(other.unwrap_or(steady));
+    }
+    Box::new(Fall {
+        start,
+        linear,
+        angular,
+        gravity,
+        is_named: rng.chance(0.5),
+    })
+}
+
+/// Limit of looks, and of predicates of one round of a look.
+const LOOKS: u32 = 20_000;
+const DOUBLINGS: u32 = 6;
+
+/// Numbers from all of the range, of every kind of pair: a cast ends after as many looks as it may take, the answer an
+/// ordinary bracket.
+#[test]
+fn casts_end_at_any_numbers() {
+    let mut rng = Rng::new(1924);
+    let mut answers = [0; 6];
+    for case in 0..100 {
+        let size = if rng.below(4) == 0 {
+            rng.log_range(1e-90, 1e59)
+        } else {
+            1.0
+        };
+        let bodies = Bodies::new(size);
+        let other = if rng.chance(0.3) {
+            vector(&mut rng)
+        } else {
+            Vector3::from(rng.unit()) * rng.range(1.0, 4.0) * size
+        };
+        let (a, mut b) = (wild(&mut rng, Vector3::zeros()), wild(&mut rng, other));
+        if case % 3 == 0 {
+            b = Box::new(towards(rng.range(1.1, 3.0) * size, rng.range(1.0, 4.0) * size));
+        }
+        let from = if rng.chance(0.5) { 0.0 } else { number(&mut rng) };
+        let until = from + number(&mut rng).abs();
+        let width = number(&mut rng).abs();
+        let tolerance = if rng.chance(0.5) {
+            Tolerance::Distance(width)
+        } else {
+            Tolerance::Time(width)
+        };
+        let keep = if rng.chance(0.7) { 0.0 } else { number(&mut rng).abs() };
+        bodies.each(|kind, pair| {
+            let found = cast_within(pair, &*a, &*b, (from, until), tolerance, keep);
+            let what = format!("{kind} {case}: {found:?}");
+            let Ok(Cast {
+                impact,
+                queries,
+                proofs,
+                ..
+            }) = found
+            else {
+                answers[0] += 1;
+                return;
+            };
+            assert!(queries <= LOOKS && proofs <= LOOKS * DOUBLINGS, "{what}");
+            let inside = |time: f64| (from..=until).contains(&time);
+            answers[match impact {
+                Impact::Start { .. } => 1,
+                Impact::Hit { safe, hit, .. } => {
+                    assert!(inside(safe) && inside(hit) && safe < hit, "{what}");
+                    2
+                }
+                Impact::Near { safe, .. } => {
+                    assert!(inside(safe), "{what}");
+                    3
+                }
+                Impact::Miss => 4,
+                Impact::Unknown { safe } => {
+                    assert!(inside(safe), "{what}");
+                    5
+                }
+                other => panic!("{other:?}"),
+            }] += 1;
+        });
+    }
+    assert!(answers.iter().all(|&n| n > 3), "{answers:?}");
+}
+
+/// A pair near and far in turns, whose contact is never proven.
+struct Stubborn {
+    is_near: bool,
+}
+
+impl Separation for Stubborn {
+    fn ball(&self, _: Operand) -> (Point3<f64>, f64) {
+        (Point3::origin(), 1.0)
+    }
+
+    fn measure(&mut self, _: &RelativePose) -> Measure {
+        self.is_near = !self.is_near;
+        let gap = if self.is_near { 1e-10 } else { 1e305 };
+        Measure {
+            class: Class::Separated,
+            distance: gap,
+            lower: gap,
+            upper: gap,
+            features: None,
+            pieces: (0, 0),
+            point_on_a: Point3::origin(),
+            point_on_b: Point3::origin(),
+            normal: Vector3::x_axis(),
+            tangent: Tangent::Free,
+            by_plane: false,
+        }
+    }
+
+    fn meets(&mut self, _: &RelativePose, _: f64, _: &Measure) -> bool {
+        false
+    }
+
+    fn free_for(&mut self, _: &Measure, _: &Flight) -> Free {
+        Free {
+            span: 1e-6,
+            proof: Proof::Own,
+        }
+    }
+}
+
+/// Each look asks for an overlap at some two hundred tolerances in vain: all of these count towards the limit.
+#[test]
+fn rounds_of_a_look_count_as_looks() {
+    let mut pair = Stubborn { is_near: false };
+    let huge = Tolerance::Distance(1e300);
+    let found = cast(&mut pair, &Fall::still(), &towards(1.0, 1e-3), (0.0, 1.0), huge).expect("a cast");
+    assert!(
+        matches!(found.impact, Impact::Unknown { safe } if safe > 0.0),
+        "{found:?}"
+    );
+    assert!(found.proofs > LOOKS / 2 && found.proofs <= LOOKS, "{found:?}");
+}
+
+/// A motion that stands still by its courses, and is elsewhere from a time on.
+struct Liar(Fall, f64);
+
+impl Motion for Liar {
+    fn pose(&self, time: f64) -> Isometry3<f64> {
+        let mut pose = self.0.pose(0.0);
+        if time >= self.1 {
+            pose.translation.vector = Vector3::zeros();
+        }
+        pose
+    }
+
+    fn course(&self, _: f64, _: f64) -> Course {
+        self.0.course(0.0, 0.0)
+    }
+}
+
+/// A motion that breaks its contract, so that bodies proven apart are seen to meet, has an answer with a name.
+#[test]
+fn a_motion_that_breaks_its_contract_ends_by_name() {
+    let bodies = Bodies::new(1.0);
+    let mut near = 0;
+    for (speed, jump) in [(1.0, 1e-9), (1.0, 0.5), (1.0, 1.5), (0.3, 5.0), (1.0, 2.9)] {
+        for distance in [0.0, 0.1] {
+            let liar = Liar(towards(4.0, speed), jump);
+            bodies.each(|kind, pair| {
+                let found = cast_within(pair, &Fall::still(), &liar, (0.0, 8.0), FINE, distance).expect("a cast");
+                match found.impact {
+                    Impact::Near { safe, distance: upper } => {
+                        assert!(safe > 0.0 && upper <= distance + 1e-9, "{kind}, {jump}: {found:?}");
+                        near += 1;
+                    }
+                    Impact::Hit { .. } | Impact::Miss | Impact::Unknown { .. } => {}
+                    other => panic!("{kind}, {jump}: {other:?}"),
+                }
+            });
+        }
+    }
+    assert!(near > 20, "{near}");
 }

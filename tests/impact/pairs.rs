@@ -8,6 +8,9 @@ use lin_canny::polyhedron::solids;
 use lin_canny::separation::{PolyhedronPair, Separation, ShapePair};
 use lin_canny::{Composite, CompositePair, ConvexPolyhedron, Mesh, MeshPair, PartsRef, Shape};
 
+/// Surfaces are built up to this coordinate.
+const SURFACE_MAX: f64 = f64::from_bits((1023 + 200) << 52);
+
 /// Bodies that reach from -1/2 to 1/2 along x, times a size, however they turn about x.
 pub(crate) struct Bodies {
     hull: ConvexPolyhedron,
@@ -15,7 +18,7 @@ pub(crate) struct Bodies {
     cone: Shape,
     pieces: Composite,
     mesh: Mesh,
-    surface: Surface,
+    surface: Option<Surface>,
 }
 
 /// A cuboid as a mesh of twelve triangles.
@@ -49,11 +52,11 @@ impl Bodies {
             cone: Shape::ellipsoid(half).expect("an ellipsoid"),
             pieces: Composite::from(Shape::cuboid(half).expect("a cuboid")),
             mesh: mesh(half),
-            surface: revolution(&[south, north]).expect("a sphere"),
+            surface: (size <= SURFACE_MAX).then(|| revolution(&[south, north]).expect("a sphere")),
         }
     }
 
-    /// Calls with a pair of every kind.
+    /// Calls with a pair of every kind; without surfaces beyond the size of surfaces.
     pub(crate) fn each(&self, mut call: impl FnMut(&str, &mut dyn Separation)) {
         let Self {
             hull,
@@ -71,6 +74,7 @@ impl Bodies {
             &mut CompositePair::new(pieces, PartsRef::from(mesh)),
         );
         call("meshes", &mut MeshPair::new(mesh, mesh));
+        let Some(surface) = surface else { return };
         call("surfaces", &mut SurfacePair::new(surface, surface));
         call("surface and shape", &mut SurfaceShapePair::new(surface, ball));
         call("shape and surface", &mut SurfaceShapePair::new(surface, ball).swapped());

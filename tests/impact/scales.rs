@@ -43,16 +43,21 @@ fn every_kind_meets_on_time_at_every_size() {
             let motions = head_on(size, tick);
             let [a, b] = &motions;
             bodies.each(|kind, pair| {
-                // Surfaces are measured by their origins alone beyond these sizes.
-                if kind.contains("surface") && k.abs() > 290 {
-                    return;
-                }
+                // Surfaces are measured by their origins alone below this size: no hit is proven.
+                let is_tiny = kind.contains("surface") && k < -290;
                 let tolerance = Tolerance::Distance(1e-6 * size);
                 for (until, keep, truth) in [(3.5, 0.0, 3.0), (2.5, 0.0, f64::NAN), (3.5, 1.0, 2.0)] {
                     let found = cast_within(pair, a, b, (0.0, until * tick), tolerance, keep * size).expect("a cast");
                     let (answer, safe, hit) = told(&found, tick);
                     let what = format!("{kind} at 2^{k}, tick {tick:e}, until {until}: {found:?}");
-                    if truth.is_nan() {
+                    if is_tiny {
+                        let is_true = match answer {
+                            "miss" => truth.is_nan(),
+                            "near" | "unknown" => truth.is_nan() || safe <= truth,
+                            _ => false,
+                        };
+                        assert!(is_true, "{what}");
+                    } else if truth.is_nan() {
                         assert_eq!(answer, "miss", "{what}");
                     } else {
                         assert!(answer == "hit" && safe <= truth, "{what}");
@@ -164,22 +169,25 @@ fn no_clock_changes_an_answer() {
             is_named: case % 4 < 2,
         };
         let (a, b) = (fall(0.0, 0.0), fall(4.0, -1.0));
-        bodies.each(|kind, pair| {
-            let mut ask = |clock: i32| {
-                let tick = 2f64.powi(clock);
-                let (a, b, until) = (Clocked(a, tick), Clocked(b, tick), 4.0 * tick);
+        // Pairs of their own for each clock: bounds of surfaces depend on what is kept of the pose before.
+        let ask = |clock: i32| {
+            let tick = 2f64.powi(clock);
+            let (a, b, until) = (Clocked(a, tick), Clocked(b, tick), 4.0 * tick);
+            let mut answers = Vec::new();
+            bodies.each(|kind, pair| {
                 let tolerance = Tolerance::Distance(1e-6);
                 let found = cast(pair, &a, &b, (0.0, until), tolerance).expect("a cast");
                 let held = held_until(pair, &a, &b, (0.0, until), 0.5).expect("an answer");
-                (told(&found, tick), found.queries, held / tick)
-            };
-            let one = ask(0);
-            hits += u32::from(one.0.0 == "hit");
-            // Twice the exponent of the clock, for the acceleration, stays in the range of f64.
-            for clock in [-500, -400, -200, 200, 330, 355, 400, 500] {
-                assert_eq!(ask(clock), one, "{kind}, case {case}, tick 2^{clock}");
-            }
-        });
+                answers.push((kind.to_string(), told(&found, tick), found.queries, held / tick));
+            });
+            answers
+        };
+        let one = ask(0);
+        hits += one.iter().filter(|(_, found, ..)| found.0 == "hit").count();
+        // Twice the exponent of the clock, for the acceleration, stays in the range of f64.
+        for clock in [-500, -400, -200, 200, 330, 355, 400, 500] {
+            assert_eq!(ask(clock), one, "case {case}, tick 2^{clock}");
+        }
     }
     assert!(hits > 20, "{hits}");
 }
