@@ -28,9 +28,8 @@ type Range = std::ops::RangeInclusive<i32>;
 /// Everything.
 const ALL: Range = -330..=330;
 
-/// Casts compare fourth powers of the caller's lengths and speeds, so they are asked in the range in which these are
-/// numbers.
-const CASTS: Range = -250..=250;
+/// Velocities of a few sizes a unit of time are accepted up to 1e100.
+const CASTS: Range = -330..=324;
 
 /// Control points are accepted up to `2^200`.
 const SURFACES: Range = -211..=198;
@@ -81,8 +80,13 @@ const ROWS: [Row; 16] = [
     ("surfaces and others", SURFACES, MIDDLE, surfaces_and_others),
     ("casts of hulls", CASTS, CASTS, moving::hull_casts),
     ("casts of shapes", CASTS, MIDDLE, moving::shape_casts),
-    ("casts of meshes and composites", CASTS, MIDDLE, moving::composite_casts),
-    ("casts of surfaces", -90..=198, MIDDLE, moving::surface_casts),
+    (
+        "casts of meshes and composites",
+        -316..=324,
+        MIDDLE,
+        moving::composite_casts,
+    ),
+    ("casts of surfaces", SURFACES, MIDDLE, moving::surface_casts),
     ("clearances", ALL, ALL, moving::clearances),
     ("segments", CASTS, CASTS, moving::segments),
 ];
