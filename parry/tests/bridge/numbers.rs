@@ -193,10 +193,7 @@ fn ask(ours: &Certified, pose: &Pose, a: &dyn Shape, b: &dyn Shape, rng: &mut Rn
         _ => (number(rng), number(rng)),
     };
     let stop = rng.chance(0.5);
-    // In `f64` a cast of the core may take minutes to use up its work at the ends of the range.
-    if size_of::<Real>() == 4 {
-        let _ = ours.cast_shapes_nonlinear(&rest, a, &motion, b, start, end, stop);
-    }
+    let _ = ours.cast_shapes_nonlinear(&rest, a, &motion, b, start, end, stop);
     answered
 }
 
