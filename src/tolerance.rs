@@ -449,10 +449,10 @@ pub const DEPTH_GOAL: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// The axis of B is at most this much farther off that of A than the matrix of the rotation says,
 /// as a chord of the unit circle. The matrix is off a rotation by 19 UNIT, and turns a vertex of B
-/// wrong by 71 UNIT rB and 28 UNIT |t| (see [`CERTIFICATE`]); the normals of edges are rounded by
-/// 4 UNIT, which counts by L; a height along a normal errs by 12 UNIT for the turned direction and
-/// by 6 and 3 for products and sums. With 38 UNIT rB, twice the 19, these are at most 138 UNIT L; twice
-/// this term, 64 UNIT rB, and [`CERTIFICATE`] are more.
+/// wrong by 71 UNIT rB and 28 UNIT |t| (see [`CERTIFICATE`]); the normals of edges are rounded by 4
+/// UNIT, which counts by L; a height along a normal errs by 12 UNIT for the turned direction and by
+/// 6 and 3 for products and sums. With 38 UNIT rB, twice the 19, these are at most 138 UNIT L;
+/// twice this term, 64 UNIT rB, and [`CERTIFICATE`] are more.
 pub(crate) const PARALLEL_AXES: f64 = 32.0 * UNIT;
 
 /// A core smaller than this times the size of its pair, `2^-60`, is a point but for its radius.
