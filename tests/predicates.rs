@@ -86,7 +86,7 @@ fn distances_that_are_none() {
 fn predicates_are_those_of_the_oracle() {
     let mut rng = Rng::new(401);
     let mut seen = [0; 3];
-    for _ in 0..32 {
+    for _ in 0..120 {
         let (a, b) = (shapes::small(&mut rng), shapes::small(&mut rng));
         let (body_a, body_b) = (support::body(&a), support::body(&b));
         let radii = (radius(&a.points), radius(&b.points));
