@@ -29,7 +29,7 @@ pub(super) struct Search<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
 }
 
 /// What a search keeps from look to look.
-struct Pace {
+struct LookBudget {
     /// Looks that are left; further rounds of a look are counted, too.
     left: u32,
     /// Factor by which the tolerance has shrunk while the pair is nearer than the tolerance.
@@ -43,7 +43,7 @@ enum Next {
     Found(Impact),
 }
 
-impl Pace {
+impl LookBudget {
     /// Shrinks the tolerance for another round; false if no round is left.
     fn again(&mut self) -> bool {
         self.shrunk *= SHRINK;
@@ -55,12 +55,12 @@ impl Pace {
 impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, S, A, B> {
     pub(super) fn run(&mut self, from: f64) -> Result<Impact, PoseError> {
         let mut time = from;
-        let mut pace = Pace {
+        let mut budget = LookBudget {
             left: LOOKS,
             shrunk: 1.0,
         };
-        while pace.left > 0 {
-            pace.left -= 1;
+        while budget.left > 0 {
+            budget.left -= 1;
             let (relative, flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
             let apart = flight.apart(self.pair);
             if flight.is_known() {
@@ -100,7 +100,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
             if flight.span == 0.0 {
                 return Ok(self.at_once(time, seen, apart.noise, &relative));
             }
-            match self.step(time, &seen, flight, apart.noise, &mut pace)? {
+            match self.step(time, &seen, flight, apart.noise, &mut budget)? {
                 Next::Go(next) => time = next,
                 Next::Found(impact) => return Ok(impact),
             }
@@ -151,16 +151,16 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
         seen: &Measure,
         mut flight: Flight,
         noise: f64,
-        pace: &mut Pace,
+        budget: &mut LookBudget,
     ) -> Result<Next, PoseError> {
         let gap = seen.upper - self.distance;
         let least = LEAST * noise;
         let whole = self.allowed(seen, &flight).max(least);
         if gap > whole {
-            pace.shrunk = 1.0;
+            budget.shrunk = 1.0;
         }
         loop {
-            let allowed = (whole * pace.shrunk).max(least);
+            let allowed = (whole * budget.shrunk).max(least);
             if gap <= allowed {
                 let last = !(allowed > least);
                 if let Some(hit) = self.hit(time, seen, &flight, gap + AIM * allowed, last)? {
@@ -168,7 +168,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                     return Ok(Next::Found(Impact::Hit { safe: time, hit, seen }));
                 }
                 if !last {
-                    if !pace.again() {
+                    if !budget.again() {
                         break;
                     }
                     continue;
@@ -190,7 +190,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, 
                 let distance = seen.upper;
                 return Ok(Next::Found(Impact::Near { safe: time, distance }));
             }
-            if !pace.again() {
+            if !budget.again() {
                 break;
             }
         }

@@ -36,7 +36,7 @@ pub struct Near {
 }
 
 /// A pair as measured, before its gradient.
-struct Measured {
+struct MeasuredPair {
     /// The distance of the balls about both parts, and the number of the pair: the order among
     /// pairs of equal distance.
     gap: f64,
@@ -87,7 +87,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     fn measured(&mut self, q: &[f64], poses: &[Isometry3<f64>], slack: f64) -> Result<Vec<Near>, PlanError> {
         self.work.configurations += 1;
-        let mut found: Vec<Measured> = Vec::new();
+        let mut found: Vec<MeasuredPair> = Vec::new();
         let mut least = f64::INFINITY;
         // The last answer says how far to look; whatever is left out is farther than `reach`.
         let mut reach = self.reach;
@@ -143,7 +143,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         poses: &[Isometry3<f64>],
         slack: f64,
         least: &mut f64,
-        found: &mut Vec<Measured>,
+        found: &mut Vec<MeasuredPair>,
     ) -> Result<(), PlanError> {
         let candidates = self.candidates.iter();
         let mut order: Vec<(f64, usize)> = candidates.map(|&k| (self.ball_gap(k, poses), k)).collect();
@@ -158,7 +158,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             }
             let (near, normal) = self.measure(index, poses)?;
             *least = least.min(near.distance);
-            found.push(Measured {
+            found.push(MeasuredPair {
                 gap,
                 index,
                 near,
