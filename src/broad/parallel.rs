@@ -16,15 +16,13 @@ impl Threads {
     /// each thread is woken for no less than a sixteenth of this number.
     pub(super) fn from(bodies: usize) -> Self {
         #[cfg(feature = "parallel")]
-        return Self {
-            most: rayon::current_num_threads().max(1),
-            least: (bodies / 16).max(1),
-        };
+        let most = rayon::current_num_threads().max(1);
         #[cfg(not(feature = "parallel"))]
-        return Self {
-            least: bodies,
-            ..Self::ONE
-        };
+        let most = 1;
+        Self {
+            most,
+            least: (bodies / 16).max(1),
+        }
     }
 
     /// Returns how many threads share work on so many things.
@@ -66,4 +64,18 @@ pub(super) fn ascends<T: Sync>(items: &[T], key: impl Fn(&T) -> u32 + Sync + Cop
         return low && high;
     }
     items.is_sorted_by(|a, b| key(a) < key(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Threads;
+
+    #[test]
+    fn any_number_of_bodies_has_a_share() {
+        for bodies in [0, 1, 15, 16, 1000, usize::MAX] {
+            for things in [0, 1, 1000, usize::MAX] {
+                assert!(Threads::from(bodies).sharing(things) >= 1);
+            }
+        }
+    }
 }

@@ -209,6 +209,9 @@ impl<T: PairTracker> DetailTables<T> {
         if plan.until == Until::Class {
             tracker.shed();
         }
+        if plan.detail != Detail::Manifold {
+            tracker.drop_contacts();
+        }
         Some(match plan.detail {
             Detail::Nothing | Detail::Boxes => return None,
             Detail::Predicates => (0, self.predicates.push(header, tracker)),

@@ -12,7 +12,7 @@ use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
-use lin_canny::{Class, RelativePose, Tracker, Velocity};
+use lin_canny::{Class, ManifoldOptions, Mesh, RelativePose, Tracker, Velocity};
 use scenes::Mix;
 use std::sync::Arc;
 use support::body;
@@ -379,5 +379,37 @@ fn no_speed_spoils_a_scene() {
             }
             assert!(skipped > 4, "{spin} {speed} {time}: {skipped}");
         }
+    }
+}
+
+/// Contacts of meshes stay with the pair's tracker, which stays when another effect is called for.
+#[test]
+fn contacts_end_when_they_are_no_longer_called_for() {
+    let g = group(0);
+    let mut scene = Scene::new();
+    let manifold = Some(ManifoldOptions::within(0.1));
+    scene.call_for(g, g, Effects { manifold, ..NONE }).unwrap();
+    let mesh = Mesh::from_convex(&solids::icosahedron(0.6).unwrap()).unwrap();
+    let cube = solids::cuboid(Vector3::repeat(0.5)).unwrap();
+    let a = scene.insert(Body::moving(mesh), Isometry3::identity()).unwrap();
+    let b = scene.insert(Body::moving(cube), Isometry3::translation(1.0, 0.0, 0.0));
+    let b = b.unwrap();
+    scene.step();
+    assert!(scene.pair(a, b).unwrap().contacts.is_some());
+    for effects in [
+        Effects {
+            distance: Some(f64::INFINITY),
+            ..NONE
+        },
+        Effects {
+            features: true,
+            distance: Some(f64::INFINITY),
+            ..NONE
+        },
+        Effects { overlap: true, ..NONE },
+    ] {
+        scene.call_for(g, g, effects).unwrap();
+        scene.step();
+        assert!(scene.pair(a, b).unwrap().contacts.is_none(), "{effects:?}");
     }
 }

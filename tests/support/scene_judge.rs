@@ -169,7 +169,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
     pub(super) fn judge_impacts(&mut self, called: &Keys) {
         let impacts: Keys = self.main().impacts().iter().map(|i| (i.a, i.b)).collect();
         self.mix.impacts += impacts.len() as u64;
-        let Some(motions) = self.motions.take() else {
+        let Some((length, motions)) = self.motions.take() else {
             return assert!(self.has_tick || impacts.is_empty());
         };
         for &(a, b) in called {
@@ -181,7 +181,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             if !x.is_convex() || !y.is_convex() || !is_slow {
                 continue;
             }
-            let at = |k: u32| self.length * f64::from(k) / f64::from(INSTANTS);
+            let at = |k: u32| length * f64::from(k) / f64::from(INSTANTS);
             let meets = |k: u32| {
                 let pose = RelativePose::new(&v.applied(p, at(k)), &w.applied(q, at(k)));
                 forms::within(x, y, &pose.expect("poses of a tick"), 0.0)

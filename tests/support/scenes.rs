@@ -153,8 +153,8 @@ struct World<C> {
     scenes: Vec<Scene>,
     copy: C,
     bodies: BTreeMap<BodyId, (usize, bool)>,
-    /// The motions of the tick of the step, if impacts were called for.
-    motions: Option<BTreeMap<BodyId, (Isometry3<f64>, Velocity)>>,
+    /// Length and motions of the tick of the step, if impacts were called for.
+    motions: Option<(f64, BTreeMap<BodyId, (Isometry3<f64>, Velocity)>)>,
     has_tick: bool,
     has_velocities: bool,
     length: f64,
@@ -343,8 +343,10 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 self.mix.ticks[0] += 1;
                 let is_rest = motions.values().all(|m| m.1 == Velocity::default());
                 self.mix.ticks[1] += u64::from(is_rest);
-                // A second tick is none that a step sees.
-                self.motions = (!self.has_tick).then_some(motions);
+                // A second tick is none that a step sees, nor one before impacts were called for.
+                let pairs = [(0, 0), (0, 1), (1, 1)].map(|(g, h)| (group(g), group(h)));
+                let is_swept = pairs.iter().any(|(g, h)| self.main().effects(*g, *h).impact.is_some());
+                self.motions = (!self.has_tick && is_swept).then_some((length, motions));
                 self.has_tick = true;
             }
             Err(SceneError::StepDue) => assert!(self.has_tick, "a step is due only after a tick"),
