@@ -134,9 +134,9 @@
 //! * Curved shapes ([`shape`]) have the same bounds, superquadrics twice as wide. Class and
 //!   predicates are exact for polyhedra, rounded or not; other shapes within `3e-14 L` of contact,
 //!   superquadrics within `1e-13 L`, count as touching or are undecided, and `intersects` and
-//!   `within` return true. Depths of curved shapes are searched to `2^-19 L` if no ball inside the
-//!   shapes proves them, and may stay wider about a common centre: see
-//!   [`ShapeTracker::closest`].
+//!   `within` return true unless a search of their own proves the shapes apart. Depths of curved
+//!   shapes are searched to `2^-19 L` if no ball inside the shapes proves them, and may stay wider
+//!   about a common centre: see [`ShapeTracker::closest`].
 //! * Surfaces of patches ([`patch`]) have an interval of a width asked for. If the interval holds
 //!   both answers, `intersects` and `within` are undecided, at one pose perhaps warm and not cold.
 //!   Surfaces that are equally far along a curve or over an area keep wide intervals. Coordinates

@@ -226,6 +226,18 @@ fn widest(trial: &Trial) -> f64 {
     if trial.cores.iter().any(is_rough) { ROUGH } else { WIDTH }
 }
 
+/// Gap within which class and predicates may leave open which of them holds, over the size of the pair.
+fn open_within(trial: &Trial) -> f64 {
+    let is_polyhedral = |kind: &Kind| matches!(kind, Kind::Hull(_));
+    if trial.cores.iter().all(is_polyhedral) {
+        0.0
+    } else if widest(trial) == ROUGH {
+        1e-13
+    } else {
+        3e-14
+    }
+}
+
 /// Whether an answer contradicts itself or the judge.
 fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mix) -> Option<String> {
     let [a, b] = &trial.cores;
@@ -284,10 +296,10 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut ShapeTracker) ->
     }
     let round = trial.round[0] + trial.round[1];
     let size = place.size(&trial.cores[0], &trial.cores[1]) + round;
-    // Predicates of superquadrics that nearly touch may say that they meet.
-    let nearly = if widest(trial) == ROUGH { 1e-13 * size } else { 0.0 };
+    // Predicates take bounds of their own, which may tell more of shapes that nearly touch.
+    let nearly = open_within(trial) * size;
     let (meets, is_apart) = (pair.intersects(a, b, &pose), o.class == Class::Separated);
-    if meets == is_apart && !(meets && o.lower <= nearly) {
+    if meets == is_apart && o.lower > nearly {
         return Some("intersects contradicts the class".into());
     }
     if !pair.within(a, b, &pose, o.upper.max(0.0)) {
