@@ -8,19 +8,18 @@ use super::mesh::Mesh;
 use super::outcome::{MeshFeature, MeshSpot};
 use super::parts::Parted;
 use super::search::{Judge, Measured};
+use super::shared::Touching;
+use super::state::Posed;
 use super::triangle::{self, Closest, Spot, Triangle, certainly_cross};
 use crate::num::scalar::{lesser, sqrt};
 use crate::pair::outcome::Outcome;
 use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::RelativePose;
 use crate::tracker::Tracker;
 use crate::tuning::composite::SHARP;
 
 /// Judges pairs of triangles.
 pub(super) struct MeshPair<'a> {
-    a: &'a Mesh,
-    b: &'a Mesh,
-    pose: &'a RelativePose,
+    posed: &'a Posed<'a, Mesh, Mesh>,
     /// The distance in question, in the caller's unit, if that is the question.
     within: Option<f64>,
     /// Pairs settled by polygons.
@@ -28,11 +27,9 @@ pub(super) struct MeshPair<'a> {
 }
 
 impl<'a> MeshPair<'a> {
-    pub(super) fn new(a: &'a Mesh, b: &'a Mesh, pose: &'a RelativePose, within: Option<f64>) -> Self {
+    pub(super) fn new(posed: &'a Posed<'a, Mesh, Mesh>, within: Option<f64>) -> Self {
         Self {
-            a,
-            b,
-            pose,
+            posed,
             within,
             settled: 0,
         }
@@ -44,8 +41,8 @@ impl<'a> MeshPair<'a> {
     fn settle(&mut self, frame: &Frame, pair: Pair, found: &Closest) -> Option<Measured<[Spot; 2]>> {
         self.settled += 1;
         let (p, q) = self.polygons(pair)?;
-        let o: Outcome = Tracker::new().closest(&p, &q, self.pose);
-        let unit = 1.0 / self.a.unit();
+        let o: Outcome = Tracker::new().closest(&p, &q, self.posed.pose);
+        let unit = 1.0 / self.posed.a.unit();
         let distance = (o.distance * unit).max(0.0);
         Some(Measured {
             pair,
@@ -54,7 +51,7 @@ impl<'a> MeshPair<'a> {
             upper: (o.upper * unit).max(distance),
             normal: *o.normal,
             on_a: o.point_on_a.coords * unit,
-            on_b: o.point_on_b.coords / self.b.unit(),
+            on_b: o.point_on_b.coords / self.posed.b.unit(),
             features: found.spots,
             crosses: o.upper < 0.0,
         })
@@ -66,21 +63,21 @@ impl<'a> MeshPair<'a> {
             let corners: [Point3<f64>; 3] = mesh.corners(t).map(|p| mesh.given(&p));
             ConvexPolyhedron::polygon(&corners).ok()
         };
-        Some((polygon(self.a, i)?, polygon(self.b, j)?))
+        Some((polygon(self.posed.a, i)?, polygon(self.posed.b, j)?))
     }
 
     /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,
     /// if the bounds do not.
     fn decide(&mut self, frame: &Frame, m: &mut Measured<[Spot; 2]>) {
         let Some(d) = self.within else { return };
-        let stored = d / self.a.unit();
+        let stored = d / self.posed.a.unit();
         if m.lower > stored || m.upper <= stored {
             return;
         }
         self.settled += 1;
         let is_within = self
             .polygons(m.pair)
-            .is_none_or(|(p, q)| Tracker::new().within(&p, &q, self.pose, d));
+            .is_none_or(|(p, q)| Tracker::new().within(&p, &q, self.posed.pose, d));
         if is_within {
             m.upper = m.upper.min(stored);
             m.distance = m.distance.min(stored);
@@ -147,12 +144,12 @@ impl Judge for MeshPair<'_> {
 
     #[inline(always)]
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
-        self.a.highest(item, n)
+        self.posed.a.highest(item, n)
     }
 
     #[inline(always)]
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
-        let [a, b, c] = self.b.corners(item);
+        let [a, b, c] = self.posed.b.corners(item);
         lesser(lesser(n.dot(&a), n.dot(&b)), n.dot(&c))
     }
 
@@ -160,9 +157,13 @@ impl Judge for MeshPair<'_> {
         self.settled
     }
 
+    fn shares_inside(&self, touching: &Touching, found: &Measured<[Spot; 2]>) -> (bool, u64) {
+        self.posed.shares_inside(touching, found)
+    }
+
     fn measure(&mut self, frame: &Frame, pair: Pair, known: f64) -> Measured<[Spot; 2]> {
-        let p = self.a.corners(pair[0]);
-        let local = self.b.corners(pair[1]);
+        let p = self.posed.a.corners(pair[0]);
+        let local = self.posed.b.corners(pair[1]);
         let q = local.map(|x| frame.point(&x));
         let found = triangle::closest(&p, &q);
         let distance = sqrt(found.square);
@@ -207,7 +208,8 @@ impl Judge for MeshPair<'_> {
             upper: distance + frame.error,
             normal,
             on_a: found.on_p,
-            on_b: frame.rotation.tr_mul(&(found.on_q - frame.translation)) * (self.a.unit() / self.b.unit()),
+            on_b: frame.rotation.tr_mul(&(found.on_q - frame.translation))
+                * (self.posed.a.unit() / self.posed.b.unit()),
             features: found.spots,
             crosses,
         };

@@ -10,7 +10,7 @@ use super::heights::{height, unit};
 use super::shared::Touching;
 use super::tree::{Below, Tree};
 use super::work::MeshWork;
-use crate::tuning::composite::{AT_ONCE, FEW_ITEMS};
+use crate::tuning::composite::{AT_ONCE, CROWD, FEW_ITEMS};
 
 /// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
 pub(super) trait Judge {
@@ -27,6 +27,10 @@ pub(super) trait Judge {
     fn settled(&self) -> u64 {
         0
     }
+
+    /// Returns whether the bodies certainly share inner points, looked for about pairs in contact,
+    /// and the winding numbers taken. `found`: a contact.
+    fn shares_inside(&self, touching: &Touching, found: &Measured<Self::Features>) -> (bool, u64);
 
     /// The distance of two items, with bounds that are proven: the lower one at most the frame's
     /// `tie` below the lesser of the distance and `known`, if any arithmetic can.
@@ -49,6 +53,13 @@ pub(super) struct Measured<F> {
     pub(super) features: F,
     /// Whether the items certainly share inner points.
     pub(super) crosses: bool,
+}
+
+impl<F> Measured<F> {
+    /// Whether the items are in contact as far as rounding can tell.
+    fn is_contact(&self, frame: &Frame) -> bool {
+        self.lower == 0.0 && self.upper <= 2.0 * frame.error
+    }
 }
 
 /// The question.
@@ -76,6 +87,11 @@ pub(super) struct Search<'a, J: Judge> {
     pub(super) directions: [Option<(Pair, Direction)>; 2],
     /// Pairs at distance zero, up to rounding, that were met.
     pub(super) touching: Touching,
+    /// Whether contact without a crossing is all that is asked of the least distance: of surfaces,
+    /// which share no inner points.
+    pub(super) ends_in_contact: bool,
+    /// Pairs measured that are in contact.
+    contacts: u32,
     /// The level in single precision.
     single: f32,
     pub(super) work: MeshWork,
@@ -117,6 +133,8 @@ impl<'a, J: Judge> Search<'a, J> {
             lower: f64::INFINITY,
             directions: [None; 2],
             touching: Touching::NONE,
+            ends_in_contact: false,
+            contacts: 0,
             single: f32::INFINITY,
             work: MeshWork::default(),
         };
@@ -145,7 +163,7 @@ impl<'a, J: Judge> Search<'a, J> {
     pub(super) fn is_over(&self) -> bool {
         let Some(best) = &self.best else { return false };
         match self.goal {
-            Goal::Least => best.crosses,
+            Goal::Least => best.crosses || self.ends_in_contact && best.is_contact(self.frame),
             Goal::Within(d) => best.upper <= d,
         }
     }
@@ -174,7 +192,25 @@ impl<'a, J: Judge> Search<'a, J> {
         } else {
             self.lower = self.lower.min(found.lower);
         }
+        if found.distance <= self.frame.error {
+            self.contacts += 1;
+            if self.contacts == CROWD {
+                self.judge_crowd();
+            }
+        }
         result
+    }
+
+    /// Looks for inner points of bodies of which a crowd of pairs is in contact: there may be as
+    /// many contacts as items, and none of them crosses for certain.
+    #[cold]
+    fn judge_crowd(&mut self) {
+        let Some(best) = &mut self.best else { return };
+        let (is_shared, windings) = self.judge.shares_inside(&self.touching, best);
+        self.work.windings += windings;
+        if is_shared {
+            (best.distance, best.lower, best.upper, best.crosses) = (0.0, 0.0, 0.0, true);
+        }
     }
 
     /// Whether a gap in double precision, error taken off, lets a pair pass; if so, it is

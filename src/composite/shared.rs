@@ -11,6 +11,7 @@ use super::front::Pair;
 use super::heights::height;
 use super::mesh::Mesh;
 use super::parts::{Parted, PartsRef};
+use super::search::Measured;
 use super::state::{Inside, Posed};
 use super::triangle::{self, Triangle};
 use crate::num::scalar::sqrt;
@@ -95,16 +96,15 @@ fn spread(mesh: &Mesh) -> impl Iterator<Item = u32> {
 
 impl<A: Parted, B: Parted> Posed<'_, A, B> {
     /// Whether two solids certainly share inner points, and the winding numbers taken of parts.
-    /// `normal` and `point`: of a contact.
+    /// `found`: a contact.
     ///
     /// Where the normal parts the bodies, middles on their own side of the plane of contact are not
     /// looked at: in flush contact none is left.
-    pub(super) fn shares_inside(
-        &self,
-        normal: &Vector3<f64>,
-        point: &Vector3<f64>,
-        touching: &Touching,
-    ) -> (bool, u64) {
+    pub(super) fn shares_inside<F>(&self, touching: &Touching, found: &Measured<F>) -> (bool, u64) {
+        if !(self.a.is_solid() && self.b.is_solid()) {
+            return (false, 0);
+        }
+        let (normal, point) = (&found.normal, &found.on_a);
         let (frame, pairs) = (&self.frame, touching.pairs());
         let is_parted = {
             let lift = normal.dot(&frame.translation);

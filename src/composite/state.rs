@@ -72,7 +72,9 @@ impl<'a, A: Parted, B: Parted> Posed<'a, A, B> {
     }
 
     fn search<J: Judge>(&self, judge: J, goal: Goal) -> Search<'_, J> {
-        Search::new((self.a.side().tree, self.b.side().tree), &self.frame, judge, goal)
+        let mut search = Search::new((self.a.side().tree, self.b.side().tree), &self.frame, judge, goal);
+        search.ends_in_contact = !(self.a.is_solid() && self.b.is_solid());
+        search
     }
 
     /// The ball of B about its tree's origin, as seen from A, in A's stored units.
@@ -199,17 +201,16 @@ impl State {
         answer: &mut Answer<F>,
     ) {
         let (unit_a, unit_b) = (posed.a.stored_unit(), posed.b.stored_unit());
-        let are_solid = posed.a.is_solid() && posed.b.is_solid();
         if answer.lower > 0.0 {
             match self.held(posed, answer.lower / unit_a) {
                 Inside::No => answer.class = Class::Separated,
                 Inside::At(on_a, on_b) => {
                     (answer.point_on_a, answer.point_on_b) = ((on_a * unit_a).into(), (on_b * unit_b).into());
-                    answer.share(are_solid);
+                    answer.share(posed.a.is_solid() && posed.b.is_solid());
                 }
                 Inside::Unclear => (answer.class, answer.lower) = (Class::Undecided, 0.0),
             }
-        } else if are_solid && self.shares_inside(posed, touching, best) {
+        } else if self.shares_inside(posed, touching, best) {
             answer.share(true);
         } else if best.upper > 2.0 * posed.frame.tie {
             answer.class = Class::Undecided;
@@ -242,8 +243,8 @@ impl State {
         touching: &Touching,
         best: &Measured<F>,
     ) -> bool {
-        let (is_shared, windings) = posed.shares_inside(&best.normal, &best.on_a, touching);
-        self.kept.work.windings += windings;
+        let (is_shared, windings) = posed.shares_inside(touching, best);
+        self.kept.work.windings.count(windings);
         is_shared
     }
 

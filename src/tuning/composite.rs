@@ -69,6 +69,11 @@ pub(crate) const SEGMENTS: usize = 24;
 /// Pairs of triangles in contact that are looked at for inner points. Not measured.
 pub(crate) const TOUCHES: usize = 128;
 
+/// Pairs measured in contact after which a search looks for inner points that the bodies share.
+/// Bodies in one place have more contacts than triangles, and hardly a pair that crosses for
+/// certain: of 280 queries of such bodies the longest measured 485 pairs with it, 58,000 without.
+pub(crate) const CROWD: u32 = 128;
+
 /// Triangles of each body that are looked at for inner points where bodies touch and no normal
 /// parts them. Not measured.
 pub(crate) const SPREAD: usize = 32;

@@ -5,6 +5,7 @@ mod bumps;
 mod contacts;
 mod contain;
 mod crossing;
+mod crowds;
 mod decomposition;
 mod faults;
 mod frames;

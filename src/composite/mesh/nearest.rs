@@ -47,6 +47,12 @@ impl Mesh {
     /// Returns the point of the surface that is nearest to a point in stored coordinates, right up
     /// to rounding.
     pub(in crate::composite) fn nearest(&self, point: &Vector3<f64>) -> Foot {
+        self.nearest_beyond(point, 0.0)
+    }
+
+    /// Returns the same; if the surface is no farther than `level`, any point of it that is no
+    /// farther.
+    pub(in crate::composite) fn nearest_beyond(&self, point: &Vector3<f64>, level: f64) -> Foot {
         let (tree, from) = (&self.tree, From::new(&self.tree, point));
         let least = |node: u32| from.least(node);
         let mut best = Foot {
@@ -55,7 +61,9 @@ impl Mesh {
             triangle: 0,
         };
         let mut stack = alloc::vec![(least(0), 0)];
-        while let Some((bound, node)) = stack.pop() {
+        while let Some((bound, node)) = stack.pop()
+            && best.square > level * level
+        {
             if bound * bound >= best.square {
                 continue;
             }

@@ -46,38 +46,48 @@ struct Inner<'a> {
     scale: f64,
     /// By how much a place may be off.
     doubt: f64,
+    /// Winding numbers taken.
+    windings: u64,
 }
 
 /// Returns the deepest overlap found, with the translation of B, in A's frame and the caller's
-/// unit; `None` if no inner point is found.
-pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> Option<Deep> {
-    let posed = Posed::new(a, b, pose)?;
+/// unit, if an inner point is found; and the winding numbers taken.
+pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> (Option<Deep>, u64) {
+    let Some(posed) = Posed::new(a, b, pose) else {
+        return (None, 0);
+    };
     let (rotation, scale, doubt) = (posed.frame.rotation, posed.frame.scale, 2.0 * posed.frame.error);
-    let b_in_a = Inner {
+    let mut b_in_a = Inner {
         body: b.by_kind(),
         place: &|p| posed.frame.point(p),
         rotation,
         scale,
         doubt,
+        windings: 0,
     };
-    let a_in_b = Inner {
+    let mut a_in_b = Inner {
         body: a.by_kind(),
         place: &|p| posed.back(p),
         rotation: rotation.transpose(),
         scale: 1.0 / scale,
         doubt: doubt / scale,
+        windings: 0,
     };
     let [in_a, in_b] = match (a.by_kind(), b.by_kind()) {
         (PartsRef::Pieces(a), PartsRef::Pieces(b)) => {
             let placed = Placed::of(pose, a, b);
             [of_pairs(&wholes(a.by_kind()), &wholes(b.by_kind()), &placed), None]
         }
-        (PartsRef::Mesh(a), PartsRef::Mesh(b)) => [b_in_a.in_mesh(a), a_in_b.in_mesh(b)],
-        (PartsRef::Mesh(a), PartsRef::Pieces(b)) => [b_in_a.in_mesh(a), in_pieces(b, a, &a_in_b)],
-        (PartsRef::Pieces(a), PartsRef::Mesh(b)) => [in_pieces(a, b, &b_in_a), a_in_b.in_mesh(b)],
+        (PartsRef::Mesh(a), PartsRef::Mesh(b)) => {
+            let in_a = b_in_a.in_mesh(a, 0.0);
+            [in_a, a_in_b.in_mesh(b, in_a.map_or(0.0, |d| d.0))]
+        }
+        (PartsRef::Mesh(a), PartsRef::Pieces(b)) => [b_in_a.in_mesh(a, 0.0), in_pieces(b, a, &a_in_b)],
+        (PartsRef::Pieces(a), PartsRef::Mesh(b)) => [in_pieces(a, b, &b_in_a), a_in_b.in_mesh(b, 0.0)],
     };
     let in_b = in_b.map(|(depth, way)| (depth, rotation * -way));
-    in_a.into_iter().chain(in_b).reduce(deeper)
+    let found = in_a.into_iter().chain(in_b).reduce(deeper);
+    (found, b_in_a.windings + a_in_b.windings)
 }
 
 fn deeper(x: Deep, y: Deep) -> Deep {
@@ -98,20 +108,22 @@ fn points(mesh: &Mesh) -> impl Iterator<Item = &Vector3<f64>> {
 }
 
 impl Inner<'_> {
-    /// The deepest overlap with a mesh, in the mesh's frame and the caller's unit.
-    fn in_mesh(&self, outer: &Mesh) -> Option<Deep> {
+    /// The deepest overlap with a mesh, in the mesh's frame and the caller's unit; of a vertex only
+    /// if it is deeper than `floor`.
+    fn in_mesh(&mut self, outer: &Mesh, floor: f64) -> Option<Deep> {
         let (mut best, unit) = (None, outer.unit());
-        let mut found = |depth: f64, way: Vector3<f64>| keep_deeper(&mut best, (depth * unit, way * unit));
         match self.body {
             PartsRef::Mesh(mesh) => {
+                let mut least = floor / unit;
                 for place in points(mesh).map(|p| (self.place)(p)) {
-                    if may_hold(outer, &place, 0.0) {
-                        let (depth, out) = ball(outer, &place, 0.0, self.doubt);
-                        found(depth, out * (depth + self.doubt));
+                    if let Some((depth, out)) = self.deeper_point(outer, &place, least) {
+                        least = depth;
+                        best = Some((depth * unit, out * ((depth + self.doubt) * unit)));
                     }
                 }
             }
             PartsRef::Pieces(body) => {
+                let mut found = |depth: f64, way: Vector3<f64>| keep_deeper(&mut best, (depth * unit, way * unit));
                 for piece in body.pieces() {
                     self.sink(outer, (piece, body.stored_unit()), &mut found);
                 }
@@ -120,12 +132,53 @@ impl Inner<'_> {
         best
     }
 
+    /// How deep a point is inside a solid mesh, at least, and the unit direction of the way out;
+    /// `None` if it is no deeper than `least`. All in stored units of the mesh.
+    ///
+    /// Of most points a triangle near them shows that they are no deeper than the deepest before.
+    fn deeper_point(&mut self, mesh: &Mesh, place: &Vector3<f64>, least: f64) -> Option<Deep> {
+        if !may_hold(mesh, place, 0.0) {
+            return None;
+        }
+        let foot = mesh.nearest_beyond(place, least + self.doubt);
+        let distance = sqrt(foot.square);
+        let depth = distance - self.doubt;
+        // Beyond doubt, the point is on its side of the surface.
+        let is_deeper = depth > least && distance > 2.0 * self.doubt;
+        (is_deeper && self.is_inside(mesh, place)).then(|| (depth, (foot.point - place) / distance))
+    }
+
+    /// Whether a point is inside a solid mesh by its winding number.
+    fn is_inside(&mut self, mesh: &Mesh, place: &Vector3<f64>) -> bool {
+        self.windings += 1;
+        mesh.winding(place).is_some_and(|w| w != 0)
+    }
+
+    /// How deep a ball overlaps a solid mesh, at least; negative if nothing is known. And the unit
+    /// direction in which the ball leaves. All in stored units of the mesh.
+    fn ball(&mut self, mesh: &Mesh, centre: &Vector3<f64>, radius: f64) -> (f64, Vector3<f64>) {
+        let (foot, doubt) = (mesh.nearest(centre), self.doubt);
+        let distance = sqrt(foot.square);
+        if !(distance > 0.0) {
+            return (radius - doubt, Vector3::zeros());
+        }
+        let to_foot = (foot.point - centre) / distance;
+        // Beyond doubt, the centre is on its side of the surface.
+        let is_beyond = distance > 2.0 * doubt && may_hold(mesh, centre, 0.0);
+        if is_beyond && self.is_inside(mesh, centre) {
+            (radius + distance - doubt, to_foot)
+        } else {
+            (radius - distance - doubt, -to_foot)
+        }
+    }
+
     /// Calls `found` with overlaps of a piece and a mesh: of balls in the piece about the vertices,
     /// the middle, and points that lie deepest along the way out of the last one.
-    fn sink(&self, outer: &Mesh, (piece, unit): (&Piece, f64), found: &mut dyn FnMut(f64, Vector3<f64>)) {
+    fn sink(&mut self, outer: &Mesh, (piece, unit): (&Piece, f64), found: &mut dyn FnMut(f64, Vector3<f64>)) {
+        let rotation = self.rotation;
         let mut ask = |local: &Vector3<f64>, radius: f64| {
             let at = (piece.pose * Point3::from(*local)).coords / unit;
-            let (depth, out) = ball(outer, &(self.place)(&at), radius / unit * self.scale, self.doubt);
+            let (depth, out) = self.ball(outer, &(self.place)(&at), radius / unit * self.scale);
             found(depth, out * (depth + self.doubt));
             out
         };
@@ -139,10 +192,7 @@ impl Inner<'_> {
             depth_in(&mut ShapeTracker::new(), shape, &middle).map_or(0.0, |d| d.0),
         );
         for _ in 0..SINKS {
-            let down = piece
-                .pose
-                .rotation
-                .inverse_transform_vector(&-self.rotation.tr_mul(&out));
+            let down = piece.pose.rotation.inverse_transform_vector(&-rotation.tr_mul(&out));
             out = ask(&shape.core_point(&down).1, round);
         }
         if let Core::Polyhedron(body) = shape.core() {
@@ -157,24 +207,6 @@ impl Inner<'_> {
 /// Whether the box of a mesh meets a ball.
 fn may_hold(mesh: &Mesh, centre: &Vector3<f64>, radius: f64) -> bool {
     (0..3).all(|k| centre[k] >= mesh.low[k] - radius && centre[k] <= mesh.high[k] + radius)
-}
-
-/// How deep a ball overlaps a solid mesh, at least; negative if nothing is known. And the unit
-/// direction in which the ball leaves. All in stored units of the mesh.
-fn ball(mesh: &Mesh, centre: &Vector3<f64>, radius: f64, doubt: f64) -> (f64, Vector3<f64>) {
-    let foot = mesh.nearest(centre);
-    let distance = sqrt(foot.square);
-    if !(distance > 0.0) {
-        return (radius - doubt, Vector3::zeros());
-    }
-    let to_foot = (foot.point - centre) / distance;
-    // Beyond doubt, the centre is on its side of the surface.
-    let is_beyond = distance > 2.0 * doubt && may_hold(mesh, centre, 0.0);
-    if is_beyond && mesh.winding(centre).is_some_and(|w| w != 0) {
-        (radius + distance - doubt, to_foot)
-    } else {
-        (radius - distance - doubt, -to_foot)
-    }
 }
 
 /// The deepest of a mesh's vertices in the pieces of a body, in the body's frame and the caller's

@@ -96,6 +96,7 @@ struct Search<'a, A, B, Q> {
     /// A distance within the rounding of a pose that is shifted.
     noise: f64,
     queries: u32,
+    windings: u64,
     /// The last translation after which the bodies were apart, and the closest point of A.
     parted: Option<(Vector3<f64>, Point3<f64>)>,
 }
@@ -114,6 +115,12 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Search<'_, A, B, Q>
         };
         self.parted = Some((*shift, point));
         true
+    }
+
+    fn deepest(&mut self, pose: &RelativePose) -> Option<inner::Deep> {
+        let (found, windings) = inner::deepest(self.bodies.a, self.bodies.b, pose);
+        self.windings += windings;
+        found
     }
 
     /// A translation that moves the balls about the boxes apart.
@@ -136,7 +143,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Search<'_, A, B, Q>
                 return Some(shift);
             }
             let pose = self.shifted(&shift)?;
-            match inner::deepest(self.bodies.a, self.bodies.b, &pose) {
+            match self.deepest(&pose) {
                 Some((_, more)) => shift += more * BEYOND,
                 // Edges cross, and no inner point is found.
                 None => shift *= 1.25,
@@ -173,8 +180,8 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Search<'_, A, B, Q>
         found.map_or(0.0, |d| d.0 - self.noise)
     }
 
-    fn run(mut self, pose: &RelativePose) -> PenetrationBounds {
-        let deepest = inner::deepest(self.bodies.a, self.bodies.b, pose);
+    fn run(mut self, pose: &RelativePose) -> (PenetrationBounds, u64) {
+        let deepest = self.deepest(pose);
         let mut lower = deepest.map_or(0.0, |d| (d.0 - self.noise).max(0.0));
         // Convex parts about the middles: all of a convex body.
         let wholes = inner::of_wholes(self.bodies.a, self.bodies.b, pose);
@@ -195,36 +202,39 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Search<'_, A, B, Q>
                 lower = lower.max(self.between(pose));
             }
         }
-        PenetrationBounds {
+        let bounds = PenetrationBounds {
             lower: lower.min(sqrt(best.norm_squared())),
             upper: sqrt(best.norm_squared()) * (1.0 + 4.0 * UNIT),
             shift: best,
             queries: self.queries,
-        }
+        };
+        (bounds, self.windings)
     }
 }
 
-/// `None` if a body is a surface.
+/// The bounds, and the winding numbers taken beside the queries. `None` if a body is a surface.
 fn bounds<A: Parted, B: Parted>(
     (a, b): (&A, &B),
     pose: &RelativePose,
     query: impl FnMut(&RelativePose) -> Found,
-) -> Option<PenetrationBounds> {
+) -> Option<(PenetrationBounds, u64)> {
     let posed = Posed::new(a, b, pose).filter(|_| a.is_solid() && b.is_solid())?;
     let mut bodies = Overlap { a, b, query };
     if bodies.apart(pose).is_some() {
-        return Some(PenetrationBounds {
+        let none = PenetrationBounds {
             lower: 0.0,
             upper: 0.0,
             shift: Vector3::zeros(),
             queries: 1,
-        });
+        };
+        return Some((none, 0));
     }
     let search = Search {
         bodies,
         at: relative(pose),
         noise: 4.0 * CERTIFICATE * UNIT * posed.frame.size * a.stored_unit(),
         queries: 1,
+        windings: 0,
         parted: None,
     };
     Some(search.run(pose))
@@ -237,8 +247,9 @@ impl MeshTracker {
     /// Below stands the depth of the deepest of some thousand vertices inside the other body, or of
     /// convex parts of both bodies where they overlap; above a translation that parts the bodies.
     /// The interval may be wide: bodies that hold each other at several places are deeper than at
-    /// any one of them, and slots lead the search astray. Takes some dozens of queries,
-    /// milliseconds for meshes of thousands of triangles.
+    /// any one of them, and slots lead the search astray. Takes at most 35 queries and 13 looks at
+    /// up to 2,048 vertices of each body: milliseconds to tens of them for meshes of thousands of
+    /// triangles.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -253,10 +264,12 @@ impl MeshTracker {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
-        bounds((a, b), a_from_b, |pose| {
+        let (found, windings) = bounds((a, b), a_from_b, |pose| {
             let found = self.closest(a, b, pose);
             (found.class, found.lower, found.point_on_a)
-        })
+        })?;
+        self.count_windings(windings);
+        Some(found)
     }
 }
 
@@ -290,9 +303,11 @@ impl CompositeTracker {
         b: &B,
         a_from_b: &RelativePose,
     ) -> Option<PenetrationBounds> {
-        bounds((a, b), a_from_b, |pose| {
+        let (found, windings) = bounds((a, b), a_from_b, |pose| {
             let found = self.closest(a, b, pose);
             (found.class, found.lower, found.point_on_a)
-        })
+        })?;
+        self.count_windings(windings);
+        Some(found)
     }
 }

@@ -8,9 +8,10 @@ use crate::composite::front::Pair;
 use crate::composite::parts::Parted;
 use crate::composite::placed::Placed;
 use crate::composite::search::{Judge, Measured};
+use crate::composite::shared::Touching;
+use crate::composite::state::Posed;
 use crate::pair::outcome::{Class, Outcome};
 use crate::polyhedron::FeaturePair;
-use crate::pose::RelativePose;
 use crate::shape::Shape;
 use crate::shape_tracker::ShapeTracker;
 
@@ -23,8 +24,7 @@ pub(super) struct Near {
 
 /// Judges pairs of parts.
 pub(super) struct PartPair<'a, A, B> {
-    a: &'a A,
-    b: &'a B,
+    posed: &'a Posed<'a, A, B>,
     placed: Placed<'a>,
     /// The distance in question, in the caller's unit, if that is the question.
     within: Option<f64>,
@@ -32,16 +32,10 @@ pub(super) struct PartPair<'a, A, B> {
 }
 
 impl<'a, A: Parted, B: Parted> PartPair<'a, A, B> {
-    pub(super) fn new(
-        (a, b): (&'a A, &'a B),
-        pose: &'a RelativePose,
-        within: Option<f64>,
-        near: &'a mut BTreeMap<Pair, Near>,
-    ) -> Self {
+    pub(super) fn new(posed: &'a Posed<'a, A, B>, within: Option<f64>, near: &'a mut BTreeMap<Pair, Near>) -> Self {
         Self {
-            a,
-            b,
-            placed: Placed::of(pose, a, b),
+            posed,
+            placed: Placed::of(posed.pose, posed.a, posed.b),
             within,
             near,
         }
@@ -49,7 +43,7 @@ impl<'a, A: Parted, B: Parted> PartPair<'a, A, B> {
 
     /// The bounds of two parts about which nothing is known.
     fn unknown(&self, frame: &Frame, pair: Pair) -> Measured<FeaturePair> {
-        let (on_a, on_b) = (self.a.side().tree.centre, self.b.side().tree.centre);
+        let (on_a, on_b) = (self.posed.a.side().tree.centre, self.posed.b.side().tree.centre);
         Measured {
             pair,
             distance: frame.size,
@@ -68,15 +62,19 @@ impl<A: Parted, B: Parted> Judge for PartPair<'_, A, B> {
     type Features = FeaturePair;
 
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
-        self.a.highest(item, n)
+        self.posed.a.highest(item, n)
     }
 
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
-        -self.b.highest(item, &-n)
+        -self.posed.b.highest(item, &-n)
+    }
+
+    fn shares_inside(&self, touching: &Touching, found: &Measured<FeaturePair>) -> (bool, u64) {
+        self.posed.shares_inside(touching, found)
     }
 
     fn measure(&mut self, frame: &Frame, pair: Pair, _: f64) -> Measured<FeaturePair> {
-        let (a, b) = (self.a, self.b);
+        let (a, b) = (self.posed.a, self.posed.b);
         if !self.near.contains_key(&pair) {
             let (Some(p), Some(q)) = (a.part(pair[0]), b.part(pair[1])) else {
                 return self.unknown(frame, pair);

@@ -118,6 +118,10 @@ impl CompositeTracker {
         &self.state.kept
     }
 
+    pub(in crate::composite) fn count_windings(&mut self, taken: u64) {
+        self.state.kept.work.windings.count(taken);
+    }
+
     /// Returns the number of entries of the front that is kept.
     #[must_use]
     pub fn front_len(&self) -> usize {
@@ -141,7 +145,7 @@ impl CompositeTracker {
         self.state.kept.work.queries.count(1);
         let answer = match Posed::new(a, b, a_from_b) {
             Some(posed) => {
-                let judge = PartPair::new((a, b), a_from_b, None, &mut self.near);
+                let judge = PartPair::new(&posed, None, &mut self.near);
                 self.state.closest(&posed, judge)
             }
             None => Posed::far(a, b, a_from_b),
@@ -177,7 +181,7 @@ impl CompositeTracker {
         let Some(posed) = Posed::new(a, b, a_from_b) else {
             return Posed::far::<()>(a, b, a_from_b).lower <= d;
         };
-        let judge = PartPair::new((a, b), a_from_b, Some(d), &mut self.near);
+        let judge = PartPair::new(&posed, Some(d), &mut self.near);
         let is_within = self.state.within(&posed, judge, d / a.stored_unit());
         self.forget_some();
         is_within

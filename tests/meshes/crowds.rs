@@ -1,0 +1,144 @@
+//! Work of queries of bodies that are in contact nearly everywhere: in one place, or in one another's.
+
+use super::{mesh, relative, shapes};
+use lab::Pose;
+use lab::pose::{quat, scale};
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lin_canny::{Class, Mesh, MeshKind, MeshTracker, MeshWork};
+
+/// A dome of `2 n n` triangles over a square: a surface.
+fn dome(n: usize) -> Soup {
+    let at = |i: usize, j: usize| (i * (n + 1) + j) as u32;
+    let mut soup = Soup::default();
+    for k in 0..(n + 1) * (n + 1) {
+        let [x, y] = [k / (n + 1), k % (n + 1)].map(|i| 2.0 * i as f64 / n as f64 - 1.0);
+        soup.points.push([x, y, 0.5 - 0.25 * (x * x + y * y)]);
+    }
+    for k in 0..n * n {
+        let (i, j) = (k / n, k % n);
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        soup.triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    soup
+}
+
+/// Bodies of hundreds of triangles to thousands.
+fn crowded() -> Vec<Soup> {
+    let mut all = shapes();
+    all.extend([
+        dome(24),
+        soups::sphere(3),
+        soups::sphere(3).map(|[x, y, z]| [x, y, z * z * z]),
+        soups::gear(40),
+        soups::plate(10, [1.0, 1.0, 0.05]),
+        soups::cave(3, 0.7),
+        // Some hundred sides, ten radii long.
+        soups::gear(25).map(|[x, y, z]| [x, y, 25.0 * z]),
+    ]);
+    all
+}
+
+/// A pose that moves a body by nearly nothing: by a turn, by a shift, or by both.
+fn nearly_nothing(rng: &mut Rng, k: usize) -> Pose {
+    let by = 10f64.powf(rng.range(-17.0, -11.0));
+    Pose {
+        q: quat(rng.unit(), if k % 3 == 1 { 0.0 } else { by }),
+        t: scale(rng.unit(), if k % 3 == 0 { 0.0 } else { by }),
+    }
+}
+
+/// The work and the class of `closest`: cold, again, after another pose, and turned round.
+fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (MeshWork, Class) {
+    let (at, mut tracker) = (relative(pose), MeshTracker::new());
+    let found = tracker.closest(a, b, &at);
+    let work = tracker.work();
+    assert!(found.lower == 0.0 && found.upper >= 0.0, "{found:?}");
+    let mut classes = vec![tracker.closest(a, b, &at).class];
+    let _ = tracker.closest(
+        a,
+        b,
+        &relative(&Pose {
+            t: [0.3, 0.2, 0.1],
+            ..*pose
+        }),
+    );
+    classes.push(tracker.closest(a, b, &at).class);
+    classes.push(MeshTracker::new().closest(b, a, &at.swapped()).class);
+    assert_eq!(classes, [found.class; 3], "{found:?}");
+    (work, found.class)
+}
+
+#[test]
+fn bodies_in_one_place_take_few_pairs() {
+    let mut rng = Rng::new(61);
+    let mut measured = Vec::new();
+    for (k, soup) in crowded().iter().enumerate() {
+        let m = mesh(soup);
+        let grown = [1.0 - 1e-14, 1.0 + 1e-15].map(|s| mesh(&soup.clone().map(|p| scale(p, s))));
+        for i in 0..12 {
+            let pose = nearly_nothing(&mut rng, i);
+            let n = [&m, &m, &grown[0], &grown[1]][i / 3];
+            let (work, class) = closest(&m, n, &pose);
+            let is_solid = m.kind() == MeshKind::Solid;
+            assert_eq!(class == Class::Overlapping, is_solid, "{k} {i}");
+            measured.push((work.measured, k, i));
+            if is_solid {
+                let mut tracker = MeshTracker::new();
+                assert!(tracker.intersects(&m, n, &relative(&pose)), "{k} {i}");
+                measured.push((tracker.work().measured, k, i));
+            }
+        }
+    }
+    measured.sort_unstable();
+    let (median, worst) = (measured[measured.len() / 2], measured[measured.len() - 1]);
+    assert!(worst.0 < 640 && worst.0 < 20 * median.0, "{median:?} {worst:?}");
+}
+
+#[test]
+fn surfaces_on_each_other_keep_their_class() {
+    let m = mesh(&dome(24));
+    let few = mesh(&dome(5));
+    let lifted = |gap: f64| relative(&Pose::shift([0.0, 0.0, gap]));
+    let mut tracker = MeshTracker::new();
+    for gap in [0.0, 1e-17, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-9, 1e-4] {
+        for (pose, flip) in [(lifted(gap), false), (lifted(gap).swapped(), true)] {
+            let class = if gap < 5e-13 { Class::Touching } else { Class::Separated };
+            let mut cold = MeshTracker::new();
+            for found in [cold.closest(&m, &m, &pose), tracker.closest(&m, &m, &pose)] {
+                assert_eq!(found.class, class, "{gap:e} {flip} {found:?}");
+                // The slope of the rim is the greatest.
+                assert!(found.lower <= gap && gap <= 1.3 * found.upper, "{gap:e} {found:?}");
+            }
+            if gap < 5e-14 {
+                assert!(cold.work().measured < 8, "{gap:e} {:?}", cold.work());
+            }
+            // The predicate is exact below rounding, too.
+            let meets = MeshTracker::new().intersects(&few, &few, &pose);
+            assert_eq!(meets, gap == 0.0, "{gap:e} {flip}");
+        }
+    }
+}
+
+#[test]
+fn depths_of_bodies_in_one_place_take_few_winding_numbers() {
+    let mut rng = Rng::new(62);
+    for (k, soup) in crowded().iter().enumerate() {
+        let m = mesh(soup);
+        if m.kind() != MeshKind::Solid {
+            continue;
+        }
+        for by in [1e-9, 1e-5, 1e-2] {
+            let at = relative(&Pose::shift(scale(rng.unit(), by)));
+            let mut tracker = MeshTracker::new();
+            let found = tracker.penetration(&m, &m, &at).unwrap();
+            assert!(0.0 < found.lower && found.lower <= found.upper, "{found:?}");
+            // A dozen moves, at each of which either body's vertices are looked at.
+            let (looks, work) = (24 * m.vertex_count() as u64, tracker.work());
+            assert!(
+                found.queries <= 35 && 2 * work.windings < looks + 100,
+                "{k} {by:e} {work:?}"
+            );
+        }
+    }
+}
