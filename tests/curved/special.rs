@@ -138,3 +138,34 @@ fn depths_about_parallel_axes_are_closed() {
     }
     assert!(bad == 0 && deep > 300, "{bad} of {deep}\n{told}");
 }
+
+/// The directions that a query of such superquadrics takes are no more than the documentation of `closest` says, at every gap.
+#[test]
+fn superquadrics_near_the_limits_take_no_more_directions_than_stated() {
+    let mut rng = Rng::new(2403);
+    let mut steps = Vec::new();
+    for k in 0..4 * super::count() as usize {
+        let limits = |rng: &mut Rng| [0, 1].map(|_| *rng.pick(&[0.1, 0.5, 1.5, 1.9]));
+        let [a, b] = [0, 1].map(|_| {
+            let half = [0; 3].map(|_| rng.range(0.2, 1.0));
+            let [e, f] = limits(&mut rng);
+            if k % 3 == 0 {
+                near_limits(&mut rng).shape()
+            } else {
+                Shape::superquadric(half.into(), e, f).expect("a superquadric")
+            }
+        });
+        let q = if k % 2 == 0 { rng.quat() } else { quarter(&mut rng) };
+        let gap = [1.0, 1e-3, 1e-6, 1e-9, 1e-11, 1e-13, 0.0, -1e-3][k % 8];
+        let t = lab::pose::scale(rng.unit(), 4.0);
+        let place = moved_to(&a, &b, Place { q, t }, gap);
+        let o = ShapeTracker::new().closest(&a, &b, &place.pose());
+        assert!(o.lower <= o.upper && o.upper.is_finite(), "{k} {o:?}");
+        let most = if o.lower > 1e-10 { 450 } else { 1300 };
+        assert!(o.work.steps <= most, "{k} {o:?}");
+        steps.push(o.work.steps);
+    }
+    steps.sort_unstable();
+    let (median, worst) = (steps[steps.len() / 2], steps[steps.len() - 1]);
+    assert!(worst < 100 * median, "{median} {worst}");
+}

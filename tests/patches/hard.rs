@@ -274,6 +274,17 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
         assert!(tracker.work().splits <= 4_096, "{k} {up:e}: {:?}", tracker.work());
         let away = pose(&Isometry3::translation(0.0, 0.0, 2.0));
         assert_eq!(tracker.intersects(&patch, &patch, &away), Decision::No);
+        // Farther up the query may be worth all of its budget, and no more.
+        let up = rng.log_range(1e-5, 1e-3);
+        let before = tracker.work().splits;
+        let found = tracker.intersects(&patch, &patch, &pose(&Isometry3::translation(0.0, 0.0, up)));
+        let is_honest = match found {
+            Decision::No => true,
+            Decision::Undecided { lower, upper } => lower == 0.0 && 0.0 < upper && upper <= up,
+            _ => false,
+        };
+        let splits = tracker.work().splits - before;
+        assert!(is_honest && splits <= 20_000, "{k} {up:e}: {found:?} {splits}");
     }
 }
 
