@@ -9,6 +9,7 @@ use crate::num::fingerprint::Fingerprint;
 use crate::num::scalar::greater;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::shape::Shape;
+use crate::tuning::composite::MIDDLES;
 
 /// A body of convex parts under a tree: a [`Mesh`], whose parts are its triangles, or a
 /// [`Composite`], whose parts are its pieces.
@@ -100,6 +101,10 @@ pub trait Parted {
     /// plane, if the part is not flat; of a piece first an inner one.
     fn probe(&self, k: usize) -> [Vector3<f64>; 4];
 
+    /// Returns the middle of one of up to [`MIDDLES`] triangles all over a mesh of one connected
+    /// part; `None` beyond the last, for other meshes, and for pieces.
+    fn further_probe(&self, k: usize) -> Option<Vector3<f64>>;
+
     /// Returns whether a point that may be off its place by `doubt` is inside a solid mesh: false
     /// for pieces, which are measured as solids. `None` if the surface is as near as the doubt, or
     /// if every segment to the outside met an edge.
@@ -165,6 +170,12 @@ impl Parted for Mesh {
 
     fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
         self.part_vertices[k].map(|v| self.points[v as usize])
+    }
+
+    fn further_probe(&self, k: usize) -> Option<Vector3<f64>> {
+        let count = self.triangles.len();
+        let t = k * count.div_ceil(MIDDLES);
+        (self.part_vertices.len() == 1 && t < count).then(|| self.triangle_middle(t as u32))
     }
 
     fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
@@ -264,6 +275,13 @@ impl Parted for PartsRef<'_> {
         match self {
             Self::Mesh(x) => Parted::probe(*x, k),
             Self::Pieces(x) => Parted::probe(*x, k),
+        }
+    }
+
+    fn further_probe(&self, k: usize) -> Option<Vector3<f64>> {
+        match self {
+            Self::Mesh(x) => Parted::further_probe(*x, k),
+            Self::Pieces(x) => Parted::further_probe(*x, k),
         }
     }
 

@@ -54,11 +54,6 @@ struct Seen<'a, P> {
 }
 
 impl<P: Fn(&Vector3<f64>) -> Vector3<f64>> Seen<'_, P> {
-    fn middle(&self, t: u32) -> Vector3<f64> {
-        let [a, b, c] = self.own.corners(t);
-        (a + b + c) / 3.0
-    }
-
     /// Whether a point is certainly inside the other mesh.
     fn is_held(&self, p: &Vector3<f64>) -> bool {
         self.other.holds(&(self.place)(p), self.doubt * self.ratio) == Some(true)
@@ -66,7 +61,7 @@ impl<P: Fn(&Vector3<f64>) -> Vector3<f64>> Seen<'_, P> {
 
     /// Whether the middle of a triangle, or a point behind it, is certainly inside both meshes.
     fn is_shared(&self, t: u32) -> bool {
-        let middle = self.middle(t);
+        let middle = self.own.triangle_middle(t);
         self.is_held(&middle)
             || self
                 .behind(&self.own.corners(t), &middle)
@@ -141,7 +136,7 @@ impl<A: Parted, B: Parted> Posed<'_, A, B> {
         let rise = |p: &Vector3<f64>| normal.dot(&(p - point));
         let is_shared = if is_parted {
             pairs.iter().any(|&[i, j]| {
-                let (p, q) = (of_a.middle(i), of_b.middle(j));
+                let (p, q) = (a.triangle_middle(i), b.triangle_middle(j));
                 rise(&frame.point(&q)) < -frame.tie && of_b.is_held(&q) || rise(&p) > frame.tie && of_a.is_held(&p)
             })
         } else {

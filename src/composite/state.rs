@@ -99,21 +99,21 @@ impl<'a, A: Parted, B: Parted> Posed<'a, A, B> {
         let error = self.frame.error;
         let doubt = if lower > 2.0 * error { 0.0 } else { 2.0 * error };
         let ratio = self.a.stored_unit() / self.b.stored_unit();
-        let in_a = |local: &Vector3<f64>| {
-            let place = self.frame.point(local);
-            Some((self.a.holds(&place, doubt)?, place, *local))
+        let in_a = |local: Vector3<f64>| {
+            let place = self.frame.point(&local);
+            Some((self.a.holds(&place, doubt)?, place, local))
         };
-        let in_b = |local: &Vector3<f64>| {
-            let place = self.back(local);
-            Some((self.b.holds(&place, doubt * ratio)?, *local, place))
+        let in_b = |local: Vector3<f64>| {
+            let place = self.back(&local);
+            Some((self.b.holds(&place, doubt * ratio)?, local, place))
         };
         let (of_a, of_b) = (self.b.probe_count(), self.a.probe_count());
         let (of_a, of_b) = (
             if self.a.may_hold() { of_a } else { 0 },
             if self.b.may_hold() { of_b } else { 0 },
         );
-        let probes_of_b = (0..of_a).map(|k| self.b.probe(k).iter().find_map(in_a));
-        let probes_of_a = (0..of_b).map(|k| self.a.probe(k).iter().find_map(in_b));
+        let probes_of_b = (0..of_a).map(|k| probes(self.b, k).find_map(in_a));
+        let probes_of_a = (0..of_b).map(|k| probes(self.a, k).find_map(in_b));
         let (mut windings, mut found) = (0, Inside::No);
         for held in probes_of_b.chain(probes_of_a) {
             windings += 1;
@@ -147,6 +147,12 @@ impl<'a, A: Parted, B: Parted> Posed<'a, A, B> {
             normal: Unit::new_unchecked(normal),
         }
     }
+}
+
+/// Points of a connected part, one of which is to decide on which side of a surface the part is.
+fn probes<A: Parted>(body: &A, part: usize) -> impl Iterator<Item = Vector3<f64>> + '_ {
+    let middles = (0..).map_while(|k| body.further_probe(k));
+    body.probe(part).into_iter().chain(middles)
 }
 
 impl State {

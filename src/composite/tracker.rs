@@ -152,7 +152,8 @@ impl MeshTracker {
     ///
     /// With the feature, too, two kinds of ties count as within: a connected part of one solid of
     /// which four vertices, the farthest from each other, are all nearer than `1e-13 L` to the
-    /// surface of the other, and bodies 1e58 times as far apart as they are large or more.
+    /// surface of the other (and, of a solid of one part, the middles of up to 256 triangles all
+    /// over it), and bodies 1e58 times as far apart as they are large or more.
     ///
     /// Every pair of triangles that is nearer to `d` than rounding takes an exact query of its own,
     /// some 10 us: flush faces, and surfaces that lie on each other at a gap below `1e-13 L`, have

@@ -74,6 +74,10 @@ pub(crate) const TOUCHES: usize = 128;
 /// certain: of 280 queries of such bodies the longest measured 485 pairs with it, 58,000 without.
 pub(crate) const CROWD: u32 = 128;
 
+/// Triangles of a solid whose middles are asked on which side of another surface they are, if the
+/// vertices asked first all lie within rounding of it. Not measured.
+pub(crate) const MIDDLES: usize = 256;
+
 /// Triangles of each body that are looked at for inner points where bodies touch and no normal
 /// parts them. Not measured.
 pub(crate) const SPREAD: usize = 32;

@@ -91,6 +91,36 @@ fn solids_in_a_close_hole_do_not_meet() {
     );
 }
 
+/// Solids of which every vertex is within rounding of the other's surface, but not every triangle.
+#[test]
+fn solids_that_fill_the_height_of_a_hole_do_not_meet() {
+    let hollow = mesh(&soups::plate(1, [2.0, 2.0, 2.0]).with(&soups::plate(1, [1.0, 1.0, 1.0]).flipped()));
+    let full = mesh(&soups::plate(1, [2.0, 2.0, 2.0]));
+    let mut rng = Rng::new(93);
+    for k in 0..40 {
+        let gap = if k == 0 {
+            2f64.powi(-53)
+        } else {
+            rng.log_range(1e-15, 1e-13)
+        };
+        let half = [rng.range(0.2, 0.8), rng.range(0.2, 0.8), 1.0 - gap];
+        // As a box, or as a wedge.
+        let taper = if k % 2 == 0 { 1.0 } else { rng.range(0.1, 0.9) };
+        let inner = soups::plate(1, half).map(|[x, y, z]| [if z > 0.0 { taper * x } else { x }, y, z]);
+        let m = mesh(&inner);
+        let pose = at([rng.range(-0.15, 0.15), rng.range(-0.15, 0.15), 0.0]);
+        let check = |when: &str, meets: bool, near: bool| assert!(!meets && !near, "{k} {gap:e} {when}");
+        each(&hollow, &m, &pose, check, 0.5 * (1.0 - half[2]));
+        let check = |when: &str, meets: bool, near: bool| assert!(!meets && near, "{k} {gap:e} {when}");
+        each(&hollow, &m, &pose, check, 2.0 * (1.0 - half[2]));
+        let check = |when: &str, meets: bool, near: bool| assert!(meets && near, "{k} {gap:e} {when}");
+        each(&full, &m, &pose, check, 0.0);
+        // As high as the hole.
+        let tall = mesh(&inner.map(|[x, y, z]| [x, y, z.signum()]));
+        each(&hollow, &tall, &pose, check, 0.0);
+    }
+}
+
 fn classes(a: &Mesh, b: &Mesh, pose: &RelativePose) -> [Class; 4] {
     let mut tracker = MeshTracker::new();
     [

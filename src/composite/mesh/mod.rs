@@ -144,6 +144,12 @@ impl Mesh {
         crate::polyhedron::power_of_two(self.exponent)
     }
 
+    /// The middle of a triangle in stored coordinates.
+    pub(crate) fn triangle_middle(&self, triangle: u32) -> Vector3<f64> {
+        let [a, b, c] = self.corners(triangle);
+        (a + b + c) / 3.0
+    }
+
     /// The corners of a triangle in stored coordinates.
     #[inline(always)]
     pub(crate) fn corners(&self, triangle: u32) -> [Vector3<f64>; 3] {

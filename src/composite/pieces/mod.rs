@@ -335,6 +335,10 @@ impl Parted for Composite {
         [inner, other, inner, other]
     }
 
+    fn further_probe(&self, _: usize) -> Option<Vector3<f64>> {
+        None
+    }
+
     fn holds(&self, _: &Vector3<f64>, _: f64) -> Option<bool> {
         Some(false)
     }
