@@ -157,8 +157,8 @@ impl SurfaceTracker {
     /// Decides whether the surfaces share a point. Yes is proven where one surface runs through the
     /// other inside two patches, by an existence theorem; surfaces that merely touch stay
     /// undecided, and those that are close all over an area and for which the budget is too small:
-    /// a query splits at most 20,000 pairs of nodes, or as many as [`with_budget`](Self::with_budget)
-    /// allows, and then returns the bounds that it has proven.
+    /// a query splits at most 20,000 pairs of nodes, or as many as
+    /// [`with_budget`](Self::with_budget) allows, and then returns the bounds that it has proven.
     pub fn intersects(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose) -> Decision {
         let found = self.search(a, b, a_from_b, Goal::Within(0.0));
         let (lower, upper) = (found.lower, found.upper);
