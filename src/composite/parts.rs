@@ -101,7 +101,7 @@ pub trait Parted {
     /// plane, if the part is not flat; of a piece first an inner one.
     fn probe(&self, k: usize) -> [Vector3<f64>; 4];
 
-    /// Returns the middle of one of up to [`MIDDLES`] triangles all over a mesh of one connected
+    /// Returns the middle of one of up to 256 triangles all over a mesh of one connected
     /// part; `None` beyond the last, for other meshes, and for pieces.
     fn further_probe(&self, k: usize) -> Option<Vector3<f64>>;
 

@@ -44,7 +44,7 @@ fn nearly_nothing(rng: &mut Rng, k: usize) -> Pose {
     let by = 10f64.powf(rng.range(-17.0, -11.0));
     Pose {
         q: quat(rng.unit(), if k % 3 == 1 { 0.0 } else { by }),
-        t: scale(rng.unit(), if k % 3 == 0 { 0.0 } else { by }),
+        t: scale(rng.unit(), if k.is_multiple_of(3) { 0.0 } else { by }),
     }
 }
 
