@@ -49,6 +49,11 @@ pub struct MeshOutcome {
     /// [`Class::Overlapping`]; [`Class::Undecided`] if no segment from a vertex to the outside
     /// avoids all edges of the other mesh. Within `1e-13 L` of contact the class may differ between
     /// warm and cold trackers, and between A to B and B to A.
+    ///
+    /// Solids whose surfaces touch and do not certainly cross overlap if an inner point of both is
+    /// found: by up to 128 of the pairs of triangles in contact, by 32 triangles from all over each
+    /// mesh, and by points of each connected part. If all of these miss an overlap, the class is
+    /// [`Class::Touching`]; the bounds, both zero, hold all the same.
     pub class: Class,
     /// The distance, between the bounds; zero for bodies that share a point.
     pub distance: f64,

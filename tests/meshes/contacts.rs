@@ -52,7 +52,7 @@ fn holding(soup: &Soup, p: Point3<f64>) -> Vec<[Vector3<f64>; 3]> {
 
 /// Whether a point lies on a mesh, and whether `n` is a normal of the mesh there: that of a face,
 /// or such that no triangle about the point rises along `n`.
-fn is_normal(soup: &Soup, p: Point3<f64>, n: Vector3<f64>) -> (bool, bool) {
+pub(crate) fn is_normal(soup: &Soup, p: Point3<f64>, n: Vector3<f64>) -> (bool, bool) {
     let about = holding(soup, p);
     let own = |t: &[Vector3<f64>; 3]| (t[1] - t[0]).cross(&(t[2] - t[0])).normalize();
     let of_face = about.iter().any(|t| (own(t) - n).norm() < 1e-6);

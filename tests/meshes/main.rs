@@ -15,6 +15,7 @@ mod mixed_depth;
 mod near;
 mod penetration;
 mod pieces;
+mod shallow;
 mod shapes;
 mod valleys;
 

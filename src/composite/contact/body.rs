@@ -9,7 +9,7 @@ use super::surface::{Borne, Surface};
 use super::union::{Under, is_covered, is_end, under};
 use crate::composite::frame::Side;
 use crate::composite::mesh::Mesh;
-use crate::composite::parts::Parted;
+use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::Composite;
 use crate::num::fingerprint::Fingerprint;
 use crate::shape::Shape;
@@ -116,6 +116,21 @@ impl ContactPatches {
 
     pub(super) fn is_mesh(&self) -> bool {
         matches!(self.0, Body::Surface(_))
+    }
+
+    pub(super) fn parts(&self) -> PartsRef<'_> {
+        match &self.0 {
+            Body::Surface(surface) => PartsRef::Mesh(&surface.mesh),
+            Body::Pieces(body, _) => PartsRef::Pieces(body),
+        }
+    }
+
+    /// The patch of a point of the surface, in the caller's unit, or the piece that holds the point.
+    pub(super) fn patch_at(&self, piece: u32, point: &Point3<f64>) -> u32 {
+        match &self.0 {
+            Body::Surface(surface) => surface.patch_at(point),
+            Body::Pieces(..) => piece,
+        }
     }
 
     /// The patch of an item of the tree.

@@ -8,7 +8,8 @@
 //! bodies bear a contact: at the deepest vertex, if no surface is nearer to the vertex (`clear`),
 //! or on an edge of the vertex, if the face ends in a valley before it comes to the vertex
 //! (`beside`). So a body that slides over the edges of a tessellated floor, or along a reflex edge,
-//! feels none of them.
+//! feels none of them. If no patches bear a contact although the bodies overlap, the direction of a
+//! translation that parts the bodies is taken (`parting`).
 //!
 //! Normal cones: Clarke 1990, "Optimization and Nonsmooth Analysis", section 2.5 (proximal
 //! normals). Patches: see `grow`.
@@ -18,6 +19,7 @@ mod body;
 mod clear;
 mod grow;
 mod near;
+mod parting;
 mod surface;
 mod union;
 
@@ -31,6 +33,7 @@ pub use body::ContactPatches;
 use super::bounds::{MOST, bounds};
 use super::frame::Frame;
 use super::front::Pair;
+use super::pieces::CompositeTracker;
 use super::placed::Placed;
 use super::search::split_pair;
 use crate::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
@@ -39,6 +42,7 @@ use crate::pose::RelativePose;
 use crate::tolerance::ACROSS;
 use crate::tuning::composite::ALIKE;
 use near::Near;
+use parting::parting;
 
 /// A contact and the patches that bear it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,7 +54,8 @@ pub struct PatchContact {
     pub patches: [u32; 2],
     /// Unit direction from A to B, in A's frame, along which the points lie opposite each other.
     pub normal: Unit<Vector3<f64>>,
-    /// The points, in the bodies' frames. Features are those of the patches' hulls.
+    /// The points, in the bodies' frames. Features are those of the patches' hulls; those of
+    /// triangles or pieces if the contact stands for an overlap in which no patches bear one.
     pub point: ContactPoint,
 }
 
@@ -70,8 +75,10 @@ pub struct PatchContacts {
 /// The manifolds of the pairs of patches of two bodies that are near.
 ///
 /// Contacts are those of shallow overlap: a body that is wholly behind a face, or whose deepest
-/// point has left the mesh on another side, has no contact with that face. Depth of bodies is
-/// another question.
+/// point has left the mesh on another side, has no contact with that face. If solids overlap whose
+/// hulls of patches bear no contact at all, they have one along a translation that parts them,
+/// [`MeshTracker::penetration`](crate::MeshTracker::penetration), at its price; a solid that is
+/// deep inside another one, away from all patches, has none.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -92,6 +99,8 @@ pub struct PatchContacts {
 pub struct ContactTracker {
     fingerprints: [Fingerprint; 2],
     near: BTreeMap<Pair, Near>,
+    /// Says whether bodies without a contact overlap.
+    overlap: CompositeTracker,
     found: Vec<PatchContacts>,
 }
 
@@ -154,6 +163,13 @@ impl ContactTracker {
             doubt: ACROSS * frame.size * a.unit(),
         };
         let mut all = self.ask_all(&query, &frame);
+        if all.is_empty()
+            && self.near.values().any(Near::may_overlap)
+            && self.overlap.intersects(&a.parts(), &b.parts(), a_from_b)
+        {
+            let contact = parting(&query, frame.size * a.unit());
+            all.extend(contact.filter(|c| c.point.separation <= options.prediction));
+        }
         // The old first, so that they stay among equals.
         let name = |c: &PatchContact| (c.patches, c.point.id);
         all.sort_by_key(|c| !before.contains(&name(c)));

@@ -48,6 +48,11 @@ impl Near {
         })
     }
 
+    /// Whether the hulls of the patches are not proven apart.
+    pub(super) fn may_overlap(&self) -> bool {
+        !(self.manifold.lower() > 0.0)
+    }
+
     /// Calls `found` with the contacts of the patches at a pose.
     pub(super) fn ask(&mut self, query: &Query, patches: Pair, mut found: impl FnMut(PatchContact)) {
         let Self {

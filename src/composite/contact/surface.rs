@@ -91,6 +91,12 @@ impl Surface {
         self.order[item as usize]
     }
 
+    /// The patch of the triangle that is nearest to a point in the caller's unit.
+    pub(super) fn patch_at(&self, point: &Point3<f64>) -> u32 {
+        let foot = self.mesh.nearest(&(point.coords / self.mesh.unit()));
+        self.patch_of[foot.triangle as usize]
+    }
+
     pub(super) fn count(&self) -> usize {
         self.hulls.len()
     }
