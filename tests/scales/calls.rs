@@ -2,17 +2,17 @@
 //! times the power of two, bit for bit or, where a row says so, in its bounds.
 
 mod moving;
+mod words;
+mod worlds;
 
 use crate::support::body;
 use lab::rng::Rng;
 use lab::shapes;
-use lin_canny::impact::Impact;
-use lin_canny::motion::Steady;
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Decision, Patch, Surface, SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::patch::{Patch, Surface, SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
 use lin_canny::{
-    Composite, CompositeTracker, ConvexPolyhedron, HalfSpace, Manifold, ManifoldOptions, Mesh, MeshTracker, Outcome,
-    Parts, Piece, RelativePose, Shape, ShapeTracker, Tracker, Velocity,
+    Composite, CompositeTracker, ContactPatches, ContactTracker, HalfSpace, Manifold, ManifoldOptions, Mesh,
+    MeshTracker, Parts, Piece, RelativePose, Shape, ShapeTracker, Tracker,
 };
 
 const CASES: u64 = 2;
@@ -37,6 +37,12 @@ const SURFACES: Range = -211..=198;
 /// Bodies of one scene that differ in size, or are made of parts, are stored in one unit in the middle of a range of
 /// `2^210`; beyond, other arithmetic may answer, and only the bounds are the same.
 const MIDDLE: Range = -90..=90;
+
+/// Boxes are stored in single precision, whose normal numbers are from `2^-126` to `2^127`.
+const BOXES: Range = -110..=110;
+
+/// Coordinates of scenes are at most 1e37.
+const SCENES: Range = -110..=110;
 
 /// A part of an answer, lengths in the unit of the scene.
 #[derive(Debug, PartialEq)]
@@ -67,13 +73,15 @@ struct Scene {
 /// A row: what is asked, in which units, and in which of these the answer has the same bits.
 type Row = (&'static str, Range, Range, fn(&mut Scene, &mut Rng));
 
-const ROWS: [Row; 16] = [
+const ROWS: [Row; 20] = [
     ("hulls", ALL, ALL, hulls),
     ("local depths", ALL, ALL, local_depths),
     ("points", ALL, ALL, points),
     ("half-spaces", ALL, ALL, half_spaces),
     ("shapes", ALL, MIDDLE, shape_pairs),
+    ("superquadrics", ALL, MIDDLE, superquadrics),
     ("meshes", ALL, ALL, meshes),
+    ("contacts of meshes", ALL, MIDDLE, patches),
     ("fit of a hull", ALL, ALL, fits),
     ("composites", ALL, MIDDLE, composites),
     ("surfaces", SURFACES, SURFACES, surfaces),
@@ -89,6 +97,8 @@ const ROWS: [Row; 16] = [
     ("casts of surfaces", SURFACES, MIDDLE, moving::surface_casts),
     ("clearances", ALL, ALL, moving::clearances),
     ("segments", CASTS, CASTS, moving::segments),
+    ("boxes", BOXES, BOXES, worlds::boxes),
+    ("scenes", SCENES, MIDDLE, worlds::scenes),
 ];
 
 /// Asks every row in every unit of its range.
@@ -135,100 +145,6 @@ fn first_fault<'a>(
     differing.or_else(|| (counts.0 != counts.1).then(|| format!("{counts:?} words")))
 }
 
-impl Scene {
-    fn lengths(&mut self, what: &str, lengths: impl IntoIterator<Item = f64>) {
-        let lengths: Vec<f64> = lengths.into_iter().map(|x| x / self.unit).collect();
-        self.told.push(Word::Other(format!("{what} {lengths:?}")));
-    }
-
-    fn bounds(&mut self, what: &'static str, lower: f64, upper: f64) {
-        let bounds = [lower, upper].map(|x| x / self.unit);
-        self.told.push(Word::Bounds(what, bounds));
-    }
-
-    fn plain(&mut self, what: &str, value: impl std::fmt::Debug) {
-        self.told.push(Word::Other(format!("{what} {value:?}")));
-    }
-
-    fn decision(&mut self, what: &str, decision: Decision) {
-        match decision {
-            Decision::Undecided { lower, upper } => self.lengths(what, [lower, upper]),
-            decided => self.plain(what, decided),
-        }
-    }
-
-    fn outcome(&mut self, what: &str, o: &Outcome) {
-        let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
-        self.bounds("outcome", o.lower, o.upper);
-        self.lengths(what, [o.distance].into_iter().chain(points));
-        self.plain(what, (o.class, o.features, o.solver, o.normal));
-    }
-
-    fn manifold(&mut self, what: &str, manifold: &Manifold) {
-        for p in manifold.points() {
-            let at = p.point_on_a.iter().chain(p.point_on_b.iter()).copied();
-            self.lengths(what, at.chain([p.separation]));
-            self.plain(what, (p.features, p.id));
-        }
-        self.bounds("manifold", manifold.lower(), manifold.upper());
-        self.plain(what, (manifold.normal(), manifold.features()));
-    }
-
-    fn impact(&mut self, what: &str, impact: Impact) {
-        match impact {
-            Impact::Start { seen } => self.lengths(what, [seen.distance, seen.lower, seen.upper]),
-            Impact::Hit { safe, hit, seen } => {
-                self.bounds("time", safe * self.unit, hit * self.unit);
-                self.plain(what, seen.class);
-                self.lengths(what, [seen.distance, seen.lower, seen.upper]);
-            }
-            Impact::Near { safe, distance } => {
-                self.bounds("time", safe * self.unit, f64::INFINITY);
-                self.lengths(what, [distance]);
-            }
-            other => self.plain(what, other),
-        }
-    }
-
-    fn points(&self, points: &[[f64; 3]]) -> Vec<Point3<f64>> {
-        points.iter().map(|&p| Point3::from(p) * self.unit).collect()
-    }
-
-    /// A round body whose box has a half diagonal from 1 to 2, so that any two are stored in one unit.
-    fn round(&self, rng: &mut Rng, n: usize) -> ConvexPolyhedron {
-        let shape = shapes::sphere(rng, n).stretched([1.0, 0.9, 0.8]);
-        let body = body(&shape.stretched([self.unit; 3]));
-        let (low, high) = body.aabb();
-        let half = (high - low).norm() / self.unit / 2.0;
-        assert!((1.0..2.0).contains(&half), "{half}");
-        body
-    }
-
-    /// Any turn, with the origins so far apart.
-    fn place(&self, rng: &mut Rng, apart: f64) -> Isometry3<f64> {
-        let [x, y, z, w] = rng.quat();
-        let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
-        let at = Vector3::from(rng.unit()) * (apart * self.unit);
-        Isometry3::from_parts(Translation3::from(at), turn)
-    }
-
-    fn pose(&self, rng: &mut Rng, apart: f64) -> RelativePose {
-        let (a, b) = (self.place(rng, 3.0), self.place(rng, apart));
-        RelativePose::new(&a, &(a * b)).expect("a pose")
-    }
-
-    /// Two motions whose bodies meet in about half of all cases.
-    fn motions(&self, rng: &mut Rng) -> [Steady; 2] {
-        let start = self.place(rng, 4.0);
-        let aim = Vector3::from(rng.unit()) * (rng.range(0.0, 2.5) * self.unit);
-        let way = (aim - start.translation.vector) * rng.range(0.8, 1.5);
-        let spins = [0, 1].map(|_| Vector3::from(rng.unit()) * rng.range(0.0, 2.0));
-        let still = Steady::new(&Isometry3::identity(), Velocity::new(Vector3::zeros(), spins[0]));
-        let flying = Steady::new(&start, Velocity::new(way, spins[1]));
-        [still, flying].map(|motion| motion.expect("a finite motion"))
-    }
-}
-
 /// Distances of the origins: deep, shallow, near contact, apart, far.
 const APART: [f64; 7] = [0.1, 0.9, 1.6, 1.75, 1.9, 2.5, 9.0];
 
@@ -248,8 +164,7 @@ fn hulls(scene: &mut Scene, rng: &mut Rng) {
             scene.lengths("gradients", of_a.angular.iter().chain(of_b.angular.iter()).copied());
             scene.plain("gradients", (of_a.linear, of_b.linear));
             let d = tracker.distance(&a, &b, &pose);
-            scene.bounds("distance", d.lower, d.upper);
-            scene.lengths("distance", [d.value]);
+            scene.distance("distance", &d);
             scene.plain("intersects", tracker.intersects(&a, &b, &pose));
             for d in WITHIN {
                 scene.plain("within", tracker.within(&a, &b, &pose, d * scene.unit));
@@ -309,8 +224,7 @@ fn half_spaces(scene: &mut Scene, rng: &mut Rng) {
         let floor = HalfSpace::new(Vector3::from(rng.unit()), rng.range(-1.0, 1.0) * scene.unit).expect("a half-space");
         let pose = scene.pose(rng, apart);
         let d = floor.distance(&body, &pose);
-        scene.bounds("distance", d.lower, d.upper);
-        scene.lengths("height", [d.value]);
+        scene.distance("distance", &d);
         let contacts = floor.contacts(&body, &pose, &options);
         for p in contacts.points() {
             let at = p.point_on_plane.iter().chain(p.point_on_body.iter()).copied();
@@ -350,8 +264,7 @@ fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
             scene.outcome(&name, &warm.closest(a, b, &pose));
             scene.outcome(&name, &ShapeTracker::new().closest_with_local_depth(a, b, &pose));
             let d = warm.distance(a, b, &pose);
-            scene.bounds("distance", d.lower, d.upper);
-            scene.lengths(&name, [d.value]);
+            scene.distance("distance", &d);
             scene.plain(&name, warm.intersects(a, b, &pose));
             for d in WITHIN {
                 scene.plain(&name, warm.within(a, b, &pose, d * scene.unit));
@@ -378,22 +291,60 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
         let pose = scene.pose(rng, apart);
         for tracker in [&mut warm, &mut MeshTracker::new()] {
             let o = tracker.closest(&a, &b, &pose);
-            let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
-            scene.bounds("closest", o.lower, o.upper);
-            scene.lengths("closest", [o.distance].into_iter().chain(points));
+            let witnesses = [&o.point_on_a, &o.point_on_b];
+            scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
             scene.plain("closest", (o.class, o.on_a, o.on_b, o.normal));
             let d = tracker.distance(&a, &b, &pose);
-            scene.bounds("distance", d.lower, d.upper);
-            scene.lengths("distance", [d.value]);
+            scene.distance("distance", &d);
             scene.plain("intersects", tracker.intersects(&a, &b, &pose));
             for d in WITHIN {
                 scene.plain("within", tracker.within(&a, &b, &pose, d * scene.unit));
             }
             let lower = tracker.lower_bound(&a, &b, &pose);
             scene.lengths("lower bound", [lower]);
-            if let Some(p) = tracker.penetration(&a, &b, &pose) {
-                scene.bounds("penetration", p.lower, p.upper);
-                scene.lengths("penetration", [p.shift.x, p.shift.y, p.shift.z]);
+            scene.penetration(tracker.penetration(&a, &b, &pose));
+        }
+    }
+}
+
+/// The contacts of bodies of patches.
+fn patches(scene: &mut Scene, rng: &mut Rng) {
+    let bodies = [dented(scene, rng), dented(scene, rng)].map(ContactPatches::of_mesh);
+    let pieces = [composite(scene, rng), composite(scene, rng)].map(ContactPatches::of_pieces);
+    let options = ManifoldOptions::within(0.2 * scene.unit);
+    for [a, b] in [&bodies, &pieces] {
+        let mut warm = ContactTracker::new();
+        for apart in APART {
+            let pose = scene.pose(rng, apart);
+            for tracker in [&mut warm, &mut ContactTracker::new()] {
+                let found = tracker.contacts(a, b, &pose, &options);
+                let separations = found.iter().flat_map(|g| &g.contacts).map(|c| c.point.separation);
+                let (deepest, noise) = (separations.fold(9.0 * scene.unit, f64::min), 1e-12 * scene.unit);
+                scene.bounds("deepest", deepest - noise, deepest + noise);
+                for group in found {
+                    scene.plain("direction", group.normal);
+                    for contact in &group.contacts {
+                        scene.plain("contact", (contact.patches, contact.normal));
+                        scene.contact("contact", &contact.point);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn superquadrics(scene: &mut Scene, rng: &mut Rng) {
+    let axes = Vector3::new(1.0, 0.7, 0.5) * scene.unit;
+    let others = curved(scene);
+    for [e1, e2] in [[0.25, 0.5], [1.0, 1.5], [1.9, 0.1]] {
+        let shape = Shape::superquadric(axes, e1, e2).expect("a superquadric");
+        let other = rng.pick(&others);
+        for apart in [0.9, 1.75, 9.0] {
+            let pose = scene.pose(rng, apart);
+            for b in [&shape, other] {
+                let mut tracker = ShapeTracker::new();
+                scene.outcome("superquadric", &tracker.closest(&shape, b, &pose));
+                scene.distance("distance", &tracker.distance(&shape, b, &pose));
             }
         }
     }
@@ -432,9 +383,8 @@ fn pieces<A: Parts, B: Parts>(scene: &mut Scene, rng: &mut Rng, a: &A, b: &B) {
         let pose = scene.pose(rng, apart);
         for tracker in [&mut warm, &mut CompositeTracker::new()] {
             let o = tracker.closest(a, b, &pose);
-            let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
-            scene.bounds("closest", o.lower, o.upper);
-            scene.lengths("closest", [o.distance].into_iter().chain(points));
+            let witnesses = [&o.point_on_a, &o.point_on_b];
+            scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
             scene.plain("closest", (o.class, o.pieces, o.features, o.normal));
             scene.plain("intersects", tracker.intersects(a, b, &pose));
             for d in WITHIN {
@@ -442,10 +392,7 @@ fn pieces<A: Parts, B: Parts>(scene: &mut Scene, rng: &mut Rng, a: &A, b: &B) {
             }
             let lower = tracker.lower_bound(a, b, &pose);
             scene.lengths("lower bound", [lower]);
-            if let Some(p) = tracker.penetration(a, b, &pose) {
-                scene.bounds("penetration", p.lower, p.upper);
-                scene.lengths("penetration", [p.shift.x, p.shift.y, p.shift.z]);
-            }
+            scene.penetration(tracker.penetration(a, b, &pose));
         }
     }
 }
@@ -464,9 +411,8 @@ fn surfaces(scene: &mut Scene, rng: &mut Rng) {
     for apart in [2.6, 4.0, 9.0] {
         let pose = scene.pose(rng, apart);
         let o = warm.closest(&a, &b, &pose, width);
-        let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
-        scene.bounds("closest", o.lower, o.upper);
-        scene.lengths("closest", [o.distance].into_iter().chain(points));
+        let witnesses = [&o.point_on_a, &o.point_on_b];
+        scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
         scene.plain("closest", (o.class, o.is_reached, o.on_a, o.on_b, o.normal));
         scene.decision("intersects", warm.intersects(&a, &b, &pose));
         scene.decision("within", warm.within(&a, &b, &pose, 0.3 * scene.unit));
@@ -481,16 +427,14 @@ fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
         for shape in &shapes {
             let mut tracker = SurfaceShapeTracker::new();
             let o = tracker.closest(&a, shape, &pose, width);
-            let points = o.point_on_a.iter().chain(o.point_on_b.iter()).copied();
-            scene.bounds("shape", o.lower, o.upper);
-            scene.lengths("shape", [o.distance].into_iter().chain(points));
+            let witnesses = [&o.point_on_a, &o.point_on_b];
+            scene.nearest("shape", [o.lower, o.upper], o.distance, witnesses);
             scene.plain("shape", (o.class, o.is_reached, o.on_a, o.feature, o.normal));
             scene.decision("within", tracker.within(&a, shape, &pose, 0.3 * scene.unit));
         }
         let mut tracker = SurfaceCompositeTracker::new();
         let d = tracker.distance(&a, &body, &pose, width);
-        scene.bounds("composite", d.lower, d.upper);
-        scene.lengths("composite", [d.value]);
+        scene.distance("composite", &d);
         scene.decision("within", tracker.within(&a, &body, &pose, 0.3 * scene.unit));
     }
 }
