@@ -43,6 +43,10 @@
 //! | `SIDE_ERROR` and the exact predicates of the hull | 3, of one body | `2^324` | `FLUSH_EXPONENT` |
 //! | [`LEAST_SQUARE`], [`ODOMETER`], [`WAY`]: scenes, in the caller's unit | 2 | `2^250` ([`SCENE_REACH`]) | G |
 //! | curved pairs | 5, as lengths from `2^-200` to `2^200` (`SMALL_PAIR`) allow | `2^1000` | S |
+//! | `BALLS`: casts | 4, of lengths and velocities scaled to less than 4 a coordinate | `2^8` | G: what is lost is far below `BALLS` |
+//! | [`PATCH_POINT`] and the other bounds of points and heights of patches, of control points up to `2^200` (`PATCH_MAX`) | 1, squares 2; weights up to one and down to `2^-40` | `2^602` | S |
+//! | normals of patches: products of two derivatives, up to `2^247` (42 R over the least weight), squared | 4 | `2^992` | a square that is not normal counts as no normal |
+//! | `PATCH_SLOPE`: determinants of three derivatives | 3; entries of the inverse 2 over 3 | `2^744` | a determinant of zero proves nothing |
 //!
 //! A comparison of a higher degree is rearranged, as a quotient or a root, before it is made.
 

@@ -100,10 +100,9 @@ fn read(path: &Path) -> Result<Mesh, Reason> {
 /// Text of an OBJ file. Objects, groups, materials and curves are passed over, so that corners shared by several objects
 /// stay one point, and names in any encoding do no harm.
 fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
-    let text = String::from_utf8_lossy(&bytes)
-        .replace("\\\r\n", " ")
-        .replace("\\\n", " ");
-    let lines: Vec<String> = text.trim_start_matches('\u{feff}').lines().map(tidy_line).collect();
+    let text = String::from_utf8_lossy(&bytes);
+    let lines = joined_lines(text.trim_start_matches('\u{feff}'));
+    let lines: Vec<String> = lines.iter().map(|line| tidy_line(line)).collect();
     let known = |l: &&String| {
         l.split(' ')
             .next()
@@ -131,6 +130,26 @@ fn parse_obj(bytes: Vec<u8>) -> Result<Mesh, Reason> {
         rest = after;
     }
     Ok(mesh)
+}
+
+/// The lines of an OBJ at their numbers: what follows a backslash is on the line that it continues, and leaves an empty
+/// line.
+fn joined_lines(text: &str) -> Vec<String> {
+    let (mut lines, mut continued) = (Vec::<String>::new(), None);
+    for line in text.lines() {
+        let words = line.strip_suffix('\\');
+        let (part, here) = (words.unwrap_or(line), lines.len());
+        if let Some(first) = continued {
+            lines.push(String::new());
+            let first: &mut String = &mut lines[first];
+            first.push(' ');
+            first.push_str(part);
+        } else {
+            lines.push(part.to_owned());
+        }
+        continued = words.map(|_| continued.unwrap_or(here));
+    }
+    lines
 }
 
 /// The words of a line of an OBJ without its comment; of a `v` line the place alone, as weights and colours may follow.

@@ -135,6 +135,12 @@ fn obj_corners_that_name_no_point_are_named_by_their_line() {
         let why = reason(parse_obj(format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{face}\n").into()));
         assert!(why.contains(&format!("line {line}: ")), "{face}: {why}");
     }
+    // Lines that go on after a backslash count as those of the file.
+    let text = "v 0 0 0\nv 1 \\\n0 \\\r\n0\nv 0 1 0\nf 1 2 \\\n3\nf 1 2 4\n";
+    let why = reason(parse_obj(text.into()));
+    assert!(why.contains("line 8: "), "{why}");
+    let cut = text.rsplit_once("f 1").map(|(good, _)| parse_obj(good.into()).unwrap());
+    assert_eq!(cut.unwrap().triangles(), [[0, 1, 2]]);
 }
 
 #[test]
