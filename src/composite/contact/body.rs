@@ -125,7 +125,7 @@ impl ContactPatches {
         }
     }
 
-    /// The patch of a point of the surface, in the caller's unit, or the piece that holds the point.
+    /// The patch of a point of the surface, in the caller's unit, or the piece that holds it.
     pub(super) fn patch_at(&self, piece: u32, point: &Point3<f64>) -> u32 {
         match &self.0 {
             Body::Surface(surface) => surface.patch_at(point),
