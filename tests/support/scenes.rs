@@ -20,6 +20,7 @@ use lin_canny::{ManifoldOptions, Velocity};
 use std::collections::{BTreeMap, BTreeSet};
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
+type Motions = BTreeMap<BodyId, (Isometry3<f64>, Velocity)>;
 
 /// What came of some bytes; a mix that lacks an ingredient tests nothing.
 #[derive(Clone, Copy, Debug, Default)]
@@ -154,7 +155,7 @@ struct World<C> {
     copy: C,
     bodies: BTreeMap<BodyId, (usize, bool)>,
     /// Length and motions of the tick of the step, if impacts were called for.
-    motions: Option<(f64, BTreeMap<BodyId, (Isometry3<f64>, Velocity)>)>,
+    motions: Option<(f64, Motions)>,
     has_tick: bool,
     has_velocities: bool,
     length: f64,
@@ -336,7 +337,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             self.length = [1.0 / 60.0, -1.0 / 60.0, 0.0, 1.0 / 240.0][bytes.below(4)];
         }
         let motion = |id: &BodyId| Some((*id, (*self.main().pose(*id)?, self.main().velocity(*id)?)));
-        let motions: BTreeMap<_, _> = self.bodies.keys().filter_map(motion).collect();
+        let motions: Motions = self.bodies.keys().filter_map(motion).collect();
         let length = self.length;
         match self.each(|scene| scene.advance(length)) {
             Ok(()) => {
