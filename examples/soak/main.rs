@@ -10,6 +10,7 @@
 
 mod curved;
 mod draw;
+mod faulty;
 mod judge;
 #[path = "../../tests/support/lattice.rs"]
 #[allow(unreachable_pub)]
@@ -50,8 +51,8 @@ struct Options {
 const USAGE: &str = "\
 usage: soak [--minutes M] [--seed S] [--threads N] [--out DIR] [--trial K]
 
-Random bodies of every hard family and curved shapes in random motions, worlds of boxes, and scenes of bodies of every kind,
-every frame judged by arithmetic of its own. Failures are written to DIR as texts for the example replay, and end the program with status 1.
+Random bodies of every hard family and curved shapes in random motions, meshes with the faults of real files, worlds of boxes,
+and scenes of bodies of every kind, every frame judged by arithmetic of its own. Failures are written to DIR as texts for the example replay, and end the program with status 1.
 
   --minutes M   how long (default: 1)
   --seed S      names the run (default: 1)
@@ -227,6 +228,7 @@ fn run(options: &Options, number: u64) -> Tally {
     }
     worlds(options, number, &mut run.tally);
     curves(options, number, &mut run.tally);
+    meshes(options, number, &mut run.tally);
     scenes_of_bodies(options, number, &mut run.tally);
     let frames = run.tally.frames;
     run.tally.body(trial.a.family, frames);
@@ -268,6 +270,23 @@ fn curves(options: &Options, number: u64, tally: &mut Tally) {
             Err(what) => {
                 tally.failures += 1;
                 eprintln!("seed {} trial {number}: curved motion {seed}: {what}\n", options.seed);
+            }
+        }
+    }
+}
+
+/// Pairs of meshes with faults a trial.
+const MESHES: u64 = 2;
+
+/// Meshes with triangles without area, cut edges, repeats and slivers, beside the same meshes without them.
+fn meshes(options: &Options, number: u64, tally: &mut Tally) {
+    for k in 0..MESHES {
+        let seed = Rng::of_case(options.seed ^ 0xfa17, number * MESHES + k).bits();
+        match faulty::play(seed) {
+            Ok(mix) => tally.faulty.add(&mix),
+            Err(what) => {
+                tally.failures += 1;
+                eprintln!("seed {} trial {number}: faulty meshes {seed}: {what}\n", options.seed);
             }
         }
     }

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::curved;
+use crate::faulty;
 use crate::lattice::Mix;
 use crate::scenes;
 use lin_canny::Outcome;
@@ -38,6 +39,8 @@ pub(crate) struct Tally {
     pub(crate) scenes: scenes::Mix,
     /// Motions of curved shapes.
     pub(crate) curves: curved::Mix,
+    /// Meshes with faults.
+    pub(crate) faulty: faulty::Mix,
     /// Nanoseconds of the slowest query, and its trial.
     pub(crate) slowest: (u128, u64),
     classes: [u64; 4],
@@ -69,6 +72,7 @@ impl Tally {
         self.manifolds += o.manifolds;
         self.worlds.add(&o.worlds);
         self.curves.add(&o.curves);
+        self.faulty.add(&o.faulty);
         self.scenes.add(&o.scenes);
         self.slowest = self.slowest.max(o.slowest);
         self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
@@ -94,6 +98,7 @@ impl Tally {
         );
         println!("worlds of equal boxes: {:?}", self.worlds);
         println!("scenes of bodies of every kind: {:?}", self.scenes);
+        println!("meshes with faults: {:?}", self.faulty);
         let c = &self.curves;
         println!(
             "{} frames of curved shapes, {} queries: {}; {} of rounded shapes, {} separated beyond the first solver, bounds at most {:.1e} L wide",

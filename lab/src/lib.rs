@@ -43,6 +43,7 @@ pub mod crowd;
 pub mod curved;
 mod ears;
 pub mod exact;
+pub mod faults;
 pub mod meshes;
 pub mod motion;
 pub mod nets;
