@@ -12,7 +12,7 @@ pub fn on_grid(soup: Soup) -> Soup {
 
 /// Cuts a triangle at the middle of an edge; the neighbour is left as it is, and the slit is closed
 /// by a triangle without area, or not at all.
-fn slit(soup: &mut Soup, rng: &mut Rng, is_capped: bool) {
+pub fn slit(soup: &mut Soup, rng: &mut Rng, is_capped: bool) {
     let t = rng.below(soup.triangles.len());
     let [a, b, c] = soup.triangles[t];
     let ends = [a, b].map(|v| soup.points[v as usize]);

@@ -1,12 +1,12 @@
 //! Faults that files of real meshes have, made on purpose: none of them opens a closed surface.
 
 use super::{mesh, relative};
-use lab::faults::{faulty, on_grid};
+use lab::faults::{faulty, on_grid, slit};
 use lab::pose::scale;
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lab::{Pose, brute};
-use lin_canny::{Class, Mesh, MeshKind, MeshTracker};
+use lin_canny::{Class, MeshKind, MeshTracker};
 
 #[test]
 fn no_fault_opens_a_closed_surface() {
