@@ -5,7 +5,7 @@
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lab::boxes::{Kind, Scene};
-use lin_canny::broad::{Aabb, Body, BodyId, BroadPhase, PencilSweep, SortedAxes};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep, SortedAxes};
 
 fn step<B: BroadPhase>(criterion: &mut Criterion, name: &str, new: fn() -> B, sizes: &[usize]) {
     let mut group = criterion.benchmark_group(name);
@@ -20,7 +20,7 @@ fn step<B: BroadPhase>(criterion: &mut Criterion, name: &str, new: fn() -> B, si
             let ids: Vec<BodyId> = scene
                 .boxes
                 .iter()
-                .filter_map(|b| broad.insert(b, Body::moving()).ok())
+                .filter_map(|b| broad.insert(b, BodyOptions::moving()).ok())
                 .collect();
             assert_eq!(ids.len(), n);
             broad.step();
@@ -61,7 +61,7 @@ fn build(criterion: &mut Criterion) {
                 scene
                     .boxes
                     .iter()
-                    .for_each(|b| assert!(broad.insert(b, Body::moving()).is_ok()));
+                    .for_each(|b| assert!(broad.insert(b, BodyOptions::moving()).is_ok()));
                 broad.step().began.len()
             });
         });

@@ -5,7 +5,7 @@
 
 use lab::boxes::{Kind, Scene};
 use lab::command::Arguments;
-use lin_canny::broad::{Body, BodyId, BroadPhase, Pencil, PencilSweep, StoredBox};
+use lin_canny::broad::{BodyId, BodyOptions, BroadPhase, Pencil, PencilSweep, StoredBox};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -35,7 +35,7 @@ fn run(file: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let ids = scene
         .boxes
         .iter()
-        .map(|b| broad.insert(b, Body::moving()))
+        .map(|b| broad.insert(b, BodyOptions::moving()))
         .collect::<Result<Vec<_>, _>>()?;
     for _ in 0..20 {
         broad.step();

@@ -66,13 +66,13 @@ impl Both {
         }
     }
 
-    fn insert(&mut self, aabb: &Aabb, body: Body) -> BodyId {
+    fn insert(&mut self, aabb: &Aabb, body: BodyOptions) -> BodyId {
         let id = self.pencils.insert(aabb, body).unwrap();
         assert_eq!(self.axes.insert(aabb, body), Ok(id));
         id
     }
 
-    fn insert_unbounded(&mut self, aabb: &Aabb, body: Body) -> BodyId {
+    fn insert_unbounded(&mut self, aabb: &Aabb, body: BodyOptions) -> BodyId {
         let id = self.pencils.insert_unbounded(aabb, body).unwrap();
         assert_eq!(self.axes.insert_unbounded(aabb, body), Ok(id));
         id
@@ -113,7 +113,7 @@ impl Both {
     }
 }
 
-fn run(kind: Kind, n: usize, steps: usize, body: Body) -> usize {
+fn run(kind: Kind, n: usize, steps: usize, body: BodyOptions) -> usize {
     let mut scene = Scene::new(kind, n);
     let mut both = Both::new();
     let ids: Vec<BodyId> = scene.boxes.iter().map(|b| both.insert(b, body)).collect();
@@ -137,7 +137,7 @@ fn run(kind: Kind, n: usize, steps: usize, body: Body) -> usize {
 fn every_scene_equals_brute_force_on_every_frame() {
     for kind in Kind::ALL {
         for n in [3, 40, 700] {
-            let seen = run(kind, n, 40, Body::moving());
+            let seen = run(kind, n, 40, BodyOptions::moving());
             assert!(n < 700 || seen > 500, "{} hardly has pairs: {seen}", kind.name());
         }
     }
@@ -146,8 +146,8 @@ fn every_scene_equals_brute_force_on_every_frame() {
 #[test]
 fn margins_change_boxes_but_not_the_definition() {
     for kind in [Kind::Uniform, Kind::Pile, Kind::Movers, Kind::Teleport, Kind::Mixed] {
-        run(kind, 400, 60, Body::moving().margin(0.04));
-        run(kind, 400, 60, Body::moving().margin(0.02).lookahead(5.0));
+        run(kind, 400, 60, BodyOptions::moving().margin(0.04));
+        run(kind, 400, 60, BodyOptions::moving().margin(0.02).lookahead(5.0));
     }
 }
 
@@ -155,7 +155,7 @@ fn margins_change_boxes_but_not_the_definition() {
 fn margins_hold_the_given_box() {
     let mut scene = Scene::new(Kind::UniformSlow, 300);
     let mut broad = PencilSweep::new();
-    let body = Body::moving().margin(0.03).lookahead(2.0);
+    let body = BodyOptions::moving().margin(0.03).lookahead(2.0);
     let ids: Vec<BodyId> = scene.boxes.iter().map(|b| broad.insert(b, body).unwrap()).collect();
     let mut kept = 0;
     for _ in 0..30 {
@@ -190,9 +190,9 @@ fn inserting_and_removing_bodies_equals_brute_force() {
         for _ in 0..come {
             let aabb = anywhere(&mut random);
             let body = if random.below(4) == 0 {
-                Body::fixed()
+                BodyOptions::fixed()
             } else {
-                Body::moving()
+                BodyOptions::moving()
             };
             ids.push(both.insert(&aabb, body));
         }
@@ -213,13 +213,17 @@ fn inserting_and_removing_bodies_equals_brute_force() {
 fn unbounded_bodies_pair_with_what_they_reach() {
     let mut both = Both::new();
     let mut scene = Scene::new(Kind::Uniform, 200);
-    let ids: Vec<BodyId> = scene.boxes.iter().map(|b| both.insert(b, Body::moving())).collect();
+    let ids: Vec<BodyId> = scene
+        .boxes
+        .iter()
+        .map(|b| both.insert(b, BodyOptions::moving()))
+        .collect();
     let mut below = Aabb::everything();
     below.max.z = 0.0;
-    let ground = both.insert_unbounded(&below, Body::fixed());
-    let all = both.insert_unbounded(&Aabb::everything(), Body::moving());
+    let ground = both.insert_unbounded(&below, BodyOptions::fixed());
+    let all = both.insert_unbounded(&Aabb::everything(), BodyOptions::moving());
     let far = Aabb::from_center(Point3::new(1e300, -1e300, 1e200), Vector3::repeat(1.0));
-    both.insert(&far, Body::moving());
+    both.insert(&far, BodyOptions::moving());
     for step in 0..30 {
         scene.step();
         for (id, aabb) in ids.iter().zip(&scene.boxes).filter(|(id, _)| id.index % 3 == step % 3) {
@@ -258,7 +262,7 @@ fn far_bodies_work() {
         .enumerate()
         .map(|(i, b)| shift(b, place(i)))
         .collect();
-    let ids: Vec<BodyId> = boxes.iter().map(|b| both.insert(b, Body::moving())).collect();
+    let ids: Vec<BodyId> = boxes.iter().map(|b| both.insert(b, BodyOptions::moving())).collect();
     for step in 0..20 {
         both.step();
         scene.step();
@@ -279,10 +283,10 @@ fn an_origin_keeps_far_scenes_fine() {
         // Quarter units, so that moving them off rounds nothing.
         let snap = |p: Point3<f64>| p.map(|v| (v * 256.0).round() / 256.0);
         let aabb = Aabb::new(snap(aabb.min), snap(aabb.max));
-        near.insert(&aabb, Body::moving()).unwrap();
+        near.insert(&aabb, BodyOptions::moving()).unwrap();
         far.insert(
             &Aabb::new(aabb.min + origin.coords, aabb.max + origin.coords),
-            Body::moving(),
+            BodyOptions::moving(),
         )
         .unwrap();
     }
@@ -293,7 +297,7 @@ fn an_origin_keeps_far_scenes_fine() {
 fn refused_calls_name_the_body_and_change_nothing() {
     let mut both = Both::new();
     let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(0.5));
-    let [a, b] = [0; 2].map(|_| both.insert(&cube, Body::moving()));
+    let [a, b] = [0; 2].map(|_| both.insert(&cube, BodyOptions::moving()));
     both.step();
     for axis in 0..3 {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
@@ -302,7 +306,7 @@ fn refused_calls_name_the_body_and_change_nothing() {
             let error = Err(BroadPhaseError::NonFinite { body: Some(b), axis });
             assert_eq!(both.set_box(b, &broken), error);
             assert_eq!(
-                both.pencils.insert(&broken, Body::moving()),
+                both.pencils.insert(&broken, BodyOptions::moving()),
                 Err(BroadPhaseError::NonFinite { body: None, axis })
             );
         }
@@ -327,7 +331,7 @@ fn refused_calls_name_the_body_and_change_nothing() {
     };
     assert_eq!(both.remove(unknown), Err(BroadPhaseError::StaleId { body: unknown }));
     assert_eq!(
-        both.pencils.insert(&cube, Body::moving().margin(-1.0)),
+        both.pencils.insert(&cube, BodyOptions::moving().margin(-1.0)),
         Err(BroadPhaseError::Margin)
     );
     both.step();
@@ -348,12 +352,12 @@ fn refused_calls_name_the_body_and_change_nothing() {
 fn touching_and_flat_boxes_are_pairs() {
     let mut both = Both::new();
     let unit = |x: f64, y: f64, z: f64| Aabb::new(Point3::new(x, y, z), Point3::new(x + 1.0, y + 1.0, z + 1.0));
-    both.insert(&unit(0.0, 0.0, 0.0), Body::moving());
-    both.insert(&unit(1.0, 1.0, 1.0), Body::moving());
+    both.insert(&unit(0.0, 0.0, 0.0), BodyOptions::moving());
+    both.insert(&unit(1.0, 1.0, 1.0), BodyOptions::moving());
     let point = Point3::new(2.0, 2.0, 2.0);
-    both.insert(&Aabb::new(point, point), Body::moving());
-    both.insert(&Aabb::new(point, point), Body::moving());
-    both.insert(&unit(-0.0, -1.0, 0.0), Body::moving());
+    both.insert(&Aabb::new(point, point), BodyOptions::moving());
+    both.insert(&Aabb::new(point, point), BodyOptions::moving());
+    both.insert(&unit(-0.0, -1.0, 0.0), BodyOptions::moving());
     both.step();
     // The pairs of touching corner, point on corner (twice), point on point, touching face.
     assert_eq!(both.pencils.pair_count(), 5);
@@ -372,9 +376,11 @@ fn groups_filters_and_fixed_bodies() {
     };
     let mut both = Both::new();
     let r: Vec<BodyId> = (0..3)
-        .map(|_| both.insert(&cube, Body::moving().groups(robot)))
+        .map(|_| both.insert(&cube, BodyOptions::moving().groups(robot)))
         .collect();
-    let c: Vec<BodyId> = (0..3).map(|_| both.insert(&cube, Body::fixed().groups(cell))).collect();
+    let c: Vec<BodyId> = (0..3)
+        .map(|_| both.insert(&cube, BodyOptions::fixed().groups(cell)))
+        .collect();
     both.step();
     assert_eq!(both.pencils.pair_count(), 9);
     assert_eq!(both.pencils.pairs_between(2, 1).count(), 9);
@@ -398,15 +404,15 @@ fn groups_filters_and_fixed_bodies() {
 fn ids_and_slots_carry_generations() {
     let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(0.5));
     let mut both = Both::new();
-    let a = both.insert(&cube, Body::moving());
-    let b = both.insert(&cube, Body::moving());
+    let a = both.insert(&cube, BodyOptions::moving());
+    let b = both.insert(&cube, BodyOptions::moving());
     both.step();
     let first = both.pencils.pair(a, b).unwrap();
     both.remove(b).unwrap();
-    let same_step = both.insert(&cube, Body::moving());
+    let same_step = both.insert(&cube, BodyOptions::moving());
     assert_ne!(same_step.index, b.index, "an index rests until its pairs are reported");
     both.step();
-    let c = both.insert(&cube, Body::moving());
+    let c = both.insert(&cube, BodyOptions::moving());
     assert_eq!((c.index, c.generation), (b.index, b.generation + 2));
     both.step();
     assert!(!both.pencils.contains(b) && both.pencils.pair_of(first.id).is_none());
@@ -425,12 +431,12 @@ fn permuted_ids_change_only_names() {
     let ids: Vec<BodyId> = scene
         .boxes
         .iter()
-        .map(|b| plain.insert(b, Body::moving()).unwrap())
+        .map(|b| plain.insert(b, BodyOptions::moving()).unwrap())
         .collect();
     let mut inverse = vec![0; n];
     (0..n).for_each(|i| inverse[name(i)] = i);
     let others: Vec<BodyId> = (0..n)
-        .map(|k| other.insert(&scene.boxes[inverse[k]], Body::moving()).unwrap())
+        .map(|k| other.insert(&scene.boxes[inverse[k]], BodyOptions::moving()).unwrap())
         .collect();
     for _ in 0..30 {
         let keys = |pairs: &[Pair], of: &dyn Fn(BodyId) -> usize| -> BTreeSet<(usize, usize)> {

@@ -23,7 +23,7 @@ fn feed(broad: &mut impl BroadPhase, ids: &mut Vec<BodyId>, scene: &Scene, rando
             Point3::from(Vector3::from(random.in_ball()) * 4.0),
             Vector3::repeat(0.7),
         );
-        ids.push(broad.insert(&aabb, Body::moving().margin(0.1)).unwrap());
+        ids.push(broad.insert(&aabb, BodyOptions::moving().margin(0.1)).unwrap());
     }
 }
 
@@ -32,9 +32,13 @@ fn goes_on<B: BroadPhase + serde::Serialize + serde::de::DeserializeOwned>(mut b
     let mut ids: Vec<BodyId> = scene
         .boxes
         .iter()
-        .map(|b| broad.insert(b, Body::moving()).unwrap())
+        .map(|b| broad.insert(b, BodyOptions::moving()).unwrap())
         .collect();
-    ids.push(broad.insert_unbounded(&Aabb::everything(), Body::fixed()).unwrap());
+    ids.push(
+        broad
+            .insert_unbounded(&Aabb::everything(), BodyOptions::fixed())
+            .unwrap(),
+    );
     let mut random = Rng::new(5);
     for _ in 0..20 {
         // Written down both between steps and after half of a step's calls.
@@ -68,7 +72,7 @@ fn one_structure_takes_over_from_the_other() {
     scene
         .boxes
         .iter()
-        .for_each(|b| assert!(broad.insert(b, Body::moving()).is_ok()));
+        .for_each(|b| assert!(broad.insert(b, BodyOptions::moving()).is_ok()));
     broad.step();
     let text = serde_json::to_string(&broad).unwrap();
     let mut axes: SortedAxes = serde_json::from_str(&text).unwrap();
@@ -83,7 +87,7 @@ fn damaged_text_is_refused_or_harmless() {
     let ids: Vec<_> = scene
         .boxes
         .iter()
-        .map(|b| broad.insert(b, Body::moving()).unwrap())
+        .map(|b| broad.insert(b, BodyOptions::moving()).unwrap())
         .collect();
     broad.step();
     broad.remove(ids[3]).unwrap();
@@ -103,7 +107,7 @@ fn damaged_text_is_refused_or_harmless() {
             accepted += 1;
             read.step();
             let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(1.0));
-            let id = read.insert(&cube, Body::moving()).unwrap();
+            let id = read.insert(&cube, BodyOptions::moving()).unwrap();
             read.step();
             let _ = read.set_box(ids[5], &cube);
             read.remove(id).unwrap();

@@ -15,7 +15,10 @@ fn shifted(aabb: &Aabb, by: Vector3<f64>) -> Aabb {
 /// Entries compared, step by step. `motion` says how body `i` moves in step `s`.
 fn scanned(mut boxes: Vec<Aabb>, mut motion: impl FnMut(usize, usize, &Aabb) -> Vector3<f64>) -> Vec<u64> {
     let mut broad = PencilSweep::new();
-    let ids: Vec<_> = boxes.iter().map(|b| broad.insert(b, Body::moving()).unwrap()).collect();
+    let ids: Vec<_> = boxes
+        .iter()
+        .map(|b| broad.insert(b, BodyOptions::moving()).unwrap())
+        .collect();
     let mut counts = Vec::new();
     for s in 0..24 {
         for (i, aabb) in boxes.iter_mut().enumerate().filter(|_| s > 0) {
@@ -168,7 +171,7 @@ fn change_after_calm(change: &Change, calm: usize) {
     let mut broad = PencilSweep::new();
     let ids: Vec<_> = centres
         .iter()
-        .map(|c| broad.insert(&boxed(c, 1.0), Body::moving()).unwrap())
+        .map(|c| broad.insert(&boxed(c, 1.0), BodyOptions::moving()).unwrap())
         .collect();
     let mut counts = Vec::new();
     for s in 0..calm + change.steps {

@@ -234,7 +234,7 @@ fn use_broad(mut broad: impl BroadPhase) {
                 broad.set_box(id, &at(0.2 * k as f64))
             };
         }
-        let _ = broad.insert(&at(0.1), lin_canny::broad::Body::moving());
+        let _ = broad.insert(&at(0.1), lin_canny::broad::BodyOptions::moving());
         broad.step();
     }
 }
@@ -244,7 +244,7 @@ fn numbers_changed_in_the_file_of_a_broad_phase_do_no_harm() {
     fn filled<B: BroadPhase>(mut broad: B) -> B {
         for k in 0..6 {
             let aabb = Aabb::from_center(Point3::new(0.7 * f64::from(k), 0.0, 0.0), Vector3::repeat(0.5));
-            broad.insert(&aabb, lin_canny::broad::Body::moving()).unwrap();
+            broad.insert(&aabb, lin_canny::broad::BodyOptions::moving()).unwrap();
         }
         broad.step();
         broad

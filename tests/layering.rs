@@ -134,234 +134,304 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("tolerance", &[]),
     // Thresholds that steer work and never answers.
     ("tuning", &["tolerance"]),
-    ("num", &["num", "tolerance"]),
-    ("pose", &["num", "tolerance"]),
+    ("num", &["tolerance", "num"]),
+    ("pose", &["tolerance", "num"]),
     // Poses, velocities and displacements: no shape.
-    ("motion", &["motion", "pose", "num", "tolerance"]),
+    ("motion", &["tolerance", "num", "pose", "motion"]),
     // The box of a posed polyhedron turns by the matrix of a pose.
-    ("polyhedron", &["polyhedron", "pose", "num", "tolerance", "tuning"]),
-    // Boxes and ids only.
-    ("broad", &["broad", "tolerance", "tuning"]),
+    ("polyhedron", &["tolerance", "tuning", "num", "pose", "polyhedron"]),
     // Two posed shapes, the outcome and the certificate: no solver.
-    ("pair", &["pair", "polyhedron", "pose", "num", "tolerance", "tuning"]),
+    ("pair", &["tolerance", "tuning", "num", "pose", "polyhedron", "pair"]),
     // The walk knows no solver.
     (
         "walk",
-        &["walk", "pair", "polyhedron", "pose", "num", "tolerance", "tuning"],
+        &["tolerance", "tuning", "num", "pose", "polyhedron", "pair", "walk"],
     ),
     (
         "minimum",
-        &["minimum", "pair", "polyhedron", "pose", "num", "tolerance", "tuning"],
+        &["tolerance", "tuning", "num", "pose", "polyhedron", "pair", "minimum"],
     ),
-    ("exact", &["exact", "pair", "polyhedron", "pose", "num", "tolerance"]),
+    ("exact", &["tolerance", "num", "pose", "polyhedron", "pair", "exact"]),
     (
         "solve",
         &[
-            "solve",
+            "tolerance",
+            "num",
+            "pose",
+            "polyhedron",
+            "pair",
             "walk",
             "minimum",
             "exact",
-            "pair",
-            "polyhedron",
-            "pose",
-            "num",
-            "tolerance",
+            "solve",
         ],
     ),
     // Depth neither walks nor asks the ladder: an overlap is proven before.
     (
         "depth",
         &[
-            "depth",
-            "minimum",
-            "exact",
-            "pair",
-            "polyhedron",
-            "pose",
-            "num",
             "tolerance",
             "tuning",
+            "num",
+            "pose",
+            "polyhedron",
+            "pair",
+            "minimum",
+            "exact",
+            "depth",
         ],
     ),
     // Contacts begin with an outcome, whichever solver found the outcome.
     (
         "contact",
         &[
-            "contact",
-            "pair",
-            "motion",
-            "polyhedron",
-            "pose",
-            "num",
             "tolerance",
             "tuning",
+            "num",
+            "pose",
+            "motion",
+            "polyhedron",
+            "pair",
+            "contact",
         ],
     ),
-    ("soundness", &["pair", "polyhedron", "pose", "num", "tolerance"]),
+    // Geometry alone: cores, radii, supports.
+    ("shape", &["tolerance", "num", "pose", "polyhedron", "shape"]),
+    ("soundness", &["tolerance", "num", "pose", "polyhedron", "pair"]),
     (
         "replay",
-        &["depth", "shape", "pair", "polyhedron", "pose", "num", "tolerance"],
+        &["tolerance", "num", "pose", "polyhedron", "pair", "depth", "shape"],
     ),
     // The state of one pair between queries, and the choice of the solver.
-    // Geometry alone: cores, radii, supports.
-    ("shape", &["shape", "polyhedron", "pose", "num", "tolerance"]),
+    (
+        "tracker",
+        &[
+            "tolerance",
+            "tuning",
+            "num",
+            "pose",
+            "polyhedron",
+            "pair",
+            "walk",
+            "minimum",
+            "exact",
+            "solve",
+            "depth",
+            "contact",
+            "soundness",
+            "replay",
+            "tracker",
+        ],
+    ),
     // Solvers for curved cores, with the simplices and transforms of the minimum-norm solver.
     (
         "smooth",
         &[
-            "smooth",
-            "shape",
-            "minimum",
-            "pair",
-            "polyhedron",
-            "pose",
-            "num",
             "tolerance",
+            "num",
+            "pose",
+            "polyhedron",
+            "pair",
+            "minimum",
+            "shape",
+            "smooth",
         ],
     ),
     // The state of a pair of shapes between queries: a tracker of cores, or the state of the curved solver.
     (
         "shape_tracker",
         &[
-            "replay",
+            "tolerance",
+            "num",
+            "pose",
+            "polyhedron",
+            "pair",
+            "exact",
+            "contact",
             "shape",
-            "smooth",
-            "tracker",
-            "exact",
-            "contact",
-            "pair",
-            "polyhedron",
-            "pose",
-            "num",
-            "tolerance",
-        ],
-    ),
-    (
-        "tracker",
-        &[
-            "tracker",
-            "walk",
-            "exact",
-            "minimum",
-            "solve",
-            "depth",
-            "contact",
-            "pair",
-            "polyhedron",
-            "pose",
-            "num",
-            "soundness",
             "replay",
-            "tolerance",
-            "tuning",
+            "tracker",
+            "smooth",
         ],
     ),
     // A pair of any shapes over time: the plane knows no shape, the pair of polyhedra a tracker.
     (
         "separation",
         &[
-            "separation",
-            "shape",
-            "shape_tracker",
-            "tracker",
-            "minimum",
-            "pair",
-            "motion",
-            "polyhedron",
-            "pose",
-            "num",
             "tolerance",
             "tuning",
+            "num",
+            "pose",
+            "motion",
+            "polyhedron",
+            "pair",
+            "minimum",
+            "shape",
+            "tracker",
+            "shape_tracker",
+            "separation",
         ],
     ),
+    // Time of impact: motions and the seam, no shape.
+    (
+        "impact",
+        &["tolerance", "tuning", "pose", "motion", "pair", "separation", "impact"],
+    ),
+    // Ids, ticks and bounds only.
+    ("schedule", &["tolerance", "tuning"]),
     // Meshes and bodies of pieces: leaves are asked by trackers.
     (
         "composite",
         &[
-            "composite",
-            "separation",
-            "shape_tracker",
-            "shape",
-            "tracker",
-            "contact",
-            "pair",
-            "motion",
-            "polyhedron",
-            "pose",
-            "num",
             "tolerance",
             "tuning",
+            "num",
+            "pose",
+            "motion",
+            "polyhedron",
+            "pair",
+            "contact",
+            "shape",
+            "tracker",
+            "shape_tracker",
+            "separation",
+            "composite",
         ],
     ),
     // Curved surfaces: nets, the minimum-norm solver on their points; meshes are surfaces too.
     (
         "patch",
         &[
-            "patch",
-            "composite",
-            "separation",
-            "shape",
-            "shape_tracker",
-            "motion",
-            "minimum",
-            "pair",
-            "polyhedron",
-            "pose",
-            "num",
             "tolerance",
             "tuning",
+            "num",
+            "pose",
+            "motion",
+            "polyhedron",
+            "pair",
+            "minimum",
+            "shape",
+            "shape_tracker",
+            "separation",
+            "composite",
+            "patch",
         ],
     ),
-    // Ids, ticks and bounds only.
-    ("schedule", &["tolerance", "tuning"]),
-    // Time of impact: motions and the seam, no shape.
-    (
-        "impact",
-        &["impact", "separation", "motion", "pair", "pose", "tolerance", "tuning"],
-    ),
+    // Boxes and ids only.
+    ("broad", &["tolerance", "tuning", "broad"]),
     // Where all meets.
     (
         "scene",
         &[
-            "scene",
-            "composite",
-            "patch",
-            "impact",
-            "schedule",
-            "separation",
-            "shape",
-            "shape_tracker",
-            "tracker",
+            "tolerance",
             "tuning",
-            "broad",
-            "pair",
-            "contact",
+            "num",
+            "pose",
             "motion",
             "polyhedron",
-            "pose",
-            "num",
-            "tolerance",
+            "pair",
+            "contact",
+            "shape",
+            "tracker",
+            "shape_tracker",
+            "separation",
+            "impact",
+            "schedule",
+            "composite",
+            "patch",
+            "broad",
+            "scene",
         ],
     ),
     // Motions of a robot among obstacles: the trackers and shapes of scenes, casts, boxes.
     (
         "plan",
         &[
-            "plan",
-            "scene",
-            "impact",
-            "separation",
-            "broad",
+            "tolerance",
+            "tuning",
+            "num",
+            "pose",
             "motion",
             "polyhedron",
             "pair",
-            "pose",
-            "num",
-            "tolerance",
-            "tuning",
+            "separation",
+            "impact",
+            "broad",
+            "scene",
+            "plan",
         ],
     ),
 ];
+
+/// The layers in the first column of the table of ARCHITECTURE.md.
+fn layers_told() -> Vec<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(root.join("ARCHITECTURE.md")).expect("ARCHITECTURE.md is text");
+    let rows = text.lines().skip_while(|l| *l != "| layer | holds |").skip(2);
+    let cells = rows
+        .take_while(|l| l.starts_with("| "))
+        .filter_map(|l| l.split('|').nth(1));
+    cells
+        .flat_map(|cell| {
+            cell.split(',')
+                .map(|name| name.trim().trim_matches('`').to_owned())
+                .collect::<Vec<_>>()
+        })
+        .collect()
+}
+
+/// A layer uses those before it, and ARCHITECTURE.md tells them in this order.
+#[test]
+fn layers_stand_in_order() {
+    let names: Vec<&str> = MAY_USE.iter().map(|(name, _)| *name).collect();
+    for (k, (name, uses)) in MAY_USE.iter().enumerate() {
+        for layer in *uses {
+            let at = names.iter().position(|n| n == layer);
+            assert!(
+                at.is_some_and(|at| at <= k),
+                "`{name}` stands before `{layer}`, and uses it"
+            );
+        }
+    }
+    let modules: Vec<&str> = names.into_iter().filter(|n| *n != "cost").collect();
+    assert_eq!(layers_told(), modules);
+}
+
+/// The name that a line declares as a type, a trait or an alias. Aliases inside of implementations have an indent.
+fn declared(line: &str) -> Option<&str> {
+    let is_indented = line.starts_with(' ');
+    let mut words = line
+        .split_whitespace()
+        .skip_while(|w| w.starts_with("pub") || *w == "unsafe" || w.ends_with(')'));
+    match words.next()? {
+        "struct" | "enum" | "union" | "trait" => {}
+        "type" if !is_indented => {}
+        _ => return None,
+    }
+    words.next()?.split(|c: char| !c.is_alphanumeric() && c != '_').next()
+}
+
+/// A reader searches by name.
+#[test]
+fn no_type_name_stands_twice() {
+    let mut places = std::collections::BTreeMap::<String, Vec<String>>::new();
+    for s in sources() {
+        for (k, line) in s.code() {
+            if let Some(name) = declared(line) {
+                places
+                    .entry(name.to_owned())
+                    .or_default()
+                    .push(format!("{}:{k}", s.name));
+            }
+        }
+    }
+    assert!(places.len() > 500, "only {} types found", places.len());
+    let twice = places.into_iter().filter(|(_, at)| at.len() > 1);
+    none(
+        "type names at two places",
+        twice.map(|(name, at)| format!("{name}: {}", at.join(", "))).collect(),
+    );
+}
 
 #[test]
 fn data_flows_one_way() {

@@ -228,7 +228,7 @@ fn an_origin_that_is_none_is_refused_with_the_first_body() {
         assert_eq!((scene.body_count(), scene.step().counts.pairs), (0, 0));
         let (aabb, body) = (
             Aabb::from_center(Point3::origin(), Vector3::repeat(1.0)),
-            lin_canny::broad::Body::moving(),
+            lin_canny::broad::BodyOptions::moving(),
         );
         let error = Err(BroadPhaseError::Origin { axis });
         assert_eq!(PencilSweep::with_settings(settings).insert(&aabb, body), error);

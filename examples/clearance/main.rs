@@ -17,7 +17,7 @@ use lab::plot::Chart;
 use lab::progress::Progress;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::scene::{Body, BodyId, Effects, Group, Near, Scene};
+use lin_canny::scene::{Body, BodyId, ClosestPair, Effects, Group, Scene};
 use robot::Robot;
 
 pub(crate) type Trouble = Box<dyn std::error::Error>;
@@ -140,7 +140,7 @@ impl Stage {
     }
 
     /// Moves the arm, and returns the closest pair.
-    fn step(&mut self, joints: &[f64]) -> Result<Option<Near>, Trouble> {
+    fn step(&mut self, joints: &[f64]) -> Result<Option<ClosestPair>, Trouble> {
         let poses = self.robot.poses(joints);
         for part in &self.parts {
             if let Some(link) = part.link {
@@ -153,14 +153,14 @@ impl Stage {
         Ok(found.min_by(|x, y| x.outcome.distance.total_cmp(&y.outcome.distance)))
     }
 
-    fn name(&self, near: &Near) -> String {
+    fn name(&self, near: &ClosestPair) -> String {
         let part = |id| self.scene.user_data(id).and_then(|k| self.parts.get(k as usize));
         let [a, b] = [near.a, near.b].map(|id| part(id).map_or("?", |p| &p.name));
         format!("{a} - {b}")
     }
 
     /// The bodies at their poses, and the witness points of a pair in the world.
-    fn snapshot(&self, near: &Near) -> (Vec<Isometry3<f64>>, [Point3<f64>; 2]) {
+    fn snapshot(&self, near: &ClosestPair) -> (Vec<Isometry3<f64>>, [Point3<f64>; 2]) {
         let pose = |id| self.scene.pose(id).copied().unwrap_or_default();
         let points = [
             pose(near.a) * near.outcome.point_on_a,
@@ -171,7 +171,7 @@ impl Stage {
 }
 
 /// A line for a pair that has become the closest.
-fn tell(frame: usize, name: &str, near: &Near) {
+fn tell(frame: usize, name: &str, near: &ClosestPair) {
     let outcome = &near.outcome;
     println!(
         "{frame:>5}  {name:<24} {:>10.6} +- {:.0e}  {}",
@@ -240,7 +240,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     println!("frame  {:<24} {:>10}           features", "closest pair", "distance");
     let progress = Progress::new("frames", options.frames as u64);
     let mut closest: Vec<(f64, String)> = Vec::new();
-    let mut least: Option<(usize, Near, String)> = None;
+    let mut least: Option<(usize, ClosestPair, String)> = None;
     let mut view = None;
     for frame in 0..options.frames {
         let near = stage.step(&joints(frame))?.ok_or("there is no pair to measure")?;

@@ -11,7 +11,7 @@ use cpu_time::ThreadTime;
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::rooms::Room;
-use lin_canny::broad::{Aabb, Body, BroadPhase, PencilSweep};
+use lin_canny::broad::{Aabb, BodyOptions, BroadPhase, PencilSweep};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::plan::{Checker, ConfigurationSpace, PlanOptions, RigidSpace, Verdict};
 use lin_canny::polyhedron::solids;
@@ -50,7 +50,7 @@ impl<'a> Fixed<'a> {
         let mut boxes = PencilSweep::new();
         for (hull, pose) in &room.hulls {
             let aabb = Aabb::from(hull.aabb_at(pose, &mut BoxHint::default()));
-            boxes.insert(&aabb, Body::fixed()).expect("a finite box");
+            boxes.insert(&aabb, BodyOptions::fixed()).expect("a finite box");
         }
         boxes.step();
         Self {

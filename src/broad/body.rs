@@ -14,11 +14,11 @@ use super::error::BroadPhaseError;
 use super::grid::{Grid, Range};
 use super::prefetch::read_ahead;
 use super::slots::Slots;
-use super::{Aabb, Body, Groups};
+use super::{Aabb, BodyOptions, Groups};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
-use place::{Context, checked, fraction, grown, placed};
+use place::{PlaceContext, checked, fraction, grown, placed};
 use record::{LOOSE, NOTED};
 
 pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
@@ -46,15 +46,15 @@ const MOST_BODIES: usize = (1 << 31) - 1;
 
 /// Options and margins of a body, read only by events and by renewed boxes.
 #[derive(Clone, Copy, Debug)]
-struct Detail {
+struct BodyDetail {
     groups: Groups,
     margin: f32,
     lookahead: f32,
     fixed: bool,
 }
 
-impl Detail {
-    fn new(body: Body) -> Self {
+impl BodyDetail {
+    fn new(body: BodyOptions) -> Self {
         let (margin, lookahead) = (body.margin as f32, body.lookahead as f32);
         Self {
             groups: body.groups,
@@ -64,9 +64,9 @@ impl Detail {
         }
     }
 
-    fn body(&self) -> Body {
+    fn body(&self) -> BodyOptions {
         let (margin, lookahead) = (f64::from(self.margin), f64::from(self.lookahead));
-        Body {
+        BodyOptions {
             groups: self.groups,
             fixed: self.fixed,
             margin,
@@ -99,7 +99,7 @@ impl Marks {
 #[derive(Clone, Debug)]
 pub(crate) struct Bodies {
     pub(crate) records: Vec<Record>,
-    details: Vec<Detail>,
+    details: Vec<BodyDetail>,
     /// Ids; the pairs of removed bodies end with the next step.
     pub(crate) slots: Slots,
     /// Bodies whose groups changed: groups and filter are asked again for their pairs.
@@ -138,12 +138,17 @@ impl Bodies {
         self.slots.len()
     }
 
-    pub(crate) fn insert(&mut self, stored: StoredBox, body: Body, flags: u32) -> Result<BodyId, BroadPhaseError> {
+    pub(crate) fn insert(
+        &mut self,
+        stored: StoredBox,
+        body: BodyOptions,
+        flags: u32,
+    ) -> Result<BodyId, BroadPhaseError> {
         body.check()?;
         let index = self.vacant()?;
         let i = index as usize;
         let id = self.slots.begin(index);
-        self.details[i] = Detail::new(body);
+        self.details[i] = BodyDetail::new(body);
         let is_loose = body.margin > 0.0 || body.lookahead > 0.0;
         let kind = if is_loose { LOOSE } else { 0 } | if body.fixed { FIXED } else { 0 };
         // Loose boxes inserted together would otherwise all be renewed together, in waves.
@@ -171,7 +176,7 @@ impl Bodies {
         let index = self.slots.vacant(self.most).ok_or(BroadPhaseError::TooManyBodies)?;
         if index as usize == self.records.len() {
             push(&mut self.records, Record::absent());
-            push(&mut self.details, Detail::new(Body::moving()));
+            push(&mut self.details, BodyDetail::new(BodyOptions::moving()));
         }
         Ok(index)
     }
@@ -195,7 +200,7 @@ impl Bodies {
 
     pub(crate) fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
         let i = self.index_of(id)?;
-        let context = Context {
+        let context = PlaceContext {
             grid: &self.grid,
             details: &self.details,
             step: self.step,
@@ -231,7 +236,7 @@ impl Bodies {
     }
 
     /// Returns the options of a body.
-    pub(crate) fn body(&self, index: u32) -> Body {
+    pub(crate) fn body(&self, index: u32) -> BodyOptions {
         self.details[index as usize].body()
     }
 
@@ -331,7 +336,7 @@ impl Bodies {
         let lists = [&self.regrouped, &self.unbounded];
         let marks = self.shares.iter().chain([&self.marks]);
         self.records.capacity() * size_of::<Record>()
-            + self.details.capacity() * size_of::<Detail>()
+            + self.details.capacity() * size_of::<BodyDetail>()
             + self.slots.bytes()
             + lists
                 .into_iter()

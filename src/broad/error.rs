@@ -8,7 +8,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum BroadPhaseError {
     /// A bound is NaN or infinite. Boxes that reach to infinity enter by `insert_unbounded` only.
-    #[error("the box of {} has a bound on axis {axis} that is not finite", Name(*.body))]
+    #[error("the box of {} has a bound on axis {axis} that is not finite", BoxName(*.body))]
     NonFinite {
         /// The body whose box was refused; `None` for a body to be inserted.
         body: Option<BodyId>,
@@ -16,7 +16,7 @@ pub enum BroadPhaseError {
         axis: usize,
     },
     /// The minimum of a box exceeds its maximum.
-    #[error("the box of {} is inverted on axis {axis}", Name(*.body))]
+    #[error("the box of {} is inverted on axis {axis}", BoxName(*.body))]
     Inverted {
         /// The body whose box was refused; `None` for a body to be inserted.
         body: Option<BodyId>,
@@ -98,9 +98,9 @@ impl BatchError {
     }
 }
 
-struct Name(Option<BodyId>);
+struct BoxName(Option<BodyId>);
 
-impl core::fmt::Display for Name {
+impl core::fmt::Display for BoxName {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self.0 {
             Some(id) => id.fmt(f),

@@ -1,7 +1,7 @@
 //! Tests with few indices, generations or steps, so that each of these runs out.
 
 use super::pairs::Most;
-use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, PencilSweep, SortedAxes};
+use super::{Aabb, BodyId, BodyOptions, BroadPhase, BroadPhaseError, PencilSweep, SortedAxes};
 use nalgebra::{Point3, Vector3};
 
 fn cube(x: f64) -> Aabb {
@@ -10,14 +10,18 @@ fn cube(x: f64) -> Aabb {
 
 fn body_without_index(mut broad: impl BroadPhase) {
     broad.state_mut().bodies.most = 2;
-    let [a, b] = [0.0, 0.5].map(|x| broad.insert(&cube(x), Body::moving()).expect("there is room for two"));
+    let [a, b] = [0.0, 0.5].map(|x| {
+        broad
+            .insert(&cube(x), BodyOptions::moving())
+            .expect("there is room for two")
+    });
     for _ in 0..2 {
         assert_eq!(
-            broad.insert(&cube(0.2), Body::moving()),
+            broad.insert(&cube(0.2), BodyOptions::moving()),
             Err(BroadPhaseError::TooManyBodies)
         );
         assert_eq!(
-            broad.insert_unbounded(&Aabb::everything(), Body::fixed()),
+            broad.insert_unbounded(&Aabb::everything(), BodyOptions::fixed()),
             Err(BroadPhaseError::TooManyBodies)
         );
         broad.step();
@@ -26,11 +30,13 @@ fn body_without_index(mut broad: impl BroadPhase) {
     broad.remove(b).expect("it is there");
     // The index is free once the step has reported that the pairs of its body ended.
     assert_eq!(
-        broad.insert(&cube(0.2), Body::moving()),
+        broad.insert(&cube(0.2), BodyOptions::moving()),
         Err(BroadPhaseError::TooManyBodies)
     );
     assert_eq!(broad.step().ended.len(), 1);
-    let again = broad.insert(&cube(0.2), Body::moving()).expect("there is room again");
+    let again = broad
+        .insert(&cube(0.2), BodyOptions::moving())
+        .expect("there is room again");
     assert!(again.index == b.index && again != b);
 }
 
@@ -42,7 +48,8 @@ fn a_body_without_an_index_is_refused_and_changes_nothing() {
 
 fn pairs_without_slot(mut broad: impl BroadPhase) {
     broad.state_mut().pairs.most = Most(2);
-    let ids: [BodyId; 4] = [0.0, 0.1, 0.2, 9.0].map(|x| broad.insert(&cube(x), Body::moving()).expect("a sound box"));
+    let ids: [BodyId; 4] =
+        [0.0, 0.1, 0.2, 9.0].map(|x| broad.insert(&cube(x), BodyOptions::moving()).expect("a sound box"));
     let [a, b, c, d] = ids;
     let told = broad.step();
     let named = |pairs: &[super::Pair]| pairs.iter().map(|p| (p.a, p.b)).collect::<alloc::vec::Vec<_>>();
@@ -78,7 +85,7 @@ fn pairs_without_a_slot_are_told_and_change_nothing() {
 }
 
 fn last_generation(mut broad: impl BroadPhase) {
-    let first = broad.insert(&cube(0.0), Body::moving()).expect("there is room");
+    let first = broad.insert(&cube(0.0), BodyOptions::moving()).expect("there is room");
     let last = BodyId {
         generation: u32::MAX - 2,
         ..first
@@ -87,7 +94,7 @@ fn last_generation(mut broad: impl BroadPhase) {
     slots.set_generation(first.index, last.generation);
     broad.remove(last).expect("it is there");
     broad.step();
-    let next = broad.insert(&cube(0.0), Body::moving()).expect("there is room");
+    let next = broad.insert(&cube(0.0), BodyOptions::moving()).expect("there is room");
     assert_ne!(next.index, last.index);
     assert!(!broad.contains(first) && !broad.contains(last));
 }
@@ -102,9 +109,9 @@ fn an_index_of_the_last_generation_is_not_given_again() {
 /// wrap-around.
 fn last_step(mut broad: impl BroadPhase) {
     for x in [0.0, 0.1, 9.0] {
-        broad.insert(&cube(x), Body::moving()).expect("there is room");
+        broad.insert(&cube(x), BodyOptions::moving()).expect("there is room");
     }
-    let mover = broad.insert(&cube(20.0), Body::moving()).expect("there is room");
+    let mover = broad.insert(&cube(20.0), BodyOptions::moving()).expect("there is room");
     assert_eq!(broad.step().began.len(), 1);
     broad.state_mut().bodies.step = u32::MAX;
     for x in [21.0, 22.0, 9.1, 22.0] {

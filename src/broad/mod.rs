@@ -77,7 +77,7 @@ pub use aabb::{Aabb, BoxFault, StoredBox};
 use body::Bodies;
 pub use body::BodyId;
 pub use error::{BatchError, BroadPhaseError};
-pub use options::{Body, Groups, Settings};
+pub use options::{BodyOptions, Groups, Settings};
 pub use pairs::{Events, Pair, PairId};
 use parallel::Threads;
 pub use pencil::{Pencil, PencilSweep};
@@ -115,7 +115,7 @@ pub trait BroadPhase: HasState {
     /// # Errors
     /// If the box, a margin or the origin of the structure is unusable, or there are too many
     /// bodies.
-    fn insert(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
+    fn insert(&mut self, aabb: &Aabb, body: BodyOptions) -> Result<BodyId, BroadPhaseError> {
         self.state_mut().insert(aabb, body, false)
     }
 
@@ -126,10 +126,10 @@ pub trait BroadPhase: HasState {
     /// # Errors
     /// If a bound is NaN, the box is inverted, the origin of the structure is unusable, or there
     /// are too many bodies.
-    fn insert_unbounded(&mut self, aabb: &Aabb, body: Body) -> Result<BodyId, BroadPhaseError> {
+    fn insert_unbounded(&mut self, aabb: &Aabb, body: BodyOptions) -> Result<BodyId, BroadPhaseError> {
         self.state_mut().insert(
             aabb,
-            Body {
+            BodyOptions {
                 margin: 0.0,
                 lookahead: 0.0,
                 ..body
@@ -198,7 +198,7 @@ pub trait BroadPhase: HasState {
     }
 
     /// Returns the options of a body; margins as stored, in `f32`.
-    fn body(&self, id: BodyId) -> Option<Body> {
+    fn body(&self, id: BodyId) -> Option<BodyOptions> {
         let bodies = &self.state().bodies;
         bodies.index_of(id).ok().map(|_| bodies.body(id.index))
     }

@@ -31,7 +31,7 @@ impl Groups {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Body {
+pub struct BodyOptions {
     /// Groups for pairing.
     pub groups: Groups,
     /// Two fixed bodies never pair. A fixed body may be moved, at some cost in the steps in which
@@ -45,7 +45,7 @@ pub struct Body {
     pub lookahead: f64,
 }
 
-impl Body {
+impl BodyOptions {
     /// Returns a body that moves, with a tight box, pairing with everything.
     #[must_use]
     pub fn moving() -> Self {

@@ -13,13 +13,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
 /// The serialized form of every structure.
 #[derive(Serialize, Deserialize)]
-struct Snapshot {
+struct BroadSnapshot {
     bodies: BodiesState,
     pairs: PairsState,
     parallel_from: usize,
 }
 
-impl Snapshot {
+impl BroadSnapshot {
     fn of(state: &BroadPhaseState, parallel_from: usize) -> Self {
         Self {
             bodies: state.bodies.state(),
@@ -40,13 +40,13 @@ impl Snapshot {
 
 impl Serialize for PencilSweep {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Snapshot::of(&self.state, self.parallel_from).serialize(serializer)
+        BroadSnapshot::of(&self.state, self.parallel_from).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for PencilSweep {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let (state, parallel_from) = Snapshot::deserialize(deserializer)?
+        let (state, parallel_from) = BroadSnapshot::deserialize(deserializer)?
             .restored()
             .map_err(D::Error::custom)?;
         Ok(Self::from_state(state, parallel_from))
@@ -55,13 +55,13 @@ impl<'de> Deserialize<'de> for PencilSweep {
 
 impl Serialize for SortedAxes {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Snapshot::of(&self.state, Settings::default().parallel_from).serialize(serializer)
+        BroadSnapshot::of(&self.state, Settings::default().parallel_from).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for SortedAxes {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let (state, _) = Snapshot::deserialize(deserializer)?
+        let (state, _) = BroadSnapshot::deserialize(deserializer)?
             .restored()
             .map_err(D::Error::custom)?;
         Ok(Self::from_state(state))

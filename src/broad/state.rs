@@ -5,7 +5,7 @@ use super::bounds::Bounds;
 use super::change::{Changes, pair_key};
 use super::pairs::PairSlots;
 use super::parallel::Threads;
-use super::{Aabb, Body, BodyId, BroadPhase, BroadPhaseError, Pair, PairId, StoredBox};
+use super::{Aabb, BodyId, BodyOptions, BroadPhase, BroadPhaseError, Pair, PairId, StoredBox};
 use alloc::vec::Vec;
 use nalgebra::Point3;
 
@@ -50,7 +50,12 @@ impl BroadPhaseState {
         }
     }
 
-    pub(super) fn insert(&mut self, aabb: &Aabb, body: Body, unbounded: bool) -> Result<BodyId, BroadPhaseError> {
+    pub(super) fn insert(
+        &mut self,
+        aabb: &Aabb,
+        body: BodyOptions,
+        unbounded: bool,
+    ) -> Result<BodyId, BroadPhaseError> {
         if let Some(axis) = self.bodies.origin.iter().position(|x| !x.is_finite()) {
             return Err(BroadPhaseError::Origin { axis });
         }

@@ -21,12 +21,12 @@
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Vector3};
 
-use super::front::Pair;
+use super::front::NodePair;
 use super::heights::height;
 use super::kept::Kept;
 use super::parts::Parted;
 use super::search::split_pair;
-use super::state::Posed;
+use super::state::PosedTrees;
 use crate::motion::{Course, Drift, length};
 use crate::num::scalar::{greater, sqrt};
 use crate::separation::{Flight, Measure};
@@ -57,8 +57,8 @@ impl Mover {
 }
 
 /// The bodies on a flight.
-pub(super) struct Ahead<'a, A, B> {
-    posed: &'a Posed<'a, A, B>,
+pub(super) struct LookAhead<'a, A, B> {
+    posed: &'a PosedTrees<'a, A, B>,
     flight: &'a Flight,
     movers: [Mover; 2],
     drift: Drift,
@@ -69,11 +69,11 @@ pub(super) struct Ahead<'a, A, B> {
 }
 
 /// Two nodes, a unit direction from A to B in A's frame, and the gap in the caller's unit.
-type Claim = (Pair, Vector3<f64>, f64);
+type Claim = (NodePair, Vector3<f64>, f64);
 
-impl<'a, A: Parted, B: Parted> Ahead<'a, A, B> {
+impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     /// `noise` is the effect of rounding on a distance, `radii` those about the pivots.
-    pub(super) fn new(posed: &'a Posed<'a, A, B>, flight: &'a Flight, noise: f64, radii: [f64; 2]) -> Self {
+    pub(super) fn new(posed: &'a PosedTrees<'a, A, B>, flight: &'a Flight, noise: f64, radii: [f64; 2]) -> Self {
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
         let (a, b) = (&flight.course_a, &flight.course_b);
         Self {
@@ -169,8 +169,8 @@ impl<'a, A: Parted, B: Parted> Ahead<'a, A, B> {
 
     /// The gap of two nodes along a unit direction, by boxes and slabs, or by the parts if they are
     /// few.
-    fn gap(&self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
-        let Posed { a, b, frame, .. } = self.posed;
+    fn gap(&self, [x, y]: NodePair, n: &Vector3<f64>) -> f64 {
+        let PosedTrees { a, b, frame, .. } = self.posed;
         let (of_a, of_b) = (a.side().tree, b.side().tree);
         let in_b = -frame.direction_in_b(n);
         let few = |(first, last): (u32, u32)| (last - first <= AHEAD_ITEMS).then_some(first..last);
@@ -184,7 +184,7 @@ impl<'a, A: Parted, B: Parted> Ahead<'a, A, B> {
 
     /// The time for which two nodes stay apart along a direction, by the gap at the instant: at
     /// most the flight's span.
-    fn time(&self, [x, y]: Pair, n: &Vector3<f64>, gap: f64) -> f64 {
+    fn time(&self, [x, y]: NodePair, n: &Vector3<f64>, gap: f64) -> f64 {
         let way = gap - self.keep;
         if !(way > 0.0) {
             return 0.0;

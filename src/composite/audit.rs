@@ -5,8 +5,8 @@ use alloc::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use super::frame::Frame;
-use super::front::{Front, Pair};
+use super::frame::TreeFrame;
+use super::front::{Front, NodePair};
 use super::mesh::Mesh;
 use super::search::split_pair;
 use crate::num::scalar::sqrt;
@@ -34,7 +34,7 @@ pub enum FrontFault {
 }
 
 /// Checks a front at the pose of its last test.
-pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &Frame) -> Result<(), FrontFault> {
+pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &TreeFrame) -> Result<(), FrontFault> {
     let mut entries = BTreeMap::new();
     let mut fault = None;
     front.gaps(&frame.single, |place, pair, gap| {
@@ -73,7 +73,7 @@ pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &Frame) -> Result<
 
 /// Returns the gap of all vertices below two nodes along a direction that is nearly unit. A claim
 /// with a zero direction claims nothing.
-fn true_gap(a: &Mesh, b: &Mesh, frame: &Frame, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
+fn true_gap(a: &Mesh, b: &Mesh, frame: &TreeFrame, [x, y]: NodePair, n: &Vector3<f64>) -> f64 {
     let length = sqrt(n.norm_squared());
     if length == 0.0 {
         return 0.0;

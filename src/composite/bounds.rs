@@ -10,7 +10,7 @@
 use wide::f32x4;
 
 use super::frame::Single;
-use super::front::Pair;
+use super::front::NodePair;
 use super::tree::{OrientedBox, Tree};
 
 /// Pairs of boxes bounded at once: the width of a register on every target.
@@ -21,12 +21,12 @@ pub(super) const MOST: usize = 8;
 
 /// Gaps along unit directions in A's frame, in the unit of the frame in single precision.
 #[derive(Clone, Copy)]
-pub(super) struct Bounds {
+pub(super) struct BoxGaps {
     pub(super) gap: [f32; MOST],
     pub(super) normal: [[f32; 3]; MOST],
 }
 
-impl Bounds {
+impl BoxGaps {
     /// Of pairs about which nothing is known.
     pub(super) const NONE: Self = Self {
         gap: [-f32::MAX; MOST],
@@ -111,9 +111,9 @@ fn excess(d: [f32x4; 3], h: [f32x4; 3], g: [f32x4; 3], m: &[[f32x4; 3]; 3]) -> (
 }
 
 /// The best gap of each of up to eight pairs of nodes, and its direction.
-pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[Pair]) -> Bounds {
+pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[NodePair]) -> BoxGaps {
     debug_assert!(pairs.len() <= MOST, "{} pairs", pairs.len());
-    let mut found = Bounds::NONE;
+    let mut found = BoxGaps::NONE;
     if !frame.error.is_finite() {
         return found;
     }
@@ -128,7 +128,7 @@ pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[Pair]) -> 
 
 /// Writes the best gap of each of four pairs, and its direction, as the entries from `first` on.
 #[inline(never)]
-fn bound_four(frame: &Single, a: [&OrientedBox; WIDTH], b: [&OrientedBox; WIDTH], first: usize, found: &mut Bounds) {
+fn bound_four(frame: &Single, a: [&OrientedBox; WIDTH], b: [&OrientedBox; WIDTH], first: usize, found: &mut BoxGaps) {
     let (a, b) = (Four::new(a, frame.scale_a), Four::new(b, frame.scale_b));
     let r = &frame.ways[0].rotation;
     let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];

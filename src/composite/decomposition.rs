@@ -14,12 +14,12 @@
 use alloc::sync::Arc;
 use core::fmt;
 
-use super::gaps::{Hull, excess, hulls, shortfall};
+use super::gaps::{PieceHull, excess, hulls, shortfall};
 use super::mesh::hull::RESOLUTION;
 use super::mesh::{Mesh, MeshError};
 use super::parts::{Parted, Parts};
 use super::pieces::{Composite, CompositeTracker};
-use super::state::{Inside, Posed};
+use super::state::{Inside, PosedTrees};
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::{Class, Distance};
 use crate::pose::RelativePose;
@@ -110,7 +110,7 @@ impl Decomposition {
             excess_upper: excess.1 * mesh.unit() + noise,
             shortfall_lower: (shortfall.0 * mesh.unit() - noise).max(0.0),
             shortfall_upper: shortfall.1 * mesh.unit() + noise,
-            depth: hulls.iter().map(Hull::depth).fold(0.0, f64::max) + noise,
+            depth: hulls.iter().map(PieceHull::depth).fold(0.0, f64::max) + noise,
         };
         Ok(Self { mesh, pieces, fit })
     }
@@ -150,7 +150,7 @@ impl Decomposition {
             // from the piece's surface.
             return open(found.upper.max(0.0) + fit.excess_upper + fit.depth);
         }
-        let Some(posed) = Posed::new(&*self.mesh, other, mesh_from_other) else {
+        let Some(posed) = PosedTrees::new(&*self.mesh, other, mesh_from_other) else {
             return open(found.upper + fit.excess_upper);
         };
         let unit = self.mesh.unit();

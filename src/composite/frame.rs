@@ -12,7 +12,7 @@ use crate::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
 
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]
-pub struct Side<'a> {
+pub struct TreeSide<'a> {
     pub(super) tree: &'a Tree,
     /// Stored lengths times `2^exponent` are the caller's.
     pub(super) exponent: i32,
@@ -28,7 +28,7 @@ const SINGLE_MOST: f32 = (1u64 << 30) as f32;
 const LEAST: f32 = 1.0 / (1u64 << 60) as f32;
 
 /// `a_from_b` between stored frames, and between the frames of the trees.
-pub(super) struct Frame {
+pub(super) struct TreeFrame {
     /// A rotation times the unit of B's stored frame in A's.
     pub(super) matrix: Matrix3<f64>,
     pub(super) translation: Vector3<f64>,
@@ -102,10 +102,10 @@ impl Way {
     }
 }
 
-impl Frame {
+impl TreeFrame {
     /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the
     /// range of f64.
-    pub(super) fn new(a: Side, b: Side, pose: &RelativePose) -> Option<Self> {
+    pub(super) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
         let scale = power_of_two((b.exponent - a.exponent).clamp(-1000, 1000));
         let rotation = pose.rotation();
         let translation = pose.translation() * power_of_two(-a.exponent);
@@ -148,7 +148,7 @@ impl Frame {
 
 impl Single {
     fn new(
-        (a, b, scale): (Side, Side, f64),
+        (a, b, scale): (TreeSide, TreeSide, f64),
         matrix: &Matrix3<f64>,
         translation: &Vector3<f64>,
         rotation: &Matrix3<f64>,
@@ -178,7 +178,7 @@ impl Single {
 
 /// The distance of two bodies' origins in the caller's unit, by how much the distance of the bodies
 /// may differ, and the direction.
-pub(super) fn far(a: Side, b: Side, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+pub(super) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
     let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();
     let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };

@@ -24,22 +24,22 @@ use super::frame::{Single, Way};
 use super::tree::{OrientedBox, Tree};
 
 /// A node of A and a node of B.
-pub(super) type Pair = [u32; 2];
+pub(super) type NodePair = [u32; 2];
 
 /// Four entries by component: n, m, c, the radius, the base.
 #[derive(Clone, Debug, PartialEq)]
-struct Block([[f32; WIDTH]; 11]);
+struct FrontBlock([[f32; WIDTH]; 11]);
 
 /// Entries with the larger node on one side.
 #[derive(Clone, Debug, Default, PartialEq)]
-struct Half {
-    blocks: Vec<Block>,
-    pairs: Vec<Pair>,
+struct FrontHalf {
+    blocks: Vec<FrontBlock>,
+    pairs: Vec<NodePair>,
 }
 
 /// The place of an entry: the half, and the number there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Place {
+pub(super) struct EntryId {
     half: u8,
     at: u32,
 }
@@ -47,7 +47,7 @@ pub(super) struct Place {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Front {
     /// Entries with directions in A's frame, then those with directions in B's.
-    halves: [Half; 2],
+    halves: [FrontHalf; 2],
     /// The largest error of single precision since the front was empty: entries carry the rounding
     /// of the pose at which they were made.
     error: f32,
@@ -72,16 +72,17 @@ impl Front {
         self.len() == 0
     }
 
-    pub(super) fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
+    pub(super) fn pairs(&self) -> impl Iterator<Item = NodePair> + '_ {
         self.halves.iter().flat_map(|h| h.pairs.iter().copied())
     }
 
-    pub(super) fn pair(&self, place: Place) -> Pair {
+    pub(super) fn pair(&self, place: EntryId) -> NodePair {
         self.halves[place.half as usize].pairs[place.at as usize]
     }
 
     pub(super) fn heap_bytes(&self) -> usize {
-        let of = |h: &Half| h.blocks.capacity() * size_of::<Block>() + h.pairs.capacity() * size_of::<Pair>();
+        let of =
+            |h: &FrontHalf| h.blocks.capacity() * size_of::<FrontBlock>() + h.pairs.capacity() * size_of::<NodePair>();
         self.halves.iter().map(of).sum()
     }
 
@@ -92,7 +93,7 @@ impl Front {
 
     /// Calls `failed` with the place of every entry that is not proven to be at least `distance`
     /// apart: the places in each half rise.
-    pub(super) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(Place)) {
+    pub(super) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(EntryId)) {
         let level = f32x4::splat(distance + self.error);
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
             for (k, block) in (0u32..).zip(&entries.blocks) {
@@ -100,7 +101,7 @@ impl Front {
                 while open != 0 {
                     let at = WIDTH as u32 * k + open.trailing_zeros();
                     if (at as usize) < entries.pairs.len() {
-                        failed(Place { half, at });
+                        failed(EntryId { half, at });
                     }
                     open &= open - 1;
                 }
@@ -109,30 +110,30 @@ impl Front {
     }
 
     /// Calls `each` with every entry, its pair and the proven gap at this pose.
-    pub(super) fn gaps(&self, frame: &Single, mut each: impl FnMut(Place, Pair, f32)) {
+    pub(super) fn gaps(&self, frame: &Single, mut each: impl FnMut(EntryId, NodePair, f32)) {
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
             for (k, (block, pairs)) in (0u32..).zip(entries.blocks.iter().zip(entries.pairs.chunks(WIDTH))) {
                 for (at, (pair, gap)) in (WIDTH as u32 * k..).zip(pairs.iter().zip(block.gaps(way).to_array())) {
-                    each(Place { half, at }, *pair, gap - self.error);
+                    each(EntryId { half, at }, *pair, gap - self.error);
                 }
             }
         }
     }
 
     /// Adds an entry whose gap along `normal`, in A's frame, is at least `gap` at this pose.
-    pub(super) fn push(&mut self, frame: &Single, trees: (&Tree, &Tree), pair: Pair, normal: [f32; 3], gap: f32) {
+    pub(super) fn push(&mut self, frame: &Single, trees: (&Tree, &Tree), pair: NodePair, normal: [f32; 3], gap: f32) {
         let half = half(frame, trees, pair);
         let entries = &mut self.halves[half as usize];
         let at = entries.pairs.len() as u32;
         entries.pairs.push(pair);
         if entries.pairs.len() > WIDTH * entries.blocks.len() {
-            entries.blocks.push(Block([[0.0; WIDTH]; 11]));
+            entries.blocks.push(FrontBlock([[0.0; WIDTH]; 11]));
         }
-        self.set(frame, trees, Place { half, at }, normal, gap);
+        self.set(frame, trees, EntryId { half, at }, normal, gap);
     }
 
     /// Gives an entry another direction, in A's frame.
-    pub(super) fn set(&mut self, frame: &Single, (a, b): (&Tree, &Tree), place: Place, normal: [f32; 3], gap: f32) {
+    pub(super) fn set(&mut self, frame: &Single, (a, b): (&Tree, &Tree), place: EntryId, normal: [f32; 3], gap: f32) {
         let entries = &mut self.halves[place.half as usize];
         let [x, y] = entries.pairs[place.at as usize];
         let way = &frame.ways[place.half as usize];
@@ -155,7 +156,7 @@ impl Front {
     }
 
     /// Removes an entry; the last one of the half takes its place.
-    pub(super) fn remove(&mut self, place: Place) {
+    pub(super) fn remove(&mut self, place: EntryId) {
         let (entries, k) = (&mut self.halves[place.half as usize], place.at as usize);
         let last = entries.pairs.len() - 1;
         entries.pairs.swap_remove(k);
@@ -170,20 +171,20 @@ impl Front {
 
     /// Spoils an entry, so that a test can see it found.
     #[cfg(test)]
-    pub(super) fn corrupt(&mut self, place: Place, by: f32) {
+    pub(super) fn corrupt(&mut self, place: EntryId, by: f32) {
         self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0[10][place.at as usize % WIDTH] += by;
     }
 
     /// The place of an entry by its number.
     #[cfg(test)]
-    pub(super) fn place(&self, k: usize) -> Place {
+    pub(super) fn place(&self, k: usize) -> EntryId {
         let first = self.halves[0].pairs.len();
         let (half, at) = if k < first { (0, k) } else { (1, k - first) };
-        Place { half, at: at as u32 }
+        EntryId { half, at: at as u32 }
     }
 
     /// The direction of an entry at a pose, in A's frame.
-    pub(super) fn normal(&self, frame: &Single, place: Place) -> [f32; 3] {
+    pub(super) fn normal(&self, frame: &Single, place: EntryId) -> [f32; 3] {
         let block = &self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0;
         let n = [0, 1, 2].map(|c| block[c][place.at as usize % WIDTH]);
         if place.half == 0 {
@@ -195,12 +196,12 @@ impl Front {
 }
 
 /// Where the entry of a pair stands: with the larger node.
-fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: Pair) -> u8 {
+fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: NodePair) -> u8 {
     let radius = |b: &OrientedBox, scale: f32| b.radius() * scale;
     u8::from(radius(&a.boxes[x as usize], frame.scale_a) < radius(&b.boxes[y as usize], frame.scale_b))
 }
 
-impl Block {
+impl FrontBlock {
     #[inline(always)]
     fn gaps(&self, way: &Way) -> f32x4 {
         let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base] = &self.0;

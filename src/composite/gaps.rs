@@ -19,18 +19,18 @@ use crate::tracker::Tracker;
 use crate::tuning::composite::GAP;
 
 /// A piece that is a polyhedron.
-pub(super) struct Hull<'a> {
+pub(super) struct PieceHull<'a> {
     body: &'a ConvexPolyhedron,
     pose: &'a Isometry3<f64>,
     /// A ball about the piece in the body's frame.
     centre: Point3<f64>,
     radius: f64,
-    inner: Inner,
+    inner: InnerPlanes,
     tracker: Tracker,
 }
 
 /// The planes of a piece about an inner point, in the frame of the piece.
-struct Inner {
+struct InnerPlanes {
     point: Point3<f64>,
     /// Normal, offset, and the depth of the inner point; none for a piece without volume.
     planes: Vec<(Vector3<f64>, f64, f64)>,
@@ -38,26 +38,26 @@ struct Inner {
     last: usize,
 }
 
-pub(super) fn hulls(pieces: &Composite) -> Result<Vec<Hull<'_>>, MeshError> {
+pub(super) fn hulls(pieces: &Composite) -> Result<Vec<PieceHull<'_>>, MeshError> {
     let mut hulls = Vec::with_capacity(pieces.pieces().len());
     for (piece, Piece { shape, pose, .. }) in pieces.pieces().iter().enumerate() {
         let (Core::Polyhedron(body), 0.0) = (shape.core(), shape.round()) else {
             return Err(MeshError::Curved { piece });
         };
         let (centre, radius) = body.bounding_ball();
-        hulls.push(Hull {
+        hulls.push(PieceHull {
             body,
             pose,
             centre: pose * centre,
             radius,
-            inner: Inner::new(body),
+            inner: InnerPlanes::new(body),
             tracker: Tracker::new(),
         });
     }
     Ok(hulls)
 }
 
-impl Inner {
+impl InnerPlanes {
     fn new(body: &ConvexPolyhedron) -> Self {
         let point = body.centroid();
         let plane = |(n, offset): (nalgebra::Unit<Vector3<f64>>, f64)| {
@@ -96,7 +96,7 @@ impl Inner {
     }
 }
 
-impl Hull<'_> {
+impl PieceHull<'_> {
     /// Bounds of the distance of a point from the piece, in the caller's unit; `None` if the
     /// distance is more than `most`. Bounds that are less than `enough` apart are as good as any.
     fn distance(&mut self, p: &Point3<f64>, most: f64, enough: f64) -> Option<(f64, f64)> {
@@ -123,7 +123,7 @@ impl Hull<'_> {
 }
 
 /// Bounds of the farthest point of the pieces' surface from the mesh, in stored units of the mesh.
-pub(super) fn excess(mesh: &Mesh, hulls: &[Hull], resolution: f64) -> (f64, f64) {
+pub(super) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64) -> (f64, f64) {
     let scale = 1.0 / mesh.unit();
     let triangles = hulls.iter().flat_map(|hull| {
         let at = |v| {
@@ -157,7 +157,7 @@ pub(super) fn excess(mesh: &Mesh, hulls: &[Hull], resolution: f64) -> (f64, f64)
 }
 
 /// Bounds of the farthest point of the mesh's surface from the pieces, in stored units of the mesh.
-pub(super) fn shortfall(mesh: &Mesh, hulls: &mut [Hull], resolution: f64) -> (f64, f64) {
+pub(super) fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], resolution: f64) -> (f64, f64) {
     let (unit, scale) = (mesh.unit(), 1.0 / mesh.unit());
     let triangles = (0..mesh.triangles.len() as u32).map(|t| mesh.corners(t));
     let (mut last, slack) = (0, GAP * resolution * unit);
@@ -182,7 +182,7 @@ pub(super) fn shortfall(mesh: &Mesh, hulls: &mut [Hull], resolution: f64) -> (f6
 }
 
 /// An upper bound of the distances of three points from a piece; `None` if it is more than `most`.
-fn farthest(hull: &mut Hull, points: &[Point3<f64>; 3], most: f64, slack: f64) -> Option<f64> {
+fn farthest(hull: &mut PieceHull, points: &[Point3<f64>; 3], most: f64, slack: f64) -> Option<f64> {
     points
         .iter()
         .try_fold(0.0f64, |d, p| Some(d.max(hull.distance(p, most, slack)?.1)))
@@ -190,7 +190,7 @@ fn farthest(hull: &mut Hull, points: &[Point3<f64>; 3], most: f64, slack: f64) -
 
 /// Bounds of the distance of a point from the nearest piece, of which there is at least one. The
 /// number of the piece is kept, and tried first.
-fn nearest(hulls: &mut [Hull], last: &mut usize, p: &Point3<f64>, slack: f64) -> (f64, f64) {
+fn nearest(hulls: &mut [PieceHull], last: &mut usize, p: &Point3<f64>, slack: f64) -> (f64, f64) {
     let first = *last;
     let mut best = (0.0, f64::INFINITY);
     for k in core::iter::once(first).chain(0..hulls.len()) {

@@ -3,9 +3,9 @@
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-use super::frame::Frame;
-use super::front::{Front, Pair, Place};
-use super::search::{Judge, Search};
+use super::frame::TreeFrame;
+use super::front::{EntryId, Front, NodePair};
+use super::search::{Judge, TreeSearch};
 use super::work::MeshWork;
 use crate::num::count::Counter;
 use crate::num::scalar::sqrt;
@@ -19,28 +19,28 @@ pub(super) struct Kept {
     pub(super) front: Front,
     /// The two closest pairs of items of the last answers.
     #[cfg_attr(feature = "serde", serde(skip))]
-    last: [Option<Pair>; 2],
+    last: [Option<NodePair>; 2],
     /// The last distance, in A's stored units.
     #[cfg_attr(feature = "serde", serde(skip))]
     distance: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
     pose: Option<(Matrix3<f64>, Vector3<f64>)>,
     #[cfg_attr(feature = "serde", serde(skip))]
-    stack: Vec<Pair>,
+    stack: Vec<NodePair>,
     #[cfg_attr(feature = "serde", serde(skip))]
-    failed: Vec<Place>,
+    failed: Vec<EntryId>,
     pub(super) work: MeshWork,
 }
 
 impl Kept {
     pub(super) fn heap_bytes(&self) -> usize {
         self.front.heap_bytes()
-            + self.stack.capacity() * size_of::<Pair>()
-            + self.failed.capacity() * size_of::<Place>()
+            + self.stack.capacity() * size_of::<NodePair>()
+            + self.failed.capacity() * size_of::<EntryId>()
     }
 
     /// Finds the closest pair of items, by the front if there is one.
-    pub(super) fn closest<J: Judge>(&mut self, search: &mut Search<J>) {
+    pub(super) fn closest<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         let motion = self.motion(search.frame);
         self.pose = Some((search.frame.rotation, search.frame.translation));
         if motion < JUMP {
@@ -70,7 +70,7 @@ impl Kept {
     }
 
     /// Whether any pair of items is within the distance that the search asks for.
-    pub(super) fn is_within<J: Judge>(&mut self, search: &mut Search<J>) -> bool {
+    pub(super) fn is_within<J: Judge>(&mut self, search: &mut TreeSearch<J>) -> bool {
         for pair in self.last.into_iter().flatten() {
             search.measure(pair);
         }
@@ -82,7 +82,7 @@ impl Kept {
         search.is_over()
     }
 
-    fn conclude<J: Judge>(&mut self, search: &Search<J>) {
+    fn conclude<J: Judge>(&mut self, search: &TreeSearch<J>) {
         self.work += search.work;
         self.work.settled.count(search.judge.settled());
         let Some(best) = &search.best else { return };
@@ -94,7 +94,7 @@ impl Kept {
         }
     }
 
-    fn remember(&mut self, pair: Pair) {
+    fn remember(&mut self, pair: NodePair) {
         if self.last[0] != Some(pair) {
             self.last = [Some(pair), self.last[0]];
         }
@@ -102,7 +102,7 @@ impl Kept {
 
     /// How far the pose is from that of the last query: the norm of the difference of rotations,
     /// the shift as a part of L.
-    fn motion(&self, frame: &Frame) -> f64 {
+    fn motion(&self, frame: &TreeFrame) -> f64 {
         self.pose.as_ref().map_or(f64::INFINITY, |(r, t)| {
             let turn = sqrt(0.5 * (frame.rotation - r).norm_squared());
             turn + sqrt((frame.translation - t).norm_squared()) / frame.size
@@ -110,7 +110,7 @@ impl Kept {
     }
 
     /// A search without a front.
-    fn begin<J: Judge>(&mut self, search: &mut Search<J>, motion: f64) {
+    fn begin<J: Judge>(&mut self, search: &mut TreeSearch<J>, motion: f64) {
         self.front.clear();
         if !(motion < JUMP) {
             search.seed();
@@ -123,7 +123,7 @@ impl Kept {
 
     /// Proves the front again; entries that their directions do not prove get new ones, or are
     /// split.
-    fn renew<J: Judge>(&mut self, search: &mut Search<J>) {
+    fn renew<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         self.front.meet(&search.frame.single);
         self.failed.clear();
         let (failed, level) = (&mut self.failed, search.frame.single_up(search.level()));
@@ -158,7 +158,7 @@ impl Kept {
     }
 
     /// Cuts a new front, with the distance known.
-    fn cut<J: Judge>(&mut self, search: &mut Search<J>) {
+    fn cut<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         search.work.cuts += 1;
         self.front.clear();
         self.front.meet(&search.frame.single);

@@ -3,13 +3,13 @@
 
 use nalgebra::Vector3;
 
-use super::front::Pair;
-use super::search::{Direction, Judge, Proof, Search};
+use super::front::NodePair;
+use super::search::{GapProof, Judge, TreeSearch, TriedDirection};
 use super::tree::{Below, LEAF};
 use crate::num::scalar::{greater, lesser};
 
 /// Pairs of items of two leaves that are not proven yet.
-struct Open {
+struct OpenLeafPair {
     of_a: (u32, u32),
     of_b: (u32, u32),
     /// A bit for each pair, four to an item of A.
@@ -18,7 +18,7 @@ struct Open {
     best: Option<(Vector3<f64>, f64)>,
 }
 
-impl Open {
+impl OpenLeafPair {
     fn new(of_a: (u32, u32), of_b: (u32, u32)) -> Self {
         let row = (1 << of_b.1) - 1;
         let left = (0..of_a.1).fold(0, |bits, x| bits | row << (4 * x));
@@ -41,16 +41,16 @@ fn bits(mut left: u32) -> impl Iterator<Item = u32> {
     })
 }
 
-impl<J: Judge> Search<'_, J> {
+impl<J: Judge> TreeSearch<'_, J> {
     /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by
     /// measuring. The proof returned is the best single direction, whether it proves the pair far
     /// enough or not.
-    pub(super) fn judge_leaves(&mut self, pair: Pair, normal: [f32; 3]) -> Proof {
+    pub(super) fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
         self.work.leaves += 1;
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
             return (normal, -f32::MAX);
         };
-        let mut open = Open::new((i, m), (j, n));
+        let mut open = OpenLeafPair::new((i, m), (j, n));
         for k in 0..3 {
             let known = self.directions.get(k).map(|d| d.map(|d| d.1));
             if let Some(n) = known.unwrap_or_else(|| self.own_direction(normal)) {
@@ -64,7 +64,7 @@ impl<J: Judge> Search<'_, J> {
             let bit = open.left.trailing_zeros();
             open.left &= open.left - 1;
             let (n, _) = self.measure([i + bit / 4, j + bit % 4]);
-            self.along(&mut open, &Direction::new(self.frame, &n));
+            self.along(&mut open, &TriedDirection::new(self.frame, &n));
         }
         match open.best {
             Some((n, gap)) => self.proof(&n, gap),
@@ -74,7 +74,7 @@ impl<J: Judge> Search<'_, J> {
 
     /// Passes by the pairs of items that a direction proves.
     #[inline(always)]
-    fn along(&mut self, open: &mut Open, n: &Direction) {
+    fn along(&mut self, open: &mut OpenLeafPair, n: &TriedDirection) {
         let (i, j) = (open.of_a.0, open.of_b.0);
         let lift = n.lift - self.frame.error;
         let (mut high, mut low) = ([f64::NEG_INFINITY; LEAF], [f64::INFINITY; LEAF]);

@@ -2,14 +2,14 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::frame::Frame;
-use super::front::Pair;
+use super::frame::TreeFrame;
+use super::front::NodePair;
 use super::mesh::Mesh;
 use super::outcome::{MeshFeature, MeshSpot};
 use super::parts::Parted;
 use super::search::{Judge, Measured};
 use super::shared::Touching;
-use super::state::Posed;
+use super::state::PosedTrees;
 use super::triangle::{self, Closest, Spot, Triangle, certainly_cross};
 use crate::num::scalar::{lesser, sqrt};
 use crate::pair::outcome::Outcome;
@@ -18,16 +18,16 @@ use crate::tracker::Tracker;
 use crate::tuning::composite::SHARP;
 
 /// Judges pairs of triangles.
-pub(super) struct MeshPair<'a> {
-    posed: &'a Posed<'a, Mesh, Mesh>,
+pub(super) struct TriangleJudge<'a> {
+    posed: &'a PosedTrees<'a, Mesh, Mesh>,
     /// The distance in question, in the caller's unit, if that is the question.
     within: Option<f64>,
     /// Pairs settled by polygons.
     settled: u64,
 }
 
-impl<'a> MeshPair<'a> {
-    pub(super) fn new(posed: &'a Posed<'a, Mesh, Mesh>, within: Option<f64>) -> Self {
+impl<'a> TriangleJudge<'a> {
+    pub(super) fn new(posed: &'a PosedTrees<'a, Mesh, Mesh>, within: Option<f64>) -> Self {
         Self {
             posed,
             within,
@@ -38,7 +38,7 @@ impl<'a> MeshPair<'a> {
     /// Two triangles as polygons, and the answer of the certified query for them, in A's stored
     /// units.
     #[cold]
-    fn settle(&mut self, frame: &Frame, pair: Pair, found: &Closest) -> Option<Measured<[Spot; 2]>> {
+    fn settle(&mut self, frame: &TreeFrame, pair: NodePair, found: &Closest) -> Option<Measured<[Spot; 2]>> {
         self.settled += 1;
         let (p, q) = self.polygons(pair)?;
         let o: Outcome = Tracker::new().closest(&p, &q, self.posed.pose);
@@ -58,7 +58,7 @@ impl<'a> MeshPair<'a> {
         .filter(|m| m.lower >= m.distance - frame.tie)
     }
 
-    fn polygons(&self, [i, j]: Pair) -> Option<(ConvexPolyhedron, ConvexPolyhedron)> {
+    fn polygons(&self, [i, j]: NodePair) -> Option<(ConvexPolyhedron, ConvexPolyhedron)> {
         let polygon = |mesh: &Mesh, t: u32| {
             let corners: [Point3<f64>; 3] = mesh.corners(t).map(|p| mesh.given(&p));
             ConvexPolyhedron::polygon(&corners).ok()
@@ -68,7 +68,7 @@ impl<'a> MeshPair<'a> {
 
     /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,
     /// if the bounds do not.
-    fn decide(&mut self, frame: &Frame, m: &mut Measured<[Spot; 2]>) {
+    fn decide(&mut self, frame: &TreeFrame, m: &mut Measured<[Spot; 2]>) {
         let Some(d) = self.within else { return };
         let stored = d / self.posed.a.unit();
         if m.lower > stored || m.upper <= stored {
@@ -91,7 +91,7 @@ impl<'a> MeshPair<'a> {
 }
 
 /// The triangles of a pair of items, and their features.
-pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: Pair, spots: [Spot; 2]) -> (MeshSpot, MeshSpot) {
+pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [Spot; 2]) -> (MeshSpot, MeshSpot) {
     (spot(a, i, spots[0]), spot(b, j, spots[1]))
 }
 
@@ -139,7 +139,7 @@ fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     (n.norm_squared() > 0.5).then_some(n)
 }
 
-impl Judge for MeshPair<'_> {
+impl Judge for TriangleJudge<'_> {
     type Features = [Spot; 2];
 
     #[inline(always)]
@@ -161,7 +161,7 @@ impl Judge for MeshPair<'_> {
         self.posed.shares_inside(touching, found)
     }
 
-    fn measure(&mut self, frame: &Frame, pair: Pair, known: f64) -> Measured<[Spot; 2]> {
+    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<[Spot; 2]> {
         let p = self.posed.a.corners(pair[0]);
         let local = self.posed.b.corners(pair[1]);
         let q = local.map(|x| frame.point(&x));

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::frame::Side;
+use super::frame::TreeSide;
 use super::mesh::Mesh;
 use super::pieces::Composite;
 use crate::num::fingerprint::Fingerprint;
@@ -64,7 +64,7 @@ pub trait Parted {
     fn by_kind(&self) -> PartsRef<'_>;
 
     /// Returns the body as its tree sees it.
-    fn side(&self) -> Side<'_>;
+    fn side(&self) -> TreeSide<'_>;
 
     /// Returns the number by which a tracker recognises the body.
     fn fingerprint(&self) -> Fingerprint;
@@ -116,8 +116,8 @@ impl Parted for Mesh {
         PartsRef::Mesh(self)
     }
 
-    fn side(&self) -> Side<'_> {
-        Side {
+    fn side(&self) -> TreeSide<'_> {
+        TreeSide {
             tree: &self.tree,
             exponent: self.exponent,
             radius: self.radius,
@@ -194,7 +194,7 @@ impl Parted for PartsRef<'_> {
         *self
     }
 
-    fn side(&self) -> Side<'_> {
+    fn side(&self) -> TreeSide<'_> {
         match self {
             Self::Mesh(x) => Parted::side(*x),
             Self::Pieces(x) => Parted::side(*x),

@@ -3,9 +3,9 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::bounds::{Bounds, bounds};
-use super::frame::Frame;
-use super::front::{Front, Pair};
+use super::bounds::{BoxGaps, bounds};
+use super::frame::TreeFrame;
+use super::front::{Front, NodePair};
 use super::heights::{height, unit};
 use super::shared::Touching;
 use super::tree::{Below, Tree};
@@ -34,13 +34,13 @@ pub(super) trait Judge {
 
     /// The distance of two items, with bounds that are proven: the lower one at most the frame's
     /// `tie` below the lesser of the distance and `known`, if any arithmetic can.
-    fn measure(&mut self, frame: &Frame, pair: Pair, known: f64) -> Measured<Self::Features>;
+    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<Self::Features>;
 }
 
 /// Two items and how far they are apart, in A's stored units.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measured<F> {
-    pub(super) pair: Pair,
+    pub(super) pair: NodePair,
     /// The distance as computed.
     pub(super) distance: f64,
     pub(super) lower: f64,
@@ -57,14 +57,14 @@ pub(super) struct Measured<F> {
 
 impl<F> Measured<F> {
     /// Whether the items are in contact as far as rounding can tell.
-    fn is_contact(&self, frame: &Frame) -> bool {
+    fn is_contact(&self, frame: &TreeFrame) -> bool {
         self.lower == 0.0 && self.upper <= 2.0 * frame.error
     }
 }
 
 /// The question.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Goal {
+pub(super) enum MeshGoal {
     /// The least distance.
     Least,
     /// Whether any pair is at most this far apart, in A's stored units.
@@ -72,19 +72,19 @@ pub(super) enum Goal {
 }
 
 /// A search in progress.
-pub(super) struct Search<'a, J: Judge> {
+pub(super) struct TreeSearch<'a, J: Judge> {
     pub(super) a: &'a Tree,
     pub(super) b: &'a Tree,
-    pub(super) frame: &'a Frame,
+    pub(super) frame: &'a TreeFrame,
     pub(super) judge: J,
-    pub(super) goal: Goal,
+    pub(super) goal: MeshGoal,
     /// The closest pair so far.
     pub(super) best: Option<Measured<J::Features>>,
     /// The least proven gap of all that was passed by below the distance.
     pub(super) lower: f64,
     /// The direction of the best pair, by which most others are proven. Of several pairs that are
     /// equally close, as in flush contact, the pairs whose directions proved the most lately.
-    pub(super) directions: [Option<(Pair, Direction)>; 2],
+    pub(super) directions: [Option<(NodePair, TriedDirection)>; 2],
     /// Pairs at distance zero, up to rounding, that were met.
     pub(super) touching: Touching,
     /// Whether contact without a crossing is all that is asked of the least distance: of surfaces,
@@ -99,7 +99,7 @@ pub(super) struct Search<'a, J: Judge> {
 
 /// A unit direction from A to B.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Direction {
+pub(super) struct TriedDirection {
     /// In A's stored frame and in B's.
     pub(super) in_a: Vector3<f64>,
     pub(super) in_b: Vector3<f64>,
@@ -107,9 +107,9 @@ pub(super) struct Direction {
     pub(super) lift: f64,
 }
 
-impl Direction {
+impl TriedDirection {
     #[inline(always)]
-    pub(super) fn new(frame: &Frame, n: &Vector3<f64>) -> Self {
+    pub(super) fn new(frame: &TreeFrame, n: &Vector3<f64>) -> Self {
         Self {
             in_a: *n,
             in_b: frame.direction_in_b(n),
@@ -119,10 +119,10 @@ impl Direction {
 }
 
 /// A direction and a gap along it that are proven, in single precision.
-pub(super) type Proof = ([f32; 3], f32);
+pub(super) type GapProof = ([f32; 3], f32);
 
-impl<'a, J: Judge> Search<'a, J> {
-    pub(super) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a Frame, judge: J, goal: Goal) -> Self {
+impl<'a, J: Judge> TreeSearch<'a, J> {
+    pub(super) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a TreeFrame, judge: J, goal: MeshGoal) -> Self {
         let mut search = Self {
             a,
             b,
@@ -145,8 +145,8 @@ impl<'a, J: Judge> Search<'a, J> {
     /// The gap that a pair must exceed to be passed by, in A's stored units.
     pub(super) fn level(&self) -> f64 {
         match self.goal {
-            Goal::Within(d) => d,
-            Goal::Least => self.best.as_ref().map_or(f64::INFINITY, |b| b.distance),
+            MeshGoal::Within(d) => d,
+            MeshGoal::Least => self.best.as_ref().map_or(f64::INFINITY, |b| b.distance),
         }
     }
 
@@ -154,8 +154,8 @@ impl<'a, J: Judge> Search<'a, J> {
     fn single_level(&self) -> f32 {
         let level = self.frame.single_up(self.level());
         match self.goal {
-            Goal::Least => level,
-            Goal::Within(_) => level.next_up(),
+            MeshGoal::Least => level,
+            MeshGoal::Within(_) => level.next_up(),
         }
     }
 
@@ -163,13 +163,13 @@ impl<'a, J: Judge> Search<'a, J> {
     pub(super) fn is_over(&self) -> bool {
         let Some(best) = &self.best else { return false };
         match self.goal {
-            Goal::Least => best.crosses || self.ends_in_contact && best.is_contact(self.frame),
-            Goal::Within(d) => best.upper <= d,
+            MeshGoal::Least => best.crosses || self.ends_in_contact && best.is_contact(self.frame),
+            MeshGoal::Within(d) => best.upper <= d,
         }
     }
 
     /// Measures a pair of items and keeps it if it is closer than any before.
-    pub(super) fn measure(&mut self, pair: Pair) -> (Vector3<f64>, f64) {
+    pub(super) fn measure(&mut self, pair: NodePair) -> (Vector3<f64>, f64) {
         self.work.measured += 1;
         let found = self.judge.measure(self.frame, pair, self.level());
         let result = (found.normal, found.lower);
@@ -179,7 +179,7 @@ impl<'a, J: Judge> Search<'a, J> {
         let level = self.best.as_ref().map_or(f64::INFINITY, |b| b.distance);
         let is_tie = found.distance <= level + self.frame.tie;
         let is_closer = found.distance < level || found.crosses && self.best.as_ref().is_some_and(|b| !b.crosses);
-        let own = Some((pair, Direction::new(self.frame, &found.normal)));
+        let own = Some((pair, TriedDirection::new(self.frame, &found.normal)));
         if found.distance < level - self.frame.tie || self.best.is_none() {
             self.directions = [own, None];
         } else if is_tie {
@@ -218,8 +218,8 @@ impl<'a, J: Judge> Search<'a, J> {
     #[inline(always)]
     pub(super) fn passes(&mut self, gap: f64) -> bool {
         let passes = match self.goal {
-            Goal::Least => gap >= self.level() - self.frame.tie,
-            Goal::Within(d) => gap > d,
+            MeshGoal::Least => gap >= self.level() - self.frame.tie,
+            MeshGoal::Within(d) => gap > d,
         };
         if passes {
             self.lower = self.lower.min(gap);
@@ -228,14 +228,14 @@ impl<'a, J: Judge> Search<'a, J> {
     }
 
     /// Bounds up to eight pairs of boxes.
-    pub(super) fn bound(&mut self, pairs: &[Pair]) -> Bounds {
+    pub(super) fn bound(&mut self, pairs: &[NodePair]) -> BoxGaps {
         self.work.bounds += pairs.len() as u64;
         bounds(&self.frame.single, (self.a, self.b), pairs)
     }
 
     /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
     #[inline(always)]
-    pub(super) fn settle(&mut self, pair: Pair, gap: f32, normal: [f32; 3]) -> Option<Proof> {
+    pub(super) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
         let proven = gap - self.frame.single.error;
         if proven >= self.single {
             return Some((normal, proven));
@@ -244,7 +244,7 @@ impl<'a, J: Judge> Search<'a, J> {
     }
 
     #[inline(never)]
-    fn settle_close(&mut self, pair: Pair, gap: f32, normal: [f32; 3]) -> Option<Proof> {
+    fn settle_close(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
         let (error, level) = (self.frame.single.error, self.single);
         let is_close = gap + 3.0 * error >= level || level < 8.0 * error;
         for k in 0..if is_close { 2 } else { 0 } {
@@ -264,7 +264,7 @@ impl<'a, J: Judge> Search<'a, J> {
 
     /// Tries to prove a node of one body against the only item of the other, by the height of the
     /// item itself: a box about a round body is much larger than the body.
-    fn by_support(&mut self, [x, y]: Pair, gap: f32, normal: [f32; 3]) -> Option<Proof> {
+    fn by_support(&mut self, [x, y]: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
         let (is_a, is_b) = (self.a.is_alone(), self.b.is_alone());
         let reach = match (is_a, is_b) {
             (true, _) => self.a.boxes[0].radius() * self.frame.single.scale_a,
@@ -296,13 +296,13 @@ impl<'a, J: Judge> Search<'a, J> {
     }
 
     /// The direction along which two boxes are parted best.
-    pub(super) fn own_direction(&self, normal: [f32; 3]) -> Option<Direction> {
+    pub(super) fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
         let n = unit(&Vector3::from(normal.map(f64::from)))?;
-        Some(Direction::new(self.frame, &n))
+        Some(TriedDirection::new(self.frame, &n))
     }
 
     /// A direction and a gap in double precision, as an entry of the front keeps them.
-    pub(super) fn proof(&self, n: &Vector3<f64>, gap: f64) -> Proof {
+    pub(super) fn proof(&self, n: &Vector3<f64>, gap: f64) -> GapProof {
         // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
         // precision is far more.
         let gap = (gap * self.frame.single.per_unit) as f32 - self.frame.single.error;
@@ -312,7 +312,7 @@ impl<'a, J: Judge> Search<'a, J> {
     /// The gap of two nodes along a direction in double precision, error taken off: by boxes and
     /// slabs, and if the gap is short by no more than single precision can hide, by the vertices of
     /// small nodes.
-    fn look(&mut self, [x, y]: Pair, n: &Direction) -> f64 {
+    fn look(&mut self, [x, y]: NodePair, n: &TriedDirection) -> f64 {
         self.work.looks += 1;
         let lift = n.lift - 2.0 * self.frame.error;
         let (mut low, mut high) = (-height(self.b, y, &-n.in_b), height(self.a, x, &n.in_a));
@@ -338,7 +338,7 @@ impl<'a, J: Judge> Search<'a, J> {
 
     /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the
     /// front, if one is kept.
-    pub(super) fn descend(&mut self, stack: &mut Vec<Pair>, mut front: Option<&mut Front>) {
+    pub(super) fn descend(&mut self, stack: &mut Vec<NodePair>, mut front: Option<&mut Front>) {
         while !stack.is_empty() && !self.is_over() {
             let mut halves = [[0; 2]; 2 * AT_ONCE];
             let mut count = 0;
@@ -377,7 +377,7 @@ impl<'a, J: Judge> Search<'a, J> {
     }
 
     /// Both roots, settled or on the stack.
-    pub(super) fn start(&mut self, stack: &mut Vec<Pair>, front: Option<&mut Front>) {
+    pub(super) fn start(&mut self, stack: &mut Vec<NodePair>, front: Option<&mut Front>) {
         stack.clear();
         let root = [0, 0];
         let found = self.bound(&[root]);
@@ -430,7 +430,7 @@ impl<'a, J: Judge> Search<'a, J> {
 }
 
 /// The two halves of a pair: of the larger box, unless that is a leaf.
-pub(super) fn split_pair((a, b): (&Tree, &Tree), frame: &Frame, [x, y]: Pair) -> Option<[Pair; 2]> {
+pub(super) fn split_pair((a, b): (&Tree, &Tree), frame: &TreeFrame, [x, y]: NodePair) -> Option<[NodePair; 2]> {
     let of_a = a.boxes[x as usize].radius() * frame.single.scale_a;
     let of_b = b.boxes[y as usize].radius() * frame.single.scale_b;
     match (a.below(x), b.below(y)) {
@@ -443,7 +443,7 @@ pub(super) fn split_pair((a, b): (&Tree, &Tree), frame: &Frame, [x, y]: Pair) ->
 }
 
 /// Puts a pair into a list sorted by gap; the last one falls out.
-fn keep(list: &mut [(f32, Pair, [f32; 3]); AT_ONCE], new: (f32, Pair, [f32; 3])) {
+fn keep(list: &mut [(f32, NodePair, [f32; 3]); AT_ONCE], new: (f32, NodePair, [f32; 3])) {
     if new.0 < list[AT_ONCE - 1].0 {
         list[AT_ONCE - 1] = new;
         list.sort_by(|p, q| p.0.total_cmp(&q.0));

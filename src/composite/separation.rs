@@ -7,13 +7,13 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::ahead::Ahead;
+use super::ahead::LookAhead;
 use super::kept::Kept;
 use super::mesh::Mesh;
 use super::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 use super::parts::{Parted, PartsRef};
 use super::pieces::{CompositeOutcome, CompositeTracker};
-use super::state::Posed;
+use super::state::PosedTrees;
 use super::tracker::MeshTracker;
 use crate::num::scalar::sqrt;
 use crate::polyhedron::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
@@ -134,9 +134,9 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
     if span < flight.span
         && seen.lower > flight.keep
         && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
-        && let Some(posed) = Posed::new(a, b, &pose)
+        && let Some(posed) = PosedTrees::new(a, b, &pose)
     {
-        span = span.max(Ahead::new(&posed, flight, apart.noise, apart.radii).span(kept, seen));
+        span = span.max(LookAhead::new(&posed, flight, apart.noise, apart.radii).span(kept, seen));
     }
     Free {
         span: span * tick,

@@ -7,19 +7,19 @@
 
 use nalgebra::Vector3;
 
-use super::front::Pair;
+use super::front::NodePair;
 use super::heights::height;
 use super::mesh::Mesh;
 use super::parts::{Parted, PartsRef};
 use super::search::Measured;
-use super::state::{Inside, Posed};
+use super::state::{Inside, PosedTrees};
 use super::triangle::{self, Triangle};
 use crate::num::scalar::sqrt;
 use crate::tuning::composite::{PARTED, SPREAD, TOUCHES};
 
 /// Pairs of items at distance zero, up to rounding.
 pub(super) struct Touching {
-    pairs: [Pair; TOUCHES],
+    pairs: [NodePair; TOUCHES],
     count: usize,
 }
 
@@ -29,14 +29,14 @@ impl Touching {
         count: 0,
     };
 
-    pub(super) fn push(&mut self, pair: Pair) {
+    pub(super) fn push(&mut self, pair: NodePair) {
         if self.count < TOUCHES {
             self.pairs[self.count] = pair;
             self.count += 1;
         }
     }
 
-    fn pairs(&self) -> &[Pair] {
+    fn pairs(&self) -> &[NodePair] {
         &self.pairs[..self.count]
     }
 }
@@ -89,7 +89,7 @@ fn spread(mesh: &Mesh) -> impl Iterator<Item = u32> {
     (0..count as u32).step_by(count.div_ceil(SPREAD))
 }
 
-impl<A: Parted, B: Parted> Posed<'_, A, B> {
+impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
     /// Whether two solids certainly share inner points, and the winding numbers taken of parts.
     /// `found`: a contact.
     ///

@@ -2,11 +2,11 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::frame::{Frame, Side};
-use super::front::Pair;
+use super::frame::{TreeFrame, TreeSide};
+use super::front::NodePair;
 use super::kept::Kept;
 use super::parts::Parted;
-use super::search::{Goal, Judge, Measured, Search};
+use super::search::{Judge, Measured, MeshGoal, TreeSearch};
 use super::shared::Touching;
 use crate::motion::BallAtPose;
 use crate::num::count::Counter;
@@ -18,7 +18,7 @@ use crate::pose::{Operand, RelativePose};
 /// alone: claims in a file prove nothing.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct State {
+pub(super) struct TreeState {
     #[cfg_attr(feature = "serde", serde(skip))]
     fingerprints: [Fingerprint; 2],
     pub(super) kept: Kept,
@@ -28,11 +28,11 @@ pub(super) struct State {
 }
 
 /// Two bodies at a pose.
-pub(super) struct Posed<'a, A, B> {
+pub(super) struct PosedTrees<'a, A, B> {
     pub(super) a: &'a A,
     pub(super) b: &'a B,
     pub(super) pose: &'a RelativePose,
-    pub(super) frame: Frame,
+    pub(super) frame: TreeFrame,
 }
 
 /// The closest points, in the caller's units and the bodies' own frames.
@@ -42,7 +42,7 @@ pub(super) struct Answer<F> {
     pub(super) lower: f64,
     pub(super) upper: f64,
     /// The closest items and their features; `None` for bodies too far apart to look at.
-    pub(super) of: Option<(Pair, F)>,
+    pub(super) of: Option<(NodePair, F)>,
     pub(super) point_on_a: Point3<f64>,
     pub(super) point_on_b: Point3<f64>,
     pub(super) normal: Unit<Vector3<f64>>,
@@ -57,22 +57,22 @@ pub(super) enum Inside {
     Unclear,
 }
 
-impl<'a, A: Parted, B: Parted> Posed<'a, A, B> {
+impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the range
     /// of f64.
     pub(super) fn new(a: &'a A, b: &'a B, pose: &'a RelativePose) -> Option<Self> {
-        let frame = Frame::new(a.side(), b.side(), pose)?;
+        let frame = TreeFrame::new(a.side(), b.side(), pose)?;
         Some(Self { a, b, pose, frame })
     }
 
     /// Whether the pair is answered as B and A: lengths leave the range in the unit of A, and B's
     /// is larger.
     pub(super) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
-        a.side().exponent < b.side().exponent && Frame::new(a.side(), b.side(), pose).is_none()
+        a.side().exponent < b.side().exponent && TreeFrame::new(a.side(), b.side(), pose).is_none()
     }
 
-    fn search<J: Judge>(&self, judge: J, goal: Goal) -> Search<'_, J> {
-        let mut search = Search::new((self.a.side().tree, self.b.side().tree), &self.frame, judge, goal);
+    fn search<J: Judge>(&self, judge: J, goal: MeshGoal) -> TreeSearch<'_, J> {
+        let mut search = TreeSearch::new((self.a.side().tree, self.b.side().tree), &self.frame, judge, goal);
         search.ends_in_contact = !(self.a.is_solid() && self.b.is_solid());
         search
     }
@@ -131,7 +131,7 @@ impl<'a, A: Parted, B: Parted> Posed<'a, A, B> {
     pub(super) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> Answer<F> {
         let (distance, slack, normal) = super::frame::far(a.side(), b.side(), pose);
         let lower = (distance - slack).max(0.0);
-        let middle = |side: Side, unit: f64| Point3::from(side.tree.centre * unit);
+        let middle = |side: TreeSide, unit: f64| Point3::from(side.tree.centre * unit);
         Answer {
             class: if lower > 0.0 {
                 Class::Separated
@@ -155,7 +155,7 @@ fn probes<A: Parted>(body: &A, part: usize) -> impl Iterator<Item = Vector3<f64>
     body.probe(part).into_iter().chain(middles)
 }
 
-impl State {
+impl TreeState {
     /// Forgets the state of other bodies; returns whether anything was forgotten.
     pub(super) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> bool {
         let fingerprints = [a.fingerprint(), b.fingerprint()];
@@ -171,13 +171,13 @@ impl State {
     /// The closest points, by the front if there is one.
     pub(super) fn closest<A: Parted, B: Parted, J: Judge>(
         &mut self,
-        posed: &Posed<A, B>,
+        posed: &PosedTrees<A, B>,
         judge: J,
     ) -> Answer<J::Features> {
-        let mut search = posed.search(judge, Goal::Least);
+        let mut search = posed.search(judge, MeshGoal::Least);
         self.kept.closest(&mut search);
         let Some(best) = search.best else {
-            return Posed::far(posed.a, posed.b, posed.pose);
+            return PosedTrees::far(posed.a, posed.b, posed.pose);
         };
         let unit = posed.a.stored_unit();
         let mut answer = Answer {
@@ -201,7 +201,7 @@ impl State {
     /// From the closest parts of bodies that do not cross to the class of the bodies.
     fn conclude<A: Parted, B: Parted, F>(
         &mut self,
-        posed: &Posed<A, B>,
+        posed: &PosedTrees<A, B>,
         touching: &Touching,
         best: &Measured<F>,
         answer: &mut Answer<F>,
@@ -224,7 +224,7 @@ impl State {
     }
 
     /// Whether one body is inside the other, whose surfaces are proven to be `lower` apart.
-    fn held<A: Parted, B: Parted>(&mut self, posed: &Posed<A, B>, lower: f64) -> Inside {
+    fn held<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>, lower: f64) -> Inside {
         let now = posed.place();
         // Surfaces that were proven apart cannot have met on the way if no point went as far.
         let carried = self
@@ -236,7 +236,7 @@ impl State {
         inside
     }
 
-    fn inside<A: Parted, B: Parted>(&mut self, posed: &Posed<A, B>, lower: f64) -> Inside {
+    fn inside<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>, lower: f64) -> Inside {
         let (inside, windings) = posed.inside(lower);
         self.kept.work.windings.count(windings);
         inside
@@ -245,7 +245,7 @@ impl State {
     /// Whether solids that touch certainly share inner points.
     fn shares_inside<A: Parted, B: Parted, F>(
         &mut self,
-        posed: &Posed<A, B>,
+        posed: &PosedTrees<A, B>,
         touching: &Touching,
         best: &Measured<F>,
     ) -> bool {
@@ -255,19 +255,24 @@ impl State {
     }
 
     /// Whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
-    pub(super) fn within<A: Parted, B: Parted, J: Judge>(&mut self, posed: &Posed<A, B>, judge: J, d: f64) -> bool {
+    pub(super) fn within<A: Parted, B: Parted, J: Judge>(
+        &mut self,
+        posed: &PosedTrees<A, B>,
+        judge: J,
+        d: f64,
+    ) -> bool {
         if let Some((lower, then)) = &self.free
             && lower - posed.place().displacement(then) > d
         {
             return false;
         }
-        let mut search = posed.search(judge, Goal::Within(d));
+        let mut search = posed.search(judge, MeshGoal::Within(d));
         // Else all parts are proven farther apart than `d`.
         self.kept.is_within(&mut search) || !matches!(self.inside(posed, d), Inside::No)
     }
 
     /// A lower bound of the distance in the caller's unit, by the state alone.
-    pub(super) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &Posed<A, B>) -> f64 {
+    pub(super) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) -> f64 {
         if self.kept.front.is_empty() {
             return 0.0;
         }

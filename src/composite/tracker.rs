@@ -4,8 +4,8 @@ use super::audit::{FrontFault, audit};
 use super::kept::Kept;
 use super::mesh::Mesh;
 use super::outcome::MeshOutcome;
-use super::pair::{MeshPair, spots};
-use super::state::{Answer, Posed, State};
+use super::pair::{TriangleJudge, spots};
+use super::state::{Answer, PosedTrees, TreeState};
 use super::triangle::Spot;
 use super::work::MeshWork;
 use crate::num::count::Counter;
@@ -40,7 +40,7 @@ use crate::pose::RelativePose;
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct MeshTracker {
-    state: State,
+    state: TreeState,
 }
 
 impl MeshTracker {
@@ -84,7 +84,7 @@ impl MeshTracker {
     ///
     /// The first claim that is false, or a pair that is not covered.
     pub fn audit(&self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Result<(), FrontFault> {
-        match Posed::new(a, b, a_from_b) {
+        match PosedTrees::new(a, b, a_from_b) {
             Some(posed) if self.front_len() > 0 => audit(&self.state.kept.front, a, b, &posed.frame),
             _ => Ok(()),
         }
@@ -124,14 +124,14 @@ impl MeshTracker {
     /// itself. Bodies in contact end the search early: surfaces at the first pair in contact,
     /// solids after 128 of them if inner points of both are found.
     pub fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> MeshOutcome {
-        if Posed::is_turned(a, b, a_from_b) {
+        if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
         }
         self.state.recognise(a, b);
         self.state.kept.work.queries.count(1);
-        let answer = match Posed::new(a, b, a_from_b) {
-            Some(posed) => self.state.closest(&posed, MeshPair::new(&posed, None)),
-            None => Posed::far(a, b, a_from_b),
+        let answer = match PosedTrees::new(a, b, a_from_b) {
+            Some(posed) => self.state.closest(&posed, TriangleJudge::new(&posed, None)),
+            None => PosedTrees::far(a, b, a_from_b),
         };
         outcome(a, b, &answer)
     }
@@ -163,28 +163,28 @@ impl MeshTracker {
         if !(d >= 0.0) {
             return false;
         }
-        if Posed::is_turned(a, b, a_from_b) {
+        if PosedTrees::is_turned(a, b, a_from_b) {
             return self.within(b, a, &a_from_b.swapped(), d);
         }
         self.state.recognise(a, b);
         self.state.kept.work.queries.count(1);
-        match Posed::new(a, b, a_from_b) {
+        match PosedTrees::new(a, b, a_from_b) {
             Some(posed) => {
-                let judge = MeshPair::new(&posed, Some(d));
+                let judge = TriangleJudge::new(&posed, Some(d));
                 self.state.within(&posed, judge, d / a.unit())
             }
-            None => Posed::far::<()>(a, b, a_from_b).lower <= d,
+            None => PosedTrees::far::<()>(a, b, a_from_b).lower <= d,
         }
     }
 
     /// Returns a lower bound of the distance in one pass over the front, without looking for the
     /// closest pair; zero if nothing better is known.
     pub fn lower_bound(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> f64 {
-        if Posed::is_turned(a, b, a_from_b) {
+        if PosedTrees::is_turned(a, b, a_from_b) {
             return self.lower_bound(b, a, &a_from_b.swapped());
         }
         self.state.recognise(a, b);
-        Posed::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
+        PosedTrees::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
     }
 }
 

@@ -75,7 +75,7 @@ pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, Spot) {
         spots: [Spot::Vertex(0); 2],
         pierces: false,
     };
-    Sides::new(y).closest_to(point, &Vector3::zeros(), 0, &mut best);
+    TriangleSides::new(y).closest_to(point, &Vector3::zeros(), 0, &mut best);
     let n = normal(y);
     let (square, height) = (n.norm_squared(), n.dot(&(point - y[0])));
     if height * height < best.square * square && is_over(point, y, &n) {
@@ -105,21 +105,21 @@ pub(super) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>)
 /// The closest points of the nine pairs of edges.
 #[inline(always)]
 fn edges(p: &Triangle, q: &Triangle, best: &mut Closest) {
-    let sides = Sides::new(q);
+    let sides = TriangleSides::new(q);
     for i in 0..3 {
         sides.closest_to(&p[i], &(p[[1, 2, 0][i]] - p[i]), i, best);
     }
 }
 
 /// The three edges of a triangle, side by side.
-struct Sides<'a> {
+struct TriangleSides<'a> {
     corners: &'a Triangle,
     from: [f64x4; 3],
     along: [f64x4; 3],
     square: f64x4,
 }
 
-impl<'a> Sides<'a> {
+impl<'a> TriangleSides<'a> {
     #[inline(always)]
     fn new(corners: &'a Triangle) -> Self {
         let [a, b, c] = corners;

@@ -65,7 +65,7 @@ pub(super) struct Circle {
 
 /// A facet in contact coordinates: vertices of a polygon, ends of a segment, points of a rim; none
 /// for a point.
-pub(super) struct Patch {
+pub(super) struct ProjectedFacet {
     pub(super) feature: Feature,
     pub(super) count: usize,
     pub(super) points: [[f64; 3]; LARGE],
@@ -77,7 +77,7 @@ pub(super) struct Patch {
     fall: [f64; 2],
 }
 
-impl Patch {
+impl ProjectedFacet {
     fn empty(feature: Feature) -> Self {
         Self {
             feature,

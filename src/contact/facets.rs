@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 use super::axes::Axes;
 use super::candidates::{Candidates, ContactCandidate, Location};
 use super::clip::crossing;
-use super::facet::{Facet, Patch};
+use super::facet::{Facet, ProjectedFacet};
 use super::reduce::reduce;
 use super::{ContactPoint, Contacts, MOST_POINTS, Manifold, Query, tangents_of};
 use crate::num::scalar::sqrt;
@@ -42,7 +42,7 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     contacts.points[0].separation = distance;
     let previous = before.features();
     let patch = |side: usize, closest, previous| {
-        Patch::new(&facets[side], &axes[side], closest, (query.options, previous), side)
+        ProjectedFacet::new(&facets[side], &axes[side], closest, (query.options, previous), side)
     };
     let patches = [
         patch(0, outcome.features.a, previous.map(|f| f.a)),
@@ -106,7 +106,7 @@ fn axes_of(query: &Query, outcome: &Outcome) -> ([Axes; 2], f64) {
 fn choose(
     query: &Query,
     outcome: &Outcome,
-    (axes, patches): (&[Axes; 2], &[Patch; 2]),
+    (axes, patches): (&[Axes; 2], &[ProjectedFacet; 2]),
     (candidates, tie): (&Candidates, f64),
     before: &Manifold,
     contacts: &mut Contacts,
@@ -140,7 +140,7 @@ fn choose(
     }
 }
 
-fn contact(candidate: &ContactCandidate, axes: &[Axes; 2], patches: &[Patch; 2]) -> ContactPoint {
+fn contact(candidate: &ContactCandidate, axes: &[Axes; 2], patches: &[ProjectedFacet; 2]) -> ContactPoint {
     let point = |side: usize| {
         let on = candidate.on[side];
         let height = match on.as_vertex() {
@@ -161,7 +161,7 @@ fn contact(candidate: &ContactCandidate, axes: &[Axes; 2], patches: &[Patch; 2])
 }
 
 /// Adds the vertices of the common part of two facets.
-fn clip(patches: &[Patch; 2], noise: f64, parallel: (f64, f64), candidates: &mut Candidates) {
+fn clip(patches: &[ProjectedFacet; 2], noise: f64, parallel: (f64, f64), candidates: &mut Candidates) {
     let [a, b] = patches;
     if a.is_segment() && b.is_segment() {
         overlap(patches, parallel, candidates);
@@ -218,7 +218,7 @@ fn clip(patches: &[Patch; 2], noise: f64, parallel: (f64, f64), candidates: &mut
 
 /// Calls `take` with the crossings of a straight edge and the rim of a round face, entry (0) and
 /// exit (1).
-fn cross_rim(of: &Patch, edge: usize, round: &Patch, mut take: impl FnMut([f64; 2], usize)) {
+fn cross_rim(of: &ProjectedFacet, edge: usize, round: &ProjectedFacet, mut take: impl FnMut([f64; 2], usize)) {
     let Some(circle) = &round.circle else { return };
     let [p, q] = of.ends(edge);
     let (from, to) = (round.spoke(circle, [p[0], p[1]]), round.spoke(circle, [q[0], q[1]]));
@@ -240,7 +240,7 @@ fn cross_rim(of: &Patch, edge: usize, round: &Patch, mut take: impl FnMut([f64; 
 
 /// Calls `take` with the two crossings of the rims of two round faces: of the circles, then by
 /// Newton's method of their projections.
-fn cross_rims(a: &Patch, b: &Patch, mut take: impl FnMut([f64; 2], usize)) {
+fn cross_rims(a: &ProjectedFacet, b: &ProjectedFacet, mut take: impl FnMut([f64; 2], usize)) {
     let (Some(first), Some(second)) = (&a.circle, &b.circle) else {
         return;
     };
@@ -273,8 +273,8 @@ fn cross_rims(a: &Patch, b: &Patch, mut take: impl FnMut([f64; 2], usize)) {
 /// Adds the ends of the overlap of two nearly parallel segments; of others nothing, as they cross
 /// at the witnesses. Ends whose squared distance beside the other segment exceeds `beside` are left
 /// out: the surface about a generator has sagged below the generator by more than rounding there.
-fn overlap([a, b]: &[Patch; 2], (sine, beside): (f64, f64), candidates: &mut Candidates) {
-    let direction = |patch: &Patch| {
+fn overlap([a, b]: &[ProjectedFacet; 2], (sine, beside): (f64, f64), candidates: &mut Candidates) {
+    let direction = |patch: &ProjectedFacet| {
         let [p, q] = patch.ends(0);
         [q[0] - p[0], q[1] - p[1]]
     };

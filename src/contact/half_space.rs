@@ -146,7 +146,7 @@ impl HalfSpace {
     /// with bounds that include all rounding. Bounds that straddle zero count as touching.
     #[must_use]
     pub fn distance(&self, body: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        Placed::new(self, body, a_from_b).distance()
+        PlacedPlane::new(self, body, a_from_b).distance()
     }
 
     /// Returns the contacts of a body within `options.prediction`: corners of the face at the
@@ -159,7 +159,7 @@ impl HalfSpace {
         a_from_b: &RelativePose,
         options: &ManifoldOptions,
     ) -> HalfSpaceContacts {
-        let placed = Placed::new(self, body, a_from_b);
+        let placed = PlacedPlane::new(self, body, a_from_b);
         let (distance, lowest) = (placed.distance(), placed.contact(placed.lowest));
         let mut contacts = HalfSpaceContacts {
             distance,
@@ -175,7 +175,7 @@ impl HalfSpace {
 }
 
 /// A body over a half-space.
-struct Placed<'a> {
+struct PlacedPlane<'a> {
     space: &'a HalfSpace,
     body: &'a ConvexPolyhedron,
     pose: &'a RelativePose,
@@ -184,7 +184,7 @@ struct Placed<'a> {
     lowest: VertexId,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedPlane<'a> {
     fn new(space: &'a HalfSpace, body: &'a ConvexPolyhedron, pose: &'a RelativePose) -> Self {
         let down = -pose.rotation().tr_mul(&space.normal);
         let lowest = body.support_certified(&down, body.lookup.cell(&down)).vertex;

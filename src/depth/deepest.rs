@@ -9,9 +9,9 @@ use crate::tolerance::{AGREE_DEPTH, AGREE_WITNESS, UNIT};
 
 use crate::depth::foot::{WitnessPoints, foot};
 use crate::depth::result::{Best, SearchEnd};
-use crate::depth::search::Search;
+use crate::depth::search::DepthSearch;
 
-impl<T: Scalar> Search<'_, T> {
+impl<T: Scalar> DepthSearch<'_, T> {
     /// Returns the deepest points and three vertices of their facet.
     ///
     /// If the features of the best direction do not contain the deepest points, they are the

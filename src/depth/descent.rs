@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
 use crate::num::scalar::{Vec3, sqrt};
-use crate::pair::edge::Edge;
+use crate::pair::edge::EdgeSpan;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::star::falls_into_both_faces;
@@ -185,7 +185,7 @@ fn leaving_edge(
 struct EdgeFacet<'a, 'b> {
     posed: &'a PosedPair<'b>,
     names: (EdgeId, EdgeId),
-    edges: (Edge<'a>, Edge<'a>),
+    edges: (EdgeSpan<'a>, EdgeSpan<'a>),
     /// The edges as vectors: of A in A's frame, of B in A's frame, and of A in B's frame.
     u: PackedVec3,
     w: PackedVec3,
@@ -202,7 +202,7 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
     /// Returns the facet of an edge of A and an edge of B; `None` if the edges are parallel.
     #[inline]
     fn new(posed: &'a PosedPair<'b>, e: EdgeId, g: EdgeId) -> Option<Self> {
-        let (ea, eb) = (Edge::new(posed.a, e), Edge::new(posed.b, g));
+        let (ea, eb) = (EdgeSpan::new(posed.a, e), EdgeSpan::new(posed.b, g));
         let (p, q) = (PackedVec3::new(&ea.p), PackedVec3::new(&eb.p));
         let (u, w_in_b) = (PackedVec3::new(&ea.q) - p, PackedVec3::new(&eb.q) - q);
         let w = posed.rotation.times(w_in_b);

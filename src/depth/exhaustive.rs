@@ -17,7 +17,7 @@ use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root};
 use crate::num::sign::side;
 use crate::pair::difference::difference_point;
 use crate::pair::draft::Draft;
-use crate::pair::edge::Edge;
+use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, FeaturePair, HalfEdgeId, VertexId};
@@ -59,14 +59,14 @@ fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Optio
     let of_a = a.faces().map(|f| FeaturePair::vertex_face(Operand::B, VertexId(0), f));
     let of_b = b.faces().map(|f| FeaturePair::vertex_face(Operand::A, VertexId(0), f));
     let mut pairs: Vec<FeaturePair> = of_a.chain(of_b).collect();
-    let on_b: Vec<_> = b.edges().map(|g| (g, Edge::new(b, g))).collect();
+    let on_b: Vec<_> = b.edges().map(|g| (g, EdgeSpan::new(b, g))).collect();
     let too_many = pairs.len() > MAX_MEASURED || a.edges().count() * on_b.len() > MAX_EDGE_PAIRS;
     if too_many || ![a, b].into_iter().all(has_flat_faces) {
         return None;
     }
     let mut doubtful = 0;
     for e in a.edges() {
-        let on_a = Edge::new(a, e);
+        let on_a = EdgeSpan::new(a, e);
         let along_a = posed.vector_in_b(&(on_a.q - on_a.p));
         for (g, on_b) in &on_b {
             let along_b = posed.vector_in_a(&(on_b.q - on_b.p));
@@ -123,7 +123,7 @@ fn may_share_normal(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: EdgeI
     !(rises_a || falls_b) || !(falls_a || rises_b)
 }
 
-impl Edge<'_> {
+impl EdgeSpan<'_> {
     /// Returns whether some normal of the edge, between the normals of the two faces, may be
     /// perpendicular to `v`: false if `v` certainly rises along both face normals or certainly
     /// falls along both.

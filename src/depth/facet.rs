@@ -10,7 +10,7 @@ use crate::num::packed::PackedVec3;
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, sqrt};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::difference::difference_point;
-use crate::pair::edge::Edge;
+use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
@@ -79,7 +79,7 @@ fn height_of_edges(posed: &PosedPair, facet: FeaturePair) -> Option<(Vector3<f64
     let (Feature::Edge(e), Feature::Edge(g), true) = (facet.a, facet.b, posed.same_scale()) else {
         return None;
     };
-    let (a, b) = (Edge::new(posed.a, e), Edge::new(posed.b, g));
+    let (a, b) = (EdgeSpan::new(posed.a, e), EdgeSpan::new(posed.b, g));
     let u = a.q - a.p;
     let (v, at_b) = (posed.vector_in_a(&(b.q - b.p)), posed.point_in_a(&b.p));
     let n = u.cross(&v);

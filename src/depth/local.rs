@@ -14,14 +14,14 @@
 use crate::depth::descent::{Descent, LowFacet, descend};
 use crate::depth::foot::{flush, foot, sample_rim};
 use crate::depth::memory::Memory;
-use crate::depth::nearest::{Nearest, touch_or_open};
+use crate::depth::nearest::{NearestFeature, touch_or_open};
 use crate::depth::result::{Best, SearchResult};
 use crate::depth::write_overlap;
 use crate::minimum::overlap_proof::OverlapProof;
 use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
 use crate::pair::draft::Draft;
-use crate::pair::edge::Edge;
+use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{Feature, FeaturePair};
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
@@ -33,14 +33,14 @@ pub(crate) fn local_depth(
     from: FeaturePair,
     (memory, proof): (&mut Memory, &mut Option<OverlapProof>),
     draft: &mut Draft,
-) -> Nearest {
+) -> NearestFeature {
     if !posed.same_scale() {
-        return Nearest::Open(None);
+        return NearestFeature::Open(None);
     }
     let facet = match descend(posed, from, &mut draft.work.facets) {
         Descent::Facet(facet) => facet,
-        Descent::Outside(facet) => return Nearest::Apart(facet),
-        Descent::Lost => return Nearest::Open(None),
+        Descent::Outside(facet) => return NearestFeature::Apart(facet),
+        Descent::Lost => return NearestFeature::Open(None),
     };
     let Some(found) = overlap_at(posed, &facet, proof, draft) else {
         return touch_or_open(posed, &facet, draft);
@@ -48,7 +48,7 @@ pub(crate) fn local_depth(
     memory.clear();
     memory.move_to(facet.features);
     write_overlap(posed, &found, draft);
-    Nearest::Proven
+    NearestFeature::Proven
 }
 
 /// Returns the height of a facet as the depth if the bodies are proven to overlap.
@@ -107,7 +107,7 @@ fn pyramid_radius(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) -> Op
             pyramid(-apex, -normal).over(sample_rim(b, f).map(corner))
         }
         (Feature::Edge(e), Feature::Edge(g)) => {
-            let (e, g) = (Edge::new(a, e), Edge::new(b, g));
+            let (e, g) = (EdgeSpan::new(a, e), EdgeSpan::new(b, g));
             let (p, q, x, y) = (on_a(&e.p), on_a(&e.q), on_b(&g.p), on_b(&g.q));
             let is_left = normal.dot((q - p).cross(x - y)) > 0.0;
             let (p, q) = if is_left { (p, q) } else { (q, p) };

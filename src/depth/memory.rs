@@ -59,7 +59,7 @@ impl Workspace {
 
 /// Features of the deepest facet, features of the witnesses, initial number of triangles, points,
 /// and triangles.
-type Parts<'a> = (
+type MemoryParts<'a> = (
     FeaturePair,
     Option<FeaturePair>,
     u32,
@@ -222,7 +222,7 @@ impl Memory {
     }
 
     /// Returns the cached parts; `None` if the cache is empty.
-    pub(crate) fn parts(&self) -> Option<Parts<'_>> {
+    pub(crate) fn parts(&self) -> Option<MemoryParts<'_>> {
         Some((
             self.facet?,
             self.witness_features,

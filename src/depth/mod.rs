@@ -68,7 +68,7 @@ use surface::EnclosingSurface;
 
 pub(crate) use local::local_depth;
 pub(crate) use memory::{Memory, RawMemory, Workspace};
-pub(crate) use nearest::{Nearest, depth_from, nearest_facet};
+pub(crate) use nearest::{NearestFeature, depth_from, nearest_facet};
 pub(crate) use resume::resume;
 
 /// Bounds the depth of an overlap that took double-double to be told from a touch, by the support

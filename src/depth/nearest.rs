@@ -22,7 +22,7 @@ use crate::tolerance::AGREE_DEPTH;
 
 /// What a search from cached state says.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Nearest {
+pub(crate) enum NearestFeature {
     /// The depth is written, with bounds as close as the request requires.
     Proven,
     /// The bodies seem to be apart; the features are a start for the walk.
@@ -35,14 +35,19 @@ pub(crate) enum Nearest {
 }
 
 /// Searches for the nearest facet from the features `from`, and writes the depth if proven.
-pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut Memory, draft: &mut Draft) -> Nearest {
+pub(crate) fn nearest_facet(
+    posed: &PosedPair,
+    from: FeaturePair,
+    memory: &mut Memory,
+    draft: &mut Draft,
+) -> NearestFeature {
     if !posed.same_scale() {
-        return Nearest::Open(None);
+        return NearestFeature::Open(None);
     }
     let facet = match descend(posed, from, &mut draft.work.facets) {
         Descent::Facet(facet) => facet,
-        Descent::Outside(facet) => return Nearest::Apart(facet),
-        Descent::Lost => return Nearest::Open(None),
+        Descent::Outside(facet) => return NearestFeature::Apart(facet),
+        Descent::Lost => return NearestFeature::Open(None),
     };
     let Some(found) = prove(posed, &facet) else {
         if !memory.is_empty() {
@@ -54,15 +59,15 @@ pub(crate) fn nearest_facet(posed: &PosedPair, from: FeaturePair, memory: &mut M
     memory.clear();
     memory.move_to(facet.features);
     write_overlap(posed, &found, draft);
-    Nearest::Proven
+    NearestFeature::Proven
 }
 
 /// Returns what a facet tells that proves no depth: a touch, or a start for a search.
-pub(super) fn touch_or_open(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> Nearest {
+pub(super) fn touch_or_open(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> NearestFeature {
     if writes_touch(posed, facet, draft) {
-        Nearest::Touch
+        NearestFeature::Touch
     } else {
-        Nearest::Open(Some(facet.features))
+        NearestFeature::Open(Some(facet.features))
     }
 }
 

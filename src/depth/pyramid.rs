@@ -26,7 +26,7 @@ use crate::depth::direction::unit;
 use crate::depth::result::Best;
 use crate::depth::verify_surface::Target;
 use crate::num::scalar::{Vec3, cross, dot, neg, sub};
-use crate::pair::edge::Edge;
+use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, FaceId, Feature, FeaturePair, HalfEdgeId};
 use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT};
@@ -42,7 +42,7 @@ pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) ->
     // The means of the vertices lie in the bodies up to rounding, which the error term of the depth
     // covers like that of a vertex, and off the surface of solid bodies.
     let apex = posed.a.vertex_mean - posed.point_in_a(&posed.b.vertex_mean);
-    let mut sides = Sides {
+    let mut sides = PyramidSides {
         posed,
         target,
         apex: apex.into(),
@@ -63,7 +63,7 @@ pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) ->
             sides.reflected().of_face(posed.b, f, slack, place)
         }
         (Feature::Edge(e), Feature::Edge(g)) => {
-            let (a, b) = (Edge::new(posed.a, e), Edge::new(posed.b, g));
+            let (a, b) = (EdgeSpan::new(posed.a, e), EdgeSpan::new(posed.b, g));
             let (x, y) = (posed.point_in_a(&b.p), posed.point_in_a(&b.q));
             let n = Vector3::from(best.normal);
             let is_left = n.dot(&(a.q - a.p).cross(&(x - y))) > 0.0;
@@ -77,7 +77,7 @@ pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) ->
 }
 
 /// The sides of a pyramid.
-struct Sides<'a, 'b> {
+struct PyramidSides<'a, 'b> {
     posed: &'a PosedPair<'b>,
     target: Target,
     apex: Vec3<f64>,
@@ -87,7 +87,7 @@ struct Sides<'a, 'b> {
     supports: u32,
 }
 
-impl Sides<'_, '_> {
+impl PyramidSides<'_, '_> {
     /// Returns the sides of the pyramid reflected in the origin.
     fn reflected(self) -> Self {
         Self {

@@ -21,28 +21,30 @@ use crate::depth::facet::{facets, height_of};
 use crate::depth::facet_disc::{disc_radius, holds_disc, pierced_facet};
 use crate::depth::foot::{WitnessPoints, flush, foot};
 use crate::depth::memory::{MAX_POINTS, Memory, Scratch};
-use crate::depth::nearest::{Nearest, nearest_facet};
+use crate::depth::nearest::{NearestFeature, nearest_facet};
 use crate::depth::result::{Best, SearchEnd, SearchResult};
-use crate::depth::search::{Search, search};
+use crate::depth::search::{DepthSearch, search};
 use crate::depth::seed::search_from;
 use crate::depth::verify_surface::{SurfaceState, verify_surface};
 use crate::depth::write_overlap;
 
 /// Resumes the depth from the deepest facet and the cached surface. Unless proven, nothing is said
 /// about the bodies.
-pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> Nearest {
+pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> NearestFeature {
     let Some(facet) = memory.facet.filter(|f| f.is_of(posed.a, posed.b)) else {
-        return Nearest::Open(None);
+        return NearestFeature::Open(None);
     };
     let frame = Transform::of(posed);
     if memory.triangles.is_empty() {
         return match nearest_facet(posed, facet, memory, draft) {
-            Nearest::Open(_) => memory.with_scratch(|memory, scratch| restart(posed, &frame, memory, scratch, draft)),
+            NearestFeature::Open(_) => {
+                memory.with_scratch(|memory, scratch| restart(posed, &frame, memory, scratch, draft))
+            }
             done => done,
         };
     }
     let Some((normal, height)) = height_of(posed, &frame, facet) else {
-        return Nearest::Open(None);
+        return NearestFeature::Open(None);
     };
     let best = Best {
         normal,
@@ -66,11 +68,11 @@ fn resume_with<const N: usize>(
     (memory, scratch): (&mut Memory, &mut Scratch),
     mut best: Best<f64>,
     draft: &mut Draft,
-) -> Nearest {
+) -> NearestFeature {
     let mut positions = [[0.0; 3]; N];
     for (position, &[a, b]) in positions.iter_mut().zip(&memory.points) {
         let (Some(p), Some(q)) = (posed.a.points.get(a.index()), posed.b.points.get(b.index())) else {
-            return Nearest::Open(None);
+            return NearestFeature::Open(None);
         };
         *position = sub(&[p.x, p.y, p.z], &frame.point(q));
     }
@@ -79,10 +81,10 @@ fn resume_with<const N: usize>(
     let positions = &positions[..memory.points.len()];
     if state != SurfaceState::Proven {
         let Some(facet) = best.features else {
-            return Nearest::Open(None);
+            return NearestFeature::Open(None);
         };
         match nearest_facet(posed, facet, memory, draft) {
-            Nearest::Open(nearest) => best.try_facet(posed, frame, nearest.unwrap_or(facet)),
+            NearestFeature::Open(nearest) => best.try_facet(posed, frame, nearest.unwrap_or(facet)),
             done => return done,
         }
     }
@@ -90,7 +92,7 @@ fn resume_with<const N: usize>(
         if let Some(witnesses) = memory.prove_by_disc(posed, frame, (&scratch.below_target, positions), &mut best) {
             (memory.facet, memory.witness_features) = (best.features, None);
             write_overlap(posed, &SearchResult::proven(&best, witnesses, size), draft);
-            return Nearest::Proven;
+            return NearestFeature::Proven;
         }
         memory.try_facets_of(posed, frame, &scratch.below_target, &mut best);
         if best.height < target {
@@ -103,7 +105,7 @@ fn resume_with<const N: usize>(
         SurfaceState::Proven => {
             let found = finish(posed, frame, (memory, scratch), start);
             write_overlap(posed, &found, draft);
-            Nearest::Proven
+            NearestFeature::Proven
         }
         SurfaceState::Encloses => grow(posed, frame, (memory, scratch), start, draft),
     }
@@ -126,7 +128,7 @@ fn finish(
         None => {
             let radius = best.height - AGREE_DEPTH * size;
             memory.recall(scratch, positions, radius);
-            Search::resumed(posed, frame, &mut scratch.surface, best).proven(radius)
+            DepthSearch::resumed(posed, frame, &mut scratch.surface, best).proven(radius)
         }
     }
 }
@@ -138,12 +140,12 @@ fn grow(
     (memory, scratch): (&mut Memory, &mut Scratch),
     (positions, best): (&[Vec3<f64>], Best<f64>),
     draft: &mut Draft,
-) -> Nearest {
+) -> NearestFeature {
     memory.recall(scratch, positions, best.height - AGREE_DEPTH * posed.size());
-    let found = Search::resumed(posed, frame, &mut scratch.surface, best).run(frame, 0.0);
+    let found = DepthSearch::resumed(posed, frame, &mut scratch.surface, best).run(frame, 0.0);
     if found.end != SearchEnd::Closed {
         draft.work.points_added += found.points_added;
-        return Nearest::Open(None);
+        return NearestFeature::Open(None);
     }
     write_overlap(posed, &found, draft);
     if found.points_added > 0 {
@@ -151,7 +153,7 @@ fn grow(
     } else {
         memory.facet = Some(draft.features);
     }
-    Nearest::Proven
+    NearestFeature::Proven
 }
 
 /// Searches again from the features of the facet, instead of from a folded surface.
@@ -161,9 +163,9 @@ fn restart(
     memory: &mut Memory,
     scratch: &mut Scratch,
     draft: &mut Draft,
-) -> Nearest {
+) -> NearestFeature {
     let Some(facet) = memory.facet else {
-        return Nearest::Open(None);
+        return NearestFeature::Open(None);
     };
     let surface = &mut scratch.surface;
     let seeded = search_from(posed, frame, facet, surface);
@@ -171,9 +173,9 @@ fn restart(
         Some(found) if found.end == SearchEnd::Closed => {
             write_overlap(posed, &found, draft);
             memory.keep(&scratch.surface, draft.features, None);
-            Nearest::Proven
+            NearestFeature::Proven
         }
-        _ => Nearest::Open(None),
+        _ => NearestFeature::Open(None),
     }
 }
 

@@ -20,7 +20,7 @@ use crate::depth::result::{Best, SearchEnd, SearchResult};
 use crate::depth::surface::{EnclosingSurface, Filter};
 
 /// A surface on the way to the deepest facet.
-pub(super) struct Search<'a, T: Scalar> {
+pub(super) struct DepthSearch<'a, T: Scalar> {
     pub(super) posed: &'a PosedPair<'a>,
     frame: Transform<T>,
     /// Whether B is perturbed off its pose.
@@ -45,7 +45,7 @@ pub(super) fn search<T: Scalar>(
     let mut found: Option<SearchResult<T>> = None;
     let mut points_added = 0;
     for &shift in shifts {
-        let now = match Search::enclosing(posed, frame, from, shift, surface) {
+        let now = match DepthSearch::enclosing(posed, frame, from, shift, surface) {
             Ok(mut search) => search.run(frame, shift),
             Err(found) => found,
         };
@@ -89,7 +89,7 @@ fn undecided<T: Scalar>(
     }
 }
 
-impl<'a, T: Scalar> Search<'a, T> {
+impl<'a, T: Scalar> DepthSearch<'a, T> {
     /// Starts from the tetrahedron that proves a perturbed origin to be inside. Without a
     /// tetrahedron, returns the solver's result: if the point is outside, a direction along which
     /// the origin is at most as deep as the perturbation.

@@ -8,7 +8,7 @@
 use crate::depth::facet::height_of;
 use crate::depth::foot::sample_rim;
 use crate::depth::result::{Best, SearchEnd, SearchResult};
-use crate::depth::search::Search;
+use crate::depth::search::DepthSearch;
 use crate::depth::surface::EnclosingSurface;
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Vec3, cross, dot, neg, sub};
@@ -37,7 +37,7 @@ pub(super) fn search_from(
         height,
         features: Some(facet),
     };
-    let found = Search::resumed(posed, frame, surface, best).run(frame, 0.0);
+    let found = DepthSearch::resumed(posed, frame, surface, best).run(frame, 0.0);
     (found.end == SearchEnd::Closed).then_some(found)
 }
 

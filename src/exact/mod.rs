@@ -29,7 +29,7 @@ use crate::polyhedron::{ConvexPolyhedron, VertexId, lowest_bit};
 use crate::pose::RelativePose;
 pub(crate) use depth::deepest;
 use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sign, sub};
-use origin::{Origin, Set, locate};
+use origin::{Origin, PointSet, locate};
 use simplex::{ExactPoint, NearestPoint, minimize};
 
 /// A body rotated exactly, over the common denominator.
@@ -230,7 +230,7 @@ impl<'a> ScaledPair<'a> {
             both.max_by(|c, d| dot(n, &c.w).cmp(&dot(n, &d.w)))
         };
         locate(
-            &Set {
+            &PointSet {
                 highest: &|n| self.support_exact(n, hint),
                 rising: &rising,
             },

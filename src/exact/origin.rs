@@ -23,7 +23,7 @@ pub(super) enum Origin {
 }
 
 /// A convex set given by its extreme points.
-pub(super) struct Set<'a> {
+pub(super) struct PointSet<'a> {
     /// Returns a support point along a direction.
     pub(super) highest: &'a dyn Fn(&Big3) -> ExactPoint,
     /// Returns an edge at a vertex, from the edges that span the set as seen from the vertex: an
@@ -33,7 +33,7 @@ pub(super) struct Set<'a> {
 }
 
 /// Locates the origin, which must be `at`, in the relative interior of the kept points.
-pub(super) fn locate(set: &Set, at: &NearestPoint) -> Origin {
+pub(super) fn locate(set: &PointSet, at: &NearestPoint) -> Origin {
     let w = |k: usize| &at.kept[k].w;
     match at.kept.len() {
         1 => at_vertex(&|n| (set.rising)(&at.kept[0], n)),
@@ -129,7 +129,7 @@ fn at_vertex(rising: &dyn Fn(&Big3) -> Option<ExactPoint>) -> Origin {
             // No edge is zero, so the origin is no vertex of the edges' hull and the recursion ends
             // here.
             let highest = |n: &Big3| rising(n).unwrap_or_else(|| at.kept[0].clone());
-            let edges = Set {
+            let edges = PointSet {
                 highest: &highest,
                 rising: &|_, _| None,
             };

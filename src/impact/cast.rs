@@ -13,7 +13,7 @@ use crate::tolerance::ROOT;
 use crate::tuning::impact::{AIM, CLEAR, DOUBLINGS, LEAST, LOOKS, SHRINK};
 
 /// A cast in the making.
-pub(super) struct Search<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
+pub(super) struct CastSearch<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
     pub(super) pair: &'a mut S,
     pub(super) motion_a: &'a A,
     pub(super) motion_b: &'a B,
@@ -52,7 +52,7 @@ impl LookBudget {
     }
 }
 
-impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> Search<'_, S, A, B> {
+impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<'_, S, A, B> {
     pub(super) fn run(&mut self, from: f64) -> Result<Impact, PoseError> {
         let mut time = from;
         let mut budget = LookBudget {

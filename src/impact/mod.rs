@@ -74,7 +74,7 @@ use crate::pair::outcome::Class;
 use crate::pose::PoseError;
 use crate::separation::{Measure, Separation};
 
-use cast::Search;
+use cast::CastSearch;
 pub use certificate::{Certificate, free_until, held_until};
 
 /// Greatest width of the bracket of a hit.
@@ -245,7 +245,7 @@ where
             return Err(ImpactError::Size { what, value });
         }
     }
-    let mut search = Search {
+    let mut search = CastSearch {
         pair,
         motion_a,
         motion_b,
@@ -316,7 +316,7 @@ where
             return Ok(proven(by_plane, 1));
         }
     }
-    let mut search = Search {
+    let mut search = CastSearch {
         pair,
         motion_a,
         motion_b,

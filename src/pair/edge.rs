@@ -7,7 +7,7 @@ use crate::polyhedron::{ConvexPolyhedron, EdgeId, Plane, VertexId};
 
 /// Endpoints of an edge and the planes of the adjacent faces.
 #[derive(Clone, Copy)]
-pub(crate) struct Edge<'a> {
+pub(crate) struct EdgeSpan<'a> {
     pub(crate) tail: VertexId,
     pub(crate) head: VertexId,
     pub(crate) p: Vector3<f64>,
@@ -16,7 +16,7 @@ pub(crate) struct Edge<'a> {
     pub(crate) right: &'a Plane,
 }
 
-impl<'a> Edge<'a> {
+impl<'a> EdgeSpan<'a> {
     #[inline(always)]
     pub(crate) fn new(body: &'a ConvexPolyhedron, edge: EdgeId) -> Self {
         let e = body.topology.half_edge(edge.half_edge());

@@ -18,8 +18,8 @@ pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
 /// which proves the edge extreme along the direction.
 ///
 /// The first argument holds the weights of the direction over the planes of the faces
-/// ([`Edge::weights`](super::edge::Edge::weights)). The weights are as long as the opposite edge,
-/// whose squared length is `squared`.
+/// ([`Edge::weights`](super::edge::EdgeSpan::weights)). The weights are as long as the opposite
+/// edge, whose squared length is `squared`.
 ///
 /// From a point of the edge, every point of the body is reached along the edge, then along the
 /// inward directions of the two faces by non-negative lengths, because the faces are exactly plane.

@@ -19,7 +19,7 @@
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::bezier::{NET, ORDER};
-use super::frame::Frame;
+use super::frame::NetFrame;
 use super::height::bounded;
 use super::net::SurfaceJet;
 use super::tree::{Net, Node};
@@ -42,7 +42,7 @@ pub(super) struct Bowl {
 }
 
 /// A bowl as one body sees it: heights are `n . x + x . M x / 2`, places seen from `at`.
-pub(super) struct Half {
+pub(super) struct BowlSide {
     n: Vector3<f64>,
     e: [Vector3<f64>; 2],
     at: Vector3<f64>,
@@ -142,7 +142,7 @@ impl Bowl {
         n: &Vector3<f64>,
         distance: f64,
         [u, v, s, t]: [bool; 4],
-        frame: &Frame,
+        frame: &NetFrame,
     ) -> Option<Self> {
         let e = tangents(n);
         let form = match (Rim::new(a, [u, v], n, &e)?, Rim::new(b, [s, t], n, &e)?) {
@@ -166,8 +166,8 @@ impl Bowl {
     }
 
     /// Returns the half that A sees, for a target T.
-    pub(super) fn of_a(&self, target: f64) -> Half {
-        Half {
+    pub(super) fn of_a(&self, target: f64) -> BowlSide {
+        BowlSide {
             n: self.n,
             e: self.e,
             at: self.at,
@@ -177,8 +177,8 @@ impl Bowl {
     }
 
     /// Returns the half that B sees, for a target T, in B's frame.
-    pub(super) fn of_b(&self, target: f64, frame: &Frame) -> Half {
-        Half {
+    pub(super) fn of_b(&self, target: f64, frame: &NetFrame) -> BowlSide {
+        BowlSide {
             n: -frame.direction_in_b(&self.n),
             e: self.e.map(|e| frame.direction_in_b(&e)),
             at: frame.rotation.tr_mul(&(self.at - frame.translation)),
@@ -188,7 +188,7 @@ impl Bowl {
     }
 }
 
-impl Half {
+impl BowlSide {
     /// Returns whether the heights of a node are worth a look: the node is no farther than its size
     /// from the line through the points of contact, and errors of its points grow by little.
     pub(super) fn is_near(&self, node: &Node) -> bool {

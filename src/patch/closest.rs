@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use super::bowl::Bowl;
 use super::cut::Cut;
-use super::frame::Frame;
+use super::frame::NetFrame;
 use super::net::{Patch, SurfaceJet};
 use super::surface::SurfacePoint;
 use crate::num::scalar::sqrt;
@@ -116,13 +116,13 @@ pub(super) trait Meets {
 pub(super) struct Patches<'a> {
     pub(super) a: &'a [Patch],
     pub(super) b: &'a [Patch],
-    pub(super) frame: &'a Frame,
+    pub(super) frame: &'a NetFrame,
 }
 
 impl<'a> Patches<'a> {
     /// Returns the pair of two patches.
-    pub(super) fn pair(&self, [p, q]: [u32; 2]) -> Pair<'a> {
-        Pair {
+    pub(super) fn pair(&self, [p, q]: [u32; 2]) -> PatchPair<'a> {
+        PatchPair {
             a: &self.a[p as usize],
             b: &self.b[q as usize],
             frame: self.frame,
@@ -140,7 +140,7 @@ impl Meets for Patches<'_> {
     }
 
     fn is_closer(&mut self, patches: [u32; 2], [u, v, s, t]: [f64; 4], most: f64) -> bool {
-        let Pair { a, b, frame } = self.pair(patches);
+        let PatchPair { a, b, frame } = self.pair(patches);
         let (p, q) = (a.point(u, v), b.point(s, t));
         (frame.place(&q.coords) - p.coords).norm_squared() < most * most
     }
@@ -152,7 +152,7 @@ impl Meets for Patches<'_> {
 }
 
 /// A point of four parameters.
-struct State {
+struct ClosestState {
     at: [f64; 4],
     a: SurfaceJet,
     /// In B's frame.
@@ -164,17 +164,17 @@ struct State {
 }
 
 /// Two patches at a pose.
-pub(super) struct Pair<'a> {
+pub(super) struct PatchPair<'a> {
     pub(super) a: &'a Patch,
     pub(super) b: &'a Patch,
-    pub(super) frame: &'a Frame,
+    pub(super) frame: &'a NetFrame,
 }
 
-pub(super) type Row = [f64; 4];
+pub(super) type Parameters = [f64; 4];
 
-impl Pair<'_> {
+impl PatchPair<'_> {
     /// Returns two close points from a start, with the number of steps.
-    pub(super) fn descend(&self, patches: [u32; 2], start: Row) -> (Meeting, u64) {
+    pub(super) fn descend(&self, patches: [u32; 2], start: Parameters) -> (Meeting, u64) {
         let mut now = self.state(start);
         let enough = AGREE * UNIT * self.frame.size * self.frame.size * AGREE;
         let mut damping = 1.0 / 1024.0;
@@ -193,7 +193,7 @@ impl Pair<'_> {
         (now.meeting(patches, self.frame), steps as u64)
     }
 
-    fn state(&self, at: Row) -> State {
+    fn state(&self, at: Parameters) -> ClosestState {
         let a = self.a.jet([at[0], at[1]]);
         let local = self.b.jet([at[2], at[3]]);
         let turned = |x: &Vector3<f64>| self.frame.rotation * x;
@@ -206,7 +206,7 @@ impl Pair<'_> {
             vv: turned(&local.vv),
         };
         let w = b.point - a.point;
-        State {
+        ClosestState {
             at,
             a,
             on_b: local.point,
@@ -217,7 +217,7 @@ impl Pair<'_> {
     }
 
     /// Returns a closer state.
-    fn step(&self, now: &State, damping: &mut f64) -> Option<State> {
+    fn step(&self, now: &ClosestState, damping: &mut f64) -> Option<ClosestState> {
         let (gradient, gauss, bent) = now.derivatives();
         let held: [bool; 4] =
             core::array::from_fn(|k| now.at[k] <= 0.0 && gradient[k] >= 0.0 || now.at[k] >= 1.0 && gradient[k] <= 0.0);
@@ -241,7 +241,7 @@ impl Pair<'_> {
     }
 
     /// Returns the state after a step or a part of it, if closer.
-    fn tried(&self, now: &State, step: &Row, times: usize) -> Option<State> {
+    fn tried(&self, now: &ClosestState, step: &Parameters, times: usize) -> Option<ClosestState> {
         let mut part = 1.0;
         for _ in 0..times {
             let next = self.state(core::array::from_fn(|k| (now.at[k] - part * step[k]).clamp(0.0, 1.0)));
@@ -254,14 +254,14 @@ impl Pair<'_> {
     }
 }
 
-impl State {
+impl ClosestState {
     /// Returns the gradient, and the second derivative without and with the curvature of the
     /// patches.
-    fn derivatives(&self) -> (Row, [Row; 4], [Row; 4]) {
+    fn derivatives(&self) -> (Parameters, [Parameters; 4], [Parameters; 4]) {
         let (a, b, w) = (&self.a, &self.b, &self.w);
         let j = [-a.u, -a.v, b.u, b.v];
         let gradient = j.map(|c| c.dot(w));
-        let gauss: [Row; 4] = core::array::from_fn(|r| core::array::from_fn(|c| j[r].dot(&j[c])));
+        let gauss: [Parameters; 4] = core::array::from_fn(|r| core::array::from_fn(|c| j[r].dot(&j[c])));
         let mut bent = gauss;
         bent[0][0] -= w.dot(&a.uu);
         bent[1][1] -= w.dot(&a.vv);
@@ -275,7 +275,7 @@ impl State {
         (gradient, gauss, bent)
     }
 
-    fn meeting(&self, patches: [u32; 2], frame: &Frame) -> Meeting {
+    fn meeting(&self, patches: [u32; 2], frame: &NetFrame) -> Meeting {
         let distance = sqrt(self.square);
         let mut meeting = Meeting {
             patches,
@@ -303,7 +303,7 @@ impl State {
 
 /// Solves a symmetric system in the parameters that are not held; `None` if it is not positive
 /// definite.
-pub(super) fn solve(matrix: &[Row; 4], right: &Row, held: &[bool; 4]) -> Option<Row> {
+pub(super) fn solve(matrix: &[Parameters; 4], right: &Parameters, held: &[bool; 4]) -> Option<Parameters> {
     let (mut m, mut x) = (*matrix, *right);
     for k in (0..4).filter(|&k| held[k]) {
         for i in 0..4 {

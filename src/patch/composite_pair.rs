@@ -4,7 +4,7 @@ use nalgebra::Point3;
 
 use super::composite_tracker::SurfaceCompositeTracker;
 use super::outcome::Decision;
-use super::search::Goal;
+use super::search::NetGoal;
 use super::separation::{from_surface, held, in_order};
 use super::surface::Surface;
 use crate::composite::pieces::Composite;
@@ -74,7 +74,7 @@ impl Separation for SurfaceCompositePair<'_> {
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
         let pose = from_surface(self.order, a_from_b);
-        let goal = Goal::Part(MEASURED);
+        let goal = NetGoal::Part(MEASURED);
         let found = self.tracker.answer(self.surface, self.body, &pose, goal);
         in_order(self.order, Measure::from(&found), &pose)
     }

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
 use super::outcome::{Decision, SurfaceCompositeOutcome};
-use super::search::Goal;
+use super::search::NetGoal;
 use super::shape_tracker::{SurfaceShapeTracker, far_apart};
 use super::surface::Surface;
 use crate::composite::parts::Parted;
@@ -74,7 +74,7 @@ impl SurfaceCompositeTracker {
         a_from_b: &RelativePose,
         width: f64,
     ) -> SurfaceCompositeOutcome {
-        self.answer(a, b, a_from_b, Goal::Width(width))
+        self.answer(a, b, a_from_b, NetGoal::Width(width))
     }
 
     /// Returns the distance with bounds that are at most `width` apart, as
@@ -95,7 +95,7 @@ impl SurfaceCompositeTracker {
         if !(d >= 0.0) {
             return Decision::No;
         }
-        let found = self.answer(a, b, a_from_b, Goal::Within(d)).closest;
+        let found = self.answer(a, b, a_from_b, NetGoal::Within(d)).closest;
         Decision::by(found.lower, found.upper, d)
     }
 
@@ -105,7 +105,7 @@ impl SurfaceCompositeTracker {
         a: &Surface,
         b: &Composite,
         a_from_b: &RelativePose,
-        goal: Goal,
+        goal: NetGoal,
     ) -> SurfaceCompositeOutcome {
         let pieces = b.pieces();
         self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);

@@ -9,7 +9,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::closest::{Meeting, Pair};
+use super::closest::{Meeting, PatchPair};
 use super::net::Patch;
 use crate::tolerance::PATCH_SLOPE;
 
@@ -17,7 +17,7 @@ use crate::tolerance::PATCH_SLOPE;
 const ASIDE: [f64; 5] = [0.0, 0.0625, -0.0625, 0.25, -0.25];
 
 /// Returns whether two patches are proven to share a point near two points that all but coincide.
-pub(super) fn crosses(pair: &Pair, meeting: &Meeting, upper: f64) -> bool {
+pub(super) fn crosses(pair: &PatchPair, meeting: &Meeting, upper: f64) -> bool {
     let [p, q, r, s] = meeting.tangents;
     let columns = [-p, -q, r, s];
     // The parameters move along the curve by the null vector of the derivative.
@@ -39,7 +39,7 @@ pub(super) fn crosses(pair: &Pair, meeting: &Meeting, upper: f64) -> bool {
 }
 
 /// Returns whether a zero is proven with one parameter fixed.
-fn shares(pair: &Pair, meeting: &Meeting, fixed: usize) -> bool {
+fn shares(pair: &PatchPair, meeting: &Meeting, fixed: usize) -> bool {
     let [p, q, r, s] = meeting.tangents;
     let columns = [-p, -q, r, s];
     let mut free = (0..4).filter(|&k| k != fixed);

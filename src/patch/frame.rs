@@ -7,7 +7,7 @@ use crate::pose::RelativePose;
 use crate::tolerance::{CERTIFICATE, FAR, NEAR, PATCH_LIMIT, UNIT};
 
 /// `a_from_b` with the errors of points placed by it.
-pub(super) struct Frame {
+pub(super) struct NetFrame {
     pub(super) rotation: Matrix3<f64>,
     pub(super) translation: Vector3<f64>,
     /// The size L of the pair: both reaches and the distance of the origins.
@@ -22,7 +22,7 @@ pub(super) struct Frame {
     pub(super) limit: f64,
 }
 
-impl Frame {
+impl NetFrame {
     /// Returns the frame of bodies with points so far from their origins, whose points err by
     /// `points`. `None` if the bodies are so far apart, or so small, that squares of lengths leave
     /// the range of f64.

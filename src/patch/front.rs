@@ -14,16 +14,16 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::frame::Frame;
-use super::gap::{Gap, Pair, Trees};
-use super::side::Side;
+use super::frame::NetFrame;
+use super::gap::{Gap, NetPair, Trees};
+use super::side::NetSide;
 use crate::num::scalar::sqrt;
 use crate::tolerance::CARRIED;
 
 /// A pair of nodes with the claim of its gap.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry {
-    pub(super) pair: Pair,
+pub(super) struct NetEntry {
+    pub(super) pair: NetPair,
     /// In A's frame.
     n: Vector3<f64>,
     /// In B's frame.
@@ -38,9 +38,9 @@ pub(super) struct Entry {
     is_plane: bool,
 }
 
-impl Entry {
+impl NetEntry {
     /// Returns the entry of a pair with a gap at this pose.
-    pub(super) fn new<B: Side>(trees: &Trees<B>, pair: Pair, gap: &Gap) -> Self {
+    pub(super) fn new<B: NetSide>(trees: &Trees<B>, pair: NetPair, gap: &Gap) -> Self {
         let (x, y) = (trees.a.node(pair[0]), trees.b.node(pair[1]));
         let is_of_a = x.radius < y.radius;
         let ball = if is_of_a { x } else { y };
@@ -60,7 +60,7 @@ impl Entry {
 
     /// Returns the height of the ball's middle as seen from the other body.
     #[inline(always)]
-    fn height(&self, frame: &Frame) -> f64 {
+    fn height(&self, frame: &NetFrame) -> f64 {
         if self.is_of_a {
             self.m.dot(&frame.rotation.tr_mul(&(frame.translation - self.centre)))
         } else {
@@ -70,7 +70,7 @@ impl Entry {
 
     /// Returns a lower bound of the gap at a pose.
     #[inline(always)]
-    pub(super) fn gap(&self, frame: &Frame) -> f64 {
+    pub(super) fn gap(&self, frame: &NetFrame) -> f64 {
         if !self.is_plane {
             return f64::NEG_INFINITY;
         }
@@ -84,7 +84,7 @@ impl Entry {
     }
 
     /// Returns the direction in A's frame at a pose.
-    pub(super) fn direction(&self, frame: &Frame) -> Vector3<f64> {
+    pub(super) fn direction(&self, frame: &NetFrame) -> Vector3<f64> {
         if self.is_of_a {
             let n = frame.rotation * self.m;
             n / sqrt(n.norm_squared())
@@ -96,7 +96,7 @@ impl Entry {
 
 /// The entries, and their number when the front was cut.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Front {
-    pub(super) entries: Vec<Entry>,
+pub(super) struct NetFront {
+    pub(super) entries: Vec<NetEntry>,
     pub(super) cut: usize,
 }

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::bowl::Bowl;
-use super::frame::Frame;
-use super::side::Side;
+use super::frame::NetFrame;
+use super::side::NetSide;
 use super::tree::Nodes;
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::sqrt;
@@ -15,7 +15,7 @@ use crate::tolerance::BENT_POSE;
 use crate::tuning::patch::STEPS;
 
 /// A node of A and a node of B.
-pub(super) type Pair = [u32; 2];
+pub(super) type NetPair = [u32; 2];
 
 /// A gap along a unit direction from A to B in A's frame: a lower bound of the distance of the
 /// parts of the surfaces below two nodes.
@@ -29,7 +29,7 @@ pub(super) struct Gap {
 
 /// Counters of bounds.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Counts {
+pub(super) struct SearchCounts {
     /// Heights of two nets along a direction.
     pub(super) gaps: u64,
     /// Heights by second derivatives.
@@ -42,14 +42,14 @@ pub(super) struct Counts {
 pub(super) struct Trees<'a, B> {
     pub(super) a: Nodes<'a>,
     pub(super) b: B,
-    pub(super) frame: &'a Frame,
-    pub(super) counts: Counts,
+    pub(super) frame: &'a NetFrame,
+    pub(super) counts: SearchCounts,
 }
 
-impl<B: Side> Trees<'_, B> {
+impl<B: NetSide> Trees<'_, B> {
     /// Returns the gap along a direction by the convex sets about both parts.
     #[inline]
-    fn gap(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> f64 {
+    fn gap(&mut self, [x, y]: NetPair, n: &Vector3<f64>) -> f64 {
         self.counts.gaps += 1;
         let m = -self.frame.direction_in_b(n);
         let (high_a, high_b) = (self.a.highest(x, n), self.b.highest(y, &m));
@@ -57,12 +57,12 @@ impl<B: Side> Trees<'_, B> {
     }
 
     #[inline]
-    fn error(&self, [x, y]: Pair) -> f64 {
+    fn error(&self, [x, y]: NetPair) -> f64 {
         self.frame.error + self.a.node(x).error + self.b.node(y).error
     }
 
     /// Returns the gap along a direction alone.
-    pub(super) fn along(&mut self, pair: Pair, n: &Vector3<f64>) -> Gap {
+    pub(super) fn along(&mut self, pair: NetPair, n: &Vector3<f64>) -> Gap {
         let gap = self.gap(pair, n);
         Gap {
             n: *n,
@@ -73,7 +73,13 @@ impl<B: Side> Trees<'_, B> {
 
     /// Returns the gap along `start`, or along `hint` if that is larger and the first is less than
     /// `target`.
-    pub(super) fn bound(&mut self, pair: Pair, start: &Vector3<f64>, hint: Option<&Vector3<f64>>, target: f64) -> Gap {
+    pub(super) fn bound(
+        &mut self,
+        pair: NetPair,
+        start: &Vector3<f64>,
+        hint: Option<&Vector3<f64>>,
+        target: f64,
+    ) -> Gap {
         let mut best = self.along(pair, start);
         if best.gap < target
             && let Some(n) = hint
@@ -84,7 +90,7 @@ impl<B: Side> Trees<'_, B> {
     }
 
     /// Raises a gap below `target` along directions from the minimum-norm point of both nets.
-    pub(super) fn turn(&mut self, pair: Pair, target: f64, best: &mut Gap) {
+    pub(super) fn turn(&mut self, pair: NetPair, target: f64, best: &mut Gap) {
         let along = best.n;
         self.descend(pair, target, best);
         if best.gap < target && best.n != along {
@@ -94,7 +100,7 @@ impl<B: Side> Trees<'_, B> {
     }
 
     /// Raises a gap by that along another direction.
-    pub(super) fn improve(&mut self, pair: Pair, n: &Vector3<f64>, target: f64, best: &mut Gap) {
+    pub(super) fn improve(&mut self, pair: NetPair, n: &Vector3<f64>, target: f64, best: &mut Gap) {
         let of = self.along(pair, n);
         if of.gap > best.gap {
             *best = of;
@@ -105,7 +111,7 @@ impl<B: Side> Trees<'_, B> {
     }
 
     /// Returns whether a bowl proves a pair at least `target` apart.
-    pub(super) fn is_about(&mut self, [x, y]: Pair, bowl: &Bowl, target: f64) -> bool {
+    pub(super) fn is_about(&mut self, [x, y]: NetPair, bowl: &Bowl, target: f64) -> bool {
         let (of_a, of_b) = (bowl.of_a(target), bowl.of_b(target, self.frame));
         let least = [self.a.least_above(x, &of_a), self.b.least_above(y, &of_b)];
         let [Some(least_a), Some(least_b)] = least else {
@@ -126,7 +132,7 @@ impl<B: Side> Trees<'_, B> {
     }
 
     /// Tries the heights by second derivatives along the direction of a gap.
-    fn cap(&mut self, [x, y]: Pair, of: &Gap, target: f64, best: &mut Gap) {
+    fn cap(&mut self, [x, y]: NetPair, of: &Gap, target: f64, best: &mut Gap) {
         let (a, b) = (self.a.node(x), self.b.node(y));
         if a.is_group() || b.is_group() {
             return;
@@ -150,7 +156,7 @@ impl<B: Side> Trees<'_, B> {
 
     /// Raises a gap by a few steps of the minimum-norm solver on the convex sets (Gilbert, Johnson
     /// and Keerthi 1988).
-    fn descend(&mut self, pair: Pair, target: f64, best: &mut Gap) {
+    fn descend(&mut self, pair: NetPair, target: f64, best: &mut Gap) {
         let scale = ErrorScale {
             size: self.frame.size,
             shared: 0.0,
@@ -175,7 +181,7 @@ impl<B: Side> Trees<'_, B> {
     }
 
     /// Returns the support point of the difference against `n`, and the gap along `n`.
-    fn support(&mut self, [x, y]: Pair, n: &Vector3<f64>) -> (MinkowskiPoint<f64>, f64) {
+    fn support(&mut self, [x, y]: NetPair, n: &Vector3<f64>) -> (MinkowskiPoint<f64>, f64) {
         self.counts.gaps += 1;
         let m = -self.frame.direction_in_b(n);
         let (i, p, high_a) = self.a.support(x, n);

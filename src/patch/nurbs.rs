@@ -37,11 +37,11 @@ struct Span {
 }
 
 /// A Bezier patch of a NURBS surface with the knots between which it lies, in u and v.
-pub(super) type Part = (Patch, [[f64; 2]; 2]);
+pub(super) type KnotPatch = (Patch, [[f64; 2]; 2]);
 
 impl Nurbs<'_> {
     /// Returns the Bezier patches, those of equal u after each other.
-    pub(super) fn patches(&self) -> Result<Vec<Part>, PatchError> {
+    pub(super) fn patches(&self) -> Result<Vec<KnotPatch>, PatchError> {
         if self.trimming_curves > 0 {
             let curves = self.trimming_curves;
             return Err(PatchError::Trimmed { curves });

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::search::Goal;
+use super::search::NetGoal;
 use super::shape_tracker::class;
 use super::surface::SurfacePoint;
 use super::tree::Node;
@@ -76,7 +76,7 @@ pub struct SurfaceShapeOutcome {
 
 impl SurfaceShapeOutcome {
     /// Lowers the lower bound to that of other pieces.
-    pub(super) fn lower_to(&mut self, lower: f64, goal: Goal) {
+    pub(super) fn lower_to(&mut self, lower: f64, goal: NetGoal) {
         self.lower = self.lower.min(lower);
         self.distance = self.distance.max(self.lower);
         self.class = class(self.lower, self.upper);

@@ -13,7 +13,7 @@ use super::closest::{Meeting, Meets};
 use super::cut::Cut;
 use super::gap::Trees;
 use super::height::taylor;
-use super::side::Side;
+use super::side::NetSide;
 use super::tree::Node;
 use crate::num::scalar::sqrt;
 use crate::tolerance::{BENT_POSE, REGION};
@@ -46,7 +46,7 @@ impl Region {
 
     /// Returns the boxes about two close points whose parts reach about `way` along the surfaces,
     /// if both parts are proven at least `target` apart.
-    pub(super) fn about<B: Side, M: Meets>(
+    pub(super) fn about<B: NetSide, M: Meets>(
         best: &Meeting,
         way: f64,
         target: f64,
@@ -83,7 +83,7 @@ impl Region {
 }
 
 /// Returns whether planes prove two parts apart, by second derivatives; B whole if not cut.
-fn is_apart<B: Side>(a: &Cut, b: Option<&Cut>, n: &Vector3<f64>, target: f64, trees: &mut Trees<'_, B>) -> bool {
+fn is_apart<B: NetSide>(a: &Cut, b: Option<&Cut>, n: &Vector3<f64>, target: f64, trees: &mut Trees<'_, B>) -> bool {
     trees.counts.caps += 1;
     let frame = trees.frame;
     let m = -frame.direction_in_b(n);
@@ -104,7 +104,7 @@ fn is_apart<B: Side>(a: &Cut, b: Option<&Cut>, n: &Vector3<f64>, target: f64, tr
 }
 
 /// Returns whether a bowl proves two parts apart.
-fn is_about<B: Side>([a, b]: [&Cut; 2], bowl: &Bowl, target: f64, trees: &mut Trees<'_, B>) -> bool {
+fn is_about<B: NetSide>([a, b]: [&Cut; 2], bowl: &Bowl, target: f64, trees: &mut Trees<'_, B>) -> bool {
     let (of_a, of_b) = (bowl.of_a(target), bowl.of_b(target, trees.frame));
     if !of_a.is_near(&a.node) || !of_b.is_near(&b.node) {
         return false;

@@ -8,11 +8,11 @@ use core::cmp::Ordering;
 use nalgebra::Vector3;
 
 use super::closest::{Meeting, Meets};
-use super::front::{Entry, Front};
-use super::gap::{Gap, Pair, Trees};
+use super::front::{NetEntry, NetFront};
+use super::gap::{Gap, NetPair, Trees};
 use super::outcome::SurfaceWork;
 use super::region::Region;
-use super::side::Side;
+use super::side::NetSide;
 use super::tree::Node;
 use crate::num::scalar::sqrt;
 use crate::tolerance::UNIT;
@@ -20,26 +20,26 @@ use crate::tuning::patch::{BEGINNING, FIRST_LOOK, GROWING, LENIENT, PATIENCE, SH
 
 /// A pair that may be closer than the goal.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Open {
-    pair: Pair,
+pub(super) struct OpenNodePair {
+    pair: NetPair,
     gap: Gap,
 }
 
-impl PartialEq for Open {
+impl PartialEq for OpenNodePair {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Open {}
+impl Eq for OpenNodePair {}
 
-impl PartialOrd for Open {
+impl PartialOrd for OpenNodePair {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl Ord for Open {
+impl Ord for OpenNodePair {
     /// The least gap is the greatest: the first off the heap.
     fn cmp(&self, other: &Self) -> Ordering {
         let by_gap = other.gap.gap.total_cmp(&self.gap.gap);
@@ -49,7 +49,7 @@ impl Ord for Open {
 
 /// What a search is for.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Goal {
+pub(super) enum NetGoal {
     /// An interval of the distance no wider than this.
     Width(f64),
     /// An interval no wider than this part of the distance.
@@ -58,7 +58,7 @@ pub(super) enum Goal {
     Within(f64),
 }
 
-impl Goal {
+impl NetGoal {
     /// Returns whether bounds are as close as asked for.
     pub(super) fn is_reached(self, lower: f64, upper: f64) -> bool {
         match self {
@@ -113,15 +113,15 @@ impl Pace {
 }
 
 /// A search under way.
-pub(super) struct Search<'a, 't, B, M> {
+pub(super) struct NetSearch<'a, 't, B, M> {
     pub(super) trees: &'a mut Trees<'t, B>,
     pub(super) points: &'a mut M,
-    pub(super) goal: Goal,
+    pub(super) goal: NetGoal,
     /// Splits that are left.
     pub(super) budget: usize,
     pub(super) pace: Pace,
-    pub(super) heap: &'a mut BinaryHeap<Open>,
-    pub(super) front: &'a mut Front,
+    pub(super) heap: &'a mut BinaryHeap<OpenNodePair>,
+    pub(super) front: &'a mut NetFront,
     pub(super) best: Option<Meeting>,
     /// Upper bound of the distance, errors included.
     pub(super) upper: f64,
@@ -140,19 +140,19 @@ pub(super) struct Search<'a, 't, B, M> {
     pub(super) work: &'a mut SurfaceWork,
 }
 
-impl<B: Side, M: Meets> Search<'_, '_, B, M> {
+impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     /// Pairs whose distance is at least this need no further look.
     fn level(&self) -> f64 {
         let limit = self.trees.frame.limit;
         match self.goal {
-            Goal::Width(width) => self.upper - limit.max(width),
-            Goal::Part(part) => self.upper - (part * self.upper).max(limit),
-            Goal::Within(d) => d.next_up().min(self.upper - limit),
+            NetGoal::Width(width) => self.upper - limit.max(width),
+            NetGoal::Part(part) => self.upper - (part * self.upper).max(limit),
+            NetGoal::Within(d) => d.next_up().min(self.upper - limit),
         }
     }
 
     fn is_over(&self) -> bool {
-        matches!(self.goal, Goal::Within(d) if self.upper <= d)
+        matches!(self.goal, NetGoal::Within(d) if self.upper <= d)
     }
 
     /// Takes two points if they are closer than the best.
@@ -206,27 +206,27 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
             let gap = self.bound(entry.pair, &n);
             if gap.gap.max(0.0) >= self.level() {
                 self.least = self.least.min(gap.gap);
-                self.front.entries[k] = Entry::new(self.trees, entry.pair, &gap);
+                self.front.entries[k] = NetEntry::new(self.trees, entry.pair, &gap);
                 k += 1;
             } else {
                 self.front.entries.swap_remove(k);
-                self.heap.push(Open { pair: entry.pair, gap });
+                self.heap.push(OpenNodePair { pair: entry.pair, gap });
             }
         }
     }
 
     /// Puts a pair to the front or to the open ones.
-    fn sort(&mut self, pair: Pair, along: &Vector3<f64>) {
+    fn sort(&mut self, pair: NetPair, along: &Vector3<f64>) {
         let level = self.level();
         let gap = self.bound(pair, along);
         if gap.gap.max(0.0) >= level {
             self.close(pair, &gap);
         } else {
-            self.heap.push(Open { pair, gap });
+            self.heap.push(OpenNodePair { pair, gap });
         }
     }
 
-    fn bound(&mut self, pair: Pair, along: &Vector3<f64>) -> Gap {
+    fn bound(&mut self, pair: NetPair, along: &Vector3<f64>) -> Gap {
         if let Some(gap) = self.covered(pair, along) {
             return gap;
         }
@@ -264,7 +264,7 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     /// Raises a gap to a convex body along the direction from the middle of A's node to the closest
     /// point of B. The distance of a point from a convex body is convex, and this direction its
     /// gradient: the gap falls short by terms of second order alone.
-    fn raise(&mut self, pair: Pair, level: f64, gap: &mut Gap) {
+    fn raise(&mut self, pair: NetPair, level: f64, gap: &mut Gap) {
         let x = self.trees.a.node(pair[0]);
         if B::IS_CONVEX
             && !x.is_group()
@@ -280,7 +280,7 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     }
 
     /// Returns the gap of a pair in the region.
-    fn covered(&self, pair: Pair, along: &Vector3<f64>) -> Option<Gap> {
+    fn covered(&self, pair: NetPair, along: &Vector3<f64>) -> Option<Gap> {
         let region = self.region.as_ref()?;
         let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
         region.covers(x, y).then_some(Gap {
@@ -291,7 +291,7 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     }
 
     /// Returns whether a pair is about as small as a region to be tried.
-    fn is_small(&self, pair: Pair) -> bool {
+    fn is_small(&self, pair: NetPair) -> bool {
         let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
         let size = if y.can_split() {
             x.radius.max(y.radius)
@@ -333,7 +333,7 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     }
 
     /// Returns whether the best points lie below a pair.
-    fn is_at_best(&self, pair: Pair) -> bool {
+    fn is_at_best(&self, pair: NetPair) -> bool {
         let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
         self.best.as_ref().is_some_and(|best| {
             let [u, v, s, t] = best.at;
@@ -341,9 +341,9 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
         })
     }
 
-    fn close(&mut self, pair: Pair, gap: &Gap) {
+    fn close(&mut self, pair: NetPair, gap: &Gap) {
         self.least = self.least.min(gap.gap);
-        self.front.entries.push(Entry::new(self.trees, pair, gap));
+        self.front.entries.push(NetEntry::new(self.trees, pair, gap));
     }
 
     /// Searches until the goal is reached, or the budget is used up; returns the least lower bound
@@ -372,13 +372,13 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     /// Returns whether the search may reach its goal within its budget, as far as its pace tells;
     /// `open` is the pair with the least bound. Beside a convex body, where bounds come close late
     /// at the rims of cylinders and cones, always.
-    fn is_worth(&mut self, open: &Open) -> bool {
+    fn is_worth(&mut self, open: &OpenNodePair) -> bool {
         let needed = self.upper - self.level();
         B::IS_CONVEX || self.pace.is_enough(self.upper - open.gap.gap, needed)
     }
 
     /// Splits the larger node of a pair and sorts the two new pairs; false if nothing can be split.
-    fn split(&mut self, open: &Open) -> bool {
+    fn split(&mut self, open: &OpenNodePair) -> bool {
         let [x, y] = open.pair;
         if self.budget == 0 {
             return false;
@@ -407,7 +407,7 @@ impl<B: Side, M: Meets> Search<'_, '_, B, M> {
     }
 
     /// Looks for closer points below a pair, unless the best ones lie there.
-    fn improve(&mut self, open: &Open) {
+    fn improve(&mut self, open: &OpenNodePair) {
         let (x, y) = (self.trees.a.node(open.pair[0]), self.trees.b.node(open.pair[1]));
         if x.is_group() || y.is_group() || self.is_at_best(open.pair) {
             return;

@@ -9,7 +9,7 @@
 use nalgebra::Point3;
 
 use super::outcome::{Decision, SurfaceCompositeOutcome, SurfaceOutcome, SurfaceShapeOutcome};
-use super::search::Goal;
+use super::search::NetGoal;
 use super::shape_tracker::SurfaceShapeTracker;
 use super::surface::{Surface, SurfacePoint};
 use super::tracker::SurfaceTracker;
@@ -245,7 +245,7 @@ impl Separation for SurfacePair<'_> {
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Measure::from(&self.tracker.answer(self.a, self.b, a_from_b, Goal::Part(MEASURED)))
+        Measure::from(&self.tracker.answer(self.a, self.b, a_from_b, NetGoal::Part(MEASURED)))
     }
 
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
@@ -270,7 +270,7 @@ impl Separation for SurfaceShapePair<'_> {
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
         let pose = from_surface(self.order, a_from_b);
-        let goal = Goal::Part(MEASURED);
+        let goal = NetGoal::Part(MEASURED);
         let found = self.tracker.answer(self.surface, self.shape, &pose, goal);
         in_order(self.order, Measure::from(&found), &pose)
     }

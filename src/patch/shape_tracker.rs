@@ -2,12 +2,12 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::frame::{Frame, far};
-use super::gap::{Counts, Trees};
+use super::frame::{NetFrame, far};
+use super::gap::{SearchCounts, Trees};
 use super::outcome::{Decision, SurfacePart, SurfaceShapeOutcome, SurfaceWork};
-use super::search::Goal;
-use super::solid::{Feet, Solid};
-use super::state::State;
+use super::search::NetGoal;
+use super::solid::{Feet, ShapeNode};
+use super::state::SurfaceMemory;
 use super::surface::{Surface, SurfacePoint};
 use super::tree::{Grown, Nodes};
 use crate::num::scalar::sqrt;
@@ -51,7 +51,7 @@ use crate::tuning::patch::KEPT;
 /// ```
 #[derive(Clone, Debug)]
 pub struct SurfaceShapeTracker {
-    state: State,
+    state: SurfaceMemory,
     grown: Grown,
     /// Of a point of the surface and the shape.
     feet: ShapeTracker,
@@ -62,7 +62,7 @@ pub struct SurfaceShapeTracker {
 impl Default for SurfaceShapeTracker {
     fn default() -> Self {
         Self {
-            state: State::default(),
+            state: SurfaceMemory::default(),
             grown: Grown::default(),
             feet: ShapeTracker::new(),
             point: ConvexPolyhedron::point(Point3::origin()).ok().map(Shape::from),
@@ -124,7 +124,7 @@ impl SurfaceShapeTracker {
     /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size L (the farthest points of both
     /// bodies from their origins, and the distance of the origins), is taken as that limit.
     pub fn closest(&mut self, a: &Surface, b: &Shape, a_from_b: &RelativePose, width: f64) -> SurfaceShapeOutcome {
-        self.answer(a, b, a_from_b, Goal::Width(width))
+        self.answer(a, b, a_from_b, NetGoal::Width(width))
     }
 
     /// Returns the distance with bounds that are at most `width` apart, as
@@ -145,7 +145,7 @@ impl SurfaceShapeTracker {
         if !(d >= 0.0) {
             return Decision::No;
         }
-        let found = self.answer(a, b, a_from_b, Goal::Within(d));
+        let found = self.answer(a, b, a_from_b, NetGoal::Within(d));
         Decision::by(found.lower, found.upper, d)
     }
 
@@ -155,7 +155,7 @@ impl SurfaceShapeTracker {
         a: &Surface,
         b: &Shape,
         a_from_b: &RelativePose,
-        goal: Goal,
+        goal: NetGoal,
     ) -> SurfaceShapeOutcome {
         self.answer_placed(a, b, a_from_b, goal, 0.0)
     }
@@ -166,7 +166,7 @@ impl SurfaceShapeTracker {
         a: &Surface,
         b: &Shape,
         a_from_b: &RelativePose,
-        goal: Goal,
+        goal: NetGoal,
         placing: f64,
     ) -> SurfaceShapeOutcome {
         let is_full = self.grown.numbers() > KEPT;
@@ -175,15 +175,15 @@ impl SurfaceShapeTracker {
         }
         let reach = [a.reach, reach(b)];
         let points = reach[0] * SURFACE_POINT + reach[1] * SHAPE_POINT;
-        let (Some(frame), Some(point)) = (Frame::new(reach, points, a_from_b), &self.point) else {
+        let (Some(frame), Some(point)) = (NetFrame::new(reach, points, a_from_b), &self.point) else {
             return far_apart(a, b, a_from_b);
         };
         let frame = frame.placed(placing);
         let mut trees = Trees {
             a: Nodes::new(&a.tree, &mut self.grown),
-            b: Solid::new(b),
+            b: ShapeNode::new(b),
             frame: &frame,
-            counts: Counts::default(),
+            counts: SearchCounts::default(),
         };
         let mut feet = Feet::new(a.patches(), [point, b], &mut self.feet, &frame, a_from_b);
         match self.state.search(&mut trees, &mut feet, goal) {

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::bowl::Half;
+use super::bowl::BowlSide;
 use super::height::taylor;
 use super::tree::{Node, Nodes};
 
@@ -10,7 +10,7 @@ use super::tree::{Node, Nodes};
 ///
 /// Directions are unit vectors in the frame of the body. Errors of a node
 /// ([`Node::error`]) are not part of a height.
-pub(super) trait Side {
+pub(super) trait NetSide {
     /// Whether the body is one convex set, whose closest point to a point is found at once.
     const IS_CONVEX: bool;
 
@@ -33,17 +33,17 @@ pub(super) trait Side {
 
     /// Returns a height above a bowl that the part reaches; `None` if [`above`](Self::above) is not
     /// worth a try.
-    fn least_above(&self, id: u32, half: &Half) -> Option<f64>;
+    fn least_above(&self, id: u32, half: &BowlSide) -> Option<f64>;
 
     /// Returns an upper bound of the heights of the part above a bowl, errors of the pose aside;
     /// `None` if none is known.
-    fn above(&self, id: u32, half: &Half) -> Option<f64>;
+    fn above(&self, id: u32, half: &BowlSide) -> Option<f64>;
 
     /// Returns the first of the two children; the second follows. Only of a node that can be split.
     fn split(&mut self, id: u32) -> u32;
 }
 
-impl Side for Nodes<'_> {
+impl NetSide for Nodes<'_> {
     const IS_CONVEX: bool = false;
 
     #[inline]
@@ -76,12 +76,12 @@ impl Side for Nodes<'_> {
         of.unwrap_or(highest).min(highest)
     }
 
-    fn least_above(&self, id: u32, half: &Half) -> Option<f64> {
+    fn least_above(&self, id: u32, half: &BowlSide) -> Option<f64> {
         let node = self.node(id);
         half.is_near(node).then(|| half.least(node, &self.net(id)))
     }
 
-    fn above(&self, id: u32, half: &Half) -> Option<f64> {
+    fn above(&self, id: u32, half: &BowlSide) -> Option<f64> {
         half.highest(self.node(id), &self.net(id))
     }
 

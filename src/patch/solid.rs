@@ -3,12 +3,12 @@
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use super::bowl::Half;
-use super::closest::{CLOSE, Meeting, Meets, Row, facing, solve};
+use super::bowl::BowlSide;
+use super::closest::{CLOSE, Meeting, Meets, Parameters, facing, solve};
 use super::cut::Cut;
-use super::frame::Frame;
+use super::frame::NetFrame;
 use super::net::{Patch, SurfaceJet};
-use super::side::Side;
+use super::side::NetSide;
 use super::tree::Node;
 use crate::pair::outcome::Outcome;
 use crate::pose::{RelativePose, normalize};
@@ -18,7 +18,7 @@ use crate::tolerance::UNIT;
 use crate::tuning::patch::{BACK, DAMPINGS, NEWTON, PROBE};
 
 /// A convex shape as one node.
-pub(super) struct Solid<'a> {
+pub(super) struct ShapeNode<'a> {
     shape: &'a Shape,
     node: Node,
     /// The last direction and the height along it: searches ask many nodes along one direction.
@@ -27,7 +27,7 @@ pub(super) struct Solid<'a> {
     next: u32,
 }
 
-impl<'a> Solid<'a> {
+impl<'a> ShapeNode<'a> {
     pub(super) fn new(shape: &'a Shape) -> Self {
         let (centre, radius) = shape.bounding_ball();
         Self {
@@ -39,7 +39,7 @@ impl<'a> Solid<'a> {
     }
 }
 
-impl Side for Solid<'_> {
+impl NetSide for ShapeNode<'_> {
     const IS_CONVEX: bool = true;
 
     fn node(&self, _: u32) -> &Node {
@@ -70,11 +70,11 @@ impl Side for Solid<'_> {
         highest
     }
 
-    fn least_above(&self, _: u32, _: &Half) -> Option<f64> {
+    fn least_above(&self, _: u32, _: &BowlSide) -> Option<f64> {
         None
     }
 
-    fn above(&self, _: u32, _: &Half) -> Option<f64> {
+    fn above(&self, _: u32, _: &BowlSide) -> Option<f64> {
         None
     }
 
@@ -91,13 +91,13 @@ pub(super) struct Feet<'a> {
     point: &'a Shape,
     shape: &'a Shape,
     tracker: &'a mut ShapeTracker,
-    frame: &'a Frame,
+    frame: &'a NetFrame,
     /// The rotation of `a_from_b`.
     turn: UnitQuaternion<f64>,
 }
 
 /// A point of the surface and the closest point of the shape.
-struct Foot {
+struct ShapeFoot {
     at: [f64; 2],
     jet: SurfaceJet,
     found: Outcome,
@@ -108,7 +108,7 @@ impl<'a> Feet<'a> {
         patches: &'a [Patch],
         [point, shape]: [&'a Shape; 2],
         tracker: &'a mut ShapeTracker,
-        frame: &'a Frame,
+        frame: &'a NetFrame,
         pose: &RelativePose,
     ) -> Self {
         let (a, b) = pose.poses();
@@ -134,10 +134,10 @@ impl<'a> Feet<'a> {
         Some(self.tracker.closest(self.point, self.shape, &pose))
     }
 
-    fn foot(&mut self, patch: &Patch, at: [f64; 2]) -> Option<Foot> {
+    fn foot(&mut self, patch: &Patch, at: [f64; 2]) -> Option<ShapeFoot> {
         let jet = patch.jet(at);
         let found = self.look(&jet.point)?;
-        Some(Foot { at, jet, found })
+        Some(ShapeFoot { at, jet, found })
     }
 
     /// Error of a signed distance by the point and the pose.
@@ -147,7 +147,7 @@ impl<'a> Feet<'a> {
 
     /// Returns a foot nearer to the shape, or deeper inside: Newton's method where the distance is
     /// convex, else with the curvature of the shape alone and damping (Levenberg 1944).
-    fn step(&mut self, patch: &Patch, now: &Foot) -> Option<Foot> {
+    fn step(&mut self, patch: &Patch, now: &ShapeFoot) -> Option<ShapeFoot> {
         let (n, j) = (*now.found.normal, [now.jet.u, now.jet.v]);
         let gradient = j.map(|c| -n.dot(&c));
         let is_held = |k: usize| now.at[k] <= 0.0 && gradient[k] >= 0.0 || now.at[k] >= 1.0 && gradient[k] <= 0.0;
@@ -181,7 +181,7 @@ impl<'a> Feet<'a> {
     /// Returns a foot nearer to a close shape, towards the point of the shape that is lowest over
     /// the surface. Beside an edge of the shape the distance bends as sharply as it is short, and
     /// no difference of normals tells how.
-    fn toward_top(&mut self, patch: &Patch, now: &Foot, held: &[bool; 4]) -> Option<Foot> {
+    fn toward_top(&mut self, patch: &Patch, now: &ShapeFoot, held: &[bool; 4]) -> Option<ShapeFoot> {
         if now.found.distance.abs() > CLOSE * self.frame.size {
             return None;
         }
@@ -198,7 +198,7 @@ impl<'a> Feet<'a> {
     /// Returns the second derivative of the distance of a point from the shape, in the parameters
     /// of the patch: entries 00, 01, 11 of a form that is not negative, by the turn of the normal
     /// over a small way. Steers the search alone.
-    fn roundness(&mut self, now: &Foot) -> Option<[f64; 3]> {
+    fn roundness(&mut self, now: &ShapeFoot) -> Option<[f64; 3]> {
         let (n, j) = (*now.found.normal, [now.jet.u, now.jet.v]);
         let mut form = [[0.0; 2]; 2];
         for k in 0..2 {
@@ -211,7 +211,7 @@ impl<'a> Feet<'a> {
         Some([uu, (0.5 * (form[0][1] + form[1][0])).clamp(-most, most), vv])
     }
 
-    fn tried(&mut self, patch: &Patch, now: &Foot, step: &Row) -> Option<Foot> {
+    fn tried(&mut self, patch: &Patch, now: &ShapeFoot, step: &Parameters) -> Option<ShapeFoot> {
         let mut part = 1.0;
         for _ in 0..2 {
             let at = [0, 1].map(|k| (now.at[k] - part * step[k]).clamp(0.0, 1.0));
@@ -227,7 +227,7 @@ impl<'a> Feet<'a> {
     /// Returns the direction from a point to the shape. For a point so near that rounding turns the
     /// line to the shape: the normal of the surface if both are nearly parallel, else the direction
     /// from a point farther back, which sees the same place of the shape.
-    fn along(&mut self, foot: &Foot) -> Vector3<f64> {
+    fn along(&mut self, foot: &ShapeFoot) -> Vector3<f64> {
         let (n, size) = (*foot.found.normal, self.frame.size);
         let distance = foot.found.distance.abs();
         if distance > CLOSE * size {
@@ -242,7 +242,7 @@ impl<'a> Feet<'a> {
 
     /// A point that may lie in the shape, as far as rounding tells, is its own witness: its depth
     /// is within rounding, and that of the shape may be farther away.
-    fn meeting(&mut self, number: u32, foot: &Foot) -> Meeting {
+    fn meeting(&mut self, number: u32, foot: &ShapeFoot) -> Meeting {
         let (p, found) = (foot.jet.point, &foot.found);
         let upper = (found.upper + self.error()).max(0.0);
         let on_b = if found.distance <= 0.0 && upper > 0.0 {
@@ -269,7 +269,7 @@ impl<'a> Feet<'a> {
 }
 
 /// Returns the form of two parameters as one of four.
-fn matrix([uu, uv, vv]: [f64; 3]) -> [Row; 4] {
+fn matrix([uu, uv, vv]: [f64; 3]) -> [Parameters; 4] {
     let mut m = [[0.0; 4]; 4];
     (m[0][0], m[0][1], m[1][0], m[1][1]) = (uu, uv, uv, vv);
     m

@@ -3,34 +3,34 @@
 use alloc::collections::BinaryHeap;
 
 use super::closest::{Meeting, Meets};
-use super::front::{Entry, Front};
+use super::front::{NetEntry, NetFront};
 use super::gap::Trees;
 use super::outcome::SurfaceWork;
-use super::search::{Goal, Open, Pace, Search};
-use super::side::Side;
+use super::search::{NetGoal, NetSearch, OpenNodePair, Pace};
+use super::side::NetSide;
 use crate::num::fingerprint::Fingerprint;
 use crate::tuning::patch::{GROWTH, IMPATIENT, MOST_SPLITS, SPLITS, TRIES};
 
 /// The front of the last answer, the last witnesses, and counters.
 #[derive(Clone, Debug)]
-pub(super) struct State {
+pub(super) struct SurfaceMemory {
     fingerprints: [Fingerprint; 2],
     budget: usize,
-    pub(super) front: Front,
+    pub(super) front: NetFront,
     /// Patches and parameters of the last witnesses.
     last: Option<([u32; 2], [f64; 4])>,
     /// How far the region of the last search reached.
     way: Option<f64>,
-    heap: BinaryHeap<Open>,
+    heap: BinaryHeap<OpenNodePair>,
     pub(super) work: SurfaceWork,
 }
 
-impl Default for State {
+impl Default for SurfaceMemory {
     fn default() -> Self {
         Self {
             fingerprints: [Fingerprint::default(); 2],
             budget: SPLITS,
-            front: Front::default(),
+            front: NetFront::default(),
             last: None,
             way: None,
             heap: BinaryHeap::new(),
@@ -39,7 +39,7 @@ impl Default for State {
     }
 }
 
-impl State {
+impl SurfaceMemory {
     /// Sets the number of splits that a query may make.
     pub(super) fn allow(&mut self, splits: usize) {
         self.budget = splits.min(MOST_SPLITS);
@@ -68,7 +68,7 @@ impl State {
     }
 
     /// Returns the front of these bodies, empty for others.
-    pub(super) fn entries(&self, fingerprints: [Fingerprint; 2]) -> &[Entry] {
+    pub(super) fn entries(&self, fingerprints: [Fingerprint; 2]) -> &[NetEntry] {
         if self.fingerprints == fingerprints {
             &self.front.entries
         } else {
@@ -77,18 +77,18 @@ impl State {
     }
 
     pub(super) fn heap_bytes(&self) -> usize {
-        self.front.entries.capacity() * size_of::<Entry>() + self.heap.capacity() * size_of::<Open>()
+        self.front.entries.capacity() * size_of::<NetEntry>() + self.heap.capacity() * size_of::<OpenNodePair>()
     }
 
     /// Returns a lower bound of the distance and the closest points; `None` if no points were
     /// found.
-    pub(super) fn search<B: Side, M: Meets>(
+    pub(super) fn search<B: NetSide, M: Meets>(
         &mut self,
         trees: &mut Trees<'_, B>,
         points: &mut M,
-        goal: Goal,
+        goal: NetGoal,
     ) -> Option<(f64, Meeting)> {
-        let mut search = Search {
+        let mut search = NetSearch {
             trees,
             points,
             goal,

@@ -6,7 +6,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use super::error::PatchError;
 use super::net::Patch;
 use super::nurbs::Nurbs;
-use super::tree::Tree;
+use super::tree::NetTree;
 use crate::composite::mesh::Mesh;
 use crate::composite::separation::ball_about;
 use crate::num::fingerprint::{Fingerprint, Fingerprinter};
@@ -49,7 +49,7 @@ pub struct Surface {
     pub(super) patches: Vec<Patch>,
     /// The knots about each patch of a NURBS surface, in u and v.
     pub(super) domains: Vec<[[f64; 2]; 2]>,
-    pub(super) tree: Tree,
+    pub(super) tree: NetTree,
     /// The largest distance of a control point from the origin, rounded up.
     pub(super) reach: f64,
     pub(super) fingerprint: Fingerprint,
@@ -120,7 +120,7 @@ impl Surface {
             return Err(PatchError::Empty);
         }
         let reach = patches.iter().map(|p| p.reach).fold(0.0, f64::max);
-        let tree = Tree::new(&patches);
+        let tree = NetTree::new(&patches);
         let (fingerprint, is_closed) = (fingerprint(&patches), is_closed(&patches, reach));
         Ok(Self {
             patches,

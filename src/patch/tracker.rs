@@ -4,11 +4,11 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use super::closest::Patches;
 use super::crossing::crosses;
-use super::frame::{Frame, far};
-use super::gap::{Counts, Trees};
+use super::frame::{NetFrame, far};
+use super::gap::{SearchCounts, Trees};
 use super::outcome::{Decision, SurfaceOutcome, SurfacePart, SurfaceWork};
-use super::search::Goal;
-use super::state::State;
+use super::search::NetGoal;
+use super::state::SurfaceMemory;
 use super::surface::{Surface, SurfacePoint};
 use super::tree::{Grown, Nodes};
 use crate::pair::outcome::{Class, Distance};
@@ -47,7 +47,7 @@ use crate::tuning::patch::KEPT;
 /// ```
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceTracker {
-    state: State,
+    state: SurfaceMemory,
     grown: [Grown; 2],
 }
 
@@ -121,11 +121,17 @@ impl SurfaceTracker {
     /// of both surfaces from their origins, and the distance of the origins), is taken as that
     /// limit.
     pub fn closest(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, width: f64) -> SurfaceOutcome {
-        self.answer(a, b, a_from_b, Goal::Width(width))
+        self.answer(a, b, a_from_b, NetGoal::Width(width))
     }
 
     /// Returns the closest points with bounds as close as a goal asks for.
-    pub(super) fn answer(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: Goal) -> SurfaceOutcome {
+    pub(super) fn answer(
+        &mut self,
+        a: &Surface,
+        b: &Surface,
+        a_from_b: &RelativePose,
+        goal: NetGoal,
+    ) -> SurfaceOutcome {
         let found = self.search(a, b, a_from_b, goal);
         let class = if found.lower > 0.0 {
             Class::Separated
@@ -160,7 +166,7 @@ impl SurfaceTracker {
     /// a query splits at most 20,000 pairs of nodes, or as many as
     /// [`with_budget`](Self::with_budget) allows, and then returns the bounds that it has proven.
     pub fn intersects(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose) -> Decision {
-        let found = self.search(a, b, a_from_b, Goal::Within(0.0));
+        let found = self.search(a, b, a_from_b, NetGoal::Within(0.0));
         let (lower, upper) = (found.lower, found.upper);
         if lower > 0.0 {
             Decision::No
@@ -177,19 +183,19 @@ impl SurfaceTracker {
         if !(d >= 0.0) {
             return Decision::No;
         }
-        let found = self.search(a, b, a_from_b, Goal::Within(d));
+        let found = self.search(a, b, a_from_b, NetGoal::Within(d));
         let upper = if found.shares { 0.0 } else { found.upper };
         Decision::by(found.lower, upper, d)
     }
 
-    fn search(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: Goal) -> Found {
+    fn search(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: NetGoal) -> Found {
         let is_full = self.grown.iter().any(|g| g.numbers() > KEPT);
         if !self.state.recognises([a.fingerprint, b.fingerprint], is_full) {
             self.grown = Default::default();
         }
         let reach = [a.reach, b.reach];
         let points = reach[0] * SURFACE_POINT + reach[1] * SURFACE_POINT;
-        let Some(frame) = Frame::new(reach, points, a_from_b) else {
+        let Some(frame) = NetFrame::new(reach, points, a_from_b) else {
             return apart(a, b, a_from_b);
         };
         let [grown_a, grown_b] = &mut self.grown;
@@ -197,7 +203,7 @@ impl SurfaceTracker {
             a: Nodes::new(&a.tree, grown_a),
             b: Nodes::new(&b.tree, grown_b),
             frame: &frame,
-            counts: Counts::default(),
+            counts: SearchCounts::default(),
         };
         let mut points = Patches {
             a: a.patches(),

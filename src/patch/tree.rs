@@ -111,7 +111,7 @@ impl Node {
 /// Nodes and the numbers of their nets: x, y and z of the points, each together; for rational nets
 /// the homogeneous coordinates after them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Tree {
+pub(super) struct NetTree {
     nodes: Vec<Node>,
     numbers: Vec<f64>,
 }
@@ -135,7 +135,7 @@ impl<'a> Net<'a> {
     }
 }
 
-impl Tree {
+impl NetTree {
     /// Returns the tree of whole patches, the root first.
     pub(super) fn new(patches: &[Patch]) -> Self {
         let mut tree = Self::default();
@@ -322,7 +322,7 @@ fn empty() -> Node {
 /// The nodes that searches made of one surface.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Grown {
-    tree: Tree,
+    tree: NetTree,
     /// Children of the whole patches among the surface's own nodes; 0 if not split.
     of_own: Vec<u32>,
 }
@@ -330,13 +330,13 @@ pub(super) struct Grown {
 impl Grown {
     /// Returns a node of a surface's own tree or of those made of it.
     #[inline]
-    pub(super) fn node<'t>(&'t self, own: &'t Tree, id: u32) -> &'t Node {
+    pub(super) fn node<'t>(&'t self, own: &'t NetTree, id: u32) -> &'t Node {
         let (tree, k) = self.tree(own, id);
         &tree.nodes[k]
     }
 
     #[inline]
-    fn tree<'t>(&'t self, own: &'t Tree, id: u32) -> (&'t Tree, usize) {
+    fn tree<'t>(&'t self, own: &'t NetTree, id: u32) -> (&'t NetTree, usize) {
         match (id as usize).checked_sub(own.nodes.len()) {
             Some(k) => (&self.tree, k),
             None => (own, id as usize),
@@ -356,12 +356,12 @@ impl Grown {
 
 /// A surface's tree with the nodes made of it so far.
 pub(super) struct Nodes<'a> {
-    own: &'a Tree,
+    own: &'a NetTree,
     grown: &'a mut Grown,
 }
 
 impl<'a> Nodes<'a> {
-    pub(super) fn new(own: &'a Tree, grown: &'a mut Grown) -> Self {
+    pub(super) fn new(own: &'a NetTree, grown: &'a mut Grown) -> Self {
         grown.of_own.resize(own.nodes.len(), 0);
         Self { own, grown }
     }

@@ -91,7 +91,7 @@ impl ArmSegment {
     /// Returns the courses of the base and of all links.
     fn courses(&self, time: f64) -> impl Iterator<Item = Course> {
         let (base, joints) = &*self.chain.0;
-        let mut link = Link::new(base);
+        let mut link = LinkMotion::new(base);
         let first = link.course();
         let values = self.values(time).zip(&self.rate).zip(&self.most);
         let moved = joints.iter().zip(values).map(move |(joint, ((value, &rate), &most))| {
@@ -125,18 +125,18 @@ impl SegmentMotion for ArmSegment {
 }
 
 /// A link while the recursion runs outward.
-struct Link {
+struct LinkMotion {
     rotation: UnitQuaternion<f64>,
     linear: Vector3<f64>,
     acceleration: Vector3<f64>,
     angular: Vector3<f64>,
     angular_acceleration: Vector3<f64>,
-    bounds: Bounds,
+    bounds: RateBounds,
 }
 
 /// Upper bounds of magnitudes.
 #[derive(Default)]
-struct Bounds {
+struct RateBounds {
     /// Sum of the rates of revolute joints.
     rate: f64,
     /// Rate of change of the angular velocity.
@@ -152,7 +152,7 @@ struct Bounds {
     place: f64,
 }
 
-impl Link {
+impl LinkMotion {
     fn new(base: &Isometry3<f64>) -> Self {
         let length = base.translation.vector.abs().sum();
         Self {
@@ -161,11 +161,11 @@ impl Link {
             acceleration: Vector3::zeros(),
             angular: Vector3::zeros(),
             angular_acceleration: Vector3::zeros(),
-            bounds: Bounds {
+            bounds: RateBounds {
                 length,
                 turn: ARM_TURN,
                 place: ARM_PLACE * length,
-                ..Bounds::default()
+                ..RateBounds::default()
             },
         }
     }

@@ -10,21 +10,21 @@
 use alloc::vec::Vec;
 
 use super::checker::Checker;
-use super::clearance::Near;
+use super::clearance::NearPair;
 use super::error::PlanError;
 use super::space::ConfigurationSpace;
 use crate::tuning::plan::{ASCENT, EXCHANGES, FLAT, GOOD, PLANES};
 
 /// A configuration and its clearance.
 #[derive(Clone, Debug)]
-pub(super) struct Place {
+pub(super) struct ClearConfiguration {
     pub(super) q: Vec<f64>,
     pub(super) distance: f64,
-    near: Vec<Near>,
+    near: Vec<NearPair>,
 }
 
 /// A linear bound of the clearance about the centre.
-struct Plane {
+struct ClearancePlane {
     value: f64,
     gradient: Vec<f64>,
 }
@@ -42,15 +42,15 @@ pub(super) struct Slice {
 
 impl<C: ConfigurationSpace> Checker<C> {
     /// Measures a configuration; a world without pairs is infinitely clear.
-    pub(super) fn place(&mut self, q: Vec<f64>, slack: f64) -> Result<Place, PlanError> {
+    pub(super) fn place(&mut self, q: Vec<f64>, slack: f64) -> Result<ClearConfiguration, PlanError> {
         let near = self.nearest(&q, slack)?;
         let distance = near.first().map_or(f64::INFINITY, |n| n.distance);
-        Ok(Place { q, distance, near })
+        Ok(ClearConfiguration { q, distance, near })
     }
 
     /// Ascends within a slice and returns the places passed, the last of them a local maximum of
     /// the clearance, up to the precision of the slice.
-    pub(super) fn ascend(&mut self, start: Vec<f64>, slice: &Slice) -> Result<Vec<Place>, PlanError> {
+    pub(super) fn ascend(&mut self, start: Vec<f64>, slice: &Slice) -> Result<Vec<ClearConfiguration>, PlanError> {
         let mut centre = self.place(start, slice.longest)?;
         let mut mu = (0.5 * centre.distance.abs()).clamp(slice.shortest * 4.0, slice.longest);
         let mut passed = Vec::new();
@@ -90,7 +90,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the step that maximises the model, and the gain that the model expects. Components
     /// that would leave the bounds are left out.
-    fn step(&self, centre: &Place, planes: &[Plane], mu: f64, slice: &Slice) -> (Vec<f64>, f64) {
+    fn step(&self, centre: &ClearConfiguration, planes: &[ClearancePlane], mu: f64, slice: &Slice) -> (Vec<f64>, f64) {
         let mut fixed = slice.fixed.clone();
         loop {
             let (z, least) = maximum(planes, mu, &fixed);
@@ -109,13 +109,19 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Adds the bounds seen at a place tried in vain.
-    fn learn(&self, planes: &mut Vec<Plane>, centre: &Place, tried: &Place, own: usize) {
+    fn learn(
+        &self,
+        planes: &mut Vec<ClearancePlane>,
+        centre: &ClearConfiguration,
+        tried: &ClearConfiguration,
+        own: usize,
+    ) {
         let step = self.space.difference(&centre.q, &tried.q);
         let z: Vec<f64> = step.iter().zip(self.space.scales()).map(|(x, s)| x * s).collect();
         for near in tried.near.iter().take(PLANES) {
             let value = near.distance - dot(&near.gradient, &z);
             // The clearance is not concave: a bound below the value at the centre is none.
-            planes.push(Plane {
+            planes.push(ClearancePlane {
                 value: value.max(centre.distance),
                 gradient: near.gradient.clone(),
             });
@@ -126,11 +132,11 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 }
 
-fn planes_at(place: &Place, mu: f64) -> Vec<Plane> {
+fn planes_at(place: &ClearConfiguration, mu: f64) -> Vec<ClearancePlane> {
     let within = place.near.iter().take(PLANES);
     let within = within.filter(|near| near.distance <= place.distance + 4.0 * mu);
     within
-        .map(|near| Plane {
+        .map(|near| ClearancePlane {
             value: near.distance,
             gradient: near.gradient.clone(),
         })
@@ -143,7 +149,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// Returns the z that maximises the least of the planes less `|z|^2 / (2 mu)`, and the least of the
 /// planes there.
-fn maximum(planes: &[Plane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64) {
+fn maximum(planes: &[ClearancePlane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64) {
     let free = |g: &[f64]| -> Vec<f64> {
         let parts = g.iter().zip(fixed);
         parts.map(|(x, is_fixed)| if *is_fixed { 0.0 } else { *x }).collect()
@@ -205,8 +211,8 @@ mod tests {
     fn the_step_maximises_the_model() {
         let mut rng = Rng::new(5);
         for _ in 0..300 {
-            let planes: Vec<Plane> = (0..1 + rng.below(6))
-                .map(|_| Plane {
+            let planes: Vec<ClearancePlane> = (0..1 + rng.below(6))
+                .map(|_| ClearancePlane {
                     value: rng.range(0.0, 0.3),
                     gradient: (0..2).map(|_| rng.range(-1.0, 1.0)).collect(),
                 })

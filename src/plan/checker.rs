@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Point3};
 use super::error::PlanError;
 use super::pairs::{Pairs, swept_box};
 use super::space::{BodyMotion, ConfigurationSpace, SegmentMotion};
-use super::world::{Part, PartPair, World};
+use super::world::{World, WorldId, WorldPair};
 use crate::impact::{Cast, Certificate, Impact, ImpactError, Tolerance, cast_noting};
 use crate::motion::{Motion, Steady};
 use crate::num::count::sum_of_counters;
@@ -30,7 +30,7 @@ pub enum Verdict {
         /// The pair is proven to meet here, or to be within the margin.
         t: f64,
         /// The pair.
-        pair: PartPair,
+        pair: WorldPair,
         /// The closest points of `pair.a` and `pair.b` at `safe`, in the world; at `t` if `safe`
         /// is the begin.
         witnesses: [Point3<f64>; 2],
@@ -91,7 +91,7 @@ sum_of_counters!(CheckWork {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairProof {
     /// The pair.
-    pub pair: PartPair,
+    pub pair: WorldPair,
     /// The certificates, in order of time.
     pub certificates: Vec<Certificate>,
 }
@@ -171,7 +171,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the name of a part.
     #[must_use]
-    pub fn name(&self, part: Part) -> &str {
+    pub fn name(&self, part: WorldId) -> &str {
         self.world.name(part)
     }
 
@@ -321,11 +321,11 @@ impl<C: ConfigurationSpace> Checker<C> {
     ) -> Result<R, ImpactError> {
         let Pairs { all, resting, .. } = &mut self.pairs;
         let tracked = &mut all[index];
-        let (Part::Robot(body) | Part::Obstacle(body)) = tracked.pair.a;
+        let (WorldId::Robot(body) | WorldId::Obstacle(body)) = tracked.pair.a;
         let moving = |body: usize| BodyMotion { segment, body };
         let partner = match tracked.pair.b {
-            Part::Robot(other) => PartMotion::Robot(moving(other)),
-            Part::Obstacle(k) => PartMotion::Obstacle(&resting[k]),
+            WorldId::Robot(other) => PartMotion::Robot(moving(other)),
+            WorldId::Obstacle(k) => PartMotion::Obstacle(&resting[k]),
         };
         let shapes = (self.world.shape(tracked.pair.a), self.world.shape(tracked.pair.b));
         let tracker = tracked.tracked(shapes);
@@ -337,10 +337,10 @@ impl<C: ConfigurationSpace> Checker<C> {
         }))
     }
 
-    fn in_world(&self, segment: &C::Segment, pair: PartPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
-        let placed = |part: Part, point: Point3<f64>| match part {
-            Part::Robot(k) => segment.pose(k, time) * point,
-            Part::Obstacle(k) => self.world.obstacles[k].2 * point,
+    fn in_world(&self, segment: &C::Segment, pair: WorldPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
+        let placed = |part: WorldId, point: Point3<f64>| match part {
+            WorldId::Robot(k) => segment.pose(k, time) * point,
+            WorldId::Obstacle(k) => self.world.obstacles[k].2 * point,
         };
         [placed(pair.a, points[0]), placed(pair.b, points[1])]
     }

@@ -8,7 +8,7 @@ use super::checker::Checker;
 use super::error::PlanError;
 use super::pairs::swept_box;
 use super::space::ConfigurationSpace;
-use super::world::{Part, PartPair};
+use super::world::{WorldId, WorldPair};
 use crate::impact::Impact;
 use crate::motion::{Motion, Steady, Velocity};
 use crate::pair::outcome::{Class, Until};
@@ -18,9 +18,9 @@ use crate::tuning::plan::{ENLARGED, LOWERED, SAMPLES};
 /// A pair near its closest at a configuration.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Near {
+pub struct NearPair {
     /// The pair.
-    pub pair: PartPair,
+    pub pair: WorldPair,
     /// The signed distance: negative for an overlap, zero for an overlap of unknown depth.
     pub distance: f64,
     /// Lower bound of the signed distance.
@@ -41,7 +41,7 @@ struct MeasuredPair {
     /// pairs of equal distance.
     gap: f64,
     index: usize,
-    near: Near,
+    near: NearPair,
     /// The normal in the world, zero for an overlap of unknown depth.
     normal: Vector3<f64>,
 }
@@ -57,7 +57,7 @@ pub struct SegmentClearance {
     /// A time at which `upper` holds.
     pub t: f64,
     /// The pair that is nearest there, if there is any pair.
-    pub pair: Option<PartPair>,
+    pub pair: Option<WorldPair>,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -65,7 +65,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// # Errors
     /// A configuration that is not of the space.
-    pub fn clearance(&mut self, configuration: &[f64]) -> Result<Option<Near>, PlanError> {
+    pub fn clearance(&mut self, configuration: &[f64]) -> Result<Option<NearPair>, PlanError> {
         let mut near = self.nearest(configuration, 0.0)?;
         near.truncate(1);
         Ok(near.pop())
@@ -76,7 +76,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// # Errors
     /// A configuration that is not of the space.
-    pub fn nearest(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<Near>, PlanError> {
+    pub fn nearest(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<NearPair>, PlanError> {
         self.space.check(configuration)?;
         let mut poses = core::mem::take(&mut self.poses);
         self.space.place(configuration, &mut poses);
@@ -85,7 +85,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         found
     }
 
-    fn measured(&mut self, q: &[f64], poses: &[Isometry3<f64>], slack: f64) -> Result<Vec<Near>, PlanError> {
+    fn measured(&mut self, q: &[f64], poses: &[Isometry3<f64>], slack: f64) -> Result<Vec<NearPair>, PlanError> {
         self.work.configurations += 1;
         let mut found: Vec<MeasuredPair> = Vec::new();
         let mut least = f64::INFINITY;
@@ -171,10 +171,10 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the distance of the balls about both parts: negative if the balls overlap.
     fn ball_gap(&self, index: usize, poses: &[Isometry3<f64>]) -> f64 {
         let pair = self.pairs.all[index].pair;
-        let ball = |part: Part| {
+        let ball = |part: WorldId| {
             let (pose, (centre, radius)) = match part {
-                Part::Robot(k) => (&poses[k], self.pairs.robot_balls[k]),
-                Part::Obstacle(k) => (&self.world.obstacles[k].2, self.pairs.obstacle_balls[k]),
+                WorldId::Robot(k) => (&poses[k], self.pairs.robot_balls[k]),
+                WorldId::Obstacle(k) => (&self.world.obstacles[k].2, self.pairs.obstacle_balls[k]),
             };
             (pose * centre, radius)
         };
@@ -184,14 +184,14 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Measures one pair at posed bodies, but for its gradient. Returns the normal in the world as
     /// well, zero for an overlap of unknown depth.
-    fn measure(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<(Near, Vector3<f64>), PlanError> {
+    fn measure(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<(NearPair, Vector3<f64>), PlanError> {
         self.work.measures += 1;
         let tracked = &mut self.pairs.all[index];
         let pair = tracked.pair;
         let world = &self.world;
-        let pose_of = |part: Part| match part {
-            Part::Robot(k) => poses[k],
-            Part::Obstacle(k) => world.obstacles[k].2,
+        let pose_of = |part: WorldId| match part {
+            WorldId::Robot(k) => poses[k],
+            WorldId::Obstacle(k) => world.obstacles[k].2,
         };
         let [pose_a, pose_b] = [pair.a, pair.b].map(pose_of);
         let relative = RelativePose::new(&pose_a, &pose_b)?;
@@ -202,7 +202,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         // Kinds without a tracker are refused when the checker is made.
         let outcome = outcome.ok_or(PlanError::Empty)?;
         let is_known = outcome.class != Class::Overlapping || outcome.lower > f64::NEG_INFINITY;
-        let near = Near {
+        let near = NearPair {
             pair,
             distance: if is_known { outcome.distance } else { 0.0 },
             lower: outcome.lower,
@@ -215,11 +215,11 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Fills in the gradient of a pair.
-    fn slope(&self, near: &mut Near, normal: &Vector3<f64>, q: &[f64]) {
+    fn slope(&self, near: &mut NearPair, normal: &Vector3<f64>, q: &[f64]) {
         let mut gradient = alloc::vec![0.0; self.space.freedom()];
         let mut part = gradient.clone();
         for (k, (of, sign)) in [(near.pair.a, -1.0), (near.pair.b, 1.0)].into_iter().enumerate() {
-            if let Part::Robot(body) = of {
+            if let WorldId::Robot(body) = of {
                 self.space.gradient(q, body, &near.witnesses[k], normal, &mut part);
                 gradient.iter_mut().zip(&part).for_each(|(g, p)| *g += sign * p);
             }
@@ -304,7 +304,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 }
 
 impl SegmentClearance {
-    fn lower_to(&mut self, upper: f64, t: f64, pair: PartPair) {
+    fn lower_to(&mut self, upper: f64, t: f64, pair: WorldPair) {
         if upper < self.upper {
             (self.upper, self.t, self.pair) = (upper, t, Some(pair));
         }

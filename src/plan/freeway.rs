@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::ascent::{Place, Slice};
+use super::ascent::{ClearConfiguration, Slice};
 use super::checker::Checker;
 use super::error::PlanError;
 use super::space::ConfigurationSpace;
@@ -24,7 +24,7 @@ pub enum FreewayEnd {
 
 /// One step of a trace.
 enum Tried {
-    Kept(Place),
+    Kept(ClearConfiguration),
     Lost(FreewayEnd),
 }
 
@@ -34,12 +34,12 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// slice. Every step is proven free; a step that is not is halved.
     pub(super) fn trace(
         &mut self,
-        start: &Place,
+        start: &ClearConfiguration,
         coordinate: usize,
         sign: f64,
         slice: &Slice,
-    ) -> Result<(Vec<Place>, FreewayEnd), PlanError> {
-        let mut places: Vec<Place> = Vec::new();
+    ) -> Result<(Vec<ClearConfiguration>, FreewayEnd), PlanError> {
+        let mut places: Vec<ClearConfiguration> = Vec::new();
         let mut way = start.distance.clamp(8.0 * slice.shortest, slice.longest);
         for _ in 0..TRACE {
             let here = places.last().unwrap_or(start);
@@ -72,7 +72,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// The step along the secant whose component of the sweep coordinate is `way`, as a length.
-    fn predicted(&self, here: &Place, before: Option<&Place>, coordinate: usize, way: f64) -> Vec<f64> {
+    fn predicted(
+        &self,
+        here: &ClearConfiguration,
+        before: Option<&ClearConfiguration>,
+        coordinate: usize,
+        way: f64,
+    ) -> Vec<f64> {
         let scales = self.space.scales();
         let mut step = alloc::vec![0.0; self.space.freedom()];
         if let Some(before) = before {

@@ -2,16 +2,16 @@
 
 use alloc::vec::Vec;
 
-use super::ascent::Place;
+use super::ascent::ClearConfiguration;
 use super::error::PlanError;
-use super::opportunistic::Search;
+use super::opportunistic::PathSearch;
 use super::roadmap::EdgeKind;
 use super::space::ConfigurationSpace;
 use crate::tuning::plan::{FEW, LINKS, MANY, TRIES_A_FREEWAY};
 
-impl<C: ConfigurationSpace> Search<'_, C> {
+impl<C: ConfigurationSpace> PathSearch<'_, C> {
     /// Adds the places of a trace behind a node; every step was proven free when it was traced.
-    pub(super) fn strung(&mut self, node: usize, places: Vec<Place>, kind: EdgeKind) -> Vec<usize> {
+    pub(super) fn strung(&mut self, node: usize, places: Vec<ClearConfiguration>, kind: EdgeKind) -> Vec<usize> {
         let mut last = node;
         let each = places.into_iter().map(|place| {
             let next = self.roadmap.add(place.q);
@@ -24,7 +24,12 @@ impl<C: ConfigurationSpace> Search<'_, C> {
 
     /// Joins a node with the last of some places: straight, else from place to place as far as
     /// segments are proven free. Returns the node reached.
-    pub(super) fn chain(&mut self, node: usize, places: &[Place], kind: EdgeKind) -> Result<usize, PlanError> {
+    pub(super) fn chain(
+        &mut self,
+        node: usize,
+        places: &[ClearConfiguration],
+        kind: EdgeKind,
+    ) -> Result<usize, PlanError> {
         let Some(last) = places.last() else {
             return Ok(node);
         };

@@ -94,7 +94,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
         let lengths = self.lengths(options)?;
         let before = self.work;
-        let mut search = Search {
+        let mut search = PathSearch {
             checker: self,
             roadmap: Roadmap::default(),
             work: PlanWork::default(),
@@ -153,7 +153,7 @@ impl CheckWork {
 }
 
 /// A search in the making.
-pub(super) struct Search<'a, C> {
+pub(super) struct PathSearch<'a, C> {
     pub(super) checker: &'a mut Checker<C>,
     pub(super) roadmap: Roadmap,
     pub(super) work: PlanWork,

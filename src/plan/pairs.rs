@@ -6,22 +6,22 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3};
 
 use super::error::PlanError;
-use super::world::{Part, PartPair, World};
-use crate::broad::{Aabb, Body, BodyId, BroadPhase, PencilSweep};
+use super::world::{World, WorldId, WorldPair};
+use crate::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep};
 use crate::motion::{Course, Steady, Velocity};
 use crate::polyhedron::BoxHint;
 use crate::scene::{AnyTracker, BodyShape};
 use crate::tolerance::PLANE;
 
 /// A pair and its tracker, made when the pair is first measured.
-pub(super) struct Tracked {
-    pub(super) pair: PartPair,
+pub(super) struct TrackedPair {
+    pub(super) pair: WorldPair,
     pub(super) tracker: Option<AnyTracker>,
     /// The number of the configuration at which the pair was measured last.
     pub(super) measured: u64,
 }
 
-impl Tracked {
+impl TrackedPair {
     /// Returns the tracker of the pair of these shapes.
     pub(super) fn tracked(&mut self, (a, b): (&BodyShape, &BodyShape)) -> Option<&mut AnyTracker> {
         if self.tracker.is_none() {
@@ -35,7 +35,7 @@ impl Tracked {
 pub(super) struct Pairs {
     /// By body of the robot and obstacle: the index of the pair, [`NONE`] for an excluded pair.
     table: Vec<u32>,
-    pub(super) all: Vec<Tracked>,
+    pub(super) all: Vec<TrackedPair>,
     /// The index of the first pair of two bodies of the robot.
     pub(super) own: usize,
     obstacles: usize,
@@ -74,7 +74,7 @@ impl Pairs {
         pairs.boxes.step();
         for i in 0..world.robot.len() {
             for k in 0..world.obstacles.len() {
-                let entry = pairs.add(world, PartPair::new(i, Part::Obstacle(k)))?;
+                let entry = pairs.add(world, WorldPair::new(i, WorldId::Obstacle(k)))?;
                 pairs.table.push(entry);
             }
         }
@@ -82,7 +82,7 @@ impl Pairs {
         for i in 0..world.robot.len() {
             for k in i + 1..world.robot.len() {
                 if !is_rigid(i, k) {
-                    pairs.add(world, PartPair::new(i, Part::Robot(k)))?;
+                    pairs.add(world, WorldPair::new(i, WorldId::Robot(k)))?;
                 }
             }
         }
@@ -92,12 +92,12 @@ impl Pairs {
     fn obstacle(&mut self, shape: &BodyShape, pose: &Isometry3<f64>) -> Result<(), PlanError> {
         self.resting.push(Steady::new(pose, Velocity::default())?);
         let aabb = Aabb::from(shape.aabb_at(pose, &mut BoxHint::default()));
-        self.boxes.insert(&aabb, Body::fixed())?;
+        self.boxes.insert(&aabb, BodyOptions::fixed())?;
         self.obstacle_balls.push(shape.bounding_ball());
         Ok(())
     }
 
-    fn add(&mut self, world: &World, pair: PartPair) -> Result<u32, PlanError> {
+    fn add(&mut self, world: &World, pair: WorldPair) -> Result<u32, PlanError> {
         if world.is_excluded(pair) {
             return Ok(NONE);
         }
@@ -107,7 +107,7 @@ impl Pairs {
                 b: world.name(pair.b).to_string(),
             });
         }
-        self.all.push(Tracked {
+        self.all.push(TrackedPair {
             pair,
             tracker: None,
             measured: 0,
@@ -131,10 +131,10 @@ impl Pairs {
     }
 }
 
-impl PartPair {
-    fn new(body: usize, b: Part) -> Self {
+impl WorldPair {
+    fn new(body: usize, b: WorldId) -> Self {
         Self {
-            a: Part::Robot(body),
+            a: WorldId::Robot(body),
             b,
         }
     }

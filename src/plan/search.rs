@@ -2,12 +2,12 @@
 
 use alloc::vec::Vec;
 
-use super::ascent::{Place, Slice, dot};
-use super::clearance::Near;
+use super::ascent::{ClearConfiguration, Slice, dot};
+use super::clearance::NearPair;
 use super::error::PlanError;
 use super::freeway::FreewayEnd;
 use super::links::{apart, spaced};
-use super::opportunistic::Search;
+use super::opportunistic::PathSearch;
 use super::path::Path;
 use super::roadmap::{EdgeKind, Freeway};
 use super::space::ConfigurationSpace;
@@ -16,7 +16,7 @@ use crate::tuning::plan::{CLOSED, DEPTH, KNOWN, OPPOSITE, SHORT};
 const START: usize = 0;
 const GOAL: usize = 1;
 
-impl<C: ConfigurationSpace> Search<'_, C> {
+impl<C: ConfigurationSpace> PathSearch<'_, C> {
     pub(super) fn run(&mut self, start: &[f64], goal: &[f64], slices: u64) -> Result<(), PlanError> {
         self.roadmap.add(start.into());
         self.roadmap.add(goal.into());
@@ -122,11 +122,11 @@ impl<C: ConfigurationSpace> Search<'_, C> {
 
     /// Returns the sweep coordinate that changes the distances of two opposite pairs least; `None`
     /// if no two pairs are opposite: a step away from one is a step towards the other.
-    fn channel(&self, near: &[Near]) -> Option<usize> {
+    fn channel(&self, near: &[NearPair]) -> Option<usize> {
         let norm = |g: &[f64]| crate::num::scalar::sqrt(dot(g, g));
         let opposite = near.iter().enumerate().find_map(|(k, x)| {
             let is_opposite =
-                |y: &&Near| dot(&x.gradient, &y.gradient) < -OPPOSITE * norm(&x.gradient) * norm(&y.gradient);
+                |y: &&NearPair| dot(&x.gradient, &y.gradient) < -OPPOSITE * norm(&x.gradient) * norm(&y.gradient);
             near[..k].iter().find(is_opposite).map(|y| (x, y))
         });
         let (x, y) = opposite?;
@@ -153,7 +153,7 @@ impl<C: ConfigurationSpace> Search<'_, C> {
         let least = self.checker.margin() + CLOSED * slice.shortest;
         for (tip, end) in self.follow((foot, &top), coordinate, &slice, depth)? {
             // Where a channel has closed altogether, its slice holds nothing about it.
-            let is_open = |near: Near| near.distance > least;
+            let is_open = |near: NearPair| near.distance > least;
             let q = &self.roadmap.nodes[tip];
             if end != FreewayEnd::Bound && self.checker.clearance(q)?.is_some_and(is_open) {
                 self.bridge(tip, &slice, depth)?;
@@ -166,7 +166,7 @@ impl<C: ConfigurationSpace> Search<'_, C> {
     /// nodes at which the freeway ends.
     fn follow(
         &mut self,
-        (foot, top): (usize, &Place),
+        (foot, top): (usize, &ClearConfiguration),
         coordinate: usize,
         slice: &Slice,
         depth: usize,
@@ -207,7 +207,7 @@ impl<C: ConfigurationSpace> Search<'_, C> {
 
     /// Returns whether a place lies so near a place of a freeway, or for a place in a slice of a
     /// bridge, that the ball of its clearance holds nothing new.
-    fn is_known(&self, top: &Place, depth: usize) -> bool {
+    fn is_known(&self, top: &ClearConfiguration, depth: usize) -> bool {
         let (roadmap, space) = (&self.roadmap, &self.checker.space);
         let near = KNOWN * top.distance;
         let freeways = roadmap.freeways.iter().filter(|f| f.depth == depth);

@@ -16,12 +16,12 @@ use crate::scene::BodyShape;
 pub struct World {
     pub(super) robot: Vec<(String, BodyShape)>,
     pub(super) obstacles: Vec<(String, BodyShape, Isometry3<f64>)>,
-    pub(super) excluded: Vec<(Part, Part)>,
+    pub(super) excluded: Vec<(WorldId, WorldId)>,
 }
 
 /// A body of the robot or an obstacle, by its number among these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub enum Part {
+pub enum WorldId {
     /// A body of the robot.
     Robot(usize),
     /// An obstacle.
@@ -30,11 +30,11 @@ pub enum Part {
 
 /// Two parts: a body of the robot, and an obstacle or a later body of the robot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct PartPair {
+pub struct WorldPair {
     /// The body of the robot.
-    pub a: Part,
+    pub a: WorldId,
     /// The obstacle, or another body of the robot.
-    pub b: Part,
+    pub b: WorldId,
 }
 
 impl World {
@@ -45,15 +45,15 @@ impl World {
     }
 
     /// Adds a body of the robot.
-    pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<BodyShape>) -> Part {
+    pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<BodyShape>) -> WorldId {
         self.robot.push((name.to_string(), shape.into()));
-        Part::Robot(self.robot.len() - 1)
+        WorldId::Robot(self.robot.len() - 1)
     }
 
     /// Adds an obstacle at a pose.
-    pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<BodyShape>, pose: Isometry3<f64>) -> Part {
+    pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<BodyShape>, pose: Isometry3<f64>) -> WorldId {
         self.obstacles.push((name.to_string(), shape.into(), pose));
-        Part::Obstacle(self.obstacles.len() - 1)
+        WorldId::Obstacle(self.obstacles.len() - 1)
     }
 
     /// Excludes all pairs of a body called `a` and a body called `b`: such pairs are never
@@ -76,10 +76,10 @@ impl World {
 
     /// Returns the name of a part; empty for a part that does not exist.
     #[must_use]
-    pub fn name(&self, part: Part) -> &str {
+    pub fn name(&self, part: WorldId) -> &str {
         match part {
-            Part::Robot(k) => self.robot.get(k).map_or("", |b| &b.0),
-            Part::Obstacle(k) => self.obstacles.get(k).map_or("", |b| &b.0),
+            WorldId::Robot(k) => self.robot.get(k).map_or("", |b| &b.0),
+            WorldId::Obstacle(k) => self.obstacles.get(k).map_or("", |b| &b.0),
         }
     }
 
@@ -87,21 +87,21 @@ impl World {
     ///
     /// # Panics
     /// If the part does not exist.
-    pub(super) fn shape(&self, part: Part) -> &BodyShape {
+    pub(super) fn shape(&self, part: WorldId) -> &BodyShape {
         match part {
-            Part::Robot(k) => &self.robot[k].1,
-            Part::Obstacle(k) => &self.obstacles[k].1,
+            WorldId::Robot(k) => &self.robot[k].1,
+            WorldId::Obstacle(k) => &self.obstacles[k].1,
         }
     }
 
-    pub(super) fn is_excluded(&self, pair: PartPair) -> bool {
+    pub(super) fn is_excluded(&self, pair: WorldPair) -> bool {
         self.excluded.contains(&(pair.a.min(pair.b), pair.a.max(pair.b)))
     }
 
-    fn named(&self, name: &str) -> Vec<Part> {
+    fn named(&self, name: &str) -> Vec<WorldId> {
         let robot = self.robot.iter().enumerate().filter(|(_, b)| b.0 == name);
         let obstacles = self.obstacles.iter().enumerate().filter(|(_, b)| b.0 == name);
-        let robot = robot.map(|(k, _)| Part::Robot(k));
-        robot.chain(obstacles.map(|(k, _)| Part::Obstacle(k))).collect()
+        let robot = robot.map(|(k, _)| WorldId::Robot(k));
+        robot.chain(obstacles.map(|(k, _)| WorldId::Obstacle(k))).collect()
     }
 }

@@ -17,10 +17,10 @@
 //! For impacts the look begins at the start of the tick and covers the instants between; if it
 //! proves less than the tick, the tick is cast ([`impact::cast`]).
 
-use super::effects::Plan;
+use super::effects::PairPlan;
 use super::events::PairImpact;
 use super::moving::Sweep;
-use super::narrow_phase::{Context, Tally};
+use super::narrow_phase::{StepContext, Tally};
 use super::pair_table::{PairFlags, PairHeader};
 use super::pair_tracker::PairTracker;
 use super::report::Counts;
@@ -31,7 +31,7 @@ use crate::schedule::ticks;
 use crate::separation::Flight;
 use crate::tuning::scene::TICKS;
 
-impl Context<'_> {
+impl StepContext<'_> {
     /// Whether a sleeping pair still sleeps.
     #[inline]
     pub(super) fn is_asleep(&self, header: &PairHeader) -> bool {
@@ -48,7 +48,7 @@ impl Context<'_> {
         &self,
         header: &mut PairHeader,
         (tracker, shapes): (&mut T, T::Shapes<'_>),
-        plan: &Plan,
+        plan: &PairPlan,
         (outcome, counts): (&Outcome, &mut Counts),
     ) -> bool {
         let (bodies, length) = (self.bodies, self.bodies.ticks.length);
@@ -97,7 +97,7 @@ impl Context<'_> {
         &self,
         header: &mut PairHeader,
         (tracker, shapes): (&mut T, T::Shapes<'_>),
-        (plan, tolerance): (&Plan, Tolerance),
+        (plan, tolerance): (&PairPlan, Tolerance),
         tally: &mut Tally,
     ) -> bool {
         let bodies = self.bodies;

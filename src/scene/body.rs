@@ -73,7 +73,7 @@ impl Body {
 
 /// The shape of a body in a scene, with derived values.
 #[derive(Clone, Debug)]
-pub(super) struct Solid {
+pub(super) struct BodySolid {
     pub(super) shape: BodyShape,
     pub(super) ball: Ball,
     pub(super) group: Group,
@@ -85,7 +85,7 @@ pub(super) struct Solid {
     pub(super) patches: Option<ContactPatches>,
 }
 
-impl Solid {
+impl BodySolid {
     /// Returns the solid of a body. Refuses shapes that no pose puts within a scene.
     pub(super) fn new(body: Body) -> Result<Self, SceneError> {
         let reach = match &body.shape {
@@ -133,9 +133,9 @@ impl Solid {
 /// All bodies of one scene. Tables are indexed by `BodyId::index`; an index is reused no earlier
 /// than the step after the removal of its body.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Bodies {
+pub(super) struct BodyTable {
     pub(super) slots: Slots,
-    pub(super) solids: Vec<Option<Solid>>,
+    pub(super) solids: Vec<Option<BodySolid>>,
     pub(super) poses: Vec<Isometry3<f64>>,
     /// Bounding balls at the current poses.
     pub(super) balls: Vec<Ball>,
@@ -160,7 +160,7 @@ pub(super) struct Bodies {
     pub(super) step: u32,
 }
 
-impl Bodies {
+impl BodyTable {
     pub(super) fn len(&self) -> usize {
         self.slots.len()
     }
@@ -190,7 +190,13 @@ impl Bodies {
     }
 
     /// Appends a body that already has a proxy in the broad phase.
-    pub(super) fn insert(&mut self, solid: Solid, pose: Isometry3<f64>, proxy: broad::BodyId, hint: BoxHint) -> BodyId {
+    pub(super) fn insert(
+        &mut self,
+        solid: BodySolid,
+        pose: Isometry3<f64>,
+        proxy: broad::BodyId,
+        hint: BoxHint,
+    ) -> BodyId {
         // The broad phase has refused a body beyond the last index.
         let index = self.slots.vacant(usize::MAX).unwrap_or(u32::MAX);
         let i = index as usize;
@@ -221,7 +227,7 @@ impl Bodies {
     #[cfg(feature = "serde")]
     pub(super) fn restore(
         &mut self,
-        solid: Option<Solid>,
+        solid: Option<BodySolid>,
         pose: Isometry3<f64>,
         travel: Travel,
         hint: BoxHint,
@@ -409,7 +415,7 @@ impl Bodies {
         let words = [&self.body_of_proxy, &self.due, &self.swept, &self.wide];
         words.iter().map(|list| list.capacity() * 4).sum::<usize>()
             + self.slots.bytes()
-            + self.solids.capacity() * size_of::<Option<Solid>>()
+            + self.solids.capacity() * size_of::<Option<BodySolid>>()
             + self.poses.capacity() * size_of::<Isometry3<f64>>()
             + self.balls.capacity() * size_of::<Ball>()
             + self.travels.capacity() * size_of::<Travel>()
@@ -469,7 +475,7 @@ fn as_only(error: PoseError) -> PoseError {
 
 /// Returns the box of a body over the tick of the step being prepared, and at the pose after that,
 /// grown on every side.
-pub(super) fn swept_box(bodies: &Bodies, i: usize, sweep: &Sweep, growth: f64, hint: &mut BoxHint) -> Option<Aabb> {
+pub(super) fn swept_box(bodies: &BodyTable, i: usize, sweep: &Sweep, growth: f64, hint: &mut BoxHint) -> Option<Aabb> {
     let solid = bodies.solids[i].as_ref()?;
     let time = bodies.ticks.length.abs();
     let poses = [sweep.from, sweep.velocity.applied(&sweep.from, time), bodies.poses[i]];

@@ -80,7 +80,7 @@ use crate::tolerance::BOX_TURNED;
 /// ```
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(from = "Stored", into = "Stored"))]
+#[cfg_attr(feature = "serde", serde(from = "StoredBodyShape", into = "StoredBodyShape"))]
 #[non_exhaustive]
 pub enum BodyShape {
     /// A convex polyhedron, polygon, segment or point.
@@ -260,7 +260,7 @@ impl From<Arc<Surface>> for BodyShape {
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "BodyShape")]
-enum Stored {
+enum StoredBodyShape {
     Polyhedron(alloc::boxed::Box<ConvexPolyhedron>),
     Convex(Shape),
     Composite(alloc::boxed::Box<Composite>),
@@ -269,20 +269,20 @@ enum Stored {
 }
 
 #[cfg(feature = "serde")]
-impl From<Stored> for BodyShape {
-    fn from(stored: Stored) -> Self {
+impl From<StoredBodyShape> for BodyShape {
+    fn from(stored: StoredBodyShape) -> Self {
         match stored {
-            Stored::Polyhedron(body) => Self::from(*body),
-            Stored::Convex(shape) => Self::Convex(Arc::new(shape)),
-            Stored::Composite(composite) => Self::from(*composite),
-            Stored::Mesh(mesh) => Self::from(*mesh),
-            Stored::Surface(surface) => Self::from(*surface),
+            StoredBodyShape::Polyhedron(body) => Self::from(*body),
+            StoredBodyShape::Convex(shape) => Self::Convex(Arc::new(shape)),
+            StoredBodyShape::Composite(composite) => Self::from(*composite),
+            StoredBodyShape::Mesh(mesh) => Self::from(*mesh),
+            StoredBodyShape::Surface(surface) => Self::from(*surface),
         }
     }
 }
 
 #[cfg(feature = "serde")]
-impl From<BodyShape> for Stored {
+impl From<BodyShape> for StoredBodyShape {
     fn from(shape: BodyShape) -> Self {
         use alloc::boxed::Box;
         match shape {

@@ -5,8 +5,8 @@ use alloc::format;
 use alloc::string::String;
 
 use super::Scene;
-use super::body::{Bodies, checked};
-use super::effects::{Detail, GROUPS, NEVER, Plan, Table, group_pair_of};
+use super::body::{BodyTable, checked};
+use super::effects::{Detail, GROUPS, NEVER, PairPlan, Table, group_pair_of};
 use super::kinds::Census;
 use super::pair_table::{PairFlags, PairHeader};
 use super::step::{bodies_of, group};
@@ -118,14 +118,14 @@ impl Scene {
 }
 
 /// Whether a pair has no answer but those called for.
-fn is_called(state: &PairFlags, plan: &Plan) -> bool {
+fn is_called(state: &PairFlags, plan: &PairPlan) -> bool {
     (plan.overlap || !state.overlaps)
         && (plan.within != NEVER || !state.within)
         && (plan.range != NEVER || !state.measured)
 }
 
 /// Counts the bodies, and refuses bodies that cannot answer the effects of their groups.
-pub(super) fn census_of(bodies: &Bodies, table: &Table) -> Result<Census, String> {
+pub(super) fn census_of(bodies: &BodyTable, table: &Table) -> Result<Census, String> {
     let mut census = Census::default();
     let living = bodies.solids.iter().enumerate().filter(|(i, _)| bodies.lives(*i));
     for solid in living.filter_map(|(_, solid)| solid.as_ref()) {
@@ -138,7 +138,7 @@ pub(super) fn census_of(bodies: &Bodies, table: &Table) -> Result<Census, String
 }
 
 /// Checks shapes, poses, balls, odometers and the list of boxes to renew.
-fn check_bodies(bodies: &Bodies) -> Result<(), String> {
+fn check_bodies(bodies: &BodyTable) -> Result<(), String> {
     let n = bodies.slots.index_count();
     let rows = [
         bodies.solids.len(),
@@ -182,7 +182,7 @@ fn is_finite(v: &Velocity) -> bool {
 }
 
 /// Checks velocities and ticks.
-fn check_motions(bodies: &Bodies) -> Result<(), String> {
+fn check_motions(bodies: &BodyTable) -> Result<(), String> {
     let ticks = &bodies.ticks;
     if !bodies.moving.iter().all(|m| is_finite(&m.velocity)) || !ticks.length.is_finite() {
         return Err("a velocity of the scene is not finite".into());
@@ -206,7 +206,7 @@ fn check_motions(bodies: &Bodies) -> Result<(), String> {
 }
 
 /// Checks the sweeps of the step being prepared, and the list of the boxes that hold the last ones.
-fn check_sweeps(bodies: &Bodies) -> Result<(), String> {
+fn check_sweeps(bodies: &BodyTable) -> Result<(), String> {
     let n = bodies.poses.len();
     let mut is_listed = alloc::vec![false; n];
     for &i in &bodies.swept {
@@ -236,7 +236,7 @@ fn check_sweeps(bodies: &Bodies) -> Result<(), String> {
 }
 
 /// Checks that every body has a proxy in the broad phase, and every proxy a body.
-fn check_proxies(bodies: &Bodies, broad: &PencilSweep) -> Result<(), String> {
+fn check_proxies(bodies: &BodyTable, broad: &PencilSweep) -> Result<(), String> {
     let n = bodies.slots.index_count();
     let is_kept = |i: usize| broad.contains(bodies.proxies[i]);
     let is_linked = |i: usize| bodies.body_of_proxy.get(bodies.proxies[i].index as usize) == Some(&(i as u32));

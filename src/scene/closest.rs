@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 
 use super::ball::least_distance;
 use super::effects::Group;
-use super::search::Near;
+use super::search::ClosestPair;
 use super::{Scene, SceneError};
 use crate::broad::{BroadPhase, StoredBox};
 use crate::num::scalar::sqrt;
@@ -22,11 +22,11 @@ use crate::tolerance::BOX_DISTANCE_DOWN;
 type Candidate = (f64, u32, u32);
 
 /// The search for one pair of groups.
-struct Search<'a> {
+struct ClosestSearch<'a> {
     scene: &'a Scene,
     /// Whether bodies of the smaller group are A of a pair.
     is_first_smaller: bool,
-    best: Option<Near>,
+    best: Option<ClosestPair>,
     /// Number of pairs measured.
     measured: usize,
 }
@@ -76,13 +76,13 @@ impl Scene {
     /// If nothing is called for between the groups, or a step is due.
     #[doc(alias = "clearance")]
     #[doc(alias = "minimum distance")]
-    pub fn closest_pair(&self, these: Group, those: Group) -> Result<Option<Near>, SceneError> {
+    pub fn closest_pair(&self, these: Group, those: Group) -> Result<Option<ClosestPair>, SceneError> {
         self.check_query(these, those)?;
         Ok(self.search_closest(these, those)?.0)
     }
 
     /// Returns the closest pair, and how many pairs were measured.
-    fn search_closest(&self, these: Group, those: Group) -> Result<(Option<Near>, usize), SceneError> {
+    fn search_closest(&self, these: Group, those: Group) -> Result<(Option<ClosestPair>, usize), SceneError> {
         let members = |g: Group| -> Vec<u32> {
             let ids = self.bodies.ids().map(|id| id.index);
             ids.filter(|&i| self.bodies.group(i) == Some(g)).collect()
@@ -94,7 +94,7 @@ impl Scene {
         } else {
             (second, first)
         };
-        let mut search = Search {
+        let mut search = ClosestSearch {
             scene: self,
             is_first_smaller,
             best: None,
@@ -125,7 +125,7 @@ fn by_bound(x: &Candidate, y: &Candidate) -> core::cmp::Ordering {
     x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2)))
 }
 
-impl Search<'_> {
+impl ClosestSearch<'_> {
     /// The least upper bound found.
     fn upper(&self) -> f64 {
         self.best.map_or(f64::INFINITY, |near| near.outcome.upper)
@@ -171,12 +171,12 @@ impl Search<'_> {
         let outcome = query.measure(Until::Depth);
         let pieces = query.tracker.pieces();
         let [a, b] = [a, b].map(|i| scene.bodies.id(i));
-        let is_closer = |best: &Near| {
+        let is_closer = |best: &ClosestPair| {
             let order = outcome.distance.total_cmp(&best.outcome.distance);
             order.then((a, b).cmp(&(best.a, best.b))).is_lt()
         };
         if self.best.as_ref().is_none_or(is_closer) {
-            self.best = Some(Near { a, b, outcome, pieces });
+            self.best = Some(ClosestPair { a, b, outcome, pieces });
         }
     }
 }

@@ -181,7 +181,7 @@ impl Effects {
         Until::of_depth(has_depth, is_local)
     }
 
-    fn resolved(&self) -> Plan {
+    fn resolved(&self) -> PairPlan {
         let measured = self.distance.is_some() || self.features || self.depth || self.local_depth;
         let range = self.distance.or_else(|| measured.then(|| self.within.unwrap_or(0.0)));
         let within = self.within.unwrap_or(NEVER);
@@ -198,7 +198,7 @@ impl Effects {
         };
         let prediction = self.manifold.map_or(NEVER, |m| m.prediction);
         let range = range.unwrap_or(NEVER).max(prediction);
-        Plan {
+        PairPlan {
             detail,
             boxes: self.boxes,
             overlap: self.overlap,
@@ -228,7 +228,7 @@ pub(super) enum Detail {
 
 /// Effects in the form a step reads.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Plan {
+pub(super) struct PairPlan {
     pub(super) detail: Detail,
     pub(super) boxes: bool,
     pub(super) overlap: bool,
@@ -258,7 +258,7 @@ pub(super) fn group_pair_of(g: Group, h: Group) -> GroupPair {
 #[derive(Clone, Debug)]
 pub(super) struct Table {
     effects: Box<[Effects]>,
-    plans: Box<[Plan]>,
+    plans: Box<[PairPlan]>,
     impacts: u32,
     manifolds: u32,
 }
@@ -307,7 +307,7 @@ impl Table {
     }
 
     #[inline]
-    pub(super) fn plan(&self, class: GroupPair) -> &Plan {
+    pub(super) fn plan(&self, class: GroupPair) -> &PairPlan {
         &self.plans[usize::from(class)]
     }
 

@@ -15,7 +15,7 @@ pub enum SceneError {
         body: BodyId,
     },
     /// The pose is not a rigid motion. Poses of one body are reported as poses of A.
-    #[error("the pose of {} is refused: {}", Name(*.body), OfOne(.error))]
+    #[error("the pose of {} is refused: {}", BodyName(*.body), OfOne(.error))]
     Pose {
         /// The body; `None` for a body to be inserted.
         body: Option<BodyId>,
@@ -23,7 +23,7 @@ pub enum SceneError {
         error: PoseError,
     },
     /// The pose would put the body farther from the world's origin than 1e37 on some axis.
-    #[error("the pose of {} puts it beyond 1e37: coordinate {axis} is {value:e}", Name(*.body))]
+    #[error("the pose of {} puts it beyond 1e37: coordinate {axis} is {value:e}", BodyName(*.body))]
     TooFar {
         /// The body; `None` for a body to be inserted.
         body: Option<BodyId>,
@@ -109,9 +109,9 @@ impl From<BroadPhaseError> for SceneError {
     }
 }
 
-struct Name(Option<BodyId>);
+struct BodyName(Option<BodyId>);
 
-impl core::fmt::Display for Name {
+impl core::fmt::Display for BodyName {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self.0 {
             Some(id) => id.fmt(f),

@@ -28,32 +28,32 @@ pub(crate) enum MixedTracker {
     Convex(Box<ShapeTracker>),
     /// Two bodies of which one is a composite or a mesh, and the other of any kind: a convex body
     /// is a single leaf with its own support points.
-    Pieces(Box<Tracked<CompositeTracker, Composite>>),
+    Pieces(Box<TrackedPieces<CompositeTracker, Composite>>),
     /// Two meshes, or a mesh and a composite whose surface is one.
-    Triangles(Box<Tracked<MeshTracker, Mesh>>),
+    Triangles(Box<TrackedPieces<MeshTracker, Mesh>>),
     /// A surface of patches, and another or a convex shape.
     Patches(Box<WithSurface>),
 }
 
 /// A tracker of two bodies of many pieces.
 #[derive(Clone, Debug)]
-pub(crate) struct Tracked<T, S> {
+pub(crate) struct TrackedPieces<T, S> {
     tracker: T,
     /// The body in the form in which the tracker takes it, for a body of another kind.
     stand_ins: [Option<Arc<S>>; 2],
     pieces: [u32; 2],
-    contacts: Option<Box<Contacts>>,
+    contacts: Option<Box<FoundContacts>>,
 }
 
 /// The contacts of a pair that is within the prediction.
 #[derive(Clone, Debug)]
-struct Contacts {
+struct FoundContacts {
     tracker: ContactTracker,
     /// The patches of a convex body.
     stand_ins: [Option<ContactPatches>; 2],
 }
 
-impl<T: Default, S> Tracked<T, S> {
+impl<T: Default, S> TrackedPieces<T, S> {
     fn new(stand_ins: [Option<Arc<S>>; 2]) -> Box<Self> {
         Box::new(Self {
             tracker: T::default(),
@@ -71,7 +71,7 @@ impl MixedTracker {
         Some(match (a, b) {
             (S(_), _) | (_, S(_)) => Self::Patches(Box::new(WithSurface::new(a, b)?)),
             (M(_), _) | (_, M(_)) => match (as_mesh(a), as_mesh(b)) {
-                (Some(x), Some(y)) => Self::Triangles(Tracked::new([x, y])),
+                (Some(x), Some(y)) => Self::Triangles(TrackedPieces::new([x, y])),
                 _ => Self::of_pieces(a, b),
             },
             (C(_), _) | (_, C(_)) => Self::of_pieces(a, b),
@@ -80,7 +80,7 @@ impl MixedTracker {
     }
 
     fn of_pieces(a: &BodyShape, b: &BodyShape) -> Self {
-        Self::Pieces(Tracked::new([as_composite(a), as_composite(b)]))
+        Self::Pieces(TrackedPieces::new([as_composite(a), as_composite(b)]))
     }
 }
 
@@ -100,7 +100,7 @@ fn as_mesh(shape: &BodyShape) -> Option<Option<Arc<Mesh>>> {
     surface.ok().map(|mesh| Some(Arc::new(mesh)))
 }
 
-impl Tracked<CompositeTracker, Composite> {
+impl TrackedPieces<CompositeTracker, Composite> {
     fn sides<'a>(
         &'a mut self,
         a: &'a BodyShape,
@@ -116,7 +116,7 @@ impl Tracked<CompositeTracker, Composite> {
     }
 }
 
-impl<T, S> Tracked<T, S> {
+impl<T, S> TrackedPieces<T, S> {
     /// Finds the contacts of two bodies at a pose; the patches of convex bodies are made here.
     fn find_contacts(
         &mut self,
@@ -127,7 +127,7 @@ impl<T, S> Tracked<T, S> {
     ) -> bool {
         let contacts = self.contacts.get_or_insert_with(|| {
             let of = |shape: &BodyShape| shape.as_convex().map(|s| ContactPatches::from(s.into_owned()));
-            Box::new(Contacts {
+            Box::new(FoundContacts {
                 tracker: ContactTracker::new(),
                 stand_ins: [of(a), of(b)],
             })
@@ -141,7 +141,7 @@ impl<T, S> Tracked<T, S> {
     }
 }
 
-impl Tracked<MeshTracker, Mesh> {
+impl TrackedPieces<MeshTracker, Mesh> {
     fn sides<'a>(&'a mut self, a: &'a BodyShape, b: &'a BodyShape) -> Option<(&'a mut MeshTracker, [&'a Mesh; 2])> {
         let [x, y] = &self.stand_ins;
         let side = |own: &'a BodyShape, stand_in: &'a Option<Arc<Mesh>>| match own {
@@ -351,8 +351,8 @@ impl PairTracker for MixedTracker {
     fn heap_bytes(&self) -> usize {
         match self {
             Self::Convex(_) => size_of::<ShapeTracker>(),
-            Self::Pieces(_) => size_of::<Tracked<CompositeTracker, Composite>>(),
-            Self::Triangles(tracked) => size_of::<Tracked<MeshTracker, Mesh>>() + tracked.tracker.heap_bytes(),
+            Self::Pieces(_) => size_of::<TrackedPieces<CompositeTracker, Composite>>(),
+            Self::Triangles(tracked) => size_of::<TrackedPieces<MeshTracker, Mesh>>() + tracked.tracker.heap_bytes(),
             Self::Patches(tracker) => size_of::<WithSurface>() + tracker.heap_bytes(),
         }
     }

@@ -181,7 +181,7 @@ use crate::tracker::Workspace;
 pub use crate::broad::{BodyId, PairId, Settings};
 pub use answer::PairAnswer;
 pub use body::Body;
-use body::{Bodies, Solid, box_of, checked};
+use body::{BodySolid, BodyTable, box_of, checked};
 pub use body_shape::BodyShape;
 pub use effects::{Effects, Group};
 use effects::{GROUPS, Table};
@@ -193,7 +193,7 @@ pub use kinds::ShapeKind;
 use pair_table::PairTables;
 pub(crate) use pair_tracker::AnyTracker;
 pub use report::{Bytes, Counts, Report, Times};
-pub use search::Near;
+pub use search::ClosestPair;
 
 /// Bodies, the effects called for, and the results of the last step. See the [module page](self).
 #[doc(alias = "world")]
@@ -201,7 +201,7 @@ pub use search::Near;
 #[doc(alias = "i-collide")]
 #[derive(Clone)]
 pub struct Scene {
-    bodies: Bodies,
+    bodies: BodyTable,
     census: Census,
     table: Table,
     broad: PencilSweep,
@@ -256,9 +256,9 @@ impl Scene {
     /// there), and the size from which on threads are used.
     #[must_use]
     pub fn with_settings(settings: Settings) -> Self {
-        let bodies = Bodies {
+        let bodies = BodyTable {
             step: 1,
-            ..Bodies::default()
+            ..BodyTable::default()
         };
         Self {
             bodies,
@@ -336,7 +336,7 @@ impl Scene {
     /// are too many bodies.
     pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
         checked(&pose, None)?;
-        let mut solid = Solid::new(body)?;
+        let mut solid = BodySolid::new(body)?;
         self.census
             .check_body(solid.member(), |other| self.table.effects(solid.group, other))?;
         let mut hint = BoxHint::default();
@@ -349,16 +349,16 @@ impl Scene {
     /// Creates the box of a body in the broad phase.
     fn create_proxy(
         &mut self,
-        solid: &mut Solid,
+        solid: &mut BodySolid,
         pose: &Isometry3<f64>,
         hint: &mut BoxHint,
     ) -> Result<broad::BodyId, SceneError> {
         let groups = self.groups_of(solid.group);
         let growth = self.growths[solid.group.index()];
         let kind = if solid.fixed {
-            broad::Body::fixed()
+            broad::BodyOptions::fixed()
         } else {
-            broad::Body::moving()
+            broad::BodyOptions::moving()
         };
         let kind = kind.groups(groups);
         solid.boxed = growth < f64::INFINITY;

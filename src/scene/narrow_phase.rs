@@ -4,9 +4,9 @@
 use alloc::vec::Vec;
 
 use super::ball::least_distance;
-use super::body::Bodies;
+use super::body::BodyTable;
 use super::budget::{slack, wake};
-use super::effects::{Detail, NEVER, Plan, Table};
+use super::effects::{Detail, NEVER, PairPlan, Table};
 use super::events::{Change, PairChange, PairImpact};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::pair_tracker::{ContactAsk, PairTracker};
@@ -17,8 +17,8 @@ use crate::pose::RelativePose;
 use crate::tracker::Workspace;
 
 /// The parts of a scene that the narrow phase reads.
-pub(super) struct Context<'a> {
-    pub(super) bodies: &'a Bodies,
+pub(super) struct StepContext<'a> {
+    pub(super) bodies: &'a BodyTable,
     pub(super) table: &'a Table,
     pub(super) budget: bool,
     /// Whether pairs may sleep until a tick.
@@ -38,7 +38,7 @@ pub(super) struct Tally {
 /// Tests all pairs of a table.
 pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
     pair_table: &mut PairTable<T, A>,
-    context: &Context<'_>,
+    context: &StepContext<'_>,
     tally: &mut Tally,
 ) {
     test_run(
@@ -55,7 +55,7 @@ pub(super) fn test_run<T: PairTracker, A: StoredAnswer>(
     headers: &mut [PairHeader],
     trackers: &mut [T],
     answers: &mut [A],
-    context: &Context<'_>,
+    context: &StepContext<'_>,
     tally: &mut Tally,
 ) {
     tally.counts.called += headers.len() as u64;
@@ -69,7 +69,7 @@ pub(super) fn test_run<T: PairTracker, A: StoredAnswer>(
     }
 }
 
-impl Context<'_> {
+impl StepContext<'_> {
     pub(super) fn sum(&self, header: &PairHeader) -> f64 {
         let travels = &self.bodies.travels;
         travels[header.a as usize].odometer + travels[header.b as usize].odometer
@@ -198,7 +198,7 @@ fn drop_contacts<T: PairTracker, A: StoredAnswer>(tracker: &mut T, answer: &mut 
 
 /// Returns how much the distance of a pair without a measured distance may change before an answer
 /// changes.
-fn slack_of(plan: &Plan, outcome: &Outcome) -> f64 {
+fn slack_of(plan: &PairPlan, outcome: &Outcome) -> f64 {
     // The upper bound of an overlap without depth is 0.
     let upper = if outcome.class == Class::Overlapping {
         0.0

@@ -14,7 +14,7 @@
 
 use alloc::vec::Vec;
 
-use super::effects::{Detail, GroupPair, NEVER, Plan};
+use super::effects::{Detail, GroupPair, NEVER, PairPlan};
 use super::mixed_tracker::MixedTracker;
 use super::pair_tracker::{AnyTracker, PairTracker, TrackerRef};
 use super::stored_answer::{StoredAnswer, StoredContact};
@@ -205,7 +205,7 @@ impl<T> Default for DetailTables<T> {
 
 impl<T: PairTracker> DetailTables<T> {
     /// Inserts a pair; returns the number of its table and the row.
-    fn push(&mut self, plan: &Plan, header: PairHeader, mut tracker: T) -> Option<(u32, u32)> {
+    fn push(&mut self, plan: &PairPlan, header: PairHeader, mut tracker: T) -> Option<(u32, u32)> {
         if plan.until == Until::Class {
             tracker.shed();
         }
@@ -285,7 +285,7 @@ impl PairTables {
     /// Inserts a pair into the table of its level of detail, keeping the state that is still called
     /// for; pairs of boxes alone are not stored. The pair is tested in this step, whatever was
     /// known before.
-    pub(super) fn insert(&mut self, plan: &Plan, header: PairHeader, pair_state: PairState) {
+    pub(super) fn insert(&mut self, plan: &PairPlan, header: PairHeader, pair_state: PairState) {
         let slot = header.pair.slot as usize;
         let state = PairFlags {
             overlaps: plan.overlap && pair_state.state.overlaps,

@@ -155,7 +155,7 @@ impl PairTracker for Tracker {
 }
 
 /// The shapes of A and B.
-pub(crate) type ShapePair<'a> = (&'a BodyShape, &'a BodyShape);
+pub(crate) type BodyShapes<'a> = (&'a BodyShape, &'a BodyShape);
 
 /// The tracker of a pair of any kinds: of a planner's pair, or on the way from one table of a scene
 /// to another, since tables of scenes store the variants apart.
@@ -177,7 +177,7 @@ impl AnyTracker {
 
     /// Returns the signed distance with bounds and features of the shapes for which the tracker was
     /// made.
-    pub(crate) fn measure(&mut self, (a, b): ShapePair<'_>, pose: &RelativePose, until: Until) -> Outcome {
+    pub(crate) fn measure(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
         match self {
             Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
                 Some(shapes) => PairTracker::measure(tracker, shapes, pose, until),
@@ -190,7 +190,7 @@ impl AnyTracker {
     /// Returns whether the shapes are at most `d` apart, from the outcome of the last measurement.
     pub(crate) fn decides_within(
         &mut self,
-        (a, b): ShapePair<'_>,
+        (a, b): BodyShapes<'_>,
         pose: &RelativePose,
         outcome: &Outcome,
         d: f64,
@@ -205,7 +205,7 @@ impl AnyTracker {
     /// Asks the pair in the form that can be measured over time; `None` for shapes of another pair.
     pub(crate) fn over_time<R>(
         &mut self,
-        (a, b): ShapePair<'_>,
+        (a, b): BodyShapes<'_>,
         ask: impl FnOnce(&mut dyn Separation) -> R,
     ) -> Option<R> {
         match self {

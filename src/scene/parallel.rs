@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use rayon::prelude::*;
 
-use super::narrow_phase::{Context, Tally, test_run};
+use super::narrow_phase::{StepContext, Tally, test_run};
 use super::pair_table::PairTable;
 use super::pair_tracker::PairTracker;
 use super::step::Boxes;
@@ -38,7 +38,7 @@ pub(super) fn make_boxes(
 /// Tests all pairs of a table.
 pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
     pair_table: &mut PairTable<T, A>,
-    context: &Context<'_>,
+    context: &StepContext<'_>,
     tally: &mut Tally,
 ) {
     let headers = pair_table.headers.par_chunks_mut(PAIRS);

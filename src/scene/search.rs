@@ -24,7 +24,7 @@ use crate::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Near {
+pub struct ClosestPair {
     /// The query body, or the body of the first group; of two bodies of one group the one with the
     /// lower index. A of the outcome.
     pub a: BodyId,
@@ -45,7 +45,7 @@ impl Scene {
     /// # Errors
     /// If nothing is called for between the groups, a step is due, or `d` is NaN, negative or
     /// beyond 1e37.
-    pub fn pairs_within(&self, these: Group, those: Group, d: f64) -> Result<Vec<Near>, SceneError> {
+    pub fn pairs_within(&self, these: Group, those: Group, d: f64) -> Result<Vec<ClosestPair>, SceneError> {
         if !(0.0..=SCENE_REACH).contains(&d) {
             return Err(SceneError::Range { value: d });
         }
@@ -63,7 +63,7 @@ impl Scene {
     /// # Errors
     /// If nothing is called for between the groups, or a step is due.
     #[doc(alias = "early exit")]
-    pub fn first_contact(&self, these: Group, those: Group) -> Result<Option<Near>, SceneError> {
+    pub fn first_contact(&self, these: Group, those: Group) -> Result<Option<ClosestPair>, SceneError> {
         let mut found = None;
         self.visit_pairs(these, those, 0.0, |a, b| {
             found = self.near_within(a, b, 0.0);
@@ -73,7 +73,7 @@ impl Scene {
             let outcome = self
                 .query(near.a.index, near.b.index)
                 .map(|mut q| q.measure(Until::Depth));
-            Near {
+            ClosestPair {
                 outcome: outcome.unwrap_or(near.outcome),
                 ..near
             }
@@ -88,7 +88,7 @@ impl Scene {
     /// If the id is stale, a step is due, nothing is called for between the group of the body and
     /// any group, or `farthest` is NaN or negative.
     #[doc(alias = "k-nearest")]
-    pub fn nearest(&self, id: BodyId, count: usize, farthest: f64) -> Result<Vec<Near>, SceneError> {
+    pub fn nearest(&self, id: BodyId, count: usize, farthest: f64) -> Result<Vec<ClosestPair>, SceneError> {
         let i = self.bodies.index_of(id)?;
         if self.is_due() {
             return Err(SceneError::StepDue);
@@ -105,7 +105,7 @@ impl Scene {
             asked = asked.saturating_mul(2);
             let boxes = self.broad.nearest(&around, asked, farthest)?;
             let others = boxes.iter().map(|n| self.bodies.body_of_proxy[n.body.index as usize]);
-            let mut found: Vec<Near> = others
+            let mut found: Vec<ClosestPair> = others
                 .filter(|&other| self.may_pair(id.index, other))
                 .filter_map(|other| self.near_within(id.index, other, farthest))
                 .collect();
@@ -182,14 +182,14 @@ impl Scene {
     }
 
     /// Returns the pair, if at most `d` apart.
-    fn near_within(&self, a: u32, b: u32, d: f64) -> Option<Near> {
+    fn near_within(&self, a: u32, b: u32, d: f64) -> Option<ClosestPair> {
         let [x, y] = [a, b].map(|i| &self.bodies.balls[i as usize]);
         if least_distance(x, y) > d {
             return None;
         }
         let mut query = self.query(a, b)?;
         let outcome = query.measure(Until::Class);
-        query.decides_within(&outcome, d).then(|| Near {
+        query.decides_within(&outcome, d).then(|| ClosestPair {
             a: self.bodies.id(a),
             b: self.bodies.id(b),
             outcome,

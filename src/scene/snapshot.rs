@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use super::body::{Bodies, Body, Solid};
+use super::body::{Body, BodySolid, BodyTable};
 use super::body_shape::BodyShape;
 use super::budget::Travel;
 use super::check::census_of;
@@ -31,7 +31,7 @@ use crate::tracker::Workspace;
 
 /// The values of one index in the tables of bodies.
 #[derive(Serialize, Deserialize)]
-struct Row {
+struct SnapshotRow {
     generation: u32,
     /// `None` if the index holds no body, nor a body that is leaving.
     solid: Option<SolidRow>,
@@ -65,11 +65,11 @@ struct TableRows<T> {
 
 /// The serialized form of a scene.
 #[derive(Serialize, Deserialize)]
-struct Snapshot {
+struct SceneSnapshot {
     settings: Settings,
     /// Distinct shapes, in the order of the bodies.
     shapes: Vec<BodyShape>,
-    rows: Vec<Row>,
+    rows: Vec<SnapshotRow>,
     free: Vec<u32>,
     leaving: Vec<u32>,
     #[serde(rename = "owners")]
@@ -157,7 +157,7 @@ fn detail_tables<S, T: PairTracker>(
     })
 }
 
-impl Snapshot {
+impl SceneSnapshot {
     fn of(scene: &Scene) -> Self {
         let bodies = &scene.bodies;
         let mut shapes = Vec::new();
@@ -170,7 +170,7 @@ impl Snapshot {
         };
         let generations = bodies.slots.generations();
         let [free, leaving] = bodies.slots.vacancies().map(Vec::clone);
-        let mut row = |i: usize| Row {
+        let mut row = |i: usize| SnapshotRow {
             generation: generations[i],
             solid: bodies.solids[i].as_ref().map(|s| SolidRow {
                 shape: number(&s.shape),
@@ -276,7 +276,7 @@ impl Snapshot {
 }
 
 /// Returns the list of ignored pairs, if every pair names two bodies.
-fn restored_filter(pairs: &[(u32, u32)], bodies: &Bodies) -> Result<Ignored, String> {
+fn restored_filter(pairs: &[(u32, u32)], bodies: &BodyTable) -> Result<Ignored, String> {
     let lives = |i: u32| bodies.slots.lives(i);
     let mut ignored = Ignored::default();
     for &(a, b) in pairs {
@@ -292,12 +292,12 @@ type Motions = (Vec<Moving>, Vec<(u32, Sweep)>, Vec<u32>, Ticks);
 
 /// Returns the tables of bodies, if every list names valid bodies.
 fn restored_bodies(
-    rows: Vec<Row>,
+    rows: Vec<SnapshotRow>,
     shapes: &[BodyShape],
     [free, leaving, body_of_proxy, due]: [Vec<u32>; 4],
     (moving, sweeps, wide, ticks): Motions,
     step: u32,
-) -> Result<Bodies, String> {
+) -> Result<BodyTable, String> {
     let n = rows.len();
     let generations = rows.iter().map(|row| row.generation).collect();
     let slots = Slots::restored(generations, free, leaving);
@@ -313,7 +313,7 @@ fn restored_bodies(
     for (i, sweep) in sweeps {
         table[i as usize] = Some(sweep);
     }
-    let mut bodies = Bodies {
+    let mut bodies = BodyTable {
         slots,
         body_of_proxy,
         moving,
@@ -323,7 +323,7 @@ fn restored_bodies(
         ticks,
         due,
         step,
-        ..Bodies::default()
+        ..BodyTable::default()
     };
     for row in rows {
         let solid = match &row.solid {
@@ -331,7 +331,7 @@ fn restored_bodies(
                 let shape = shapes.get(s.shape).ok_or("a body of the scene has no shape")?;
                 let mut body = Body::moving(shape.clone()).group(s.group).user_data(s.user_data);
                 body.fixed = s.fixed;
-                let mut solid = Solid::new(body).map_err(|e| alloc::format!("{e}"))?;
+                let mut solid = BodySolid::new(body).map_err(|e| alloc::format!("{e}"))?;
                 solid.boxed = s.boxed;
                 Some(solid)
             }
@@ -344,13 +344,13 @@ fn restored_bodies(
 
 impl Serialize for Scene {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Snapshot::of(self).serialize(serializer)
+        SceneSnapshot::of(self).serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Scene {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Snapshot::deserialize(deserializer)?
+        SceneSnapshot::deserialize(deserializer)?
             .restored()
             .map_err(D::Error::custom)
     }

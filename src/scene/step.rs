@@ -4,11 +4,11 @@ use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::Scene;
-use super::body::{Bodies, box_of, swept_box};
+use super::body::{BodyTable, box_of, swept_box};
 use super::body_shape::BodyShape;
 use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::events::{Change, Event, PairChange, PairImpact};
-use super::narrow_phase::{Context, Tally, test_table};
+use super::narrow_phase::{StepContext, Tally, test_table};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
 use super::pair_tracker::{AnyTracker, PairTracker};
 use super::report::{Clock, Report};
@@ -228,7 +228,7 @@ impl Scene {
     /// The narrow phase: budget, balls, tracker. `last` is the number of queries of the last step:
     /// how many this step will need, if bodies move on as before.
     fn test_pairs(&mut self, changes: Vec<PairChange>, last: u64) -> Tally {
-        let context = Context {
+        let context = StepContext {
             bodies: &self.bodies,
             table: &self.table,
             budget: self.budget,
@@ -279,7 +279,7 @@ fn is_shared(queries: u64, bodies: usize) -> bool {
 /// Tests the pairs of all tables of one type of tracker.
 fn test_tables<T: PairTracker>(
     tables: &mut DetailTables<T>,
-    context: &Context<'_>,
+    context: &StepContext<'_>,
     tally: &mut Tally,
     is_parallel: bool,
 ) {
@@ -303,7 +303,7 @@ pub(super) fn group(number: usize) -> Group {
 }
 
 /// Returns the indices of the two bodies of a pair, the lower index first.
-pub(super) fn bodies_of(bodies: &Bodies, pair: &broad::Pair) -> (u32, u32) {
+pub(super) fn bodies_of(bodies: &BodyTable, pair: &broad::Pair) -> (u32, u32) {
     let [a, b] = [pair.a, pair.b].map(|id| bodies.body_of_proxy[id.index as usize]);
     (a.min(b), a.max(b))
 }
@@ -323,7 +323,7 @@ fn end(pair_state: &PairState, pair: (u32, u32), id: PairId, changes: &mut Vec<P
 fn begin(
     pair_tables: &mut PairTables,
     table: &Table,
-    bodies: &Bodies,
+    bodies: &BodyTable,
     ((a, b), id): ((u32, u32), PairId),
     pair_state: PairState,
     changes: &mut Vec<PairChange>,
@@ -361,7 +361,7 @@ fn begin(
 
 /// Read-only input of box making.
 pub(super) struct Boxes<'a> {
-    bodies: &'a Bodies,
+    bodies: &'a BodyTable,
     /// By group: the groups to pair with as bits, and the growth of the boxes.
     partners: &'a [u32; GROUPS],
     growths: &'a [f64; GROUPS],

@@ -13,13 +13,13 @@ use crate::tuning::patch::SCENE_WIDTH;
 /// The tracker of a surface and another body, and the patches of the last witnesses.
 #[derive(Clone, Debug)]
 pub(crate) struct WithSurface {
-    kind: Kind,
+    kind: SurfacePartner,
     pub(super) pieces: [u32; 2],
 }
 
 #[derive(Clone, Debug)]
 #[allow(clippy::large_enum_variant, reason = "the tracker about it is in a box")]
-enum Kind {
+enum SurfacePartner {
     Surfaces(SurfaceTracker),
     /// A surface and a convex shape, in either order.
     Convex(SurfaceShapeTracker),
@@ -67,9 +67,9 @@ impl WithSurface {
     /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
     pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
         let kind = match surfaces(a, b) {
-            Some(_) => Kind::Surfaces(SurfaceTracker::new()),
-            None if of_pieces(a, b).is_some() => Kind::Pieces(SurfaceCompositeTracker::new()),
-            None => mixed(a, b).map(|_| Kind::Convex(SurfaceShapeTracker::new()))?,
+            Some(_) => SurfacePartner::Surfaces(SurfaceTracker::new()),
+            None if of_pieces(a, b).is_some() => SurfacePartner::Pieces(SurfaceCompositeTracker::new()),
+            None => mixed(a, b).map(|_| SurfacePartner::Convex(SurfaceShapeTracker::new()))?,
         };
         let pieces = [0; 2];
         Some(Self { kind, pieces })
@@ -81,17 +81,17 @@ impl WithSurface {
         let (_, of_b) = b.bounding_ball();
         let width = SCENE_WIDTH * (of_a + of_b);
         let seen = match &mut self.kind {
-            Kind::Surfaces(tracker) => {
+            SurfacePartner::Surfaces(tracker) => {
                 let [x, y] = surfaces(a, b)?;
                 Measure::from(&tracker.closest(x, y, pose, width))
             }
-            Kind::Convex(tracker) => {
+            SurfacePartner::Convex(tracker) => {
                 let (surface, shape, is_second) = mixed(a, b)?;
                 ordered(is_second, pose, |pose| {
                     (&tracker.closest(surface, &shape, pose, width)).into()
                 })
             }
-            Kind::Pieces(tracker) => {
+            SurfacePartner::Pieces(tracker) => {
                 let (surface, body, is_second) = of_pieces(a, b)?;
                 ordered(is_second, pose, |pose| {
                     (&tracker.closest(surface, body, pose, width)).into()
@@ -105,12 +105,12 @@ impl WithSurface {
     /// Returns whether the bodies are at most `d` apart; true if the bounds leave that open.
     pub(super) fn within(&mut self, a: &BodyShape, b: &BodyShape, pose: &RelativePose, d: f64) -> bool {
         let decision = match &mut self.kind {
-            Kind::Surfaces(tracker) => surfaces(a, b).map(|[x, y]| tracker.within(x, y, pose, d)),
-            Kind::Convex(tracker) => mixed(a, b).map(|(surface, shape, is_second)| {
+            SurfacePartner::Surfaces(tracker) => surfaces(a, b).map(|[x, y]| tracker.within(x, y, pose, d)),
+            SurfacePartner::Convex(tracker) => mixed(a, b).map(|(surface, shape, is_second)| {
                 let pose = if is_second { pose.swapped() } else { *pose };
                 tracker.within(surface, &shape, &pose, d)
             }),
-            Kind::Pieces(tracker) => of_pieces(a, b).map(|(surface, body, is_second)| {
+            SurfacePartner::Pieces(tracker) => of_pieces(a, b).map(|(surface, body, is_second)| {
                 let pose = if is_second { pose.swapped() } else { *pose };
                 tracker.within(surface, body, &pose, d)
             }),
@@ -126,14 +126,14 @@ impl WithSurface {
         ask: impl FnOnce(&mut dyn Separation) -> R,
     ) -> Option<R> {
         Some(match &mut self.kind {
-            Kind::Surfaces(tracker) => {
+            SurfacePartner::Surfaces(tracker) => {
                 let [x, y] = surfaces(a, b)?;
                 let mut pair = SurfacePair::with_tracker(x, y, core::mem::take(tracker));
                 let answer = ask(&mut pair);
                 *tracker = pair.into_tracker();
                 answer
             }
-            Kind::Convex(tracker) => {
+            SurfacePartner::Convex(tracker) => {
                 let (surface, shape, is_second) = mixed(a, b)?;
                 let mut pair = SurfaceShapePair::with_tracker(surface, &shape, core::mem::take(tracker));
                 if is_second {
@@ -143,7 +143,7 @@ impl WithSurface {
                 *tracker = pair.into_tracker();
                 answer
             }
-            Kind::Pieces(tracker) => {
+            SurfacePartner::Pieces(tracker) => {
                 let (surface, body, is_second) = of_pieces(a, b)?;
                 let mut pair = SurfaceCompositePair::with_tracker(surface, body, core::mem::take(tracker));
                 if is_second {
@@ -158,9 +158,9 @@ impl WithSurface {
 
     pub(super) fn heap_bytes(&self) -> usize {
         match &self.kind {
-            Kind::Surfaces(tracker) => tracker.heap_bytes(),
-            Kind::Convex(tracker) => tracker.heap_bytes(),
-            Kind::Pieces(tracker) => tracker.heap_bytes(),
+            SurfacePartner::Surfaces(tracker) => tracker.heap_bytes(),
+            SurfacePartner::Convex(tracker) => tracker.heap_bytes(),
+            SurfacePartner::Pieces(tracker) => tracker.heap_bytes(),
         }
     }
 }

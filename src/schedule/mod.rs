@@ -67,7 +67,7 @@ pub struct Schedule {
     now: u64,
     /// The number of disturbances and arrivals of pairs so far: an epoch is one of these numbers.
     epoch: u64,
-    pairs: BTreeMap<(u32, u32), Entry>,
+    pairs: BTreeMap<(u32, u32), DuePair>,
     /// All pairs again, the higher id first.
     turned: BTreeSet<(u32, u32)>,
     /// The epoch of the last disturbance of each body. The pairs of a body that was removed and
@@ -80,7 +80,7 @@ pub struct Schedule {
 
 /// A pair of the schedule.
 #[derive(Clone, Copy, Debug)]
-struct Entry {
+struct DuePair {
     /// The tick at which the pair is due; `None` after the last tick of all.
     tick: Option<u64>,
     /// The epoch in which the pair arrived.
@@ -114,7 +114,7 @@ impl Schedule {
         }
         self.epoch += 1;
         let arrived = self.epoch;
-        self.pairs.insert(pair, Entry { tick: None, arrived });
+        self.pairs.insert(pair, DuePair { tick: None, arrived });
         self.turned.insert((pair.1, pair.0));
         self.wake_at(pair, Some(self.now));
         true

@@ -49,7 +49,7 @@ pub trait Separation {
     /// Returns the height of a shape along a direction of any length, in the frame of the shape: an
     /// upper bound of `direction . (x - c)` over all points `x`, with `c` the centre of the
     /// [`ball`](Self::ball). The default is the height of the ball: sound, and loose.
-    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> Support {
+    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
         let (_, radius) = self.ball(of);
         let length = direction.norm();
         let point = if length > 0.0 {
@@ -57,7 +57,7 @@ pub trait Separation {
         } else {
             Vector3::zeros()
         };
-        Support {
+        SupportPoint {
             height: radius * length * (1.0 + 16.0 * crate::tolerance::UNIT),
             point,
         }
@@ -122,7 +122,7 @@ pub enum Tangent {
 
 /// A support point and the proven height.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Support {
+pub struct SupportPoint {
     /// Upper bound of the height of the whole shape along the direction, from the centre of the
     /// ball.
     pub height: f64,

@@ -90,7 +90,7 @@ fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, fligh
             proof: Proof::Plane { normal, spin: still },
         };
     }
-    let setting = Setting::new(pair, flight);
+    let setting = PlaneSetting::new(pair, flight);
     let normal = setting.a.rotation * seen.normal.into_inner();
     let at = (setting.a.height(pair, &normal), setting.b.height(pair, &-normal));
     let spin = setting.spin(&normal, &seen.tangent);
@@ -116,7 +116,7 @@ pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight:
         let normal = flight.pose_a.rotation * seen.normal.into_inner();
         return ahead(normal.dot(&flight.velocity()), normal.dot(&flight.acceleration()));
     }
-    let set = Setting::new(pair, flight);
+    let set = PlaneSetting::new(pair, flight);
     let normal = set.a.rotation * seen.normal.into_inner();
     let spin = set.spin(&normal, &seen.tangent);
     let (turn_a, turn_b) = (set.a.turn(&normal, &spin), set.b.turn(&normal, &spin));
@@ -129,7 +129,7 @@ pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight:
 }
 
 /// One shape at the instant.
-struct Side {
+struct PlaneSide {
     which: Operand,
     /// From the shape's axes to the world's.
     rotation: Matrix3<f64>,
@@ -157,7 +157,7 @@ struct Turn {
     pace: f64,
 }
 
-impl Side {
+impl PlaneSide {
     fn new<S: Separation + ?Sized>(pair: &S, which: Operand, pose: &Isometry3<f64>, course: &Course) -> Self {
         let (centre, radius) = pair.ball(which);
         let q = pose.rotation.coords;
@@ -212,10 +212,10 @@ impl Side {
 }
 
 /// Both shapes at the instant.
-struct Setting<'a> {
+struct PlaneSetting<'a> {
     flight: &'a Flight,
-    a: Side,
-    b: Side,
+    a: PlaneSide,
+    b: PlaneSide,
     /// From A's pivot to B's.
     between: Vector3<f64>,
     velocity: Vector3<f64>,
@@ -225,11 +225,11 @@ struct Setting<'a> {
     size: f64,
 }
 
-impl<'a> Setting<'a> {
+impl<'a> PlaneSetting<'a> {
     fn new<S: Separation + ?Sized>(pair: &S, flight: &'a Flight) -> Self {
         let (course_a, course_b) = (&flight.course_a, &flight.course_b);
-        let a = Side::new(pair, Operand::A, &flight.pose_a, course_a);
-        let b = Side::new(pair, Operand::B, &flight.pose_b, course_b);
+        let a = PlaneSide::new(pair, Operand::A, &flight.pose_a, course_a);
+        let b = PlaneSide::new(pair, Operand::B, &flight.pose_b, course_b);
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
         let (pivot_a, pivot_b) = (course_a.pivot.coords, course_b.pivot.coords);
         let between = offset + (b.rotation * pivot_b - a.rotation * pivot_a);
@@ -269,9 +269,9 @@ impl<'a> Setting<'a> {
     }
 
     /// Returns the plane that turns at a rate, and the interval of the first try.
-    fn plane<'b>(&'b self, n: &'b Vector3<f64>, spin: &Vector3<f64>, at: &'b Heights) -> Plane<'b> {
+    fn plane<'b>(&'b self, n: &'b Vector3<f64>, spin: &Vector3<f64>, at: &'b Heights) -> PlaneBetween<'b> {
         let spin_rate = length(spin);
-        let mut plane = Plane {
+        let mut plane = PlaneBetween {
             setting: self,
             n,
             turn_a: self.a.turn(n, spin),
@@ -304,8 +304,8 @@ impl<'a> Setting<'a> {
 }
 
 /// A plane that turns, and the heights of both shapes at the instant.
-struct Plane<'a> {
-    setting: &'a Setting<'a>,
+struct PlaneBetween<'a> {
+    setting: &'a PlaneSetting<'a>,
     n: &'a Vector3<f64>,
     turn_a: Turn,
     turn_b: Turn,
@@ -323,7 +323,7 @@ struct Plane<'a> {
     ahead: f64,
 }
 
-impl Plane<'_> {
+impl PlaneBetween<'_> {
     fn reach<S: Separation + ?Sized>(&self, pair: &mut S) -> f64 {
         let (mut length, mut best) = (self.ahead, 0.0);
         for _ in 0..TRIES {
@@ -399,7 +399,7 @@ impl Plane<'_> {
         let (set, [f0, f1, f2]) = (self.setting, self.way);
         let taken = self.taken(length);
         let half = 0.5 * length;
-        let mut height = |side: &Side, turn: &Turn, at: f64, sign: f64| {
+        let mut height = |side: &PlaneSide, turn: &Turn, at: f64, sign: f64| {
             if turn.rests {
                 return [at, at];
             }

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::{Measure, Separation, Support, Tangent};
+use super::{Measure, Separation, SupportPoint, Tangent};
 use crate::minimum::overlap_proof::OverlapProof;
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::{Outcome, Until};
@@ -30,14 +30,14 @@ use crate::tuning::separation::{FEW, FLUSH, RIM, SMALLER};
 /// ```
 #[derive(Clone, Debug)]
 pub struct PolyhedronPair<'a> {
-    a: Body<'a>,
-    b: Body<'a>,
+    a: BoundedHull<'a>,
+    b: BoundedHull<'a>,
     tracker: Tracker,
 }
 
 /// A body, a ball about it, and the vertex of the last support.
 #[derive(Clone, Debug)]
-struct Body<'a> {
+struct BoundedHull<'a> {
     shape: &'a ConvexPolyhedron,
     /// The centre of the ball in stored coordinates.
     middle: Vector3<f64>,
@@ -48,7 +48,7 @@ struct Body<'a> {
     face: Option<FaceId>,
 }
 
-impl<'a> Body<'a> {
+impl<'a> BoundedHull<'a> {
     fn new(shape: &'a ConvexPolyhedron) -> Self {
         let half = (shape.high - shape.low) * 0.5;
         let diagonal = sqrt(half.norm_squared()) * (1.0 + 8.0 * UNIT);
@@ -69,13 +69,13 @@ impl<'a> Body<'a> {
     }
 
     #[inline]
-    fn support(&mut self, direction: &Vector3<f64>) -> Support {
+    fn support(&mut self, direction: &Vector3<f64>) -> SupportPoint {
         let highest = self.highest(direction);
         self.hint = highest.vertex;
         let length = one_norm(direction);
         let height = highest.value - direction.dot(&self.middle) + HEIGHT * length * self.shape.radius;
         let unit = self.shape.unit();
-        Support {
+        SupportPoint {
             height: height * unit,
             point: (self.shape.points[highest.vertex.index()] - self.middle) * unit,
         }
@@ -169,8 +169,8 @@ impl<'a> PolyhedronPair<'a> {
     #[must_use]
     pub fn with_tracker(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, tracker: Tracker) -> Self {
         Self {
-            a: Body::new(a),
-            b: Body::new(b),
+            a: BoundedHull::new(a),
+            b: BoundedHull::new(b),
             tracker,
         }
     }
@@ -222,7 +222,7 @@ impl<'a> PolyhedronPair<'a> {
             (Feature::Vertex(u), Feature::Face(f)) => self.b.triangle(f, on_b)?.map(|v| [u, v]),
             (Feature::Edge(e), Feature::Edge(f)) => {
                 let ([p, q], [r, s]) = (self.a.edge(e), self.b.edge(f));
-                let along = |body: &Body, edge: EdgeId, from: VertexId, at: &Vector3<f64>| {
+                let along = |body: &BoundedHull, edge: EdgeId, from: VertexId, at: &Vector3<f64>| {
                     let way = body.direction(edge);
                     (at - body.shape.points[from.index()]).dot(&way) / way.norm_squared()
                 };
@@ -271,7 +271,7 @@ impl Separation for PolyhedronPair<'_> {
     }
 
     #[inline]
-    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> Support {
+    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
         let body = if of == Operand::A { &mut self.a } else { &mut self.b };
         body.support(direction)
     }

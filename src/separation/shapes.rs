@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::{Measure, Separation, Support, Tangent};
+use super::{Measure, Separation, SupportPoint, Tangent};
 use crate::pair::outcome::Outcome;
 use crate::pose::{Operand, RelativePose};
 use crate::shape::Shape;
@@ -111,12 +111,12 @@ impl Separation for ShapePair<'_> {
         outcome.upper <= distance
     }
 
-    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> Support {
+    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
         let placed = *self.of(of);
         let length = direction.x.abs() + direction.y.abs() + direction.z.abs();
         let size = placed.radius + placed.centre.coords.abs().sum();
         let height = placed.shape.support_height(direction) - direction.dot(&placed.centre.coords);
-        Support {
+        SupportPoint {
             height: height + HEIGHT * length * size,
             // Steers the search alone: the point of the ball.
             point: direction * (height / direction.norm_squared().max(f64::MIN_POSITIVE)),

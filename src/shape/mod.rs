@@ -57,7 +57,10 @@ pub(crate) use support::{Disc, Flat, Support};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(try_from = "persist::Stored", into = "persist::Stored"))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "persist::StoredShape", into = "persist::StoredShape")
+)]
 pub struct Shape {
     core: Core,
     round: f64,

@@ -11,7 +11,7 @@ use crate::polyhedron::ConvexPolyhedron;
 /// Serialized form of a shape.
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Shape")]
-pub(super) struct Stored {
+pub(super) struct StoredShape {
     core: StoredCore,
     round: f64,
 }
@@ -26,7 +26,7 @@ enum StoredCore {
     Superquadric { semi_axes: [f64; 3], exponents: [f64; 2] },
 }
 
-impl From<Shape> for Stored {
+impl From<Shape> for StoredShape {
     fn from(shape: Shape) -> Self {
         let core = match shape.core {
             Core::Polyhedron(body) => StoredCore::Polyhedron(alloc::boxed::Box::new(Arc::unwrap_or_clone(body))),
@@ -53,10 +53,10 @@ impl From<Shape> for Stored {
     }
 }
 
-impl TryFrom<Stored> for Shape {
+impl TryFrom<StoredShape> for Shape {
     type Error = ShapeError;
 
-    fn try_from(stored: Stored) -> Result<Self, ShapeError> {
+    fn try_from(stored: StoredShape) -> Result<Self, ShapeError> {
         let shape = match stored.core {
             StoredCore::Polyhedron(body) => Self::from(*body),
             StoredCore::Ellipsoid { semi_axes } => Self::ellipsoid(Vector3::from(semi_axes))?,

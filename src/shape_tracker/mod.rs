@@ -34,7 +34,7 @@ pub(crate) use face::{along_face, swapped};
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ShapeTracker {
     polyhedral: Tracker,
-    curved: smooth::Memory,
+    curved: smooth::WarmStart,
     totals: Totals,
 }
 

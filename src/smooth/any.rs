@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use super::polyhedral::Hull;
+use super::polyhedral::PolyhedralCore;
 use crate::num::scalar::{Scalar, Vec3};
 use crate::polyhedron::{Feature, VertexId};
 use crate::shape::{Cone, Cylinder, Disc, Ellipsoid, Flat, Superquadric, Support};
@@ -11,7 +11,7 @@ use crate::shape::{Cone, Cylinder, Disc, Ellipsoid, Flat, Superquadric, Support}
 /// A core of any kind.
 #[derive(Clone, Copy)]
 pub(super) enum Any<'a> {
-    Hull(Hull<'a>),
+    Hull(PolyhedralCore<'a>),
     Ellipsoid(Ellipsoid),
     Cylinder(Cylinder),
     Cone(Cone),
@@ -21,13 +21,13 @@ pub(super) enum Any<'a> {
 }
 
 /// A core that can be put behind the match.
-pub(super) trait Kind: Support {
+pub(super) trait CoreKind: Support {
     fn any(&self) -> Any<'_>;
 }
 
 macro_rules! kind {
     ($($name:ident: $of:ty),*) => {
-        $(impl Kind for $of {
+        $(impl CoreKind for $of {
             fn any(&self) -> Any<'_> {
                 Any::$name(*self)
             }
@@ -35,9 +35,9 @@ macro_rules! kind {
     };
 }
 
-kind!(Hull: Hull<'_>, Ellipsoid: Ellipsoid, Cylinder: Cylinder, Cone: Cone, Superquadric: Superquadric);
+kind!(Hull: PolyhedralCore<'_>, Ellipsoid: Ellipsoid, Cylinder: Cylinder, Cone: Cone, Superquadric: Superquadric);
 
-impl Kind for Any<'_> {
+impl CoreKind for Any<'_> {
     fn any(&self) -> Any<'_> {
         *self
     }

@@ -6,8 +6,8 @@
 //! surface any other point of the part is as deep, and the points are moved to the middle of the
 //! parts.
 
-use super::best::{Best, Set};
-use super::posed::{Piece, Posed, Toward, values};
+use super::best::{BranchSet, ProvenBounds};
+use super::posed::{DifferencePoint, PosedCores, Toward, values};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, dot, root, sub};
 use crate::pair::difference::MinkowskiPoint;
@@ -20,13 +20,13 @@ use crate::tolerance::AGREE_CURVED;
 /// middle of the flat or straight parts about the points. The points prove the bound alone: equal
 /// balls may touch the surfaces on different sides, so witnesses are the work of `opposite`.
 pub(super) fn take<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
+    posed: &PosedCores<A, B, T>,
     toward: &Toward<T>,
-    (pieces, weights): (&[Piece<T>], &[T]),
-    best: &mut Best<T>,
+    (pieces, weights): (&[DifferencePoint<T>], &[T]),
+    best: &mut ProvenBounds<T>,
 ) {
     let (mut on_a, mut on_b) = ([0.0; 3], [0.0; 3]);
-    let mut set = Set::default();
+    let mut set = BranchSet::default();
     for (piece, weight) in pieces.iter().zip(weights) {
         let weight = weight.value();
         for k in 0..3 {
@@ -52,7 +52,7 @@ pub(super) fn take<A: Support, B: Support, T: Scalar>(
 
 /// Returns the upper bound of the balls that touch the surfaces at two points.
 fn upper_at<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
+    posed: &PosedCores<A, B, T>,
     toward: &Toward<T>,
     [on_a, on_b]: &[Vec3<f64>; 2],
 ) -> T {
@@ -67,9 +67,9 @@ fn upper_at<A: Support, B: Support, T: Scalar>(
 /// Returns points of the flat or straight parts about two points, opposite each other near the
 /// middle of the parts; `None` if no part faces along the direction.
 fn middles<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
+    posed: &PosedCores<A, B, T>,
     toward: &Toward<T>,
-    pieces: &[Piece<T>],
+    pieces: &[DifferencePoint<T>],
     [on_a, on_b]: &[Vec3<f64>; 2],
 ) -> Option<[Vec3<f64>; 2]> {
     let (n, m) = (values(&toward.n).into(), values(&toward.m).into());

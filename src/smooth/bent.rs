@@ -5,10 +5,10 @@
 //! next direction are both the next step and the certificate.
 
 use super::balls;
-use super::best::{Best, Set};
+use super::best::{BranchSet, ProvenBounds};
 use super::flush::{self, Flush};
-use super::model::{MOST, Plane, top};
-use super::posed::{Piece, Posed, Tangent, Toward, add, tangent, unit};
+use super::model::{MOST, ModelPlane, top};
+use super::posed::{DifferencePoint, PlaneStep, PosedCores, Toward, add, tangent, unit};
 use crate::num::scalar::{Scalar, Vec3, dot, root};
 use crate::shape::Support;
 use crate::tolerance::{AGREE_CURVED, UNIT};
@@ -25,7 +25,7 @@ const NEAR_AXIS: f64 = 1.0 / 64.0;
 
 /// End of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum End {
+pub(super) enum RunEnd {
     /// The bounds agree.
     Closed,
     /// The cores seem to overlap: the best direction is close to a local minimum of the depth.
@@ -46,13 +46,13 @@ pub(super) fn far_behind<T: Scalar>(along: &T, length: &T) -> bool {
 struct Centre<T> {
     toward: Toward<T>,
     height: T,
-    pieces: [Piece<T>; MOST],
+    pieces: [DifferencePoint<T>; MOST],
     len: usize,
     weights: [T; MOST],
 }
 
 impl<T: Scalar> Centre<T> {
-    fn pieces(&self) -> &[Piece<T>] {
+    fn pieces(&self) -> &[DifferencePoint<T>] {
         &self.pieces[..self.len]
     }
 
@@ -61,7 +61,7 @@ impl<T: Scalar> Centre<T> {
     }
 
     /// Adds a piece without weight; if there is no room, in place of another piece without weight.
-    fn add(&mut self, piece: Piece<T>) {
+    fn add(&mut self, piece: DifferencePoint<T>) {
         let zero = T::from(0.0);
         if self.len < MOST {
             self.weights[self.len] = zero;
@@ -85,18 +85,18 @@ impl<T: Scalar> Centre<T> {
 }
 
 /// One run from a direction and the branches expected there.
-pub(super) struct Run<'r, 'p, A, B, T> {
-    pub(super) posed: &'r Posed<'p, A, B, T>,
-    pub(super) best: &'r mut Best<T>,
+pub(super) struct SolverRun<'r, 'p, A, B, T> {
+    pub(super) posed: &'r PosedCores<'p, A, B, T>,
+    pub(super) best: &'r mut ProvenBounds<T>,
     /// Whether the run searches the depth of cores that overlap.
     pub(super) deep: bool,
 }
 
-impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
+impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
     /// Runs until the bounds agree.
     // Not inlined: one copy for each pair of kinds.
     #[inline(never)]
-    pub(super) fn run(&mut self, n: Vec3<T>, set: &Set) -> End {
+    pub(super) fn run(&mut self, n: Vec3<T>, set: &BranchSet) -> RunEnd {
         let mut centre = self.evaluate(n, set.branches(), [0; 2]);
         let share = T::from(1.0) / T::from(centre.len as f64);
         centre.weights = [share; MOST];
@@ -105,10 +105,10 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         let last = self.best.evaluations + STEPS;
         while self.best.evaluations < last {
             let Some(step) = self.advance(&mut centre) else {
-                return End::Open;
+                return RunEnd::Open;
             };
             if self.best.closes(self.posed) {
-                return End::Closed;
+                return RunEnd::Closed;
             }
             if self.deep {
                 balls::take(
@@ -118,13 +118,13 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
                     self.best,
                 );
             } else if self.seems_inside(&centre, &step) {
-                return End::Inside;
+                return RunEnd::Inside;
             }
             if !self.deep
                 && let Some(piece) = flush::near(self.posed, self.best, &centre.toward, &step, &mut flush, NEAR_AXIS)
             {
                 if self.best.closes(self.posed) {
-                    return End::Closed;
+                    return RunEnd::Closed;
                 }
                 if let Some(n) = unit(&piece.w) {
                     // Next to the face: on from the direction of the nearest point.
@@ -135,11 +135,11 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
                 }
             }
             let Some(trial) = self.follow(&mut centre, &step, slack, &mut kept_back) else {
-                return End::Open;
+                return RunEnd::Open;
             };
             centre = trial;
         }
-        End::Open
+        RunEnd::Open
     }
 
     /// Takes both supports along `n`, and the points of the branches expected there.
@@ -163,11 +163,11 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
 
     /// Returns the step of the model at the centre. The points that carry weight are taken as
     /// witnesses, fixed and moved along their surfaces by the step.
-    fn advance(&mut self, centre: &mut Centre<T>) -> Option<Tangent<T>> {
-        let (toward, mut planes) = (centre.toward, [Plane::default(); MOST]);
+    fn advance(&mut self, centre: &mut Centre<T>) -> Option<PlaneStep<T>> {
+        let (toward, mut planes) = (centre.toward, [ModelPlane::default(); MOST]);
         for (plane, piece) in planes.iter_mut().zip(centre.pieces()) {
             let [d, e] = &toward.tangents;
-            *plane = Plane {
+            *plane = ModelPlane {
                 c: dot(&toward.n, &piece.w),
                 g: [dot(d, &piece.w), dot(e, &piece.w)],
                 bend: self.posed.bend(piece, &toward),
@@ -191,7 +191,7 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
         }
         let size = top.step[0].value() * top.step[0].value() + top.step[1].value() * top.step[1].value();
         if !self.deep && size < 0.0625 && !self.best.closes(self.posed) {
-            let mut slid = [Piece::default(); MOST];
+            let mut slid = [DifferencePoint::default(); MOST];
             let mut len = 0;
             for (piece, _) in kept {
                 slid[len] = self.posed.slid(&piece, &toward, &top.step);
@@ -203,7 +203,7 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
     }
 
     /// Returns whether the closest points of the pieces lie behind each other along the direction.
-    fn seems_inside(&self, centre: &Centre<T>, step: &Tangent<T>) -> bool {
+    fn seems_inside(&self, centre: &Centre<T>, step: &PlaneStep<T>) -> bool {
         let far = (step[0] * step[0] + step[1] * step[1]).value() > 0.0625;
         if far || centre.height > T::from(0.0) {
             return false;
@@ -217,9 +217,9 @@ impl<A: Support, B: Support, T: Scalar> Run<'_, '_, A, B, T> {
     fn follow(
         &mut self,
         centre: &mut Centre<T>,
-        step: &Tangent<T>,
+        step: &PlaneStep<T>,
         slack: T,
-        kept_back: &mut Option<(Centre<T>, Tangent<T>)>,
+        kept_back: &mut Option<(Centre<T>, PlaneStep<T>)>,
     ) -> Option<Centre<T>> {
         let (mut of, mut len) = ([[0; 2]; MOST], 0);
         for (piece, weight) in centre.pieces().iter().zip(&centre.weights) {

@@ -1,6 +1,6 @@
 //! Best bounds of a solve so far, and the points and directions that attain them.
 
-use super::posed::{Piece, Posed, Toward};
+use super::posed::{DifferencePoint, PosedCores, Toward};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::pair::difference::MinkowskiPoint;
@@ -16,14 +16,14 @@ const KEPT: usize = 3;
 /// Branches of the pieces that hold the closest points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Set {
+pub(crate) struct BranchSet {
     of: [[u32; 2]; KEPT],
     len: u8,
     /// Core whose point lies inside a flat round face: 1 for A, 2 for B, 0 for neither.
     flat: u8,
 }
 
-impl Set {
+impl BranchSet {
     pub(super) fn branches(&self) -> &[[u32; 2]] {
         &self.of[..usize::from(self.len).min(KEPT)]
     }
@@ -46,9 +46,9 @@ impl Set {
 
     /// Returns the branches of each core.
     #[inline(always)]
-    pub(super) fn parts(&self) -> [Part; 2] {
+    pub(super) fn parts(&self) -> [EqualBranches; 2] {
         let [a, b] = self.of[0];
-        let mut parts = [Part::only(a), Part::only(b)];
+        let mut parts = [EqualBranches::only(a), EqualBranches::only(b)];
         for of in self.branches().iter().skip(1) {
             parts[0].add(of[0]);
             parts[1].add(of[1]);
@@ -58,7 +58,7 @@ impl Set {
 
     /// Returns the pairs of the branches of two parts, as many as are needed to name all branches.
     #[inline(always)]
-    pub(super) fn of_parts([a, b]: &[Part; 2]) -> Self {
+    pub(super) fn of_parts([a, b]: &[EqualBranches; 2]) -> Self {
         let mut set = Self {
             of: [[a.first(), b.first()]; KEPT],
             len: 1,
@@ -87,12 +87,12 @@ impl Set {
 
 /// Branches of one core that are equally high: one for a point, two for a ridge, three for a face.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Part {
+pub(super) struct EqualBranches {
     of: [u32; KEPT],
     len: u8,
 }
 
-impl Part {
+impl EqualBranches {
     #[inline(always)]
     pub(super) fn only(of: u32) -> Self {
         Self { of: [of; KEPT], len: 1 }
@@ -152,7 +152,7 @@ impl Part {
 
 /// Bounds of the signed distance before their error terms.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Best<T> {
+pub(super) struct ProvenBounds<T> {
     pub(super) lower: T,
     /// Direction that proves the lower bound.
     pub(super) n: Vec3<T>,
@@ -160,12 +160,12 @@ pub(super) struct Best<T> {
     /// Points that prove the upper bound, each in the frame of the core.
     pub(super) on_a: Vec3<T>,
     pub(super) on_b: Vec3<T>,
-    pub(super) set: Set,
+    pub(super) set: BranchSet,
     /// Number of directions whose supports were taken.
     pub(super) evaluations: u32,
 }
 
-impl<T: Scalar> Best<T> {
+impl<T: Scalar> ProvenBounds<T> {
     pub(super) fn new() -> Self {
         let zero = [T::from(0.0); 3];
         Self {
@@ -174,14 +174,14 @@ impl<T: Scalar> Best<T> {
             upper: T::from(f64::INFINITY),
             on_a: zero,
             on_b: zero,
-            set: Set::default(),
+            set: BranchSet::default(),
             evaluations: 0,
         }
     }
 
     /// Takes a support; returns the least height along the unit direction.
     #[inline(always)]
-    pub(super) fn prove(&mut self, toward: &Toward<T>, piece: &Piece<T>) -> T {
+    pub(super) fn prove(&mut self, toward: &Toward<T>, piece: &DifferencePoint<T>) -> T {
         let height = dot(&toward.n, &piece.w);
         self.prove_height(height, toward);
         height
@@ -198,11 +198,11 @@ impl<T: Scalar> Best<T> {
 
     /// Takes the points of one piece; returns their distance.
     #[inline(always)]
-    pub(super) fn point(&mut self, piece: &Piece<T>) -> T {
+    pub(super) fn point(&mut self, piece: &DifferencePoint<T>) -> T {
         let distance = root(dot(&piece.w, &piece.w));
         if distance < self.upper {
             (self.upper, self.on_a, self.on_b) = (distance, piece.on_a, piece.on_b);
-            self.set = Set {
+            self.set = BranchSet {
                 of: [piece.of; KEPT],
                 len: 1,
                 flat: 0,
@@ -216,8 +216,8 @@ impl<T: Scalar> Best<T> {
     #[inline(always)]
     pub(super) fn mixture<A: Support, B: Support>(
         &mut self,
-        posed: &Posed<A, B, T>,
-        pieces: &[Piece<T>],
+        posed: &PosedCores<A, B, T>,
+        pieces: &[DifferencePoint<T>],
         weights: &[T],
     ) -> Vec3<T> {
         let zero = T::from(0.0);
@@ -237,7 +237,7 @@ impl<T: Scalar> Best<T> {
         let distance = root(dot(&mixed.w, &mixed.w));
         if distance < self.upper {
             (self.upper, self.on_a, self.on_b) = (distance, mixed.on_a, mixed.on_b);
-            self.set = Set::default();
+            self.set = BranchSet::default();
             let kept = pieces.iter().zip(weights).filter(|(_, weight)| **weight > zero);
             kept.for_each(|(piece, _)| self.set.add(piece.of));
         }
@@ -245,7 +245,11 @@ impl<T: Scalar> Best<T> {
     }
 
     /// Takes the points nearest to each other in the hull of up to three pieces.
-    pub(super) fn nearest<A: Support, B: Support>(&mut self, posed: &Posed<A, B, T>, pieces: &[Piece<T>]) {
+    pub(super) fn nearest<A: Support, B: Support>(
+        &mut self,
+        posed: &PosedCores<A, B, T>,
+        pieces: &[DifferencePoint<T>],
+    ) {
         let reach = ErrorScale {
             size: posed.size,
             shared: 0.0,
@@ -270,7 +274,7 @@ impl<T: Scalar> Best<T> {
     }
 
     /// Returns whether the points lie opposite each other along the direction.
-    pub(super) fn is_opposite<A: Support, B: Support>(&self, posed: &Posed<A, B, T>) -> bool {
+    pub(super) fn is_opposite<A: Support, B: Support>(&self, posed: &PosedCores<A, B, T>) -> bool {
         let w = posed.piece([0; 2], self.on_a, self.on_b).w;
         let aside = sub(&w, &scaled(&self.n, dot(&self.n, &w)));
         let most = ASIDE * posed.size;
@@ -279,7 +283,7 @@ impl<T: Scalar> Best<T> {
 
     /// Returns how far apart bounds that agree may be.
     #[inline(always)]
-    pub(super) fn agreement<A, B>(posed: &Posed<A, B, T>) -> T {
+    pub(super) fn agreement<A, B>(posed: &PosedCores<A, B, T>) -> T {
         // In finer arithmetic well below what is added for f64.
         let share = if T::UNIT == UNIT { 1.0 } else { 1.0 / 64.0 };
         T::from((AGREE_CURVED * share + 0.5 * posed.noise * T::UNIT) * posed.size)
@@ -287,7 +291,7 @@ impl<T: Scalar> Best<T> {
 
     /// Returns whether the bounds agree.
     #[inline(always)]
-    pub(super) fn closes<A, B>(&self, posed: &Posed<A, B, T>) -> bool {
+    pub(super) fn closes<A, B>(&self, posed: &PosedCores<A, B, T>) -> bool {
         self.upper - self.lower <= Self::agreement(posed)
     }
 }

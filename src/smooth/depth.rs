@@ -9,11 +9,11 @@
 
 use alloc::vec::Vec;
 
-use super::bent::Run;
-use super::best::{Best, Set};
+use super::bent::SolverRun;
+use super::best::{BranchSet, ProvenBounds};
 use super::frozen::Around;
 use super::parallel;
-use super::posed::{Piece, Posed, unit};
+use super::posed::{DifferencePoint, PosedCores, unit};
 use super::surface;
 use crate::num::scalar::{Vec3, cross, neg, sub};
 use crate::shape::Support;
@@ -21,7 +21,7 @@ use crate::tolerance::{CERTIFICATE, DEPTH_GOAL, UNIT};
 
 /// Bounds of the depth of cores that overlap or seem to.
 pub(super) struct Deep {
-    pub(super) best: Best<f64>,
+    pub(super) best: ProvenBounds<f64>,
     /// Whether four points of the difference are proven to contain the origin.
     pub(super) inside: bool,
     /// Whether a surface was grown.
@@ -31,11 +31,11 @@ pub(super) struct Deep {
 /// Searches the depth from a direction and branches; by a surface only from `corners` that contain
 /// the origin.
 pub(super) fn deepen<A: Support, B: Support>(
-    posed: &Posed<A, B, f64>,
-    known: &Best<f64>,
+    posed: &PosedCores<A, B, f64>,
+    known: &ProvenBounds<f64>,
     corners: Option<Around<f64>>,
 ) -> Deep {
-    let mut best = Best {
+    let mut best = ProvenBounds {
         upper: f64::INFINITY,
         ..*known
     };
@@ -59,7 +59,7 @@ pub(super) fn deepen<A: Support, B: Support>(
         return deep;
     };
     deep.inside = true;
-    let mut set = Set::default();
+    let mut set = BranchSet::default();
     found.of.into_iter().for_each(|of| set.add(of));
     local(posed, found.n, &set, best);
     if best.upper > -found.least {
@@ -74,7 +74,11 @@ pub(super) fn deepen<A: Support, B: Support>(
 /// it lies in the hull of corners that all lie on the supporting plane through the origin: a flat
 /// face of a core that bears contains branches of such corners, and if there is none, three corners
 /// are close to the plane.
-fn from_faces<A: Support, B: Support>(posed: &Posed<A, B, f64>, corners: &[Piece<f64>], best: &mut Best<f64>) {
+fn from_faces<A: Support, B: Support>(
+    posed: &PosedCores<A, B, f64>,
+    corners: &[DifferencePoint<f64>],
+    best: &mut ProvenBounds<f64>,
+) {
     let mut prove = |n: Vec3<f64>, of: [u32; 2]| {
         let toward = posed.toward(n);
         best.prove(&toward, &posed.support(&toward, of));
@@ -93,18 +97,23 @@ fn from_faces<A: Support, B: Support>(posed: &Posed<A, B, f64>, corners: &[Piece
         starts.extend(n.iter().flat_map(|n| [*n, neg(n)]));
     }
     for n in starts {
-        local(posed, n, &Set::default(), best);
+        local(posed, n, &BranchSet::default(), best);
     }
 }
 
 /// Returns whether an overlap is proven, and the depth to the accuracy of a surface.
-pub(super) fn is_deep_enough<A: Support, B: Support>(posed: &Posed<A, B, f64>, best: &Best<f64>) -> bool {
+pub(super) fn is_deep_enough<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, best: &ProvenBounds<f64>) -> bool {
     let goal = DEPTH_GOAL * posed.size;
     best.upper < -(CERTIFICATE + posed.noise) * UNIT * posed.size && best.upper - best.lower <= goal
 }
 
 /// Runs the main solver for the depth from one direction.
-pub(super) fn local<A: Support, B: Support>(posed: &Posed<A, B, f64>, n: [f64; 3], set: &Set, best: &mut Best<f64>) {
+pub(super) fn local<A: Support, B: Support>(
+    posed: &PosedCores<A, B, f64>,
+    n: [f64; 3],
+    set: &BranchSet,
+    best: &mut ProvenBounds<f64>,
+) {
     let deep = true;
-    Run { posed, best, deep }.run(n, set);
+    SolverRun { posed, best, deep }.run(n, set);
 }

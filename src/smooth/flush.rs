@@ -3,8 +3,8 @@
 //! The support point of a rim leaps around the circle as the direction crosses the axis. There the
 //! axis itself is tried: with the support point of the other core over the face the bounds close.
 
-use super::best::Best;
-use super::posed::{Piece, Posed, Tangent, Toward, tangent, values};
+use super::best::ProvenBounds;
+use super::posed::{DifferencePoint, PlaneStep, PosedCores, Toward, tangent, values};
 use crate::num::scalar::{Scalar, Vec3, neg, sub};
 use crate::shape::{Disc, Support};
 
@@ -22,7 +22,11 @@ impl Flush {
 
 /// Returns the flat round face of core `side` (0 for A, 1 for B) that faces along a direction.
 #[inline(always)]
-fn disc<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, toward: &Toward<T>, side: usize) -> Option<Disc> {
+fn disc<A: Support, B: Support, T: Scalar>(
+    posed: &PosedCores<A, B, T>,
+    toward: &Toward<T>,
+    side: usize,
+) -> Option<Disc> {
     if side == 0 {
         posed.a.disc(&values(&toward.n).into())
     } else {
@@ -42,13 +46,13 @@ fn off_axis<T: Scalar>(v: &Vec3<T>, d: &Vec3<T>) -> [f64; 2] {
 /// `around`, each once. Returns the nearest points found if they are nearer than those known.
 #[inline(always)]
 pub(super) fn near<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    best: &mut Best<T>,
+    posed: &PosedCores<A, B, T>,
+    best: &mut ProvenBounds<T>,
     toward: &Toward<T>,
-    step: &Tangent<T>,
+    step: &PlaneStep<T>,
     flush: &mut Flush,
     around: f64,
-) -> Option<Piece<T>> {
+) -> Option<DifferencePoint<T>> {
     let mut found = None;
     for side in [0, 1] {
         if disc(posed, toward, side).is_none() {
@@ -71,12 +75,12 @@ pub(super) fn near<A: Support, B: Support, T: Scalar>(
 /// Returns the nearest points found if they are nearer than those known.
 #[inline(never)]
 pub(super) fn of_side<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    best: &mut Best<T>,
+    posed: &PosedCores<A, B, T>,
+    best: &mut ProvenBounds<T>,
     toward: &Toward<T>,
     side: usize,
     flush: &mut Flush,
-) -> Option<Piece<T>> {
+) -> Option<DifferencePoint<T>> {
     let disc = disc(posed, toward, side).filter(|_| !flush.tried[side])?;
     flush.tried[side] = true;
     let axis = [T::from(0.0), T::from(0.0), T::from(disc.side)];

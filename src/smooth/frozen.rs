@@ -5,9 +5,9 @@
 //! tries to finish from the simplex. GJK also proves overlaps: by four points of the difference
 //! around the origin.
 
-use super::bent::{End, Run};
-use super::best::{Best, Set};
-use super::posed::{Piece, Posed, askew, tangents, unit};
+use super::bent::{RunEnd, SolverRun};
+use super::best::{BranchSet, ProvenBounds};
+use super::posed::{DifferencePoint, PosedCores, askew, tangents, unit};
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Scalar, Vec3, neg};
 use crate::pair::difference::MinkowskiPoint;
@@ -27,7 +27,7 @@ const APPROACH: usize = 6;
 
 /// Goal of a solve.
 #[derive(Clone, Copy, PartialEq)]
-pub(super) enum Goal {
+pub(super) enum SolveGoal {
     /// A direction right to some 60 degrees: a start for the main solver.
     Approach,
     /// Bounds that agree.
@@ -37,18 +37,18 @@ pub(super) enum Goal {
 /// Points of the difference around the origin.
 #[derive(Clone, Copy)]
 pub(super) struct Around<T> {
-    points: [Piece<T>; 6],
+    points: [DifferencePoint<T>; 6],
     len: usize,
 }
 
 impl<T: Scalar> Around<T> {
     /// Returns four points, proven to contain the origin; or six, up and down three axes, not yet
     /// proven.
-    pub(super) fn points(&self) -> &[Piece<T>] {
+    pub(super) fn points(&self) -> &[DifferencePoint<T>] {
         &self.points[..self.len]
     }
 
-    pub(super) fn map<U: Scalar>(&self, of: impl Fn(Piece<T>) -> Piece<U>) -> Around<U> {
+    pub(super) fn map<U: Scalar>(&self, of: impl Fn(DifferencePoint<T>) -> DifferencePoint<U>) -> Around<U> {
         Around {
             points: self.points.map(of),
             len: self.len,
@@ -57,7 +57,7 @@ impl<T: Scalar> Around<T> {
 
     /// Returns the support points up and down three axes, off the symmetries of the cores: along an
     /// axis of symmetry many points are equally high, and the six may lie in one plane.
-    fn six<A: Support, B: Support>(posed: &Posed<A, B, T>, n: Vec3<T>) -> Self {
+    fn six<A: Support, B: Support>(posed: &PosedCores<A, B, T>, n: Vec3<T>) -> Self {
         let n = askew(&n);
         let [d, e] = tangents(&n);
         let at = |n: Vec3<T>| posed.support(&posed.toward(n), [0; 2]);
@@ -78,10 +78,10 @@ pub(super) enum Frozen<T> {
 
 /// Solves from a direction. The branches of the simplex become the set of the best answer.
 pub(super) fn solve<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
+    posed: &PosedCores<A, B, T>,
     n: Vec3<T>,
-    goal: Goal,
-    best: &mut Best<T>,
+    goal: SolveGoal,
+    best: &mut ProvenBounds<T>,
 ) -> Frozen<T> {
     let reach = ErrorScale {
         size: posed.size,
@@ -92,13 +92,13 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
     best.prove(&toward, &first);
     best.point(&first);
     let mut points = [first; POINTS];
-    let corner = |k: usize, piece: &Piece<T>| MinkowskiPoint {
+    let corner = |k: usize, piece: &DifferencePoint<T>| MinkowskiPoint {
         a: VertexId(k as u32),
         b: VertexId(0),
         w: neg(&piece.w),
     };
     let mut simplex = Simplex::vertex(corner(0, &first));
-    for k in 1..if goal == Goal::Approach { APPROACH } else { POINTS } {
+    for k in 1..if goal == SolveGoal::Approach { APPROACH } else { POINTS } {
         let Some(n) = unit(&neg(&simplex.direction())) else {
             return inside(posed, n, best);
         };
@@ -122,22 +122,22 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
         if best.closes(posed) {
             return Frozen::Closed;
         }
-        let near = goal == Goal::Approach && height + height > simplex.witness_distance();
-        if near || !gains || goal == Goal::Close && k >= ATTEMPT && k.is_power_of_two() {
-            let mut set = Set::default();
+        let near = goal == SolveGoal::Approach && height + height > simplex.witness_distance();
+        if near || !gains || goal == SolveGoal::Close && k >= ATTEMPT && k.is_power_of_two() {
+            let mut set = BranchSet::default();
             simplex.points().iter().for_each(|c| set.add(points[c.a.index()].of));
-            if goal == Goal::Approach {
+            if goal == SolveGoal::Approach {
                 best.set = set;
                 return Frozen::Open;
             }
             let n = unit(&neg(&simplex.direction())).unwrap_or(n);
-            if (Run {
+            if (SolverRun {
                 posed,
                 best,
                 deep: false,
             })
             .run(n, &set)
-                == End::Closed
+                == RunEnd::Closed
             {
                 return Frozen::Closed;
             }
@@ -150,7 +150,11 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
 }
 
 /// Ends a solve that the origin ends on a simplex of support points: other points contain it.
-fn inside<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, n: Vec3<T>, best: &Best<T>) -> Frozen<T> {
+fn inside<A: Support, B: Support, T: Scalar>(
+    posed: &PosedCores<A, B, T>,
+    n: Vec3<T>,
+    best: &ProvenBounds<T>,
+) -> Frozen<T> {
     if best.lower < T::from(0.0) {
         Frozen::Inside(Around::six(posed, n))
     } else {

@@ -1,9 +1,9 @@
 //! Solver after solver until the bounds of a pair agree.
 
-use super::bent::{End, Run};
-use super::best::{Best, Set};
-use super::frozen::{self, Around, Frozen, Goal};
-use super::posed::{Posed, askew, unit};
+use super::bent::{RunEnd, SolverRun};
+use super::best::{BranchSet, ProvenBounds};
+use super::frozen::{self, Around, Frozen, SolveGoal};
+use super::posed::{PosedCores, askew, unit};
 use super::warm;
 use crate::num::scalar::{Scalar, Vec3, dot};
 use crate::pair::outcome::Solver;
@@ -24,18 +24,20 @@ pub(super) enum Ended {
 /// overlap, or whose difference contains the origin between four points.
 #[inline(always)]
 pub(super) fn separate<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    start: Option<(Vec3<T>, Set)>,
-    best: &mut Best<T>,
+    posed: &PosedCores<A, B, T>,
+    start: Option<(Vec3<T>, BranchSet)>,
+    best: &mut ProvenBounds<T>,
     solver: &mut Solver,
-    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
+    mut deep: impl FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
 ) -> Ended {
     let (mut start, mut closed) = (start, None);
     loop {
         if let Some((n, set)) = start {
             match warm::track(posed, n, &set, best) {
-                Err(End::Closed) => return Ended::Closed,
-                Err(End::Inside) if closed.is_none() && deep(&Best { set, ..*best }, None) => return Ended::Deep,
+                Err(RunEnd::Closed) => return Ended::Closed,
+                Err(RunEnd::Inside) if closed.is_none() && deep(&ProvenBounds { set, ..*best }, None) => {
+                    return Ended::Deep;
+                }
                 _ => {}
             }
         }
@@ -55,11 +57,11 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
 /// Runs the solvers behind the first one of a warm query.
 #[inline(never)]
 pub(super) fn search<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
+    posed: &PosedCores<A, B, T>,
     is_warm: bool,
-    best: &mut Best<T>,
+    best: &mut ProvenBounds<T>,
     solver: &mut Solver,
-    mut deep: impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
+    mut deep: impl FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
 ) -> Ended {
     if is_warm {
         if let Some(ended) = bend(posed, best.n, best, &mut deep) {
@@ -69,7 +71,7 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
     }
     let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
     let n = unit(&posed.frame.translation).unwrap_or(axis);
-    match frozen::solve(posed, n, Goal::Approach, best) {
+    match frozen::solve(posed, n, SolveGoal::Approach, best) {
         Frozen::Closed => return Ended::Closed,
         Frozen::Inside(corners) if deep(best, Some(corners)) => return Ended::Deep,
         _ => {}
@@ -78,7 +80,7 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
         return ended;
     }
     *solver = Solver::Fallback;
-    match frozen::solve(posed, toward_witness(posed, best), Goal::Close, best) {
+    match frozen::solve(posed, toward_witness(posed, best), SolveGoal::Close, best) {
         Frozen::Closed => Ended::Closed,
         Frozen::Inside(corners) if deep(best, Some(corners)) => Ended::Deep,
         _ => Ended::Open,
@@ -88,27 +90,27 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
 /// Runs the main solver from a direction and the best pieces; returns `None` if the bounds stay
 /// open.
 fn bend<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
+    posed: &PosedCores<A, B, T>,
     n: Vec3<T>,
-    best: &mut Best<T>,
-    deep: &mut impl FnMut(&Best<T>, Option<Around<T>>) -> bool,
+    best: &mut ProvenBounds<T>,
+    deep: &mut impl FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
 ) -> Option<Ended> {
     let (set, is_deep) = (best.set, false);
-    let mut run = Run {
+    let mut run = SolverRun {
         posed,
         best,
         deep: is_deep,
     };
     match run.run(n, &set) {
-        End::Closed => Some(Ended::Closed),
-        End::Inside if deep(best, None) => Some(Ended::Deep),
+        RunEnd::Closed => Some(Ended::Closed),
+        RunEnd::Inside if deep(best, None) => Some(Ended::Deep),
         _ => None,
     }
 }
 
 /// Returns the direction between the nearest points known; if the points coincide, a direction off
 /// the symmetries that put them there.
-fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &Posed<A, B, T>, best: &Best<T>) -> Vec3<T> {
+fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &PosedCores<A, B, T>, best: &ProvenBounds<T>) -> Vec3<T> {
     let w = posed.piece([0; 2], best.on_a, best.on_b).w;
     let least = T::from(AGREE_CURVED * posed.size);
     unit(&w)

@@ -38,9 +38,9 @@ mod warm;
 
 use alloc::sync::Arc;
 
-pub(crate) use pair::Memory;
-use pair::{Setting, closest_of};
-use polyhedral::Hull;
+pub(crate) use pair::WarmStart;
+use pair::{SolverSetting, closest_of};
+use polyhedral::PolyhedralCore;
 
 use crate::pair::outcome::Outcome;
 use crate::polyhedron::ConvexPolyhedron;
@@ -63,7 +63,7 @@ fn rank(core: &Core) -> u32 {
 /// The cores are solved in the order of kinds, so that A-B and B-A are one problem, and matched
 /// once: all further code knows both kinds.
 #[inline]
-pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, memory: &mut Memory) -> Outcome {
+pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, memory: &mut WarmStart) -> Outcome {
     if rank(a) <= rank(b) {
         return ordered(a, b, pose, memory);
     }
@@ -75,13 +75,13 @@ pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, memory: &mut Memo
     outcome
 }
 
-fn hull(body: &Arc<ConvexPolyhedron>) -> Hull<'_> {
-    Hull { body, unit: 1.0 }
+fn hull(body: &Arc<ConvexPolyhedron>) -> PolyhedralCore<'_> {
+    PolyhedralCore { body, unit: 1.0 }
 }
 
 #[inline(always)]
-fn ordered(a: &Core, b: &Core, pose: &RelativePose, memory: &mut Memory) -> Outcome {
-    let setting = Setting::new(a, b, pose);
+fn ordered(a: &Core, b: &Core, pose: &RelativePose, memory: &mut WarmStart) -> Outcome {
+    let setting = SolverSetting::new(a, b, pose);
     if !setting.is_plain() {
         return pair::extreme(a, b, &setting, memory);
     }

@@ -7,7 +7,7 @@
 //! `l . c + |sum of l_i y_i|^2 / 2`, with `y_i = L^-1 g_i` and `M = L L^T`: a least-norm problem in
 //! the plane, in which at most three weights are positive.
 
-use super::posed::Tangent;
+use super::posed::PlaneStep;
 use crate::num::scalar::Scalar;
 
 /// Most pieces of a model.
@@ -15,11 +15,11 @@ pub(super) const MOST: usize = 4;
 
 /// One piece of the model.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Plane<T> {
+pub(super) struct ModelPlane<T> {
     /// Height along the direction.
     pub(super) c: T,
     /// Slope of the height in the tangent plane.
-    pub(super) g: Tangent<T>,
+    pub(super) g: PlaneStep<T>,
     /// Second derivative: entries 00, 01, 11.
     pub(super) bend: [T; 3],
 }
@@ -28,7 +28,7 @@ pub(super) struct Plane<T> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Top<T> {
     pub(super) weights: [T; MOST],
-    pub(super) step: Tangent<T>,
+    pub(super) step: PlaneStep<T>,
 }
 
 /// Factors `M = L D L^T`; returns the entry of `L` below the unit diagonal and the inverse of `D`.
@@ -47,7 +47,7 @@ fn factor<T: Scalar>(m: &[T; 3]) -> Option<(T, [T; 2])> {
 
 /// Returns the weighted sum of the second derivatives and `mu` times the identity.
 #[inline(always)]
-fn matrix<T: Scalar>(planes: &[Plane<T>], prior: &[T], mu: T) -> [T; 3] {
+fn matrix<T: Scalar>(planes: &[ModelPlane<T>], prior: &[T], mu: T) -> [T; 3] {
     let mut m = [mu, T::from(0.0), mu];
     for (plane, &weight) in planes.iter().zip(prior) {
         for (entry, &bend) in m.iter_mut().zip(&plane.bend) {
@@ -60,7 +60,7 @@ fn matrix<T: Scalar>(planes: &[Plane<T>], prior: &[T], mu: T) -> [T; 3] {
 /// Returns the step of Newton's method for one piece. If `M` is not positive, the step is not
 /// finite or leads to a minimum.
 #[inline(always)]
-pub(super) fn newton<T: Scalar>(plane: &Plane<T>, mu: T) -> Tangent<T> {
+pub(super) fn newton<T: Scalar>(plane: &ModelPlane<T>, mu: T) -> PlaneStep<T> {
     let ([b, off, e], g) = (plane.bend, &plane.g);
     let (b, e) = (b + mu, e + mu);
     let inverse = T::from(1.0) / (b * e - off * off);
@@ -68,7 +68,7 @@ pub(super) fn newton<T: Scalar>(plane: &Plane<T>, mu: T) -> Tangent<T> {
 }
 
 /// Returns the maximum, with `M` from the weights `prior`; `None` if `M` is not positive.
-pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> Option<Top<T>> {
+pub(super) fn top<T: Scalar>(planes: &[ModelPlane<T>], prior: &[T; MOST], mu: T) -> Option<Top<T>> {
     let zero = T::from(0.0);
     let m = matrix(planes, prior, mu);
     let (l, inverse) = factor(&m)?;
@@ -85,7 +85,7 @@ pub(super) fn top<T: Scalar>(planes: &[Plane<T>], prior: &[T; MOST], mu: T) -> O
 /// Returns step and weights of the two or three pieces that carry weight, from the kink at which
 /// the pieces are equally high. The sum of the `y` cancels, over a `mu` that vanishes with the
 /// height; the kink does not.
-fn at_kink<T: Scalar>(planes: &[Plane<T>], m: &[T; 3], kept: &[T; MOST]) -> Option<Top<T>> {
+fn at_kink<T: Scalar>(planes: &[ModelPlane<T>], m: &[T; 3], kept: &[T; MOST]) -> Option<Top<T>> {
     let zero = T::from(0.0);
     let mut positive = (0..planes.len()).filter(|&k| kept[k] > zero);
     let (i, j, k) = (positive.next()?, positive.next()?, positive.next());
@@ -106,23 +106,23 @@ fn at_kink<T: Scalar>(planes: &[Plane<T>], m: &[T; 3], kept: &[T; MOST]) -> Opti
 }
 
 #[inline(always)]
-fn plane_dot<T: Scalar>(a: &Tangent<T>, b: &Tangent<T>) -> T {
+fn plane_dot<T: Scalar>(a: &PlaneStep<T>, b: &PlaneStep<T>) -> T {
     a[0] * b[0] + a[1] * b[1]
 }
 
 #[inline(always)]
-fn plane_sub<T: Scalar>(a: &Tangent<T>, b: &Tangent<T>) -> Tangent<T> {
+fn plane_sub<T: Scalar>(a: &PlaneStep<T>, b: &PlaneStep<T>) -> PlaneStep<T> {
     [a[0] - b[0], a[1] - b[1]]
 }
 
 #[inline(always)]
-fn bent<T: Scalar>(m: &[T; 3], d: &Tangent<T>) -> Tangent<T> {
+fn bent<T: Scalar>(m: &[T; 3], d: &PlaneStep<T>) -> PlaneStep<T> {
     [m[0] * d[0] + m[1] * d[1], m[1] * d[0] + m[2] * d[1]]
 }
 
 /// Returns the highest point of the kink of two pieces, and weights of sum one.
 #[inline(always)]
-fn between_two<T: Scalar>([p, q]: [&Plane<T>; 2], m: &[T; 3]) -> (Tangent<T>, [T; 3]) {
+fn between_two<T: Scalar>([p, q]: [&ModelPlane<T>; 2], m: &[T; 3]) -> (PlaneStep<T>, [T; 3]) {
     let (g, h) = (&p.g, &q.g);
     let e = plane_sub(g, h);
     let (inverse, along) = (T::from(1.0) / plane_dot(&e, &e), [-e[1], e[0]]);
@@ -136,7 +136,7 @@ fn between_two<T: Scalar>([p, q]: [&Plane<T>; 2], m: &[T; 3]) -> (Tangent<T>, [T
 
 /// Returns the point at which three pieces are equally high, and weights of sum one.
 #[inline(always)]
-fn between_three<T: Scalar>([p, q, r]: [&Plane<T>; 3], m: &[T; 3]) -> (Tangent<T>, [T; 3]) {
+fn between_three<T: Scalar>([p, q, r]: [&ModelPlane<T>; 3], m: &[T; 3]) -> (PlaneStep<T>, [T; 3]) {
     let (u, v) = (plane_sub(&p.g, &r.g), plane_sub(&q.g, &r.g));
     let inverse = T::from(1.0) / (u[0] * v[1] - u[1] * v[0]);
     let (s, t) = (r.c - p.c, r.c - q.c);
@@ -148,11 +148,11 @@ fn between_three<T: Scalar>([p, q, r]: [&Plane<T>; 3], m: &[T; 3]) -> (Tangent<T
 }
 
 /// Returns the weights of least `l . c + y . D^-1 y / 2`, with `y` the weighted sum, and `y`.
-fn least_norm<T: Scalar>(planes: &[Plane<T>], y: &[Tangent<T>; MOST], d: &[T; 2]) -> ([T; MOST], Tangent<T>) {
+fn least_norm<T: Scalar>(planes: &[ModelPlane<T>], y: &[PlaneStep<T>; MOST], d: &[T; 2]) -> ([T; MOST], PlaneStep<T>) {
     let (zero, one) = (T::from(0.0), T::from(1.0));
     let base = planes[0].c;
     let c = |i: usize| planes[i].c - base;
-    let dot = |a: &Tangent<T>, b: &Tangent<T>| a[0] * b[0] * d[0] + a[1] * b[1] * d[1];
+    let dot = |a: &PlaneStep<T>, b: &PlaneStep<T>| a[0] * b[0] * d[0] + a[1] * b[1] * d[1];
     let sub = plane_sub;
     let mut best = (T::from(f64::INFINITY), [zero; MOST], [zero; 2]);
     let mut take = |parts: &[(usize, T)]| {

@@ -17,10 +17,10 @@
 //! Points of balls or of facets that prove the depth are no witnesses: equally deep ones may lie
 //! on different sides of a core.
 
-use super::best::Best;
+use super::best::ProvenBounds;
 use super::depth;
 use super::layers::search;
-use super::posed::{Posed, add};
+use super::posed::{PosedCores, add};
 use crate::num::scalar::scaled;
 use crate::pair::outcome::Solver;
 use crate::pair::transform::Transform;
@@ -41,7 +41,10 @@ const TRIES: u32 = 16;
 /// cores are further apart than the gap, the direction between them is less deep: the local minimum
 /// of the depth from there is the next direction.
 #[inline(never)]
-pub(super) fn witnesses<A: Support, B: Support>(posed: &Posed<A, B, f64>, deep: &mut Best<f64>) -> Best<f64> {
+pub(super) fn witnesses<A: Support, B: Support>(
+    posed: &PosedCores<A, B, f64>,
+    deep: &mut ProvenBounds<f64>,
+) -> ProvenBounds<f64> {
     let gap = GAP * posed.size;
     let mut found = moved_apart(posed, deep, gap);
     for _ in 1..TRIES {
@@ -59,16 +62,20 @@ pub(super) fn witnesses<A: Support, B: Support>(posed: &Posed<A, B, f64>, deep: 
 }
 
 /// Returns the closest points of the cores, with B moved out along the best direction to a gap.
-fn moved_apart<A: Support, B: Support>(posed: &Posed<A, B, f64>, deep: &mut Best<f64>, gap: f64) -> Best<f64> {
+fn moved_apart<A: Support, B: Support>(
+    posed: &PosedCores<A, B, f64>,
+    deep: &mut ProvenBounds<f64>,
+    gap: f64,
+) -> ProvenBounds<f64> {
     let out = scaled(&deep.n, gap - deep.lower);
-    let moved = Posed {
+    let moved = PosedCores {
         frame: Transform {
             translation: add(&posed.frame.translation, &out),
             ..posed.frame
         },
         ..*posed
     };
-    let mut found = Best::new();
+    let mut found = ProvenBounds::new();
     (found.n, found.set) = (deep.n, deep.set);
     search(&moved, true, &mut found, &mut Solver::default(), |_, _| false);
     deep.evaluations += found.evaluations;

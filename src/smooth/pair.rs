@@ -2,14 +2,14 @@
 
 use nalgebra::{Unit, Vector3};
 
-use super::any::{Any, Kind};
-use super::best::{Best, Set};
+use super::any::{Any, CoreKind};
+use super::best::{BranchSet, ProvenBounds};
 use super::depth;
 use super::frozen::Around;
 use super::layers::{Ended, separate};
 use super::opposite;
-use super::polyhedral::Hull;
-use super::posed::{Piece, Posed, add, unit, values};
+use super::polyhedral::PolyhedralCore;
+use super::posed::{DifferencePoint, PosedCores, add, unit, values};
 use crate::num::double_double::DoubleDouble;
 use crate::num::scalar::{Scalar, Vec3, sqrt, sub};
 use crate::pair::answer::round_outward;
@@ -29,18 +29,18 @@ const STEADY: f64 = 0.25;
 /// State of a pair between queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(crate) struct Memory {
-    start: Option<(Vec3<f64>, Set)>,
+pub(crate) struct WarmStart {
+    start: Option<(Vec3<f64>, BranchSet)>,
     /// Turn of the direction from the answer before to the last answer, and the turn before.
     turn: Vec3<f64>,
     #[cfg_attr(feature = "serde", serde(default))]
     before: Vec3<f64>,
 }
 
-impl Memory {
+impl WarmStart {
     /// Returns a direction to begin with, of a length close to one, and branches. A deserialized
     /// state may contain no direction.
-    fn start(&self) -> Option<(Vec3<f64>, Set)> {
+    fn start(&self) -> Option<(Vec3<f64>, BranchSet)> {
         let (n, set) = self.start?;
         let is_small = n.iter().all(|x| x.abs() <= 2.0);
         is_small.then(|| (self.ahead(n), set))
@@ -64,7 +64,7 @@ impl Memory {
     }
 
     /// Remembers an answer.
-    fn keep(&mut self, n: Vec3<f64>, set: Set) {
+    fn keep(&mut self, n: Vec3<f64>, set: BranchSet) {
         self.before = self.turn;
         self.turn = self.start.map_or([0.0; 3], |(before, _)| sub(&n, &before));
         self.start = Some((n, set));
@@ -73,7 +73,7 @@ impl Memory {
 
 /// Frame and unit in which a pair is solved.
 #[derive(Clone, Copy)]
-pub(super) struct Setting<'p> {
+pub(super) struct SolverSetting<'p> {
     pose: &'p RelativePose,
     cores: [&'p Core; 2],
     /// Translation of the pose, if both cores are stored as given and of an ordinary size.
@@ -84,7 +84,7 @@ pub(super) struct Setting<'p> {
     offsets: f64,
 }
 
-impl<'p> Setting<'p> {
+impl<'p> SolverSetting<'p> {
     #[inline(always)]
     pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose) -> Self {
         let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
@@ -151,20 +151,25 @@ impl<'p> Setting<'p> {
 
 /// Returns the outcome of a pair of known kinds, in the unit of the solvers.
 #[inline(never)]
-pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memory: &mut Memory) -> Outcome {
+pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
+    a: &A,
+    b: &B,
+    setting: &SolverSetting,
+    memory: &mut WarmStart,
+) -> Outcome {
     let mut outcome = Outcome::starting_at(FeaturePair::FIRST);
     let Some(frame) = setting.frame() else { return outcome };
     let t = Vector3::from(frame.translation);
     let size = a.reach() + b.reach() + sqrt(t.norm_squared()) + UNIT_DOUBLE_DOUBLE / UNIT * setting.offsets;
     let noise = a.noise() + b.noise();
-    let posed = Posed {
+    let posed = PosedCores {
         a,
         b,
         frame,
         size,
         noise,
     };
-    let mut best = Best::new();
+    let mut best = ProvenBounds::new();
     let (mut solver, mut set) = (Solver::Walk, None);
     let ended = separate(&posed, memory.start(), &mut best, &mut solver, |known, corners| {
         let proven = deepen(&posed, known, corners, &mut outcome);
@@ -187,20 +192,20 @@ pub(super) fn closest_of<A: Kind, B: Kind>(a: &A, b: &B, setting: &Setting, memo
 /// Searches the depth of cores that seem to overlap; returns the branches of the deepest points if
 /// the cores overlap or touch.
 #[inline(never)]
-fn deepen<A: Kind, B: Kind>(
-    posed: &Posed<A, B, f64>,
-    known: &Best<f64>,
+fn deepen<A: CoreKind, B: CoreKind>(
+    posed: &PosedCores<A, B, f64>,
+    known: &ProvenBounds<f64>,
     corners: Option<Around<f64>>,
     outcome: &mut Outcome,
-) -> Option<Set> {
+) -> Option<BranchSet> {
     let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
     outcome.work.depths += 1;
     let mut deep = depth::deepen(posed, known, corners);
     let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
     let found = is_done.then(|| opposite::witnesses(posed, &mut deep.best));
     outcome.work.steps += deep.best.evaluations - known.evaluations;
-    let Best { on_a, on_b, set, .. } = found?;
-    let answer = Best {
+    let ProvenBounds { on_a, on_b, set, .. } = found?;
+    let answer = ProvenBounds {
         on_a,
         on_b,
         set,
@@ -223,33 +228,39 @@ fn deepen<A: Kind, B: Kind>(
 /// Runs the solvers in double-double.
 #[cold]
 #[inline(never)]
-fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &Best<f64>, outcome: &mut Outcome) {
+fn finer<A: CoreKind, B: CoreKind>(
+    posed: &PosedCores<A, B, f64>,
+    setting: &SolverSetting,
+    best: &ProvenBounds<f64>,
+    outcome: &mut Outcome,
+) {
     outcome.work.double_doubles += 1;
     outcome.solver = Solver::DoubleDouble;
     // No two points of the cores are farther apart than L, nor is a depth greater.
     (outcome.lower, outcome.upper) = (-2.0 * posed.size, 2.0 * posed.size);
     let mut known = *best;
     if !take(posed, best, (CERTIFICATE + posed.noise) * UNIT * posed.size, outcome) {
-        known = Best::new();
+        known = ProvenBounds::new();
     }
     let (a, b) = (posed.a.any(), posed.b.any());
     let Some(frame) = setting.fine_frame() else { return };
     let (a, b, size, noise) = (&a, &b, posed.size, posed.noise);
-    let fine = Posed {
+    let fine = PosedCores {
         a,
         b,
         frame,
         size,
         noise,
     };
-    let mut found = Best::<DoubleDouble>::new();
+    let mut found = ProvenBounds::<DoubleDouble>::new();
     let mut solver = Solver::DoubleDouble;
     let start = best.n.map(DoubleDouble::from);
     let start = unit(&start).map(|n| (n, best.set));
     let ended = separate(&fine, start, &mut found, &mut solver, |finest, corners| {
         let (mut known, toward) = (known, posed.toward(finest.n.map(Scalar::value)));
         known.prove(&toward, &posed.support(&toward, [0; 2]));
-        let rounded = |p: Piece<DoubleDouble>| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value));
+        let rounded =
+            |p: DifferencePoint<DoubleDouble>| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value));
         corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), outcome).is_some())
     });
     outcome.work.steps += found.evaluations;
@@ -266,8 +277,8 @@ fn finer<A: Kind, B: Kind>(posed: &Posed<A, B, f64>, setting: &Setting, best: &B
 /// if the solver has failed: a point that is no number, or bounds that contradict each other.
 #[inline(always)]
 fn take<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
-    best: &Best<T>,
+    posed: &PosedCores<A, B, T>,
+    best: &ProvenBounds<T>,
     term: f64,
     outcome: &mut Outcome,
 ) -> bool {
@@ -308,7 +319,7 @@ fn take<A: Support, B: Support, T: Scalar>(
 /// Returns the outcome of a pair of extreme sizes or places, solved in a unit of the pair; a core
 /// too small to matter counts as a point.
 #[cold]
-pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory) -> Outcome {
+pub(super) fn extreme(a: &Core, b: &Core, setting: &SolverSetting, memory: &mut WarmStart) -> Outcome {
     let [ra, rb] = setting.radii();
     let [oa, ob] = setting.origins();
     let t = setting.pose.translation_sixteenth() + setting.pose.rotation() * ob / 16.0 - oa / 16.0;
@@ -324,7 +335,7 @@ pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory
     }
     let exponent = exponent_of(ra.max(rb).max(apart));
     let unit = power_of_two(-exponent);
-    let setting = Setting {
+    let setting = SolverSetting {
         plain: None,
         exponent,
         offsets: offsets * unit,
@@ -357,7 +368,7 @@ pub(super) fn extreme(a: &Core, b: &Core, setting: &Setting, memory: &mut Memory
 fn scaled(core: &Core, exponent: i32) -> Any<'_> {
     let by = power_of_two(-exponent);
     match core {
-        Core::Polyhedron(body) => Any::Hull(Hull {
+        Core::Polyhedron(body) => Any::Hull(PolyhedralCore {
             body,
             unit: power_of_two(body.exponent - exponent),
         }),
@@ -370,7 +381,7 @@ fn scaled(core: &Core, exponent: i32) -> Any<'_> {
 
 /// Returns the outcome of cores so far apart that the sizes are below the rounding of the distance;
 /// `t` and `apart` are in sixteenths.
-fn far(setting: &Setting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
+fn far(setting: &SolverSetting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
     let mut outcome = Outcome::starting_at(FeaturePair::FIRST);
     let radii: f64 = setting.radii().iter().sum();
     let distance = 16.0 * apart;

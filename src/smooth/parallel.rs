@@ -9,15 +9,15 @@
 //! B about an axis with a tilt is off the body about the parallel axis by at most the chord of the
 //! tilt times its reach: once for the depth, and once for each height.
 
-use super::best::{Best, Set};
-use super::posed::Posed;
+use super::best::{BranchSet, ProvenBounds};
+use super::posed::PosedCores;
 use crate::num::scalar::root;
 use crate::shape::Support;
 use crate::tolerance::{CERTIFICATE, DEPTH_GOAL, PARALLEL_AXES, UNIT};
 
 /// Takes the depth of cores that are cylinders or cones about parallel axes, or about axes with a
 /// tilt that is below the goal of a depth.
-pub(super) fn prove<A: Support, B: Support>(posed: &Posed<A, B, f64>, best: &mut Best<f64>) {
+pub(super) fn prove<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, best: &mut ProvenBounds<f64>) {
     let (Some(of_a), Some(of_b)) = (posed.a.meridian(), posed.b.meridian()) else {
         return;
     };
@@ -37,13 +37,13 @@ pub(super) fn prove<A: Support, B: Support>(posed: &Posed<A, B, f64>, best: &mut
     };
     let side = if z < 0.0 { 1.0 } else { -1.0 };
     let of_b = of_b.map(|[out, up]| [out, side * up]);
-    let (mut top, mut set) = (f64::NEG_INFINITY, Set::default());
+    let (mut top, mut set) = (f64::NEG_INFINITY, BranchSet::default());
     for [out, up] in of_a.into_iter().chain(of_b) {
         let toward = posed.toward([out * aside[0], out * aside[1], up]);
         let piece = posed.support(&toward, [0; 2]);
         let height = best.prove(&toward, &piece);
         if height > top {
-            (top, set) = (height, Set::default());
+            (top, set) = (height, BranchSet::default());
             set.add(piece.of);
         }
     }

@@ -9,13 +9,13 @@ use crate::shape::{Disc, Support};
 
 /// A polyhedron in stored coordinates, times a power of two.
 #[derive(Clone, Copy)]
-pub(super) struct Hull<'a> {
+pub(super) struct PolyhedralCore<'a> {
     pub(super) body: &'a ConvexPolyhedron,
     pub(super) unit: f64,
 }
 
 /// Branches are the vertices.
-impl Support for Hull<'_> {
+impl Support for PolyhedralCore<'_> {
     fn reach(&self) -> f64 {
         self.body.radius * self.unit
     }

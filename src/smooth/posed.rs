@@ -6,7 +6,7 @@ use crate::pair::transform::Transform;
 use crate::shape::Support;
 
 /// Two cores at a relative pose.
-pub(super) struct Posed<'a, A, B, T> {
+pub(super) struct PosedCores<'a, A, B, T> {
     pub(super) a: &'a A,
     pub(super) b: &'a B,
     pub(super) frame: Transform<T>,
@@ -18,7 +18,7 @@ pub(super) struct Posed<'a, A, B, T> {
 
 /// A point of each core.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Piece<T> {
+pub(super) struct DifferencePoint<T> {
     /// The branches of A and of B.
     pub(super) of: [u32; 2],
     /// In the frame of A.
@@ -39,9 +39,9 @@ pub(super) struct Toward<T> {
 }
 
 /// Weights of up to four pieces, and a step within the tangent plane.
-pub(super) type Tangent<T> = [T; 2];
+pub(super) type PlaneStep<T> = [T; 2];
 
-impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
+impl<T: Scalar, A: Support, B: Support> PosedCores<'_, A, B, T> {
     /// Returns a unit direction in both frames, with two tangents.
     #[inline(always)]
     pub(super) fn toward(&self, n: Vec3<T>) -> Toward<T> {
@@ -51,9 +51,9 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
     }
 
     #[inline(always)]
-    pub(super) fn piece(&self, of: [u32; 2], on_a: Vec3<T>, on_b: Vec3<T>) -> Piece<T> {
+    pub(super) fn piece(&self, of: [u32; 2], on_a: Vec3<T>, on_b: Vec3<T>) -> DifferencePoint<T> {
         let w = sub(&self.at(&on_b), &on_a);
-        Piece { of, on_a, on_b, w }
+        DifferencePoint { of, on_a, on_b, w }
     }
 
     /// Returns a point of B in the frame of A.
@@ -65,7 +65,7 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
 
     /// Returns the support points of both cores: `n . w` is the least over the difference.
     #[inline(always)]
-    pub(super) fn support(&self, toward: &Toward<T>, hint: [u32; 2]) -> Piece<T> {
+    pub(super) fn support(&self, toward: &Toward<T>, hint: [u32; 2]) -> DifferencePoint<T> {
         let (a, on_a) = self.a.support(&toward.n, hint[0]);
         let (b, on_b) = self.b.support(&toward.m, hint[1]);
         self.piece([a, b], on_a, on_b)
@@ -74,7 +74,12 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
     /// Returns the points of two branches; points of branches that a `known` piece shares are
     /// copied from there.
     #[inline(always)]
-    pub(super) fn of_branches(&self, of: [u32; 2], toward: &Toward<T>, known: &[Piece<T>]) -> Piece<T> {
+    pub(super) fn of_branches(
+        &self,
+        of: [u32; 2],
+        toward: &Toward<T>,
+        known: &[DifferencePoint<T>],
+    ) -> DifferencePoint<T> {
         let on_a = match known.iter().find(|p| p.of[0] == of[0]) {
             Some(p) => p.on_a,
             None => self.a.of_branch(of[0], &toward.n),
@@ -89,20 +94,20 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
     /// Returns the second derivative of the height of a piece in the tangent plane: entries 00, 01,
     /// 11.
     #[inline(always)]
-    pub(super) fn bend(&self, piece: &Piece<T>, toward: &Toward<T>) -> [T; 3] {
+    pub(super) fn bend(&self, piece: &DifferencePoint<T>, toward: &Toward<T>) -> [T; 3] {
         let (a, b) = (self.bend_of_a(piece, toward), self.bend_of_b(piece, toward));
         [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
     }
 
     #[inline(always)]
-    fn bend_of_a(&self, piece: &Piece<T>, toward: &Toward<T>) -> [T; 3] {
+    fn bend_of_a(&self, piece: &DifferencePoint<T>, toward: &Toward<T>) -> [T; 3] {
         let [d, e] = &toward.tangents;
         let bent = |d: &Vec3<T>| self.a.bent(piece.of[0], &piece.on_a, &toward.n, d);
         form(d, e, &bent(d), &bent(e))
     }
 
     #[inline(always)]
-    fn bend_of_b(&self, piece: &Piece<T>, toward: &Toward<T>) -> [T; 3] {
+    fn bend_of_b(&self, piece: &DifferencePoint<T>, toward: &Toward<T>) -> [T; 3] {
         let [d, e] = [
             self.frame.direction(&toward.tangents[0]),
             self.frame.direction(&toward.tangents[1]),
@@ -113,7 +118,12 @@ impl<T: Scalar, A: Support, B: Support> Posed<'_, A, B, T> {
 
     /// Returns the points of a piece after the direction has turned by a step in the tangent plane:
     /// each moves along the surface of the core.
-    pub(super) fn slid(&self, piece: &Piece<T>, toward: &Toward<T>, step: &Tangent<T>) -> Piece<T> {
+    pub(super) fn slid(
+        &self,
+        piece: &DifferencePoint<T>,
+        toward: &Toward<T>,
+        step: &PlaneStep<T>,
+    ) -> DifferencePoint<T> {
         let d = tangent(toward, step);
         let by = self.a.bent(piece.of[0], &piece.on_a, &toward.n, &d);
         let on_a = self.a.onto(piece.of[0], &add(&piece.on_a, &by));
@@ -164,7 +174,7 @@ pub(super) fn add<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
 
 /// Returns a step of the tangent plane as a vector.
 #[inline(always)]
-pub(super) fn tangent<T: Scalar>(toward: &Toward<T>, step: &Tangent<T>) -> Vec3<T> {
+pub(super) fn tangent<T: Scalar>(toward: &Toward<T>, step: &PlaneStep<T>) -> Vec3<T> {
     let [d, e] = &toward.tangents;
     add(&scaled(d, step[0]), &scaled(e, step[1]))
 }

@@ -13,8 +13,8 @@
 
 use alloc::vec::Vec;
 
-use super::best::Best;
-use super::posed::{Piece, Posed, unit};
+use super::best::ProvenBounds;
+use super::posed::{DifferencePoint, PosedCores, unit};
 use crate::num::scalar::{Vec3, cross, dot, neg, root, sub};
 use crate::shape::Support;
 use crate::tolerance::{DEPTH_GOAL, ORIENTATION};
@@ -23,7 +23,7 @@ use crate::tolerance::{DEPTH_GOAL, ORIENTATION};
 const POINTS: usize = 256;
 
 /// A triangle of the surface.
-struct Facet {
+struct SurfaceFacet {
     corners: [u16; 3],
     /// Unit up to rounding, away from the origin.
     normal: Vec3<f64>,
@@ -34,10 +34,10 @@ struct Facet {
 }
 
 /// The surface.
-struct Surface<'s, 'p, A, B> {
-    posed: &'s Posed<'p, A, B, f64>,
-    points: Vec<Piece<f64>>,
-    facets: Vec<Facet>,
+struct DifferenceSurface<'s, 'p, A, B> {
+    posed: &'s PosedCores<'p, A, B, f64>,
+    points: Vec<DifferencePoint<f64>>,
+    facets: Vec<SurfaceFacet>,
     /// The point that the surface is around: the origin, but for a surface still to reach it.
     about: Vec3<f64>,
 }
@@ -52,21 +52,21 @@ pub(super) struct Depth {
     pub(super) of: [[u32; 2]; 3],
 }
 
-impl<A: Support, B: Support> Surface<'_, '_, A, B> {
+impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
     /// Returns a point of `A - B`, from the point that the surface is around.
     fn place(&self, k: u16) -> Vec3<f64> {
         sub(&neg(&self.points[usize::from(k)].w), &self.about)
     }
 
     /// Returns the triangle if certainly counter-clockwise.
-    fn facet(&self, corners: [u16; 3]) -> Option<Facet> {
+    fn facet(&self, corners: [u16; 3]) -> Option<SurfaceFacet> {
         let [p, q, r] = corners.map(|k| self.place(k));
         let (u, v) = (sub(&q, &p), sub(&r, &p));
         let n = cross(&u, &v);
         let length = root(dot(&n, &n));
         let doubt = ORIENTATION * root(dot(&u, &u)) * root(dot(&v, &v)) * self.posed.size;
         let height = dot(&n, &p).min(dot(&n, &q)).min(dot(&n, &r)) - doubt;
-        (height > 0.0).then(|| Facet {
+        (height > 0.0).then(|| SurfaceFacet {
             corners,
             normal: n.map(|x| x / length),
             distance: height / length,
@@ -82,11 +82,11 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
     }
 
     /// Takes a point over one facet; returns whether all new triangles are certain.
-    fn grow(&mut self, piece: Piece<f64>) -> bool {
+    fn grow(&mut self, piece: DifferencePoint<f64>) -> bool {
         let top = self.points.len() as u16;
         self.points.push(piece);
         let place = self.place(top);
-        let sees = |f: &Facet, s: &Self| dot(&f.normal, &place) > dot(&f.normal, &s.place(f.corners[0]));
+        let sees = |f: &SurfaceFacet, s: &Self| dot(&f.normal, &place) > dot(&f.normal, &s.place(f.corners[0]));
         let visible: Vec<bool> = self.facets.iter().map(|f| sees(f, self)).collect();
         let mut rim: Vec<[u16; 2]> = Vec::new();
         for (f, _) in self.facets.iter().zip(&visible).filter(|(_, seen)| **seen) {
@@ -100,7 +100,7 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
                 }
             }
         }
-        let fan: Option<Vec<Facet>> = rim.iter().map(|&[from, to]| self.facet([from, to, top])).collect();
+        let fan: Option<Vec<SurfaceFacet>> = rim.iter().map(|&[from, to]| self.facet([from, to, top])).collect();
         match fan {
             Some(fan) if !fan.is_empty() => {
                 let mut seen = visible.into_iter();
@@ -133,7 +133,7 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
         let order: &[[u16; 3]] = if is_four { &tetrahedron } else { &octahedron };
         [false, true].into_iter().any(|turned| {
             let turn = |[p, q, r]: [u16; 3]| if turned { [p, r, q] } else { [p, q, r] };
-            let facets: Option<Vec<Facet>> = order.iter().map(|&f| self.facet(turn(f))).collect();
+            let facets: Option<Vec<SurfaceFacet>> = order.iter().map(|&f| self.facet(turn(f))).collect();
             self.facets = facets.unwrap_or_default();
             !self.facets.is_empty()
         })
@@ -143,10 +143,10 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
     /// the support over or under their plane.
     fn begin_inside(&mut self) -> bool {
         let all = core::mem::take(&mut self.points);
-        let from_first = |p: &Piece<f64>| sub(&all[0].w, &p.w);
+        let from_first = |p: &DifferencePoint<f64>| sub(&all[0].w, &p.w);
         let squared = |v: &Vec3<f64>| dot(v, v);
         let farthest = |of: fn(&Vec3<f64>, &Vec3<f64>) -> Vec3<f64>, u: &Vec3<f64>| {
-            let far = |p: &&Piece<f64>| squared(&of(u, &from_first(p)));
+            let far = |p: &&DifferencePoint<f64>| squared(&of(u, &from_first(p)));
             all.iter().max_by(|p, q| far(p).total_cmp(&far(q))).copied()
         };
         let second = farthest(|_, v| *v, &[0.0; 3]).unwrap_or(all[0]);
@@ -156,10 +156,10 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
             return false;
         };
         let [up, down] = [n, neg(&n)].map(|n| self.posed.support(&self.posed.toward(n), all[0].of));
-        let height = |p: &Piece<f64>| dot(&n, &from_first(p)).abs();
+        let height = |p: &DifferencePoint<f64>| dot(&n, &from_first(p)).abs();
         let fourth = if height(&up) > height(&down) { up } else { down };
         self.points = [all[0], second, third, fourth].to_vec();
-        let sum = |sum: Vec3<f64>, p: &Piece<f64>| sub(&sum, &p.w);
+        let sum = |sum: Vec3<f64>, p: &DifferencePoint<f64>| sub(&sum, &p.w);
         self.about = self.points.iter().fold([0.0; 3], sum).map(|x| x / 4.0);
         self.begin()
     }
@@ -170,13 +170,13 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
         let about = self.about;
         while self.points.len() < POINTS {
             self.about = [0.0; 3];
-            let facets: Option<Vec<Facet>> = self.facets.iter().map(|f| self.facet(f.corners)).collect();
+            let facets: Option<Vec<SurfaceFacet>> = self.facets.iter().map(|f| self.facet(f.corners)).collect();
             if let Some(facets) = facets {
                 self.facets = facets;
                 return true;
             }
             self.about = about;
-            let height = |f: &&Facet| f.distance + dot(&f.normal, &about);
+            let height = |f: &&SurfaceFacet| f.distance + dot(&f.normal, &about);
             let lowest = self.facets.iter().min_by(|f, g| height(f).total_cmp(&height(g)));
             let Some((n, corners)) = lowest.and_then(|f| Some((unit(&f.normal)?, f.corners))) else {
                 return false;
@@ -204,11 +204,11 @@ impl<A: Support, B: Support> Surface<'_, '_, A, B> {
 /// Grows a surface from four points around the origin until the bounds agree, or the points are
 /// used up.
 pub(super) fn deepen<A: Support, B: Support>(
-    posed: &Posed<A, B, f64>,
-    corners: &[Piece<f64>],
-    best: &mut Best<f64>,
+    posed: &PosedCores<A, B, f64>,
+    corners: &[DifferencePoint<f64>],
+    best: &mut ProvenBounds<f64>,
 ) -> Option<Depth> {
-    let mut surface = Surface {
+    let mut surface = DifferenceSurface {
         posed,
         points: corners.to_vec(),
         facets: Vec::new(),

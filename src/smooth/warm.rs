@@ -20,11 +20,11 @@
 
 use core::convert::Infallible;
 
-use super::bent::{End, far_behind};
-use super::best::{Best, Part, Set};
+use super::bent::{RunEnd, far_behind};
+use super::best::{BranchSet, EqualBranches, ProvenBounds};
 use super::flush::{self, Flush};
-use super::model::{Plane, newton};
-use super::posed::{Piece, Posed, Toward, add, tangent, tangents, unit};
+use super::model::{ModelPlane, newton};
+use super::posed::{DifferencePoint, PosedCores, Toward, add, tangent, tangents, unit};
 use crate::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::shape::Support;
 use crate::tolerance::ASIDE;
@@ -48,10 +48,10 @@ const PARALLEL: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Pair and bounds of a warm query.
 struct Warm<'r, 'p, A, B, T> {
-    posed: &'r Posed<'p, A, B, T>,
-    best: &'r mut Best<T>,
+    posed: &'r PosedCores<'p, A, B, T>,
+    best: &'r mut ProvenBounds<T>,
     /// The branches of A and of B that hold the closest points.
-    parts: [Part; 2],
+    parts: [EqualBranches; 2],
     flush: Flush,
     /// Bounds agree if apart by at most this.
     agree: T,
@@ -72,14 +72,14 @@ struct At<T> {
 /// attempt ended.
 #[inline(always)]
 pub(super) fn track<A: Support, B: Support, T: Scalar>(
-    posed: &Posed<A, B, T>,
+    posed: &PosedCores<A, B, T>,
     mut n: Vec3<T>,
-    set: &Set,
-    best: &mut Best<T>,
-) -> Result<Infallible, End> {
+    set: &BranchSet,
+    best: &mut ProvenBounds<T>,
+) -> Result<Infallible, RunEnd> {
     let mut warm = Warm {
         posed,
-        agree: Best::agreement(posed),
+        agree: ProvenBounds::agreement(posed),
         best,
         parts: set.parts(),
         flush: Flush::new(),
@@ -105,14 +105,14 @@ pub(super) fn track<A: Support, B: Support, T: Scalar>(
 impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     /// Hands direction and parts over to the next solver.
     #[cold]
-    fn open(&mut self, n: &Vec3<T>) -> End {
+    fn open(&mut self, n: &Vec3<T>) -> RunEnd {
         if !(self.best.lower.value() > f64::NEG_INFINITY)
             && let Some(n) = unit(n)
         {
             self.best.n = n;
         }
-        self.best.set = Set::of_parts(&self.parts);
-        End::Open
+        self.best.set = BranchSet::of_parts(&self.parts);
+        RunEnd::Open
     }
 
     /// Returns a unit direction in both frames, the height not yet known.
@@ -136,10 +136,10 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     ///
     /// # Errors
     ///
-    /// [`End::Closed`] if the distance agrees with the height of the supports, [`End::Inside`] if
-    /// the points lie behind each other.
+    /// [`RunEnd::Closed`] if the distance agrees with the height of the supports,
+    /// [`RunEnd::Inside`] if the points lie behind each other.
     #[inline(always)]
-    fn between(&mut self, at: &At<T>, points: [&Vec3<T>; 2], w: &Vec3<T>, can_turn: bool) -> Result<Option<T>, End> {
+    fn between(&mut self, at: &At<T>, points: [&Vec3<T>; 2], w: &Vec3<T>, can_turn: bool) -> Result<Option<T>, RunEnd> {
         let length = root(dot(w, w));
         if length - at.height <= self.agree {
             let aside = sub(w, &scaled(&at.n, at.height));
@@ -151,14 +151,14 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
             return self.certify(at, points, length);
         }
         if far_behind(&dot(&at.n, w), &length) {
-            return Err(End::Inside);
+            return Err(RunEnd::Inside);
         }
         Ok(Some(length))
     }
 
     /// Compares the distance with the height of the supports.
     #[inline(always)]
-    fn certify(&mut self, at: &At<T>, points: [&Vec3<T>; 2], length: T) -> Result<Option<T>, End> {
+    fn certify(&mut self, at: &At<T>, points: [&Vec3<T>; 2], length: T) -> Result<Option<T>, RunEnd> {
         let of = [self.parts[0].first(), self.parts[1].first()];
         // The point of a smooth core is the support.
         let (a, on_a) = if A::IS_SMOOTH {
@@ -179,8 +179,8 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         if length - height <= self.agree {
             (self.best.lower, self.best.n, self.best.upper) = (height, at.n, length);
             (self.best.on_a, self.best.on_b) = (*points[0], *points[1]);
-            self.best.set = Set::of_parts(&self.parts);
-            return Err(End::Closed);
+            self.best.set = BranchSet::of_parts(&self.parts);
+            return Err(RunEnd::Closed);
         }
         self.join(at, height, [a, b])
     }
@@ -188,7 +188,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     /// Adds the branches of the supports to the parts.
     #[cold]
     #[inline(never)]
-    fn join(&mut self, at: &At<T>, height: T, of: [u32; 2]) -> Result<Option<T>, End> {
+    fn join(&mut self, at: &At<T>, height: T, of: [u32; 2]) -> Result<Option<T>, RunEnd> {
         if height > self.best.lower {
             (self.best.lower, self.best.n) = (height, at.n);
         }
@@ -199,7 +199,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     /// Takes a step of Newton's method on the normal, along a direction of a length close to one.
     /// The length is divided out at the end, so that no point waits for a square root.
     #[inline(always)]
-    fn of_points(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, End> {
+    fn of_points(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, RunEnd> {
         let squared = dot(along, along);
         // NaN is no length.
         if !(squared.value() > LEAST && squared.value() < 1.0 / LEAST) {
@@ -227,12 +227,12 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     /// Returns the next direction of a piece by Newton's method on the normal, not of unit length.
     /// After a step close to rounding, the points move along their surfaces as well.
     #[inline(always)]
-    fn turn(&mut self, at: &At<T>, piece: &Piece<T>, length: T) -> Result<Vec3<T>, End> {
+    fn turn(&mut self, at: &At<T>, piece: &DifferencePoint<T>, length: T) -> Result<Vec3<T>, RunEnd> {
         let (n, m) = (at.n, at.m);
         let tangents = tangents(&n);
         let toward = Toward { n, m, tangents };
         let [d, e] = &toward.tangents;
-        let plane = Plane {
+        let plane = ModelPlane {
             c: at.height,
             g: [dot(d, &piece.w), dot(e, &piece.w)],
             bend: self.posed.bend(piece, &toward),
@@ -253,13 +253,13 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     }
 
     #[inline(never)]
-    fn slide(&mut self, toward: &Toward<T>, piece: &Piece<T>, step: &[T; 2]) -> Result<(), End> {
+    fn slide(&mut self, toward: &Toward<T>, piece: &DifferencePoint<T>, step: &[T; 2]) -> Result<(), RunEnd> {
         let top = self.posed.support(toward, piece.of);
         self.best.prove(toward, &top);
         self.best.point(piece);
         self.best.point(&self.posed.slid(piece, toward, step));
         if self.best.closes(self.posed) {
-            return Err(End::Closed);
+            return Err(RunEnd::Closed);
         }
         Ok(())
     }
@@ -278,7 +278,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
 
     /// Returns the points of a branch of core `SIDE` and of the first branch of the other core.
     #[inline(always)]
-    fn end<const SIDE: usize>(&self, at: &At<T>, k: u32) -> Piece<T> {
+    fn end<const SIDE: usize>(&self, at: &At<T>, k: u32) -> DifferencePoint<T> {
         let other = self.parts[1 - SIDE].first();
         let of = if SIDE == 0 { [k, other] } else { [other, k] };
         let on_a = self.posed.a.of_branch(of[0], &at.n);
@@ -287,7 +287,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
 
     /// Takes a step along the circle of a ridge of core `SIDE`, a point of the other core.
     #[inline(never)]
-    fn of_ridge<const SIDE: usize>(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, End> {
+    fn of_ridge<const SIDE: usize>(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, RunEnd> {
         let (one, zero) = (T::from(1.0), T::from(0.0));
         let (u, c) = self.circle::<SIDE>().ok_or_else(|| self.open(along))?;
         let off = sub(along, &scaled(&u, dot(along, &u)));
@@ -311,7 +311,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         };
         if !is_inside {
             let end = if share > zero { &q } else { &p };
-            self.parts[SIDE] = Part::only(end.of[SIDE]);
+            self.parts[SIDE] = EqualBranches::only(end.of[SIDE]);
             return self.turn(&at, end, length);
         }
         let t = cross(&u, &at.n);
@@ -329,7 +329,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
 
     /// Tries the direction in which the circles of two ridges meet.
     #[inline(never)]
-    fn of_ridges(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, End> {
+    fn of_ridges(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, RunEnd> {
         let (one, zero) = (T::from(1.0), T::from(0.0));
         let circles = self.circle::<0>().zip(self.circle::<1>());
         let ((u, c), (v, d)) = circles.ok_or_else(|| self.open(along))?;
@@ -367,7 +367,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
 
     /// Tries the normal of a face of core `SIDE` by three vertices, a point of the other core.
     #[inline(never)]
-    fn of_face<const SIDE: usize>(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, End> {
+    fn of_face<const SIDE: usize>(&mut self, along: &Vec3<T>) -> Result<Vec3<T>, RunEnd> {
         let (one, zero) = (T::from(1.0), T::from(0.0));
         let of = self.parts[SIDE].all::<3>();
         let place = |k: u32| {
@@ -412,7 +412,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
 
     /// Tries the axis of the flat round face of the last answer.
     #[inline(never)]
-    fn try_flat(&mut self, n: &Vec3<T>, side: usize) -> Result<Vec3<T>, End> {
+    fn try_flat(&mut self, n: &Vec3<T>, side: usize) -> Result<Vec3<T>, RunEnd> {
         let toward = self.posed.toward(*n);
         let found = flush::of_side(self.posed, self.best, &toward, side, &mut self.flush);
         let found = found.ok_or_else(|| self.open(n))?;
@@ -420,11 +420,11 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
     }
 
     /// Returns the direction between the nearest points found along the axis of a flat round face.
-    fn beyond(&mut self, found: &Piece<T>) -> Result<Vec3<T>, End> {
+    fn beyond(&mut self, found: &DifferencePoint<T>) -> Result<Vec3<T>, RunEnd> {
         if self.best.closes(self.posed) {
-            return Err(End::Closed);
+            return Err(RunEnd::Closed);
         }
-        self.parts = found.of.map(Part::only);
+        self.parts = found.of.map(EqualBranches::only);
         Ok(scaled(&found.w, T::from(1.0) / root(dot(&found.w, &found.w))))
     }
 }

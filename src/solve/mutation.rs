@@ -12,7 +12,7 @@ use nalgebra::{Isometry3, Unit, Vector3};
 
 use crate::num::packed::PackedVec3;
 use crate::pair::draft::Draft;
-use crate::pair::edge::Edge;
+use crate::pair::edge::EdgeSpan;
 use crate::pair::outcome::{Accuracy, Class, Solver, Work};
 use crate::pair::posed::PosedPair;
 use crate::pair::star::falls_into_both_faces;
@@ -191,7 +191,7 @@ fn an_edge_that_signs_prove_extreme_is_so() {
     let (mut proven, mut doubtful) = (0, 0);
     for body in bodies() {
         for e in body.edges() {
-            let edge = Edge::new(&body, e);
+            let edge = EdgeSpan::new(&body, e);
             let u = PackedVec3::new(&edge.q) - PackedVec3::new(&edge.p);
             for k in 0..300 {
                 // Random directions, and directions closer and closer to the normal of a face.

@@ -1,7 +1,7 @@
 //! Depths from the last answer: the deepest facet, and the surface, of the query before.
 
 use super::{Tracker, to_user_units};
-use crate::depth::{self, Memory, Nearest};
+use crate::depth::{self, Memory, NearestFeature};
 use crate::pair::draft::Draft;
 use crate::pair::outcome::{Class, Until};
 use crate::pair::posed::PosedPair;
@@ -56,23 +56,23 @@ impl Tracker {
     #[inline(never)]
     pub(super) fn resume(&mut self, posed: &PosedPair, until: Until, draft: &mut Draft) -> Resumed {
         let first = *draft;
-        let mut resumed = Nearest::Open(None);
+        let mut resumed = NearestFeature::Open(None);
         if until == Until::LocalDepth
             && let Some(facet) = self.memory.facet_of(posed)
         {
             let kept = (&mut self.memory, &mut self.overlap_proof);
             resumed = depth::local_depth(posed, facet, kept, draft);
         }
-        if let Nearest::Open(_) = resumed {
+        if let NearestFeature::Open(_) = resumed {
             resumed = depth::resume(posed, &mut self.memory, draft);
         }
-        if resumed != Nearest::Proven {
+        if resumed != NearestFeature::Proven {
             self.memory.clear();
             let (grown, visited) = (draft.work.points_added, draft.work.facets);
             *draft = first;
             (draft.work.points_added, draft.work.facets) = (grown, visited);
             return match resumed {
-                Nearest::Apart(start) => Resumed::Apart(start),
+                NearestFeature::Apart(start) => Resumed::Apart(start),
                 _ => Resumed::Open,
             };
         }
@@ -95,8 +95,8 @@ pub(super) fn enters_overlap(posed: &PosedPair, memory: &mut Memory, draft: &mut
         return false;
     }
     match depth::nearest_facet(posed, from, memory, draft) {
-        Nearest::Proven => true,
-        Nearest::Open(Some(facet)) => depth::depth_from(posed, facet, memory, draft),
-        Nearest::Open(None) | Nearest::Apart(_) | Nearest::Touch => false,
+        NearestFeature::Proven => true,
+        NearestFeature::Open(Some(facet)) => depth::depth_from(posed, facet, memory, draft),
+        NearestFeature::Open(None) | NearestFeature::Apart(_) | NearestFeature::Touch => false,
     }
 }

@@ -23,7 +23,7 @@ use nalgebra::Vector3;
 use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
 use crate::pair::draft::Draft;
-use crate::pair::edge::Edge;
+use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::{AFirst, BFirst, PosedPair};
 use crate::pair::star::falls_into_both_faces;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, FeaturePair, HalfEdgeId};
@@ -38,7 +38,7 @@ use crate::walk::step::Step;
 // them.
 #[inline(never)]
 pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Draft) -> Step {
-    let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
+    let (ea, eb) = (EdgeSpan::new(posed.a, a), EdgeSpan::new(posed.b, b));
     let (p1, p2_in_b) = (PackedVec3::new(&ea.p), PackedVec3::new(&eb.p));
     let (u, w_in_b) = (PackedVec3::new(&ea.q) - p1, PackedVec3::new(&eb.q) - p2_in_b);
     let w = posed.rotation.times(w_in_b);
@@ -119,7 +119,7 @@ fn bound_by_planes(
     on_a: (f64, f64),
     on_b: (f64, f64),
 ) -> f64 {
-    let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
+    let (ea, eb) = (EdgeSpan::new(posed.a, a), EdgeSpan::new(posed.b, b));
     let high_a = posed.a.edge_bound(normal, ea.left, ea.right, on_a, 1.0);
     let normal_in_b = -posed.rotation.transposed_times(normal);
     let high_b = posed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b, 1.0);
@@ -129,7 +129,7 @@ fn bound_by_planes(
 /// Slides the edge of B over the right or left face of the edge of A, descending from `t`.
 #[inline(never)]
 fn slide_over_face_of_a(posed: &PosedPair, a: EdgeId, b: EdgeId, right: bool, t: f64, draft: &mut Draft) -> Step {
-    let eb = Edge::new(posed.b, b);
+    let eb = EdgeSpan::new(posed.b, b);
     let start = posed.point_in_a(&(eb.p + (eb.q - eb.p) * t));
     let along = posed.vector_in_a(&(eb.q - eb.p));
     let (face, half_edge) = descending_half_edge(posed.a, a, right, &along, posed.b, b);
@@ -148,7 +148,7 @@ fn slide_over_face_of_a(posed: &PosedPair, a: EdgeId, b: EdgeId, right: bool, t:
 /// Slides the edge of A over the right or left face of the edge of B, descending from `s`.
 #[inline(never)]
 fn slide_over_face_of_b(posed: &PosedPair, a: EdgeId, b: EdgeId, right: bool, s: f64, draft: &mut Draft) -> Step {
-    let ea = Edge::new(posed.a, a);
+    let ea = EdgeSpan::new(posed.a, a);
     let start = posed.point_in_b(&(ea.p + (ea.q - ea.p) * s));
     let along = posed.vector_in_b(&(ea.q - ea.p));
     let (face, half_edge) = descending_half_edge(posed.b, b, right, &along, posed.a, a);
@@ -207,8 +207,13 @@ fn closest_feet((s, t): (f64, f64), (uw, ru, rw): (f64, f64, f64), (uu, ww): (f6
 
 /// Moves to two closest points of the edges, at least one of them an endpoint.
 #[inline(always)]
-fn move_to_endpoint((ea, a): (&Edge, EdgeId), (eb, b): (&Edge, EdgeId), (s, t): (f64, f64), draft: &mut Draft) -> Step {
-    let end = |e: &Edge, x: f64| {
+fn move_to_endpoint(
+    (ea, a): (&EdgeSpan, EdgeId),
+    (eb, b): (&EdgeSpan, EdgeId),
+    (s, t): (f64, f64),
+    draft: &mut Draft,
+) -> Step {
+    let end = |e: &EdgeSpan, x: f64| {
         if x == 0.0 {
             Some(e.tail)
         } else if x == 1.0 {
@@ -231,7 +236,7 @@ fn move_to_endpoint((ea, a): (&Edge, EdgeId), (eb, b): (&Edge, EdgeId), (s, t): 
 /// taken.
 #[cold]
 fn closest_with_endpoint(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Draft) -> Step {
-    let (ea, eb) = (Edge::new(posed.a, a), Edge::new(posed.b, b));
+    let (ea, eb) = (EdgeSpan::new(posed.a, a), EdgeSpan::new(posed.b, b));
     let (u, w) = (ea.q - ea.p, posed.vector_in_a(&(eb.q - eb.p)));
     let r = posed.point_in_a(&eb.p) - ea.p;
     let (uu, ww, uw) = (u.norm_squared(), w.norm_squared(), u.dot(&w));

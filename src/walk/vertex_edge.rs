@@ -14,7 +14,7 @@ use nalgebra::Vector3;
 use crate::num::packed::PackedVec3;
 use crate::num::scalar::sqrt;
 use crate::pair::draft::Draft;
-use crate::pair::edge::Edge;
+use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::OrderedPair;
 use crate::pair::star::one_norm;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FeaturePair, VertexId};
@@ -103,6 +103,6 @@ fn height_over_planes(
     x: &Vector3<f64>,
     weights: (f64, f64),
 ) -> f64 {
-    let Edge { left, right, .. } = Edge::new(body, edge);
+    let EdgeSpan { left, right, .. } = EdgeSpan::new(body, edge);
     d.dot(x) - body.edge_bound(PackedVec3::new(d), left, right, weights, d.norm_squared())
 }

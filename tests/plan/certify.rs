@@ -5,7 +5,7 @@ use lab::rng::Rng;
 use lab::rooms::Room;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
-use lin_canny::plan::{Checker, Part, PlanError, RigidSpace, TranslationSpace, Verdict, World};
+use lin_canny::plan::{Checker, PlanError, RigidSpace, TranslationSpace, Verdict, World, WorldId};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Composite, Mesh, Piece, Shape, Tracker};
 
@@ -45,7 +45,7 @@ fn judge(n: usize, segments: u64, steps: usize) -> Tally {
             }
             Verdict::Blocked { safe, t, pair, .. } => {
                 tally.blocked += 1;
-                let Part::Obstacle(obstacle) = pair.b else {
+                let WorldId::Obstacle(obstacle) = pair.b else {
                     panic!("{pair:?}")
                 };
                 // At the pose that the segment places, not at nalgebra's.

@@ -3,7 +3,7 @@
 use lin_canny::impact::Certificate;
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::plan::{PairProof, Part};
+use lin_canny::plan::{PairProof, WorldId};
 use lin_canny::separation::{PolyhedronPair, Proof, Separation};
 use lin_canny::{ConvexPolyhedron, Operand, RelativePose, Tracker, Velocity, normalize};
 
@@ -58,7 +58,7 @@ pub(crate) fn replay(
     assert_eq!(proofs.len(), obstacles.len());
     let motion = Steady::between(from, to, 1.0, Point3::origin()).expect("a segment");
     for proof in proofs {
-        let Part::Obstacle(k) = proof.pair.b else {
+        let WorldId::Obstacle(k) = proof.pair.b else {
             panic!("{proof:?}")
         };
         let resting = Steady::new(&obstacles[k].1, Velocity::default()).expect("a pose");

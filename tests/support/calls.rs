@@ -77,12 +77,12 @@ impl Bytes<'_> {
         }
     }
 
-    fn body(&mut self) -> Body {
+    fn body(&mut self) -> BodyOptions {
         let kind = self.byte();
         let body = if kind.is_multiple_of(2) {
-            Body::moving()
+            BodyOptions::moving()
         } else {
-            Body::fixed()
+            BodyOptions::fixed()
         };
         match kind / 2 % 3 {
             0 => body.groups(self.groups()),
@@ -133,8 +133,8 @@ impl Fed {
             }
             6 => {
                 let aabb = bytes.aabb();
-                let id = self.pencils.insert_unbounded(&aabb, Body::moving());
-                assert_eq!(self.axes.insert_unbounded(&aabb, Body::moving()), id);
+                let id = self.pencils.insert_unbounded(&aabb, BodyOptions::moving());
+                assert_eq!(self.axes.insert_unbounded(&aabb, BodyOptions::moving()), id);
                 self.count(&id);
                 self.ids.extend(id.ok());
             }
@@ -168,12 +168,12 @@ impl Fed {
         for i in 0..1 + size % 4 {
             for j in 0..1 + size / 4 % 8 {
                 let low = Point3::new(f64::from(i), f64::from(j), 0.0) * gap;
-                self.insert(&Aabb::new(low, low + Vector3::repeat(1.0)), Body::moving());
+                self.insert(&Aabb::new(low, low + Vector3::repeat(1.0)), BodyOptions::moving());
             }
         }
     }
 
-    fn insert(&mut self, aabb: &Aabb, body: Body) {
+    fn insert(&mut self, aabb: &Aabb, body: BodyOptions) {
         let id = self.pencils.insert(aabb, body);
         assert_eq!(self.axes.insert(aabb, body), id);
         self.count(&id);
@@ -197,7 +197,7 @@ impl Fed {
         if bytes.byte() < 200 {
             self.step(); // the index is free only now
         }
-        self.insert(&place, Body::moving());
+        self.insert(&place, BodyOptions::moving());
     }
 
     /// A body goes by a fraction of a unit, or to where another is, a step at a time.

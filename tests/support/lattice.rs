@@ -5,7 +5,7 @@
 //! The tests `broad_lattice` and the example `soak` share this.
 
 use lab::rng::Rng;
-use lin_canny::broad::{Aabb, Body, BodyId, BroadPhase};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase};
 use lin_canny::nalgebra::{Point3, Vector3};
 
 /// What happened in some sequences; a mix that lacks an ingredient tests nothing.
@@ -130,7 +130,11 @@ struct Play<B> {
 impl<B: BroadPhase> Play<B> {
     fn insert(&mut self, brick: Brick) -> Result<(), String> {
         let fixed = self.rng.chance(0.05);
-        let body = if fixed { Body::fixed() } else { Body::moving() };
+        let body = if fixed {
+            BodyOptions::fixed()
+        } else {
+            BodyOptions::moving()
+        };
         let id = self.broad.insert(&brick.aabb(), body).map_err(|e| e.to_string())?;
         let slide = [0.0; 3];
         self.held.push(Held {

@@ -2,7 +2,7 @@
 
 use crate::tree::Tree;
 use lab::boxes::{Kind, Scene};
-use lin_canny::broad::{Aabb, Body, BodyId, BroadPhase, PencilSweep, SortedAxes};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep, SortedAxes};
 
 /// A broad phase that is fed a scene.
 pub(crate) trait Engine {
@@ -31,7 +31,7 @@ impl<B: BroadPhase> Ours<B> {
         } else {
             0.0
         };
-        let body = Body::moving().margin(margin);
+        let body = BodyOptions::moving().margin(margin);
         let ids = scene.boxes.iter().filter_map(|b| broad.insert(b, body).ok()).collect();
         Self {
             name,

@@ -1,6 +1,6 @@
 //! Setting many boxes at once.
 
-use super::place::{Context, placed};
+use super::place::{PlaceContext, placed};
 use super::{Bodies, Marks, Record};
 use crate::broad::parallel::{Threads, ascends, join};
 use crate::broad::slots::is_living;
@@ -8,7 +8,7 @@ use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};
 use nalgebra::Point3;
 
 /// A run of records that starts at index `first`.
-struct Run<'a> {
+struct BodyRun<'a> {
     first: u32,
     records: &'a mut [Record],
     generations: &'a [u32],
@@ -27,12 +27,12 @@ impl Bodies {
     }
 
     fn set_boxes_in<const AXIS: usize>(&mut self, batch: &[(BodyId, Aabb)], threads: usize) -> Option<BatchError> {
-        let context = Context {
+        let context = PlaceContext {
             grid: &self.grid,
             details: &self.details,
             step: self.step,
         };
-        let run = Run {
+        let run = BodyRun {
             first: 0,
             records: &mut self.records,
             generations: self.slots.generations(),
@@ -53,8 +53,8 @@ impl Bodies {
 /// Halves batch and table until every thread has its own part and marks; the marks are joined in
 /// order, so the result equals the result of one thread.
 fn split<const AXIS: usize>(
-    context: &Context<'_>,
-    run: Run<'_>,
+    context: &PlaceContext<'_>,
+    run: BodyRun<'_>,
     batch: &[(BodyId, Aabb)],
     origin: &Point3<f64>,
     shares: &mut [Marks],
@@ -69,12 +69,12 @@ fn split<const AXIS: usize>(
     let border = border.min(run.records.len());
     let (records_low, records_high) = run.records.split_at_mut(border);
     let (generations_low, generations_high) = run.generations.split_at(border);
-    let run_low = Run {
+    let run_low = BodyRun {
         first: run.first,
         records: records_low,
         generations: generations_low,
     };
-    let run_high = Run {
+    let run_high = BodyRun {
         first: run.first + border as u32,
         records: records_high,
         generations: generations_high,
@@ -92,10 +92,10 @@ fn split<const AXIS: usize>(
     BatchError::joined(error_low, error_high)
 }
 
-impl Run<'_> {
+impl BodyRun<'_> {
     fn apply<const AXIS: usize>(
         self,
-        context: &Context<'_>,
+        context: &PlaceContext<'_>,
         batch: &[(BodyId, Aabb)],
         origin: &Point3<f64>,
         marks: &mut Marks,

@@ -2,7 +2,7 @@
 //! changed.
 
 use super::record::{LOOSE, NOTED, Record, UNBOUNDED};
-use super::{Detail, Marks};
+use super::{BodyDetail, Marks};
 use crate::broad::aabb::{Aabb, BoxFault, FARTHEST, StoredBox};
 use crate::broad::bounds::{Bounds, any_above};
 use crate::broad::grid::Grid;
@@ -10,13 +10,13 @@ use nalgebra::Point3;
 use wide::f32x4;
 
 /// The input of placing a box, besides the record.
-pub(super) struct Context<'a> {
+pub(super) struct PlaceContext<'a> {
     pub(super) grid: &'a Grid,
-    pub(super) details: &'a [Detail],
+    pub(super) details: &'a [BodyDetail],
     pub(super) step: u32,
 }
 
-impl Context<'_> {
+impl PlaceContext<'_> {
     /// Stores a new box and notes changes. The common case touches only the record.
     #[inline(always)]
     pub(super) fn place(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {

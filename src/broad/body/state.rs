@@ -6,9 +6,9 @@ use alloc::string::String;
 
 /// The serialized values of one index of the table.
 #[derive(serde::Serialize, serde::Deserialize)]
-struct Row {
+struct BodyRow {
     generation: u32,
-    body: Body,
+    body: BodyOptions,
     new: StoredBox,
     old: StoredBox,
     stamp: u32,
@@ -20,7 +20,7 @@ struct Row {
 pub(crate) struct BodiesState {
     origin: Point3<f64>,
     step: u32,
-    rows: Vec<Row>,
+    rows: Vec<BodyRow>,
     free: Vec<u32>,
     leaving: Vec<u32>,
     regrouped: Vec<u32>,
@@ -36,7 +36,7 @@ impl Bodies {
         let back = 3 - self.grid.axis;
         let generations = self.slots.generations();
         let [free, leaving] = self.slots.vacancies().map(Vec::clone);
-        let row = |(i, record): (usize, &Record)| Row {
+        let row = |(i, record): (usize, &Record)| BodyRow {
             generation: generations[i],
             body: self.details[i].body(),
             new: record.now().to_box().rotated(back),
@@ -99,7 +99,7 @@ impl BodiesState {
             let mut record = Record::new(&Bounds::from_box(&row.new), row.stamp, row.flags & LASTING);
             record.set_old(&Bounds::from_box(&row.old));
             bodies.records.push(record);
-            bodies.details.push(Detail::new(row.body));
+            bodies.details.push(BodyDetail::new(row.body));
         }
         (bodies.regrouped, bodies.unbounded) = (self.regrouped, self.unbounded);
         bodies.marks.moved = self.moved;

@@ -63,7 +63,7 @@ impl Links {
         if let Some(last) = began.last() {
             self.reach(key_of(last));
         }
-        let part = Part {
+        let part = LinkRange {
             blocks: &mut self.blocks,
             first: 0,
             ended,
@@ -92,7 +92,7 @@ impl Links {
 }
 
 /// Consecutive blocks and the changes of pairs in these blocks.
-struct Part<'a> {
+struct LinkRange<'a> {
     blocks: &'a mut [Block],
     /// Number of the first block.
     first: usize,
@@ -102,7 +102,7 @@ struct Part<'a> {
     began: &'a [Pair],
 }
 
-impl<'a> Part<'a> {
+impl<'a> LinkRange<'a> {
     fn update(self, slots: &[Slot], bodies: &Bodies, threads: usize) {
         if threads > 1 && self.blocks.len() > 1 {
             let (low, high) = self.split();

@@ -17,13 +17,13 @@ pub(super) const ARRIVING: u32 = 1;
 /// comes gets an entry for the new box. A body that jumps has two entries, so that the way between
 /// costs nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum EntryBoxes {
     Both,
     Old,
     New,
 }
 
-impl Part {
+impl EntryBoxes {
     /// Whether the entry stands for the new box, or for the old box.
     #[inline(always)]
     pub(super) fn has(self, new: bool) -> bool {
@@ -109,8 +109,8 @@ impl Column {
         let key = |e: Entry| {
             let who = e as u32;
             let record = &records[index_of(e)];
-            let lower = match Part::of(who, record, column) {
-                Part::Old => record.before(step).to_box().lo[0],
+            let lower = match EntryBoxes::of(who, record, column) {
+                EntryBoxes::Old => record.before(step).to_box().lo[0],
                 _ => record.now().to_box().lo[0],
             };
             entry(lower, who)
@@ -127,7 +127,7 @@ impl Column {
     /// Cleans up after the step: removes entries of old boxes and clears the flags of new entries.
     pub(super) fn settle(&mut self, column: [u16; 2], records: &[Record]) {
         self.entries.retain_mut(|e| {
-            let part = Part::of(*e as u32, &records[index_of(*e)], column);
+            let part = EntryBoxes::of(*e as u32, &records[index_of(*e)], column);
             *e &= !u64::from(ARRIVING);
             part.has(true)
         });

@@ -22,7 +22,7 @@ use column::{Column, who};
 pub use query::Pencil;
 use repair::Touch;
 use scan::Worker;
-use tune::{Counts, Tuning};
+use tune::{StepCounts, Tuning};
 
 /// Sweep and prune over pencils, the recommended broad phase: the world is cut into columns along
 /// the swept axis, each with a sorted list.
@@ -194,7 +194,7 @@ impl PencilSweep {
         self.workers.iter_mut().for_each(|w| w.counting = counting);
         let bodies = &self.state.bodies;
         sweep_columns(&mut self.workers[..threads], &mut self.columns, 0, total, bodies);
-        let mut counts = Counts::default();
+        let mut counts = StepCounts::default();
         for worker in &mut self.workers {
             counts.add(core::mem::take(&mut worker.counts));
         }
@@ -214,7 +214,7 @@ impl PencilSweep {
     fn collect(&mut self) {
         for worker in &mut self.workers {
             self.state.changes.append(&mut worker.changes);
-            worker.counts = Counts::default();
+            worker.counts = StepCounts::default();
             self.swaps += core::mem::take(&mut worker.swaps);
             self.scanned += core::mem::take(&mut worker.scanned);
         }

@@ -1,6 +1,6 @@
 //! Local repair: if few boxes changed, only their entries move and only their windows are scanned.
 
-use super::column::{ARRIVING, Column, Part, entry, index_of, who};
+use super::column::{ARRIVING, Column, EntryBoxes, entry, index_of, who};
 use super::scan::{Worker, decide};
 use crate::broad::aabb::{max, order_key};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
@@ -63,15 +63,15 @@ impl Worker {
     /// entries, the old entry is listed last.
     fn settle_active(&self, column: &mut Column, cell: [u16; 2], bodies: &Bodies) {
         for &e in self.active.iter().rev() {
-            let part = Part::of(e as u32, &bodies.records[index_of(e)], cell);
-            if part == Part::Both {
+            let part = EntryBoxes::of(e as u32, &bodies.records[index_of(e)], cell);
+            if part == EntryBoxes::Both {
                 continue;
             }
             let Ok(place) = column.entries.binary_search(&e) else {
                 debug_assert!(false, "a column lost the entry {e:#x}");
                 continue;
             };
-            if part == Part::Old {
+            if part == EntryBoxes::Old {
                 column.entries.remove(place);
             } else {
                 column.entries[place] &= !u64::from(ARRIVING);
@@ -101,7 +101,7 @@ impl Worker {
                 continue;
             }
             let mut item = entry(old_start, who(index, 0));
-            if Part::of(item as u32, record, cell) == Part::Both {
+            if EntryBoxes::of(item as u32, record, cell) == EntryBoxes::Both {
                 let moved = entry(new_start, who(index, 0));
                 self.swaps += shift(&mut column.entries, item, moved);
                 item = moved;
@@ -163,10 +163,10 @@ fn roles(record: &Record, cell: [u16; 2], bodies: &Bodies) -> (bool, bool) {
 
 /// Returns the box an entry stands for: the cover of old and new box, or one of the two.
 fn box_of(who: u32, record: &Record, cell: [u16; 2], step: u32) -> Bounds {
-    match Part::of(who, record, cell) {
-        Part::Both => record.before(step).united(&record.now()),
-        Part::Old => record.before(step),
-        Part::New => record.now(),
+    match EntryBoxes::of(who, record, cell) {
+        EntryBoxes::Both => record.before(step).united(&record.now()),
+        EntryBoxes::Old => record.before(step),
+        EntryBoxes::New => record.now(),
     }
 }
 

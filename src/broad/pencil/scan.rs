@@ -19,8 +19,8 @@
 //! than the other box has moved is compared; a column without such entries is spared the
 //! difference.
 
-use super::column::{ARRIVING, Column, Entry, Part, index_of};
-use super::tune::Counts;
+use super::column::{ARRIVING, Column, Entry, EntryBoxes, index_of};
+use super::tune::StepCounts;
 use crate::broad::aabb::{StoredBox, max};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
@@ -133,7 +133,7 @@ pub(super) struct Worker {
     pub(super) scanned: u64,
     /// Whether to count for tuning.
     pub(super) counting: bool,
-    pub(super) counts: Counts,
+    pub(super) counts: StepCounts,
     /// Positions that entries moved by to stay sorted.
     pub(super) swaps: u64,
 }
@@ -282,10 +282,10 @@ impl Worker {
 
 /// Returns the box of an entry that stands for one box only.
 fn only_box(e: Entry, record: &Record, cell: [u16; 2], step: u32) -> Option<StoredBox> {
-    match Part::of(e as u32, record, cell) {
-        Part::Both => None,
-        Part::Old => Some(record.before(step).to_box()),
-        Part::New => Some(record.now().to_box()),
+    match EntryBoxes::of(e as u32, record, cell) {
+        EntryBoxes::Both => None,
+        EntryBoxes::Old => Some(record.before(step).to_box()),
+        EntryBoxes::New => Some(record.now().to_box()),
     }
 }
 
@@ -335,7 +335,7 @@ fn four(bounds: &[f32], from: usize) -> f32x4 {
 pub(super) fn decide(a: u32, b: u32, began: bool, cell: [u16; 2], bodies: &Bodies, changes: &mut Changes) {
     let (i, j) = (a >> 1, b >> 1);
     let (first, second) = (&bodies.records[i as usize], &bodies.records[j as usize]);
-    let (part_a, part_b) = (Part::of(a, first, cell), Part::of(b, second, cell));
+    let (part_a, part_b) = (EntryBoxes::of(a, first, cell), EntryBoxes::of(b, second, cell));
     // Computed without a branch, since the outcome is unpredictable.
     let seen = part_a.has(began) & part_b.has(began);
     let [box_a, box_b] = [first, second].map(|record| record.at(began, bodies.step));

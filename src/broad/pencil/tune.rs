@@ -188,7 +188,7 @@ impl Survey {
 
 /// Counts of a full sweep.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Counts {
+pub(super) struct StepCounts {
     /// Entries swept, of columns in which something moved.
     pub(super) entries: u64,
     /// Entries compared with the entries of windows, in whole blocks.
@@ -200,7 +200,7 @@ pub(super) struct Counts {
     pub(super) columns: u64,
 }
 
-impl Counts {
+impl StepCounts {
     pub(super) fn add(&mut self, other: Self) {
         self.entries += other.entries;
         self.compared += other.compared;
@@ -250,7 +250,7 @@ impl Tuning {
     }
 
     /// Records the counts of a full sweep of so many entries.
-    pub(super) fn observe(&mut self, bodies: &Bodies, counts: Counts, entries: usize) {
+    pub(super) fn observe(&mut self, bodies: &Bodies, counts: StepCounts, entries: usize) {
         // Columns at rest are not swept, and count as those swept.
         let compared = counts.compared as f64 / counts.entries as f64 * entries as f64 / bodies.len() as f64;
         self.watch(compared);

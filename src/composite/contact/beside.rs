@@ -9,8 +9,8 @@
 
 use nalgebra::Vector3;
 
-use super::Query;
-use super::near::Posed;
+use super::PatchQuery;
+use super::near::PosedPatches;
 use super::surface::Borne;
 use super::union::Under;
 use crate::contact::ContactPoint;
@@ -19,7 +19,7 @@ use crate::polyhedron::{EdgeId, Feature};
 use crate::shape::Core;
 use crate::tuning::composite::{EDGE_HALVINGS, SHORT_EDGE};
 
-impl Posed<'_> {
+impl PosedPatches<'_> {
     /// The outcome along the normal of a face at the lowest place over the face on an edge of the
     /// other part's deepest vertex, which is not over the face itself.
     ///
@@ -52,7 +52,7 @@ impl Posed<'_> {
 
     /// What is at the foot of an outcome's vertex on the plane of the face.
     fn under(&self, is_of_a: bool, outcome: &Outcome) -> Under {
-        let Query { a, b, pose, doubt, .. } = self.query;
+        let PatchQuery { a, b, pose, doubt, .. } = self.query;
         let n = (self.parts[0].1 * outcome.normal).into_inner();
         let point = self.point(&self.witness(outcome));
         if is_of_a {

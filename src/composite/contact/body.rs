@@ -5,9 +5,9 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use super::clear::is_clear;
-use super::surface::{Borne, Surface};
+use super::surface::{Borne, PatchedMesh};
 use super::union::{Under, is_covered, is_end, under};
-use crate::composite::frame::Side;
+use crate::composite::frame::TreeSide;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::Composite;
@@ -21,11 +21,11 @@ use crate::shape::Shape;
 /// The patches of a mesh face outward, whether the mesh is closed or not: a body that touches an
 /// open mesh from behind has no contact.
 #[derive(Clone, Debug)]
-pub struct ContactPatches(Body, Fingerprint);
+pub struct ContactPatches(PatchedBody, Fingerprint);
 
 #[derive(Clone, Debug)]
-enum Body {
-    Surface(Arc<Surface>),
+enum PatchedBody {
+    Surface(Arc<PatchedMesh>),
     Pieces(Arc<Composite>, f64),
 }
 
@@ -48,7 +48,10 @@ impl ContactPatches {
         let mesh: Arc<Mesh> = mesh.into();
         let stored = tolerance.max(0.0) / mesh.unit();
         let fingerprint = mesh.fingerprint.with(*b"patches ", stored);
-        Self(Body::Surface(Arc::new(Surface::new(mesh, stored))), fingerprint)
+        Self(
+            PatchedBody::Surface(Arc::new(PatchedMesh::new(mesh, stored))),
+            fingerprint,
+        )
     }
 
     /// Returns the pieces of a body as its patches. Where pieces meet or overlap, only the outside
@@ -64,35 +67,35 @@ impl ContactPatches {
     pub fn of_pieces_within(body: impl Into<Arc<Composite>>, tolerance: f64) -> Self {
         let (body, tolerance): (Arc<Composite>, f64) = (body.into(), tolerance.max(0.0));
         let fingerprint = body.fingerprint().with(*b"patches ", tolerance);
-        Self(Body::Pieces(body, tolerance), fingerprint)
+        Self(PatchedBody::Pieces(body, tolerance), fingerprint)
     }
 
     /// Returns the number of patches or pieces.
     #[must_use]
     pub fn count(&self) -> usize {
         match &self.0 {
-            Body::Surface(surface) => surface.count(),
-            Body::Pieces(body, _) => body.pieces().len(),
+            PatchedBody::Surface(surface) => surface.count(),
+            PatchedBody::Pieces(body, _) => body.pieces().len(),
         }
     }
 
     /// Returns the triangles of a patch by the caller's numbers; none for pieces.
     pub fn triangles(&self, patch: u32) -> impl Iterator<Item = u32> + '_ {
         let surface = match &self.0 {
-            Body::Surface(surface) => Some(&**surface),
-            Body::Pieces(..) => None,
+            PatchedBody::Surface(surface) => Some(&**surface),
+            PatchedBody::Pieces(..) => None,
         };
-        let named = move |s: &'_ Surface| -> Vec<u32> {
+        let named = move |s: &'_ PatchedMesh| -> Vec<u32> {
             let source = &s.mesh.source_triangles;
             s.triangles(patch).iter().map(|&t| source[t as usize]).collect()
         };
         surface.map(named).unwrap_or_default().into_iter()
     }
 
-    pub(super) fn side(&self) -> Side<'_> {
+    pub(super) fn side(&self) -> TreeSide<'_> {
         match &self.0 {
-            Body::Surface(surface) => surface.side(),
-            Body::Pieces(body, _) => body.side(),
+            PatchedBody::Surface(surface) => surface.side(),
+            PatchedBody::Pieces(body, _) => body.side(),
         }
     }
 
@@ -102,50 +105,50 @@ impl ContactPatches {
 
     pub(super) fn unit(&self) -> f64 {
         match &self.0 {
-            Body::Surface(surface) => surface.mesh.unit(),
-            Body::Pieces(body, _) => body.stored_unit(),
+            PatchedBody::Surface(surface) => surface.mesh.unit(),
+            PatchedBody::Pieces(body, _) => body.stored_unit(),
         }
     }
 
     pub(super) fn is_in_place(&self) -> bool {
         match &self.0 {
-            Body::Surface(_) => true,
-            Body::Pieces(body, _) => body.is_in_place(),
+            PatchedBody::Surface(_) => true,
+            PatchedBody::Pieces(body, _) => body.is_in_place(),
         }
     }
 
     pub(super) fn is_mesh(&self) -> bool {
-        matches!(self.0, Body::Surface(_))
+        matches!(self.0, PatchedBody::Surface(_))
     }
 
     pub(super) fn parts(&self) -> PartsRef<'_> {
         match &self.0 {
-            Body::Surface(surface) => PartsRef::Mesh(&surface.mesh),
-            Body::Pieces(body, _) => PartsRef::Pieces(body),
+            PatchedBody::Surface(surface) => PartsRef::Mesh(&surface.mesh),
+            PatchedBody::Pieces(body, _) => PartsRef::Pieces(body),
         }
     }
 
     /// The patch of a point of the surface, in the caller's unit, or the piece that holds it.
     pub(super) fn patch_at(&self, piece: u32, point: &Point3<f64>) -> u32 {
         match &self.0 {
-            Body::Surface(surface) => surface.patch_at(point),
-            Body::Pieces(..) => piece,
+            PatchedBody::Surface(surface) => surface.patch_at(point),
+            PatchedBody::Pieces(..) => piece,
         }
     }
 
     /// The patch of an item of the tree.
     pub(super) fn patch(&self, item: u32) -> u32 {
         match &self.0 {
-            Body::Surface(surface) => surface.patch_of_item(item),
-            Body::Pieces(body, _) => body.number(item),
+            PatchedBody::Surface(surface) => surface.patch_of_item(item),
+            PatchedBody::Pieces(body, _) => body.number(item),
         }
     }
 
     /// The convex body of a patch, and its pose in the body's frame.
     pub(super) fn part(&self, patch: u32) -> Option<(Shape, Isometry3<f64>)> {
         match &self.0 {
-            Body::Surface(surface) => Some((surface.hull(patch)?, Isometry3::identity())),
-            Body::Pieces(body, _) => {
+            PatchedBody::Surface(surface) => Some((surface.hull(patch)?, Isometry3::identity())),
+            PatchedBody::Pieces(body, _) => {
                 let piece = body.pieces().get(patch as usize)?;
                 Some((piece.shape.clone(), piece.pose))
             }
@@ -155,23 +158,23 @@ impl ContactPatches {
     /// Whether a normal in the body's frame is that of a face of a patch.
     pub(super) fn has_face(&self, patch: u32, n: &Vector3<f64>) -> bool {
         match &self.0 {
-            Body::Surface(surface) => surface.has_face(patch, n),
-            Body::Pieces(..) => true,
+            PatchedBody::Surface(surface) => surface.has_face(patch, n),
+            PatchedBody::Pieces(..) => true,
         }
     }
 
     /// Whether a point along an outward normal is at the end of what a piece bears, both in the
     /// body's frame: what bears contacts is closed.
     pub(super) fn ends(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> bool {
-        matches!(&self.0, Body::Pieces(body, tolerance) if is_end(body, patch, point, n, tolerance + doubt))
+        matches!(&self.0, PatchedBody::Pieces(body, tolerance) if is_end(body, patch, point, n, tolerance + doubt))
     }
 
     /// How far a patch bears a contact at a point along an outward normal, both in the body's frame
     /// and the caller's unit.
     pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
         match &self.0 {
-            Body::Surface(surface) => surface.bears(patch, point, n, (sine, doubt)),
-            Body::Pieces(body, tolerance) => {
+            PatchedBody::Surface(surface) => surface.bears(patch, point, n, (sine, doubt)),
+            PatchedBody::Pieces(body, tolerance) => {
                 if is_covered(body, patch, point, n, tolerance + doubt) {
                     Borne::No
                 } else {
@@ -185,23 +188,23 @@ impl ContactPatches {
     /// frame of the patch's part.
     pub(super) fn is_clear(&self, patch: u32, point: &Point3<f64>, (depth, doubt): (f64, f64)) -> bool {
         match &self.0 {
-            Body::Surface(surface) => surface.is_clear(point, depth),
-            Body::Pieces(body, tolerance) => is_clear(body, patch, point, (depth, tolerance + doubt)),
+            PatchedBody::Surface(surface) => surface.is_clear(point, depth),
+            PatchedBody::Pieces(body, tolerance) => is_clear(body, patch, point, (depth, tolerance + doubt)),
         }
     }
 
     /// What is at a point of the plane of a patch's face, beyond the face, in the body's frame.
     pub(super) fn under(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> Under {
         match &self.0 {
-            Body::Surface(surface) if surface.is_below(point, doubt) => Under::Body,
-            Body::Surface(_) => Under::Unknown,
-            Body::Pieces(body, tolerance) => under(body, patch, point, n, tolerance + doubt),
+            PatchedBody::Surface(surface) if surface.is_below(point, doubt) => Under::Body,
+            PatchedBody::Surface(_) => Under::Unknown,
+            PatchedBody::Pieces(body, tolerance) => under(body, patch, point, n, tolerance + doubt),
         }
     }
 
     /// Whether the way from a point of the surface to a point below leaves the body.
     pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
-        matches!(&self.0, Body::Surface(surface) if surface.is_left(from, to, doubt))
+        matches!(&self.0, PatchedBody::Surface(surface) if surface.is_left(from, to, doubt))
     }
 }
 

@@ -33,7 +33,7 @@ pub(super) fn is_clear(body: &Composite, of: u32, point: &Point3<f64>, (depth, s
     }
     let (unit, reach) = (body.stored_unit(), depth + own.shape.round());
     let place = own.pose * point;
-    let near = Near {
+    let near = NearPoint {
         body,
         place: place.coords,
         reach,
@@ -44,14 +44,14 @@ pub(super) fn is_clear(body: &Composite, of: u32, point: &Point3<f64>, (depth, s
 }
 
 /// A point in a body, both in the body's frame.
-struct Near<'a> {
+struct NearPoint<'a> {
     body: &'a Composite,
     place: Vector3<f64>,
     reach: f64,
     slack: f64,
 }
 
-impl Near<'_> {
+impl NearPoint<'_> {
     /// Whether the surface of a piece is within reach where no other piece covers it.
     fn is_exposed(&self, of: u32) -> bool {
         let piece = &self.body.pieces()[of as usize];

@@ -22,12 +22,12 @@ use crate::num::scalar::sqrt;
 use crate::tuning::composite::PLANES;
 
 /// A convex patch: triangles, each with a triangle of the plane to which it belongs.
-pub(super) type Patch = Vec<(u32, u32)>;
+pub(super) type PatchTriangles = Vec<(u32, u32)>;
 
 /// Cuts a mesh into patches.
-pub(super) fn grow(mesh: &Mesh, tolerance: f64) -> Vec<Patch> {
+pub(super) fn grow(mesh: &Mesh, tolerance: f64) -> Vec<PatchTriangles> {
     let count = mesh.triangles.len() as u32;
-    let surface = Surface {
+    let surface = MeshSurface {
         mesh,
         tolerance,
         normals: (0..count).map(|t| unit_normal(mesh, t)).collect(),
@@ -63,14 +63,14 @@ fn edges(mesh: &Mesh) -> Vec<([u32; 2], u32)> {
     edges
 }
 
-struct Surface<'a> {
+struct MeshSurface<'a> {
     mesh: &'a Mesh,
     tolerance: f64,
     normals: Vec<Vector3<f64>>,
     edges: Vec<([u32; 2], u32)>,
 }
 
-impl Surface<'_> {
+impl MeshSurface<'_> {
     /// The height of a vertex over the plane of a triangle.
     fn height(&self, triangle: u32, vertex: u32) -> f64 {
         let base = self.mesh.points[self.mesh.triangles[triangle as usize][0] as usize];
@@ -90,15 +90,15 @@ impl Surface<'_> {
 
 /// A patch that takes adjacent triangles.
 struct Growing<'a> {
-    surface: &'a Surface<'a>,
-    triangles: Patch,
+    surface: &'a MeshSurface<'a>,
+    triangles: PatchTriangles,
     vertices: Vec<u32>,
     /// A triangle of each plane.
     planes: Vec<u32>,
 }
 
 impl<'a> Growing<'a> {
-    fn new(surface: &'a Surface<'a>, seed: u32) -> Self {
+    fn new(surface: &'a MeshSurface<'a>, seed: u32) -> Self {
         Self {
             surface,
             triangles: alloc::vec![(seed, seed)],
@@ -158,7 +158,7 @@ impl<'a> Growing<'a> {
 
 /// The vertices of a patch that span its hull within a tolerance: of each plane the corners of the
 /// hull of its triangles, so that a flat face is flat whatever its vertices inside are.
-pub(super) fn corners(mesh: &Mesh, patch: &Patch, tolerance: f64) -> Vec<u32> {
+pub(super) fn corners(mesh: &Mesh, patch: &PatchTriangles, tolerance: f64) -> Vec<u32> {
     let mut by_plane: Vec<(u32, u32)> = patch.iter().map(|&(t, plane)| (plane, t)).collect();
     by_plane.sort_unstable();
     let mut all = Vec::new();

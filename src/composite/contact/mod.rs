@@ -31,8 +31,8 @@ use nalgebra::{Unit, Vector3};
 pub use body::ContactPatches;
 
 use super::bounds::{MOST, bounds};
-use super::frame::Frame;
-use super::front::Pair;
+use super::frame::TreeFrame;
+use super::front::NodePair;
 use super::pieces::CompositeTracker;
 use super::placed::Placed;
 use super::search::split_pair;
@@ -41,7 +41,7 @@ use crate::num::fingerprint::Fingerprint;
 use crate::pose::RelativePose;
 use crate::tolerance::ACROSS;
 use crate::tuning::composite::ALIKE;
-use near::Near;
+use near::NearPatches;
 use parting::parting;
 
 /// A contact and the patches that bear it.
@@ -98,14 +98,14 @@ pub struct PatchContacts {
 #[derive(Clone, Debug, Default)]
 pub struct ContactTracker {
     fingerprints: [Fingerprint; 2],
-    near: BTreeMap<Pair, Near>,
+    near: BTreeMap<NodePair, NearPatches>,
     /// Says whether bodies without a contact overlap.
     overlap: CompositeTracker,
     found: Vec<PatchContacts>,
 }
 
 /// A question about two bodies.
-struct Query<'a> {
+struct PatchQuery<'a> {
     a: &'a ContactPatches,
     b: &'a ContactPatches,
     pose: &'a RelativePose,
@@ -151,10 +151,10 @@ impl ContactTracker {
         }
         let before = self.names();
         self.found.clear();
-        let Some(frame) = Frame::new(a.side(), b.side(), a_from_b) else {
+        let Some(frame) = TreeFrame::new(a.side(), b.side(), a_from_b) else {
             return &self.found;
         };
-        let query = Query {
+        let query = PatchQuery {
             a,
             b,
             pose: a_from_b,
@@ -164,7 +164,7 @@ impl ContactTracker {
         };
         let mut all = self.ask_all(&query, &frame);
         if all.is_empty()
-            && self.near.values().any(Near::may_overlap)
+            && self.near.values().any(NearPatches::may_overlap)
             && self.overlap.intersects(&a.parts(), &b.parts(), a_from_b)
         {
             let contact = parting(&query, frame.size * a.unit());
@@ -181,19 +181,19 @@ impl ContactTracker {
     }
 
     /// The names of the contacts of the last query.
-    fn names(&self) -> Vec<(Pair, crate::polyhedron::FeaturePair)> {
+    fn names(&self) -> Vec<(NodePair, crate::polyhedron::FeaturePair)> {
         let all = self.found.iter().flat_map(|g| &g.contacts);
         all.map(|c| (c.patches, c.point.id)).collect()
     }
 
     /// The contacts of all pairs of patches that are near.
-    fn ask_all(&mut self, query: &Query, frame: &Frame) -> Vec<PatchContact> {
+    fn ask_all(&mut self, query: &PatchQuery, frame: &TreeFrame) -> Vec<PatchContact> {
         let mut all = Vec::new();
         self.near.values_mut().for_each(|n| n.is_seen = false);
         for patches in near_pairs(query, frame) {
             let near = match self.near.entry(patches) {
                 Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(place) => match Near::new((query.a, query.b), patches) {
+                Entry::Vacant(place) => match NearPatches::new((query.a, query.b), patches) {
                     Some(near) => place.insert(near),
                     None => continue,
                 },
@@ -241,8 +241,8 @@ fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64
 }
 
 /// The pairs of patches whose boxes are not proven farther apart than the prediction, in order.
-fn near_pairs(query: &Query, frame: &Frame) -> Vec<Pair> {
-    let Query { a, b, options, .. } = query;
+fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
+    let PatchQuery { a, b, options, .. } = query;
     let (of_a, of_b) = (a.side().tree, b.side().tree);
     let level = frame.single_up(options.prediction.max(0.0) / a.unit());
     let (mut stack, mut found) = (alloc::vec![[0, 0]], Vec::new());

@@ -5,8 +5,8 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use super::body::ContactPatches;
 use super::surface::Borne;
 use super::union::is_in;
-use super::{PatchContact, Query};
-use crate::composite::front::Pair;
+use super::{PatchContact, PatchQuery};
+use crate::composite::front::NodePair;
 use crate::contact::{ContactPoint, Manifold};
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::ConvexPolyhedron;
@@ -17,7 +17,7 @@ use crate::tuning::composite::{FACES_TRIED, NEARLY};
 
 /// The state of two patches that are near.
 #[derive(Clone, Debug)]
-pub(super) struct Near {
+pub(super) struct NearPatches {
     parts: [(Shape, Isometry3<f64>); 2],
     tracker: ShapeTracker,
     manifold: Manifold,
@@ -28,17 +28,17 @@ pub(super) struct Near {
 }
 
 /// Two patches at a pose.
-pub(super) struct Posed<'a> {
-    pub(super) query: &'a Query<'a>,
-    pub(super) patches: Pair,
+pub(super) struct PosedPatches<'a> {
+    pub(super) query: &'a PatchQuery<'a>,
+    pub(super) patches: NodePair,
     pub(super) parts: &'a [(Shape, Isometry3<f64>); 2],
     /// From the frame of the part of B to that of the part of A.
     pub(super) pose: RelativePose,
 }
 
-impl Near {
+impl NearPatches {
     /// `None` for a patch that is no body.
-    pub(super) fn new((a, b): (&ContactPatches, &ContactPatches), [p, q]: Pair) -> Option<Self> {
+    pub(super) fn new((a, b): (&ContactPatches, &ContactPatches), [p, q]: NodePair) -> Option<Self> {
         Some(Self {
             parts: [a.part(p)?, b.part(q)?],
             tracker: ShapeTracker::new(),
@@ -54,7 +54,7 @@ impl Near {
     }
 
     /// Calls `found` with the contacts of the patches at a pose.
-    pub(super) fn ask(&mut self, query: &Query, patches: Pair, mut found: impl FnMut(PatchContact)) {
+    pub(super) fn ask(&mut self, query: &PatchQuery, patches: NodePair, mut found: impl FnMut(PatchContact)) {
         let Self {
             parts,
             tracker,
@@ -63,7 +63,7 @@ impl Near {
             ..
         } = self;
         let (pose, _) = query.placed.between(&parts[0].1, &parts[1].1);
-        let posed = Posed {
+        let posed = PosedPatches {
             query,
             patches,
             parts,
@@ -94,7 +94,7 @@ impl Near {
     }
 }
 
-impl Posed<'_> {
+impl PosedPatches<'_> {
     /// The normal of a manifold in A's frame.
     fn normal(&self, manifold: &Manifold) -> Unit<Vector3<f64>> {
         self.parts[0].1 * manifold.normal()
@@ -141,7 +141,7 @@ impl Posed<'_> {
 
     /// Whether a point is at the end of a face of a piece, and on a face of the other body.
     fn is_at_end(&self, n: &Vector3<f64>, point: &ContactPoint) -> bool {
-        let Query {
+        let PatchQuery {
             a,
             b,
             pose,
@@ -159,7 +159,7 @@ impl Posed<'_> {
     }
 
     pub(super) fn how_borne(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
-        let Query {
+        let PatchQuery {
             a,
             b,
             pose,
@@ -182,7 +182,7 @@ impl Posed<'_> {
 
     /// Whether the deepest contact leaves one of the bodies on the other side.
     fn is_through(&self, point: &ContactPoint) -> bool {
-        let Query { a, b, pose, doubt, .. } = self.query;
+        let PatchQuery { a, b, pose, doubt, .. } = self.query;
         let (rotation, translation) = (pose.rotation(), pose.translation());
         let in_a = Point3::from(rotation * point.point_on_b.coords + translation);
         let in_b = Point3::from(rotation.tr_mul(&(point.point_on_a.coords - translation)));
@@ -191,7 +191,7 @@ impl Posed<'_> {
 
     /// Whether a patch of a mesh has all of the other part behind it, from where no contact comes.
     fn is_behind(&self, n: &Vector3<f64>, deepest: &ContactPoint) -> bool {
-        let Query { a, b, .. } = self.query;
+        let PatchQuery { a, b, .. } = self.query;
         let [(p, _), (q, _)] = self.parts;
         let m = self.pose.rotation().tr_mul(n);
         let shift = n.dot(&self.pose.translation());
@@ -244,7 +244,7 @@ impl Posed<'_> {
 
     /// Whether a contact lies on the parts that are convex bodies.
     pub(super) fn is_on_parts(&self, point: &ContactPoint) -> bool {
-        let Query { a, b, doubt, .. } = self.query;
+        let PatchQuery { a, b, doubt, .. } = self.query;
         let [(p, _), (q, _)] = self.parts;
         (a.is_mesh() || is_in(p, &point.point_on_a, 2.0 * doubt))
             && (b.is_mesh() || is_in(q, &point.point_on_b, 2.0 * doubt))
@@ -253,7 +253,7 @@ impl Posed<'_> {
     /// Whether the face of an outcome is the nearest to the point that overlaps most: of a ridge
     /// that another body has entered from one side, the other side bears no contact.
     pub(super) fn is_nearest(&self, is_of_a: bool, outcome: &Outcome) -> bool {
-        let Query { a, b, doubt, .. } = self.query;
+        let PatchQuery { a, b, doubt, .. } = self.query;
         let depth = -outcome.distance * (1.0 - NEARLY) - doubt;
         if !(depth > 0.0) {
             return true;
@@ -270,7 +270,7 @@ impl Posed<'_> {
 
     /// The outcomes along the normals of faces of A or of B, the greatest gap first.
     fn faces(&self) -> impl Iterator<Item = (bool, Outcome)> + '_ {
-        let Query { a, b, .. } = self.query;
+        let PatchQuery { a, b, .. } = self.query;
         let [(p, at_p), (q, at_q)] = self.parts;
         let back = self.pose.swapped();
         let of_a = faces(p.core(), q.core(), &self.pose);

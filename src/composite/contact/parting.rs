@@ -7,7 +7,7 @@
 
 use nalgebra::{Translation3, Unit};
 
-use super::{PatchContact, Query};
+use super::{PatchContact, PatchQuery};
 use crate::composite::pieces::CompositeTracker;
 use crate::composite::placed::relative;
 use crate::contact::ContactPoint;
@@ -19,7 +19,7 @@ use crate::tuning::composite::WAY_BACK;
 
 /// Returns the contact along a translation that parts two solids; `None` if none is known. `size`
 /// is L of the pair in the caller's unit.
-pub(super) fn parting(query: &Query, size: f64) -> Option<PatchContact> {
+pub(super) fn parting(query: &PatchQuery, size: f64) -> Option<PatchContact> {
     let (a, b) = (query.a.parts(), query.b.parts());
     let mut tracker = CompositeTracker::new();
     let shift = tracker.penetration(&a, &b, query.pose)?.shift;

@@ -6,8 +6,8 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
-use super::grow::{Patch, corners, grow};
-use crate::composite::frame::Side;
+use super::grow::{PatchTriangles, corners, grow};
+use crate::composite::frame::TreeSide;
 use crate::composite::mesh::Mesh;
 use crate::composite::tree::Tree;
 use crate::composite::triangle;
@@ -30,7 +30,7 @@ pub(super) enum Borne {
 
 /// A mesh in patches.
 #[derive(Clone, Debug)]
-pub(super) struct Surface {
+pub(super) struct PatchedMesh {
     pub(super) mesh: Arc<Mesh>,
     tree: Tree,
     /// The patch of each leaf of the tree.
@@ -47,7 +47,7 @@ pub(super) struct Surface {
     slack: f64,
 }
 
-impl Surface {
+impl PatchedMesh {
     /// Cuts a mesh into patches that are convex within a tolerance in stored units.
     pub(super) fn new(mesh: Arc<Mesh>, tolerance: f64) -> Self {
         let slack = tolerance.max(ACROSS * mesh.radius);
@@ -56,7 +56,7 @@ impl Surface {
         let (mut tree, order) = Tree::split(&mesh.points, &vertices, 1);
         let items: Vec<&[u32]> = order.iter().map(|&k| &vertices[k as usize][..]).collect();
         tree.fit(&mesh.points, &items, 0.0);
-        let is_large = |p: &Patch| p.len() >= MANY_TRIANGLES;
+        let is_large = |p: &PatchTriangles| p.len() >= MANY_TRIANGLES;
         let mut surface = Self {
             tree,
             order,
@@ -79,8 +79,8 @@ impl Surface {
         surface
     }
 
-    pub(super) fn side(&self) -> Side<'_> {
-        Side {
+    pub(super) fn side(&self) -> TreeSide<'_> {
+        TreeSide {
             tree: &self.tree,
             exponent: self.mesh.exponent,
             radius: self.mesh.radius,

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::Mesh;
 use crate::composite::bounds::{MOST, bounds};
-use crate::composite::frame::Frame;
+use crate::composite::frame::TreeFrame;
 use crate::composite::parts::Parted;
 use crate::composite::search::split_pair;
 use crate::composite::tree::Below;
@@ -39,7 +39,10 @@ impl Mesh {
             ..MeshInspection::default()
         };
         let pose = RelativePose::from_isometry(&Isometry3::identity());
-        if let Some(frame) = pose.ok().and_then(|pose| Frame::new(self.side(), self.side(), &pose)) {
+        if let Some(frame) = pose
+            .ok()
+            .and_then(|pose| TreeFrame::new(self.side(), self.side(), &pose))
+        {
             self.cross(&frame, most, &mut found);
         }
         found.crossings.sort_unstable();
@@ -49,7 +52,7 @@ impl Mesh {
         found
     }
 
-    fn cross(&self, frame: &Frame, most: usize, found: &mut MeshInspection) {
+    fn cross(&self, frame: &TreeFrame, most: usize, found: &mut MeshInspection) {
         let tree = &self.tree;
         let mut stack = alloc::vec![[0, 0]];
         while !stack.is_empty() {

@@ -10,7 +10,7 @@ use super::Mesh;
 /// Six times the volume, 24 times the first moments, 120 times the second, about the box centre, in
 /// stored units.
 #[derive(Default)]
-struct Moments {
+struct MeshMoments {
     volume: f64,
     first: Vector3<f64>,
     second: Matrix3<f64>,
@@ -59,8 +59,8 @@ impl Mesh {
         self.low * 0.5 + self.high * 0.5
     }
 
-    fn moments(&self) -> Moments {
-        let mut sum = Moments::default();
+    fn moments(&self) -> MeshMoments {
+        let mut sum = MeshMoments::default();
         if !self.is_solid() {
             return sum;
         }

@@ -10,7 +10,7 @@ use crate::tolerance::UNIT_SINGLE;
 
 /// The nearest point of a mesh, in stored coordinates.
 #[derive(Clone, Copy)]
-pub(in crate::composite) struct Foot {
+pub(in crate::composite) struct MeshFoot {
     /// The squared distance.
     pub(in crate::composite) square: f64,
     pub(in crate::composite) point: Vector3<f64>,
@@ -46,16 +46,16 @@ impl<'a> From<'a> {
 impl Mesh {
     /// Returns the point of the surface that is nearest to a point in stored coordinates, right up
     /// to rounding.
-    pub(in crate::composite) fn nearest(&self, point: &Vector3<f64>) -> Foot {
+    pub(in crate::composite) fn nearest(&self, point: &Vector3<f64>) -> MeshFoot {
         self.nearest_beyond(point, 0.0)
     }
 
     /// Returns the same; if the surface is no farther than `level`, any point of it that is no
     /// farther.
-    pub(in crate::composite) fn nearest_beyond(&self, point: &Vector3<f64>, level: f64) -> Foot {
+    pub(in crate::composite) fn nearest_beyond(&self, point: &Vector3<f64>, level: f64) -> MeshFoot {
         let (tree, from) = (&self.tree, From::new(&self.tree, point));
         let least = |node: u32| from.least(node);
-        let mut best = Foot {
+        let mut best = MeshFoot {
             square: f64::INFINITY,
             point: *point,
             triangle: 0,
@@ -77,7 +77,7 @@ impl Mesh {
                     for triangle in first..first + count {
                         let (square, point) = triangle::foot_of(point, &self.corners(triangle));
                         if square < best.square {
-                            best = Foot {
+                            best = MeshFoot {
                                 square,
                                 point,
                                 triangle,

@@ -11,7 +11,7 @@ use super::{Mesh, MeshError, MeshReport};
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Mesh")]
-struct Stored {
+struct StoredMesh {
     points: Vec<[f64; 3]>,
     triangles: Vec<[u32; 3]>,
     source_points: Vec<u32>,
@@ -32,7 +32,7 @@ impl Serialize for Mesh {
         let mut number = points.clone();
         (0u32..).zip(&points).for_each(|(k, &v)| number[v as usize] = k);
         let place = |&v: &u32| self.given(&self.points[v as usize]).into();
-        Stored {
+        StoredMesh {
             points: points.iter().map(place).collect(),
             triangles: triangles
                 .iter()
@@ -48,11 +48,11 @@ impl Serialize for Mesh {
 
 impl<'de> Deserialize<'de> for Mesh {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        restore(Stored::deserialize(deserializer)?).map_err(D::Error::custom)
+        restore(StoredMesh::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 }
 
-fn restore(stored: Stored) -> Result<Mesh, MeshError> {
+fn restore(stored: StoredMesh) -> Result<Mesh, MeshError> {
     let points: Vec<Point3<f64>> = stored.points.into_iter().map(Point3::from).collect();
     let mut mesh = Mesh::new(&points, &stored.triangles)?;
     let kept = (mesh.vertex_count(), mesh.triangle_count());

@@ -38,7 +38,7 @@ use crate::tuning::composite::{BEYOND, CELL_HALVINGS, CELL_PLANES};
 pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shape> {
     let mut reach = reach.min(2.0 * mesh.radius);
     let planes = (0..CELL_HALVINGS).find_map(|_| {
-        let cut = Cut::new(mesh, place, reach).run();
+        let cut = CellCut::new(mesh, place, reach).run();
         reach *= 0.5;
         cut
     })?;
@@ -53,35 +53,35 @@ pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shap
 
 /// All of the cell is at most `level` high along `n`, every triangle beyond more than a margin
 /// higher.
-struct Plane {
+struct CellPlane {
     n: Vector3<f64>,
     level: f64,
 }
 
 /// A node or a triangle, and a lower bound of its distance.
-struct Open {
+struct OpenNode {
     away: f64,
     is_triangle: bool,
     number: u32,
 }
 
 /// The planes about a point.
-struct Cut<'a> {
+struct CellCut<'a> {
     mesh: &'a Mesh,
     place: &'a Vector3<f64>,
     from: From<'a>,
-    planes: Vec<Plane>,
+    planes: Vec<CellPlane>,
     /// Twice the rounding of a height of a corner of a triangle or of the cell.
     margin: f64,
-    open: BinaryHeap<Open>,
+    open: BinaryHeap<OpenNode>,
 }
 
-impl<'a> Cut<'a> {
+impl<'a> CellCut<'a> {
     fn new(mesh: &'a Mesh, place: &'a Vector3<f64>, reach: f64) -> Self {
         let box_plane = |k: usize| {
             let mut n = Vector3::zeros();
             n[k / 2] = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
-            Plane {
+            CellPlane {
                 level: n.dot(place) + reach,
                 n,
             }
@@ -97,9 +97,9 @@ impl<'a> Cut<'a> {
     }
 
     /// The planes; `None` if there are too many, or a triangle is too near.
-    fn run(mut self) -> Option<Vec<Plane>> {
+    fn run(mut self) -> Option<Vec<CellPlane>> {
         self.add(false, 0);
-        while let Some(Open {
+        while let Some(OpenNode {
             is_triangle, number, ..
         }) = self.open.pop()
         {
@@ -123,12 +123,12 @@ impl<'a> Cut<'a> {
         } else {
             self.from.least(number)
         };
-        let is_beyond = |plane: &Plane| {
+        let is_beyond = |plane: &CellPlane| {
             let lowest = -height(&self.mesh.tree, number, &-plane.n);
             lowest >= plane.level + 2.0 * self.margin
         };
         if is_triangle || !self.planes.iter().rev().any(is_beyond) {
-            self.open.push(Open {
+            self.open.push(OpenNode {
                 away,
                 is_triangle,
                 number,
@@ -159,15 +159,15 @@ impl<'a> Cut<'a> {
         if !(n.dot(self.place) < level) || self.planes.len() == CELL_PLANES {
             return None;
         }
-        self.planes.push(Plane { n, level });
+        self.planes.push(CellPlane { n, level });
         Some(())
     }
 }
 
 /// The corners of the part below all planes, in the caller's unit: the polar of the hull of the
 /// planes' poles.
-fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[Plane]) -> Option<Vec<Point3<f64>>> {
-    let room = |plane: &Plane| plane.level - plane.n.dot(place);
+fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[CellPlane]) -> Option<Vec<Point3<f64>>> {
+    let room = |plane: &CellPlane| plane.level - plane.n.dot(place);
     let poles: Vec<_> = planes.iter().map(|p| Point3::from(p.n / room(p))).collect();
     let polar = ConvexPolyhedron::from_points(&poles).ok()?;
     let corner = |(n, offset): (nalgebra::Unit<Vector3<f64>>, f64)| (offset > 0.0).then(|| n.into_inner() / offset);
@@ -181,7 +181,7 @@ fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[Plane]) -> Option<Vec<Po
     Some(ways.iter().map(|way| mesh.given(&(place + way / most))).collect())
 }
 
-impl Ord for Open {
+impl Ord for OpenNode {
     /// The nearest is the greatest.
     fn cmp(&self, other: &Self) -> Ordering {
         let order = other.away.total_cmp(&self.away);
@@ -191,16 +191,16 @@ impl Ord for Open {
     }
 }
 
-impl PartialOrd for Open {
+impl PartialOrd for OpenNode {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Open {
+impl PartialEq for OpenNode {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other).is_eq()
     }
 }
 
-impl Eq for Open {}
+impl Eq for OpenNode {}

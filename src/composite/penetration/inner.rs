@@ -25,7 +25,7 @@ use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::{Composite, Piece};
 use crate::composite::placed::Placed;
-use crate::composite::state::Posed;
+use crate::composite::state::PosedTrees;
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::{Class, Outcome};
 use crate::polyhedron::ConvexPolyhedron;
@@ -35,10 +35,10 @@ use crate::shape_tracker::ShapeTracker;
 use crate::tuning::composite::{DEEP_POINTS, SINKS};
 
 /// A lower bound of a depth, and the translation of the inner body that ends the overlap found.
-pub(super) type Deep = (f64, Vector3<f64>);
+pub(super) type ProvenDepth = (f64, Vector3<f64>);
 
 /// The inner body seen from the frame of the outer one, in stored units.
-struct Inner<'a> {
+struct InnerPoints<'a> {
     body: PartsRef<'a>,
     place: &'a dyn Fn(&Vector3<f64>) -> Vector3<f64>,
     rotation: Matrix3<f64>,
@@ -52,12 +52,12 @@ struct Inner<'a> {
 
 /// Returns the deepest overlap found, with the translation of B, in A's frame and the caller's
 /// unit, if an inner point is found; and the winding numbers taken.
-pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> (Option<Deep>, u64) {
-    let Some(posed) = Posed::new(a, b, pose) else {
+pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> (Option<ProvenDepth>, u64) {
+    let Some(posed) = PosedTrees::new(a, b, pose) else {
         return (None, 0);
     };
     let (rotation, scale, doubt) = (posed.frame.rotation, posed.frame.scale, 2.0 * posed.frame.error);
-    let mut b_in_a = Inner {
+    let mut b_in_a = InnerPoints {
         body: b.by_kind(),
         place: &|p| posed.frame.point(p),
         rotation,
@@ -65,7 +65,7 @@ pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -
         doubt,
         windings: 0,
     };
-    let mut a_in_b = Inner {
+    let mut a_in_b = InnerPoints {
         body: a.by_kind(),
         place: &|p| posed.back(p),
         rotation: rotation.transpose(),
@@ -90,12 +90,12 @@ pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -
     (found, b_in_a.windings + a_in_b.windings)
 }
 
-fn deeper(x: Deep, y: Deep) -> Deep {
+fn deeper(x: ProvenDepth, y: ProvenDepth) -> ProvenDepth {
     if x.0 < y.0 { y } else { x }
 }
 
 /// Adds an overlap if it is one, and deeper than the one before.
-fn keep_deeper(best: &mut Option<Deep>, new: Deep) {
+fn keep_deeper(best: &mut Option<ProvenDepth>, new: ProvenDepth) {
     if new.0 > 0.0 && best.is_none_or(|b| b.0 < new.0) {
         *best = Some(new);
     }
@@ -107,10 +107,10 @@ fn points(mesh: &Mesh) -> impl Iterator<Item = &Vector3<f64>> {
     mesh.points.iter().step_by(step)
 }
 
-impl Inner<'_> {
+impl InnerPoints<'_> {
     /// The deepest overlap with a mesh, in the mesh's frame and the caller's unit; of a vertex only
     /// if it is deeper than `floor`.
-    fn in_mesh(&mut self, outer: &Mesh, floor: f64) -> Option<Deep> {
+    fn in_mesh(&mut self, outer: &Mesh, floor: f64) -> Option<ProvenDepth> {
         let (mut best, unit) = (None, outer.unit());
         match self.body {
             PartsRef::Mesh(mesh) => {
@@ -136,7 +136,7 @@ impl Inner<'_> {
     /// `None` if it is no deeper than `least`. All in stored units of the mesh.
     ///
     /// Of most points a triangle near them shows that they are no deeper than the deepest before.
-    fn deeper_point(&mut self, mesh: &Mesh, place: &Vector3<f64>, least: f64) -> Option<Deep> {
+    fn deeper_point(&mut self, mesh: &Mesh, place: &Vector3<f64>, least: f64) -> Option<ProvenDepth> {
         if !may_hold(mesh, place, 0.0) {
             return None;
         }
@@ -211,7 +211,7 @@ fn may_hold(mesh: &Mesh, centre: &Vector3<f64>, radius: f64) -> bool {
 
 /// The deepest of a mesh's vertices in the pieces of a body, in the body's frame and the caller's
 /// unit.
-fn in_pieces(outer: &Composite, mesh: &Mesh, inner: &Inner) -> Option<Deep> {
+fn in_pieces(outer: &Composite, mesh: &Mesh, inner: &InnerPoints) -> Option<ProvenDepth> {
     let unit = outer.stored_unit();
     let points: Vec<Point3<f64>> = points(mesh).map(|p| Point3::from((inner.place)(p) * unit)).collect();
     let mut best = None;
@@ -230,14 +230,14 @@ fn in_pieces(outer: &Composite, mesh: &Mesh, inner: &Inner) -> Option<Deep> {
 }
 
 /// How deep a point is in a shape, at least, and the way out.
-fn depth_in(tracker: &mut ShapeTracker, shape: &Shape, point: &Vector3<f64>) -> Option<Deep> {
+fn depth_in(tracker: &mut ShapeTracker, shape: &Shape, point: &Vector3<f64>) -> Option<ProvenDepth> {
     let dot = Shape::from(ConvexPolyhedron::point(Point3::origin()).ok()?);
     let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;
     overlap(&tracker.closest(shape, &dot, &at))
 }
 
 /// The overlap of an outcome, and the translation of B that ends the overlap.
-fn overlap(found: &Outcome) -> Option<Deep> {
+fn overlap(found: &Outcome) -> Option<ProvenDepth> {
     let is_deep = found.class == Class::Overlapping && found.upper < 0.0;
     is_deep.then(|| (-found.upper, found.normal.into_inner() * -found.distance))
 }
@@ -249,8 +249,8 @@ pub(super) fn of_parts<A: Parted, B: Parted>(
     pose: &RelativePose,
     point: &Point3<f64>,
     reach: f64,
-) -> Option<Deep> {
-    let posed = Posed::new(a, b, pose)?;
+) -> Option<ProvenDepth> {
+    let posed = PosedTrees::new(a, b, pose)?;
     let (placed, place) = (Placed::of(pose, a, b), point.coords / a.stored_unit());
     let of_a = about(a.by_kind(), &place, reach / a.stored_unit());
     let of_b = about(b.by_kind(), &posed.back(&place), reach / b.stored_unit());
@@ -260,7 +260,7 @@ pub(super) fn of_parts<A: Parted, B: Parted>(
 /// Returns the overlap of the convex part about the middle of a mesh with a piece, or with the same
 /// part of another mesh, and its translation of B, in the caller's unit. `None` for two bodies of
 /// pieces, which [`deepest`] measures whole.
-pub(super) fn of_wholes<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> Option<Deep> {
+pub(super) fn of_wholes<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -> Option<ProvenDepth> {
     match (a.by_kind(), b.by_kind()) {
         (PartsRef::Pieces(_), PartsRef::Pieces(_)) => None,
         (of_a, of_b) => of_pairs(&wholes(of_a), &wholes(of_b), &Placed::of(pose, a, b)),
@@ -276,7 +276,11 @@ fn wholes(body: PartsRef) -> Vec<(Shape, Isometry3<f64>)> {
 }
 
 /// The deepest pair of placed convex bodies.
-fn of_pairs(of_a: &[(Shape, Isometry3<f64>)], of_b: &[(Shape, Isometry3<f64>)], placed: &Placed) -> Option<Deep> {
+fn of_pairs(
+    of_a: &[(Shape, Isometry3<f64>)],
+    of_b: &[(Shape, Isometry3<f64>)],
+    placed: &Placed,
+) -> Option<ProvenDepth> {
     let mut best = None;
     for (p, at_p) in of_a {
         for (q, at_q) in of_b {

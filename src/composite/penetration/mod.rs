@@ -27,7 +27,7 @@ use super::mesh::Mesh;
 use super::parts::{Parted, Parts, PartsRef};
 use super::pieces::CompositeTracker;
 use super::placed::relative;
-use super::state::Posed;
+use super::state::PosedTrees;
 use super::tracker::MeshTracker;
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::Class;
@@ -56,7 +56,7 @@ pub struct PenetrationBounds {
 
 /// What a tracker found at a pose: the class of the bodies, a lower bound of the distance, and the
 /// closest point of A.
-type Found = (Class, f64, Point3<f64>);
+type FoundAtPose = (Class, f64, Point3<f64>);
 
 /// Two bodies whose depth is sought, and a query of a tracker.
 struct Overlap<'a, A, B, Q> {
@@ -65,7 +65,7 @@ struct Overlap<'a, A, B, Q> {
     query: Q,
 }
 
-impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Overlap<'_, A, B, Q> {
+impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> Overlap<'_, A, B, Q> {
     /// Returns a lower bound of the distance of the bodies at a pose, if they are proven apart, and
     /// the closest point of A.
     fn apart(&mut self, pose: &RelativePose) -> Option<(f64, Point3<f64>)> {
@@ -90,7 +90,7 @@ fn hull(body: PartsRef) -> Result<ConvexPolyhedron, BuildError> {
     }
 }
 
-struct Search<'a, A, B, Q> {
+struct PenetrationSearch<'a, A, B, Q> {
     bodies: Overlap<'a, A, B, Q>,
     at: Isometry3<f64>,
     /// A distance within the rounding of a pose that is shifted.
@@ -101,7 +101,7 @@ struct Search<'a, A, B, Q> {
     parted: Option<(Vector3<f64>, Point3<f64>)>,
 }
 
-impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Search<'_, A, B, Q> {
+impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSearch<'_, A, B, Q> {
     fn shifted(&self, shift: &Vector3<f64>) -> Option<RelativePose> {
         RelativePose::from_isometry(&(Translation3::from(*shift) * self.at)).ok()
     }
@@ -117,7 +117,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Search<'_, A, B, Q>
         true
     }
 
-    fn deepest(&mut self, pose: &RelativePose) -> Option<inner::Deep> {
+    fn deepest(&mut self, pose: &RelativePose) -> Option<inner::ProvenDepth> {
         let (found, windings) = inner::deepest(self.bodies.a, self.bodies.b, pose);
         self.windings += windings;
         found
@@ -216,9 +216,9 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> Found> Search<'_, A, B, Q>
 fn bounds<A: Parted, B: Parted>(
     (a, b): (&A, &B),
     pose: &RelativePose,
-    query: impl FnMut(&RelativePose) -> Found,
+    query: impl FnMut(&RelativePose) -> FoundAtPose,
 ) -> Option<(PenetrationBounds, u64)> {
-    let posed = Posed::new(a, b, pose).filter(|_| a.is_solid() && b.is_solid())?;
+    let posed = PosedTrees::new(a, b, pose).filter(|_| a.is_solid() && b.is_solid())?;
     let mut bodies = Overlap { a, b, query };
     if bodies.apart(pose).is_some() {
         let none = PenetrationBounds {
@@ -229,7 +229,7 @@ fn bounds<A: Parted, B: Parted>(
         };
         return Some((none, 0));
     }
-    let search = Search {
+    let search = PenetrationSearch {
         bodies,
         at: relative(pose),
         noise: 4.0 * CERTIFICATE * UNIT * posed.frame.size * a.stored_unit(),

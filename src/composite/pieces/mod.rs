@@ -9,7 +9,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
 pub use tracker::{CompositeOutcome, CompositeTracker};
 
-use super::frame::Side;
+use super::frame::TreeSide;
 use super::mesh::{Mesh, MeshError};
 use super::parts::{Parted, PartsRef};
 use super::tree::Tree;
@@ -273,8 +273,8 @@ impl Parted for Composite {
         PartsRef::Pieces(self)
     }
 
-    fn side(&self) -> Side<'_> {
-        Side {
+    fn side(&self) -> TreeSide<'_> {
+        TreeSide {
             tree: &self.tree,
             exponent: self.exponent,
             radius: self.radius,

@@ -3,13 +3,13 @@
 use alloc::collections::BTreeMap;
 use nalgebra::{Isometry3, Vector3};
 
-use crate::composite::frame::Frame;
-use crate::composite::front::Pair;
+use crate::composite::frame::TreeFrame;
+use crate::composite::front::NodePair;
 use crate::composite::parts::Parted;
 use crate::composite::placed::Placed;
 use crate::composite::search::{Judge, Measured};
 use crate::composite::shared::Touching;
-use crate::composite::state::Posed;
+use crate::composite::state::PosedTrees;
 use crate::pair::outcome::{Class, Outcome};
 use crate::polyhedron::FeaturePair;
 use crate::shape::Shape;
@@ -17,22 +17,26 @@ use crate::shape_tracker::ShapeTracker;
 
 /// Two parts that came near.
 #[derive(Clone, Debug)]
-pub(super) struct Near {
+pub(super) struct NearParts {
     parts: [(Shape, Isometry3<f64>); 2],
     pub(super) tracker: ShapeTracker,
 }
 
 /// Judges pairs of parts.
-pub(super) struct PartPair<'a, A, B> {
-    posed: &'a Posed<'a, A, B>,
+pub(super) struct PartJudge<'a, A, B> {
+    posed: &'a PosedTrees<'a, A, B>,
     placed: Placed<'a>,
     /// The distance in question, in the caller's unit, if that is the question.
     within: Option<f64>,
-    near: &'a mut BTreeMap<Pair, Near>,
+    near: &'a mut BTreeMap<NodePair, NearParts>,
 }
 
-impl<'a, A: Parted, B: Parted> PartPair<'a, A, B> {
-    pub(super) fn new(posed: &'a Posed<'a, A, B>, within: Option<f64>, near: &'a mut BTreeMap<Pair, Near>) -> Self {
+impl<'a, A: Parted, B: Parted> PartJudge<'a, A, B> {
+    pub(super) fn new(
+        posed: &'a PosedTrees<'a, A, B>,
+        within: Option<f64>,
+        near: &'a mut BTreeMap<NodePair, NearParts>,
+    ) -> Self {
         Self {
             posed,
             placed: Placed::of(posed.pose, posed.a, posed.b),
@@ -42,7 +46,7 @@ impl<'a, A: Parted, B: Parted> PartPair<'a, A, B> {
     }
 
     /// The bounds of two parts about which nothing is known.
-    fn unknown(&self, frame: &Frame, pair: Pair) -> Measured<FeaturePair> {
+    fn unknown(&self, frame: &TreeFrame, pair: NodePair) -> Measured<FeaturePair> {
         let (on_a, on_b) = (self.posed.a.side().tree.centre, self.posed.b.side().tree.centre);
         Measured {
             pair,
@@ -58,7 +62,7 @@ impl<'a, A: Parted, B: Parted> PartPair<'a, A, B> {
     }
 }
 
-impl<A: Parted, B: Parted> Judge for PartPair<'_, A, B> {
+impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
     type Features = FeaturePair;
 
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
@@ -73,19 +77,19 @@ impl<A: Parted, B: Parted> Judge for PartPair<'_, A, B> {
         self.posed.shares_inside(touching, found)
     }
 
-    fn measure(&mut self, frame: &Frame, pair: Pair, _: f64) -> Measured<FeaturePair> {
+    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, _: f64) -> Measured<FeaturePair> {
         let (a, b) = (self.posed.a, self.posed.b);
         if !self.near.contains_key(&pair) {
             let (Some(p), Some(q)) = (a.part(pair[0]), b.part(pair[1])) else {
                 return self.unknown(frame, pair);
             };
-            let near = Near {
+            let near = NearParts {
                 parts: [p, q],
                 tracker: ShapeTracker::new(),
             };
             self.near.insert(pair, near);
         }
-        let Some(Near { parts, tracker }) = self.near.get_mut(&pair) else {
+        let Some(NearParts { parts, tracker }) = self.near.get_mut(&pair) else {
             return self.unknown(frame, pair);
         };
         let [(p, at_p), (q, at_q)] = parts;

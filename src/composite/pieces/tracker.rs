@@ -3,11 +3,11 @@
 use alloc::collections::BTreeMap;
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::pair::{Near, PartPair};
-use crate::composite::front::Pair;
+use super::pair::{NearParts, PartJudge};
+use crate::composite::front::NodePair;
 use crate::composite::kept::Kept;
 use crate::composite::parts::Parts;
-use crate::composite::state::{Answer, Posed, State};
+use crate::composite::state::{Answer, PosedTrees, TreeState};
 use crate::composite::work::MeshWork;
 use crate::num::count::Counter;
 use crate::pair::outcome::{Class, Distance};
@@ -96,9 +96,9 @@ impl From<&CompositeOutcome> for Distance {
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct CompositeTracker {
-    state: State,
+    state: TreeState,
     #[cfg_attr(feature = "serde", serde(skip))]
-    near: BTreeMap<Pair, Near>,
+    near: BTreeMap<NodePair, NearParts>,
 }
 
 impl CompositeTracker {
@@ -138,17 +138,17 @@ impl CompositeTracker {
     /// the origins; half as much more if pieces have poses of their own. Curved pieces add the
     /// width of their own bounds.
     pub fn closest<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> CompositeOutcome {
-        if Posed::is_turned(a, b, a_from_b) {
+        if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
         }
         self.recognise(a, b);
         self.state.kept.work.queries.count(1);
-        let answer = match Posed::new(a, b, a_from_b) {
+        let answer = match PosedTrees::new(a, b, a_from_b) {
             Some(posed) => {
-                let judge = PartPair::new(&posed, None, &mut self.near);
+                let judge = PartJudge::new(&posed, None, &mut self.near);
                 self.state.closest(&posed, judge)
             }
-            None => Posed::far(a, b, a_from_b),
+            None => PosedTrees::far(a, b, a_from_b),
         };
         self.forget_some();
         outcome(a, b, &answer)
@@ -173,15 +173,15 @@ impl CompositeTracker {
         if !(d >= 0.0) {
             return false;
         }
-        if Posed::is_turned(a, b, a_from_b) {
+        if PosedTrees::is_turned(a, b, a_from_b) {
             return self.within(b, a, &a_from_b.swapped(), d);
         }
         self.recognise(a, b);
         self.state.kept.work.queries.count(1);
-        let Some(posed) = Posed::new(a, b, a_from_b) else {
-            return Posed::far::<()>(a, b, a_from_b).lower <= d;
+        let Some(posed) = PosedTrees::new(a, b, a_from_b) else {
+            return PosedTrees::far::<()>(a, b, a_from_b).lower <= d;
         };
-        let judge = PartPair::new(&posed, Some(d), &mut self.near);
+        let judge = PartJudge::new(&posed, Some(d), &mut self.near);
         let is_within = self.state.within(&posed, judge, d / a.stored_unit());
         self.forget_some();
         is_within
@@ -190,11 +190,11 @@ impl CompositeTracker {
     /// Returns a lower bound of the distance in one pass over the front, without looking for the
     /// closest pair; zero if nothing better is known.
     pub fn lower_bound<A: Parts, B: Parts>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> f64 {
-        if Posed::is_turned(a, b, a_from_b) {
+        if PosedTrees::is_turned(a, b, a_from_b) {
             return self.lower_bound(b, a, &a_from_b.swapped());
         }
         self.recognise(a, b);
-        Posed::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
+        PosedTrees::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
     }
 
     fn recognise<A: Parts, B: Parts>(&mut self, a: &A, b: &B) {

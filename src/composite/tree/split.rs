@@ -119,7 +119,7 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
 
     /// Axes of the spread, its mean and its eigenvalues.
     fn spread(&self, first: usize, count: usize) -> ([Vector3<f64>; 3], Vector3<f64>, [f64; 3]) {
-        let mut sum = Moments::default();
+        let mut sum = SplitMoments::default();
         for item in &self.items[first..first + count] {
             let (weight, middle) = (f64::from(item.weight), Vector3::from(item.middle.map(f64::from)));
             if count > FEW_CORNERS {
@@ -208,13 +208,13 @@ fn single(v: &Vector3<f64>) -> [f32; 3] {
 }
 
 #[derive(Default)]
-struct Moments {
+struct SplitMoments {
     weight: f64,
     first: Vector3<f64>,
     second: Matrix3<f64>,
 }
 
-impl Moments {
+impl SplitMoments {
     fn add(&mut self, weight: f64, p: &Vector3<f64>) {
         let q = p * weight;
         self.weight += weight;

@@ -9,8 +9,8 @@ use nalgebra::{Isometry3, Point3};
 use super::*;
 use crate::num::double_double::DoubleDouble as Wide;
 use crate::num::scalar::Scalar;
-use crate::patch::closest::{Meeting, Pair};
-use crate::patch::gap::{Counts, Trees};
+use crate::patch::closest::{Meeting, PatchPair};
+use crate::patch::gap::{SearchCounts, Trees};
 use crate::patch::net::Patch;
 use crate::patch::surface::Surface;
 use crate::patch::tree::{Grown, Nodes};
@@ -37,7 +37,7 @@ fn exact(patch: &Patch, at: [f64; 2]) -> [Wide; 4] {
 }
 
 /// The height of a point above a bowl, in twice the digits.
-fn height(half: &Half, h: &[Wide; 4]) -> Wide {
+fn height(half: &BowlSide, h: &[Wide; 4]) -> Wide {
     let x = [0, 1, 2].map(|k| h[k] / h[3] - Wide::from(half.at[k]));
     let dot = |n: &Vector3<f64>| (0..3).fold(Wide::from(0.0), |s, k| s + Wide::from(n[k]) * x[k]);
     let s = [dot(&half.e[0]), dot(&half.e[1])];
@@ -91,7 +91,7 @@ fn excess(rng: &mut Rng, far: f64) -> Option<f64> {
     // From a form that hardly matters to the steepest that is looked at.
     let form = Matrix2::new(a, b, b, c) * rng.log_range(0.1, 6.0);
     let length = sqrt(form.norm_squared()) * ROUND_UP;
-    let half = Half {
+    let half = BowlSide {
         n,
         e: tangents(&n),
         at,
@@ -164,8 +164,8 @@ fn dish(size: f64, bend: f64, z: f64) -> Surface {
     one((0..9).map(at).collect())
 }
 
-fn meeting(a: &Surface, b: &Surface, frame: &Frame) -> Meeting {
-    let pair = Pair {
+fn meeting(a: &Surface, b: &Surface, frame: &NetFrame) -> Meeting {
+    let pair = PatchPair {
         a: &a.patches[0],
         b: &b.patches[0],
         frame,
@@ -178,7 +178,7 @@ fn meeting(a: &Surface, b: &Surface, frame: &Frame) -> Meeting {
 /// the square of the form refuse it.
 #[test]
 fn a_bowl_knows_that_parallel_surfaces_bend_more() {
-    let frame = Frame::new(
+    let frame = NetFrame::new(
         [1.0, 1.0],
         0.0,
         &RelativePose::from_isometry(&Isometry3::identity()).expect("a pose"),
@@ -205,7 +205,7 @@ fn a_bowl_knows_that_parallel_surfaces_bend_more() {
                 a: Nodes::new(&a.tree, &mut of_a),
                 b: Nodes::new(&b.tree, &mut of_b),
                 frame: &frame,
-                counts: Counts::default(),
+                counts: SearchCounts::default(),
             };
             found += u32::from(trees.is_about([0, 0], &bowl, 0.5 - 1e-9));
             assert!(!trees.is_about([0, 0], &bowl, 0.5 + 1e-9), "{bend} {k}");
@@ -227,7 +227,7 @@ fn a_bowl_proves_a_distance_and_no_more() {
         let turn = nalgebra::UnitQuaternion::from_scaled_axis(unit(&mut rng) * rng.range(0.0, 0.1));
         let shift = unit(&mut rng) * 0.03;
         let pose = RelativePose::from_isometry(&Isometry3::from_parts(shift.into(), turn)).expect("a pose");
-        let frame = Frame::new([a.reach, b.reach], 0.0, &pose).expect("of a size");
+        let frame = NetFrame::new([a.reach, b.reach], 0.0, &pose).expect("of a size");
         let found = meeting(&a, &b, &frame);
         let Some(bowl) = &found.bowl else { continue };
         let (mut of_a, mut of_b) = (Grown::default(), Grown::default());
@@ -235,7 +235,7 @@ fn a_bowl_proves_a_distance_and_no_more() {
             a: Nodes::new(&a.tree, &mut of_a),
             b: Nodes::new(&b.tree, &mut of_b),
             frame: &frame,
-            counts: Counts::default(),
+            counts: SearchCounts::default(),
         };
         proven += u32::from(trees.is_about([0, 0], bowl, found.distance - 1e-9));
         assert!(!trees.is_about([0, 0], bowl, found.distance + 1e-12));

@@ -8,8 +8,8 @@ use nalgebra::{Isometry3, Point3, UnitQuaternion};
 
 use super::*;
 use crate::patch::closest::Patches;
-use crate::patch::frame::Frame;
-use crate::patch::gap::Counts;
+use crate::patch::frame::NetFrame;
+use crate::patch::gap::SearchCounts;
 use crate::patch::net::Patch;
 use crate::patch::surface::Surface;
 use crate::patch::tree::{Grown, Nodes};
@@ -33,7 +33,7 @@ fn patch(rng: &mut Rng) -> Patch {
 }
 
 /// The least distance found of two points of the boxes.
-fn least(rng: &mut Rng, [a, b]: [&Patch; 2], sides: &[[f64; 2]; 4], frame: &Frame) -> f64 {
+fn least(rng: &mut Rng, [a, b]: [&Patch; 2], sides: &[[f64; 2]; 4], frame: &NetFrame) -> f64 {
     let of = |at: &[f64; 4]| {
         let (p, q) = (a.point(at[0], at[1]), b.point(at[2], at[3]));
         (frame.place(&q.coords) - p.coords).norm()
@@ -78,13 +78,13 @@ fn no_point_of_a_region_is_closer() {
         let turn = UnitQuaternion::from_scaled_axis(axis * rng.range(0.0, 3.0));
         let t = Vector3::new(rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), rng.range(0.3, 2.5));
         let pose = RelativePose::from_isometry(&Isometry3::from_parts(t.into(), turn)).expect("a pose");
-        let frame = Frame::new([a.reach, b.reach], 0.0, &pose).expect("of a size");
+        let frame = NetFrame::new([a.reach, b.reach], 0.0, &pose).expect("of a size");
         let (mut of_a, mut of_b) = (Grown::default(), Grown::default());
         let mut trees = Trees {
             a: Nodes::new(&a.tree, &mut of_a),
             b: Nodes::new(&b.tree, &mut of_b),
             frame: &frame,
-            counts: Counts::default(),
+            counts: SearchCounts::default(),
         };
         let mut points = Patches {
             a: a.patches(),

@@ -38,7 +38,7 @@ pub enum BuildError {
         extent: f64,
     },
     /// All points are exactly coplanar (dimension 2), collinear (1) or equal (0).
-    #[error("{}", Flat(*dimension, span))]
+    #[error("{}", FlatPoints(*dimension, span))]
     Flat {
         /// Dimension of the affine hull.
         dimension: usize,
@@ -172,9 +172,9 @@ pub enum BuildError {
 }
 
 /// Displays why points of a dimension below three, spanned by some of them, are no body.
-struct Flat<'a>(usize, &'a [usize]);
+struct FlatPoints<'a>(usize, &'a [usize]);
 
-impl fmt::Display for Flat<'_> {
+impl fmt::Display for FlatPoints<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self(dimension, span) = self;
         match dimension {

@@ -102,7 +102,7 @@ fn build(
 ) -> Result<ConvexPolyhedron, BuildError> {
     let (used, unused) = used_points(points, faces)?;
     let cloud = Cloud::new(points, used, 4)?;
-    let mesh = Mesh::new(points.len(), faces, &cloud)?;
+    let mesh = FaceList::new(points.len(), faces, &cloud)?;
     let misdirected = mesh.check_edges()?;
     let scale = power_of_two(-cloud.exponent);
     let bound = bound.map_or(PLANARITY * cloud.diagonal(), |b| b * scale);
@@ -146,7 +146,7 @@ fn used_points(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<(V
 }
 
 /// The caller's faces, over the points of the cloud.
-pub(crate) struct Mesh {
+pub(crate) struct FaceList {
     /// Vertices of all faces, face after face, as indices in the cloud.
     pub(crate) corners: Vec<u32>,
     /// Start of each face in `corners`, and the end of the last face.
@@ -163,7 +163,7 @@ struct FacePlane {
     deviation: f64,
 }
 
-impl Mesh {
+impl FaceList {
     fn new(points: usize, faces: &[impl AsRef<[u32]>], cloud: &Cloud) -> Result<Self, BuildError> {
         let mut place = vec![NONE; points];
         for (i, &s) in cloud.source.iter().enumerate() {

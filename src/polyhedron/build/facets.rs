@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use crate::num::sign::{projection, side, turn};
-use crate::polyhedron::build::hull::{HullTriangle, Surface};
+use crate::polyhedron::build::hull::{HullSurface, HullTriangle};
 
 const NONE: u32 = u32::MAX;
 
@@ -27,7 +27,7 @@ pub(crate) struct Facets {
 }
 
 impl Facets {
-    pub(crate) fn new(points: &[Vector3<f64>], surface: &Surface) -> Option<Self> {
+    pub(crate) fn new(points: &[Vector3<f64>], surface: &HullSurface) -> Option<Self> {
         let triangles = &surface.triangles;
         let (group, groups) = coplanar_groups(points, triangles);
         let degree = faces_at(points.len(), triangles, &group);

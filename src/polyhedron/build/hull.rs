@@ -45,7 +45,7 @@ pub(crate) struct HullTriangle {
 }
 
 /// The triangulated hull of a cloud.
-pub(crate) struct Surface {
+pub(crate) struct HullSurface {
     pub(crate) triangles: Vec<HullTriangle>,
     /// For each point a triangle in whose plane the point lies, or `NONE`: only points with such a
     /// triangle lie on the surface without being a vertex.
@@ -53,7 +53,7 @@ pub(crate) struct Surface {
 }
 
 /// Points that span the affine hull of a flat cloud, by number its dimension plus one.
-pub(crate) type Span = Vec<u32>;
+pub(crate) type AffineSpan = Vec<u32>;
 
 struct HullFacet {
     triangle: HullTriangle,
@@ -95,7 +95,7 @@ struct Hull<'a> {
 
 /// Returns the hull of distinct points, or as an error points that span their affine hull if it is
 /// flat. `Ok(None)` cannot happen with exact signs.
-pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<Surface>, Span> {
+pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<HullSurface>, AffineSpan> {
     let simplex = simplex(points)?;
     let (low, high) = bounding_box(points);
     let mut hull = Hull {
@@ -297,7 +297,7 @@ impl Hull<'_> {
     }
 
     /// Returns the remaining triangles, renumbered without gaps.
-    fn finish(self) -> Surface {
+    fn finish(self) -> HullSurface {
         let mut number = vec![NONE; self.facets.len()];
         let slots = number.iter_mut().zip(&self.facets).filter(|(_, f)| f.alive);
         slots.zip(0u32..).for_each(|((slot, _), count)| *slot = count);
@@ -314,7 +314,7 @@ impl Hull<'_> {
                 p = self.next[p as usize];
             }
         }
-        Surface {
+        HullSurface {
             triangles: alive.map(|f| renumber(&f.triangle)).collect(),
             touching,
         }
@@ -330,7 +330,7 @@ fn products(u: &Vector3<f64>, v: &Vector3<f64>) -> Vector3<f64> {
 
 /// Returns four points not in one plane, the last below the first three, or, for a flat cloud,
 /// points that span the affine hull.
-fn simplex(points: &[Vector3<f64>]) -> Result<[u32; 4], Span> {
+fn simplex(points: &[Vector3<f64>]) -> Result<[u32; 4], AffineSpan> {
     let at = |i: u32| &points[i as usize];
     let all = || 0..points.len() as u32;
     if points.len() < 2 {

@@ -25,7 +25,7 @@ use crate::polyhedron::build::cloud::lowest_bit;
 use crate::polyhedron::build::cloud::{Cloud, bounding_box, power_of_two};
 use crate::polyhedron::build::error::BuildError;
 use crate::polyhedron::build::facets::Facets;
-use crate::polyhedron::build::hull::{NONE, Span, Surface, hull};
+use crate::polyhedron::build::hull::{AffineSpan, HullSurface, NONE, hull};
 use crate::polyhedron::build::report::BuildReport;
 use crate::polyhedron::fans::Fans;
 use crate::polyhedron::plane::{plane, widest_corners};
@@ -162,7 +162,7 @@ impl ConvexPolyhedron {
     }
 
     /// Enters the points that never became vertices of the hull's triangles into the report.
-    fn sort_out_dropped(&mut self, cloud: &Cloud, surface: &Surface, facets: &Facets) {
+    fn sort_out_dropped(&mut self, cloud: &Cloud, surface: &HullSurface, facets: &Facets) {
         let mut settled = alloc::vec![false; cloud.points.len()];
         for &i in facets.kept.iter().chain(&facets.on_edges).chain(&facets.on_faces) {
             settled[i as usize] = true;
@@ -226,7 +226,7 @@ fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<P
 }
 
 /// Returns the error for a flat cloud.
-pub(crate) fn flat(cloud: &Cloud, span: &Span) -> BuildError {
+pub(crate) fn flat(cloud: &Cloud, span: &AffineSpan) -> BuildError {
     let span: Vec<usize> = span.iter().map(|&i| cloud.source[i as usize] as usize).collect();
     BuildError::Flat {
         dimension: span.len().saturating_sub(1),

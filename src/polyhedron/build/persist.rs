@@ -13,7 +13,7 @@ use crate::polyhedron::{BuildError, BuildReport, ConvexPolyhedron};
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "ConvexPolyhedron")]
-struct Stored {
+struct StoredPolyhedron {
     /// The vertices in the order of their ids.
     vertices: Vec<[f64; 3]>,
     /// The vertices of the first side of a polygon, in order; empty for other bodies.
@@ -25,7 +25,7 @@ struct Stored {
 
 impl Serialize for ConvexPolyhedron {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Stored {
+        StoredPolyhedron {
             vertices: self.vertex_points().map(|p| [p.x, p.y, p.z]).collect(),
             polygon: self.first_side(),
             source: self.source.clone(),
@@ -38,11 +38,11 @@ impl Serialize for ConvexPolyhedron {
 
 impl<'de> Deserialize<'de> for ConvexPolyhedron {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        restore(Stored::deserialize(deserializer)?).map_err(D::Error::custom)
+        restore(StoredPolyhedron::deserialize(deserializer)?).map_err(D::Error::custom)
     }
 }
 
-fn restore(stored: Stored) -> Result<ConvexPolyhedron, BuildError> {
+fn restore(stored: StoredPolyhedron) -> Result<ConvexPolyhedron, BuildError> {
     let damaged = |what| BuildError::Damaged { what };
     let points: Vec<Point3<f64>> = stored.vertices.iter().map(|&[x, y, z]| Point3::new(x, y, z)).collect();
     let mut body = ConvexPolyhedron::rebuilt(&points, &stored.polygon)?;

@@ -4,7 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use crate::polyhedron::build::faces::Mesh;
+use crate::polyhedron::build::faces::FaceList;
 use crate::polyhedron::{ConvexPolyhedron, FaceId};
 
 /// A vertex of more faces than this adds no candidates if another vertex has added some.
@@ -15,7 +15,12 @@ const CROWD: usize = 8;
 /// three common vertices, the piece in the plane of the face is taken.
 ///
 /// `places` are the indices in the cloud of the body's vertices, `points` the points of the cloud.
-pub(crate) fn source_faces(mesh: &Mesh, body: &ConvexPolyhedron, places: &[u32], points: &[Vector3<f64>]) -> Vec<u32> {
+pub(crate) fn source_faces(
+    mesh: &FaceList,
+    body: &ConvexPolyhedron,
+    places: &[u32],
+    points: &[Vector3<f64>],
+) -> Vec<u32> {
     let incidence = Incidence::new(mesh);
     // For each of the caller's faces the last face compared with it, and the number of shared
     // vertices.
@@ -73,7 +78,7 @@ fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: FaceId, points: &
 
 /// The caller's faces at each point of the cloud, and the points of each face.
 struct Incidence<'a> {
-    mesh: &'a Mesh,
+    mesh: &'a FaceList,
     /// Vertices of each face in rising order, laid out as in the mesh.
     sorted: Vec<u32>,
     first: Vec<u32>,
@@ -81,7 +86,7 @@ struct Incidence<'a> {
 }
 
 impl<'a> Incidence<'a> {
-    fn new(mesh: &'a Mesh) -> Self {
+    fn new(mesh: &'a FaceList) -> Self {
         let mut first = vec![0u32; mesh.source.len() + 1];
         for &c in &mesh.corners {
             first[c as usize + 1] += 1;

@@ -3,7 +3,7 @@
 use crate::tolerance::PIVOT;
 
 /// The variables of a [`newton_jump`](super::newton_jump): `x`, `y` of A, then `x`, `y` of B.
-pub(super) type Four = [f64; 4];
+pub(super) type Variables = [f64; 4];
 
 /// Symmetric system in some of four variables: the lower half of the matrix, and the right side.
 #[derive(Clone, Copy, Default)]
@@ -12,7 +12,7 @@ pub(super) struct System {
     pub(super) variables: [usize; 4],
     pub(super) len: usize,
     rows: [[f64; 4]; 4],
-    right: Four,
+    right: Variables,
 }
 
 impl System {
@@ -25,7 +25,7 @@ impl System {
 
     /// Solves by Cholesky's method, with zero for the absent variables; `None` if the matrix is not
     /// positive definite.
-    pub(super) fn solve(mut self) -> Option<Four> {
+    pub(super) fn solve(mut self) -> Option<Variables> {
         let (n, h, g) = (self.len, &mut self.rows, &mut self.right);
         for i in 0..n {
             let diagonal = h[i][i];
@@ -66,7 +66,7 @@ mod tests {
             [0.5, 0.25, 2.0, 0.125],
             [-1.0, 0.5, 0.125, 5.0],
         ];
-        let x: Four = [1.0, -2.0, 3.0, 0.5];
+        let x: Variables = [1.0, -2.0, 3.0, 0.5];
         for variables in [&[0, 1, 2, 3][..], &[0, 2], &[1, 2, 3], &[3], &[]] {
             let mut system = System::default();
             for &i in variables {

@@ -18,11 +18,11 @@ use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::tuning::walk::{BISECTIONS, CLOSE, DAMPING, REACH, STEPS, TRIES};
-use crate::walk::rings::cholesky::{Four, System};
+use crate::walk::rings::cholesky::{System, Variables};
 use crate::walk::rings::curve::{ParabolaFit, RingCurve, RingLocation};
 
 /// The feature of one body as a smooth set of points.
-enum Side<'a> {
+enum RingSide<'a> {
     /// A vertex on no ring.
     Vertex(VertexId, Vector3<f64>),
     /// An edge on no ring: the tail, and the vector to the head.
@@ -38,7 +38,7 @@ enum Side<'a> {
 /// Point of a side, with derivatives in the two variables: `x` along the curve and `y` along the
 /// spoke.
 #[derive(Clone, Copy)]
-struct Jet {
+struct RingJet {
     point: Vector3<f64>,
     dx: Vector3<f64>,
     dy: Vector3<f64>,
@@ -56,32 +56,32 @@ struct SidePosition {
     moved: usize,
 }
 
-impl<'a> Side<'a> {
+impl<'a> RingSide<'a> {
     /// Returns the side of a feature; `None` if the ring of the feature has no fit.
     fn of(body: &'a ConvexPolyhedron, feature: Feature) -> Option<Self> {
         let (t, at) = (&body.topology, |v: VertexId| body.points[v.index()]);
         Some(match (body.ring_location(feature), feature) {
-            (Some(RingLocation::Ring(ring, k)), _) => Side::Ring(ring, k, ring.fit(k, false)?),
-            (Some(RingLocation::Spokes(ring, k)), _) => Side::Spokes(ring, k, ring.fit(k, true)?),
-            (None, Feature::Vertex(v)) => Side::Vertex(v, at(v)),
+            (Some(RingLocation::Ring(ring, k)), _) => RingSide::Ring(ring, k, ring.fit(k, false)?),
+            (Some(RingLocation::Spokes(ring, k)), _) => RingSide::Spokes(ring, k, ring.fit(k, true)?),
+            (None, Feature::Vertex(v)) => RingSide::Vertex(v, at(v)),
             (None, Feature::Edge(e)) => {
                 let (p, q) = (at(t.from(e.half_edge())), at(t.half_edge(e.half_edge()).to));
-                Side::Edge(e, [p, q - p])
+                RingSide::Edge(e, [p, q - p])
             }
             (None, Feature::Face(f)) => {
                 let p = at(t.half_edge(t.rim_half_edge(f)).to);
-                Side::Face(f, [p, body.planes[f.index()].normal])
+                RingSide::Face(f, [p, body.planes[f.index()].normal])
             }
         })
     }
 
     fn is_curved(&self) -> bool {
-        matches!(self, Side::Ring(..) | Side::Spokes(..))
+        matches!(self, RingSide::Ring(..) | RingSide::Spokes(..))
     }
 
     /// Returns whether the side has the variable `y`: along an edge or a spoke.
     fn has_lines(&self) -> bool {
-        matches!(self, Side::Edge(..) | Side::Spokes(..))
+        matches!(self, RingSide::Edge(..) | RingSide::Spokes(..))
     }
 
     /// Transforms the side from B's frame to A's.
@@ -94,13 +94,13 @@ impl<'a> Side<'a> {
             vector(c);
         };
         match self {
-            Side::Vertex(_, p) => point(p),
-            Side::Edge(_, [p, u]) | Side::Face(_, [p, u]) => {
+            RingSide::Vertex(_, p) => point(p),
+            RingSide::Edge(_, [p, u]) | RingSide::Face(_, [p, u]) => {
                 point(p);
                 vector(u);
             }
-            Side::Ring(_, _, fit) => jet(&mut fit.ring),
-            Side::Spokes(_, _, fit) => {
+            RingSide::Ring(_, _, fit) => jet(&mut fit.ring),
+            RingSide::Spokes(_, _, fit) => {
                 jet(&mut fit.ring);
                 jet(&mut fit.spoke_ends);
             }
@@ -108,9 +108,9 @@ impl<'a> Side<'a> {
     }
 
     /// Evaluates point and derivatives at `x`, `y`.
-    fn jet(&self, x: f64, y: f64) -> Jet {
+    fn jet(&self, x: f64, y: f64) -> RingJet {
         let zero = Vector3::zeros();
-        let fixed = |point: Vector3<f64>, dy: Vector3<f64>| Jet {
+        let fixed = |point: Vector3<f64>, dy: Vector3<f64>| RingJet {
             point,
             dx: zero,
             dy,
@@ -119,20 +119,20 @@ impl<'a> Side<'a> {
         };
         let follow = |[p, d, c]: &[Vector3<f64>; 3]| (p + (d + c * (0.5 * x)) * x, d + c * x, *c);
         match self {
-            Side::Vertex(_, p) | Side::Face(_, [p, _]) => fixed(*p, zero),
-            Side::Edge(_, [p, u]) => fixed(p + u * y, *u),
-            Side::Ring(_, _, fit) => {
+            RingSide::Vertex(_, p) | RingSide::Face(_, [p, _]) => fixed(*p, zero),
+            RingSide::Edge(_, [p, u]) => fixed(p + u * y, *u),
+            RingSide::Ring(_, _, fit) => {
                 let (point, dx, dxx) = follow(&fit.ring);
-                Jet {
+                RingJet {
                     dx,
                     dxx,
                     ..fixed(point, zero)
                 }
             }
-            Side::Spokes(_, _, fit) => {
+            RingSide::Spokes(_, _, fit) => {
                 let (ring, ends) = (follow(&fit.ring), follow(&fit.spoke_ends));
                 let (spoke, change) = (ends.0 - ring.0, ends.1 - ring.1);
-                Jet {
+                RingJet {
                     point: ring.0 + spoke * y,
                     dx: ring.1 + change * y,
                     dy: spoke,
@@ -146,7 +146,7 @@ impl<'a> Side<'a> {
     /// Returns the position at `x`, `y`.
     fn position(&self, x: f64, y: f64) -> SidePosition {
         match self {
-            Side::Ring(ring, k, fit) | Side::Spokes(ring, k, fit) => {
+            RingSide::Ring(ring, k, fit) | RingSide::Spokes(ring, k, fit) => {
                 let (index, fraction) = ring.locate(fit, *k, x);
                 SidePosition {
                     index,
@@ -172,14 +172,14 @@ impl<'a> Side<'a> {
             index: j, fraction, y, ..
         } = position;
         Some(match self {
-            Side::Vertex(v, _) => at(*v),
-            Side::Edge(e, _) => {
+            RingSide::Vertex(v, _) => at(*v),
+            RingSide::Edge(e, _) => {
                 let t = &body.topology;
                 at(t.from(e.half_edge())) * (1.0 - y) + at(t.half_edge(e.half_edge()).to) * y
             }
-            Side::Face(..) => return None,
-            Side::Ring(ring, ..) => ring.point(j, fraction),
-            Side::Spokes(ring, ..) => ring.point(j, fraction) * (1.0 - y) + at(ring.spoke_end(j)?) * y,
+            RingSide::Face(..) => return None,
+            RingSide::Ring(ring, ..) => ring.point(j, fraction),
+            RingSide::Spokes(ring, ..) => ring.point(j, fraction) * (1.0 - y) + at(ring.spoke_end(j)?) * y,
         })
     }
 
@@ -198,13 +198,13 @@ impl<'a> Side<'a> {
             }
         };
         match self {
-            Side::Vertex(v, _) => vertex(*v),
-            Side::Face(f, _) => Feature::Face(*f),
-            Side::Edge(e, _) if y <= 0.0 => vertex(t.from(e.half_edge())),
-            Side::Edge(e, _) if y >= 1.0 => vertex(t.half_edge(e.half_edge()).to),
-            Side::Edge(e, _) => edge(*e),
-            Side::Ring(ring, ..) => on_ring(ring),
-            Side::Spokes(ring, ..) => match (ring.spoke(j), ring.spoke_end(j)) {
+            RingSide::Vertex(v, _) => vertex(*v),
+            RingSide::Face(f, _) => Feature::Face(*f),
+            RingSide::Edge(e, _) if y <= 0.0 => vertex(t.from(e.half_edge())),
+            RingSide::Edge(e, _) if y >= 1.0 => vertex(t.half_edge(e.half_edge()).to),
+            RingSide::Edge(e, _) => edge(*e),
+            RingSide::Ring(ring, ..) => on_ring(ring),
+            RingSide::Spokes(ring, ..) => match (ring.spoke(j), ring.spoke_end(j)) {
                 _ if y <= 0.0 => on_ring(ring),
                 (_, Some(far)) if y >= 1.0 => vertex(far),
                 _ if other == 0 => Feature::Face(ring.side_face(j)),
@@ -217,11 +217,11 @@ impl<'a> Side<'a> {
     /// Returns the dimension of the feature to expect at `y`.
     fn dimension(&self, y: f64) -> usize {
         match self {
-            Side::Vertex(..) => 0,
-            Side::Edge(..) => usize::from(y > 0.0 && y < 1.0),
-            Side::Spokes(..) if y >= 1.0 => 0,
-            Side::Ring(..) | Side::Spokes(..) => 1,
-            Side::Face(..) => 2,
+            RingSide::Vertex(..) => 0,
+            RingSide::Edge(..) => usize::from(y > 0.0 && y < 1.0),
+            RingSide::Spokes(..) if y >= 1.0 => 0,
+            RingSide::Ring(..) | RingSide::Spokes(..) => 1,
+            RingSide::Face(..) => 2,
         }
     }
 }
@@ -232,7 +232,7 @@ impl<'a> Side<'a> {
 #[inline(never)]
 pub(crate) fn newton_jump(posed: &PosedPair, draft: &mut Draft) -> bool {
     let pair = draft.features;
-    let (Some(a), Some(mut b)) = (Side::of(posed.a, pair.a), Side::of(posed.b, pair.b)) else {
+    let (Some(a), Some(mut b)) = (RingSide::of(posed.a, pair.a), RingSide::of(posed.b, pair.b)) else {
         return false;
     };
     if !a.is_curved() && !b.is_curved() {
@@ -252,8 +252,8 @@ pub(crate) fn newton_jump(posed: &PosedPair, draft: &mut Draft) -> bool {
 /// Both sides of a jump, in A's frame.
 struct NewtonJump<'a, 'b> {
     posed: &'a PosedPair<'b>,
-    a: &'a Side<'a>,
-    b: &'a Side<'a>,
+    a: &'a RingSide<'a>,
+    b: &'a RingSide<'a>,
 }
 
 /// The end of a jump, evaluated on the bodies themselves.
@@ -283,7 +283,7 @@ impl NewtonJump<'_, '_> {
         None
     }
 
-    fn positions(&self, at: &Four) -> (SidePosition, SidePosition) {
+    fn positions(&self, at: &Variables) -> (SidePosition, SidePosition) {
         (self.a.position(at[0], at[1]), self.b.position(at[2], at[3]))
     }
 
@@ -293,15 +293,15 @@ impl NewtonJump<'_, '_> {
         let (on_a, on_b) = (self.a.point(posed.a, &positions.0), self.b.point(posed.b, &positions.1));
         match (on_a, on_b, self.a, self.b) {
             (Some(p), Some(q), ..) => Landing::SquaredDistance((p - posed.point_in_a(&q)).norm_squared()),
-            (_, Some(q), Side::Face(f, _), _) => height_over_face(posed.a, *f, &posed.point_in_a(&q), posed.size()),
-            (Some(p), _, _, Side::Face(f, _)) => height_over_face(posed.b, *f, &posed.point_in_b(&p), posed.size()),
+            (_, Some(q), RingSide::Face(f, _), _) => height_over_face(posed.a, *f, &posed.point_in_a(&q), posed.size()),
+            (Some(p), _, _, RingSide::Face(f, _)) => height_over_face(posed.b, *f, &posed.point_in_b(&p), posed.size()),
             _ => Landing::SquaredDistance(f64::INFINITY),
         }
     }
 
     /// Returns the pair for a jump from over a face to beyond `edge` of the face boundary: the
     /// boundary edge that is passed first, and the edge of the curve that passes.
-    fn across_boundary(&self, start: &Four, at: &Four, mut edge: EdgeId) -> FeaturePair {
+    fn across_boundary(&self, start: &Variables, at: &Variables, mut edge: EdgeId) -> FeaturePair {
         let (mut over, mut out, mut positions) = (0.0, 1.0, self.positions(at));
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (over + out);
@@ -318,9 +318,10 @@ impl NewtonJump<'_, '_> {
     /// boundary edge.
     fn features(&self, positions: &(SidePosition, SidePosition), edge: Option<EdgeId>) -> FeaturePair {
         let dimension =
-            |side: &Side, position: &SidePosition| if edge.is_some() { 1 } else { side.dimension(position.y) };
-        let name = |side: &Side, body: &ConvexPolyhedron, position: &SidePosition, other: usize| match (side, edge) {
-            (Side::Face(..), Some(e)) => Feature::Edge(e),
+            |side: &RingSide, position: &SidePosition| if edge.is_some() { 1 } else { side.dimension(position.y) };
+        let name = |side: &RingSide, body: &ConvexPolyhedron, position: &SidePosition, other: usize| match (side, edge)
+        {
+            (RingSide::Face(..), Some(e)) => Feature::Edge(e),
             _ => side.feature(body, position, other),
         };
         FeaturePair {
@@ -331,7 +332,7 @@ impl NewtonJump<'_, '_> {
 }
 
 /// Returns the point at `fraction` of the way between two points.
-fn interpolate(from: &Four, to: &Four, fraction: f64) -> Four {
+fn interpolate(from: &Variables, to: &Variables, fraction: f64) -> Variables {
     core::array::from_fn(|k| from[k] + (to[k] - from[k]) * fraction)
 }
 
@@ -356,7 +357,7 @@ fn height_over_face(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>, siz
 
 /// Runs Newton's method, first along the lines alone, then in all variables. Returns the start, the
 /// squared distance there, and the end.
-fn newton(a: &Side, b: &Side) -> Option<(Four, f64, Four)> {
+fn newton(a: &RingSide, b: &RingSide) -> Option<(Variables, f64, Variables)> {
     let mut at = [0.0, 0.5, 0.0, 0.5];
     let lines = [false, a.has_lines(), false, b.has_lines()];
     let all = [a.is_curved(), lines[1], b.is_curved(), lines[3]];
@@ -375,25 +376,25 @@ fn newton(a: &Side, b: &Side) -> Option<(Four, f64, Four)> {
 }
 
 /// The relevant part of the difference of two points, and the derivatives of both.
-type Evaluation = (Vector3<f64>, Jet, Jet);
+type Evaluation = (Vector3<f64>, RingJet, RingJet);
 
 /// Evaluates both sides and their difference.
-fn evaluate(a: &Side, b: &Side, at: &Four) -> Evaluation {
+fn evaluate(a: &RingSide, b: &RingSide, at: &Variables) -> Evaluation {
     let (ja, jb) = (a.jet(at[0], at[1]), b.jet(at[2], at[3]));
     (relevant(a, b, &(ja.point - jb.point)), ja, jb)
 }
 
 /// Returns the relevant part of a vector: over a face, only the component along the normal.
-fn relevant(a: &Side, b: &Side, r: &Vector3<f64>) -> Vector3<f64> {
+fn relevant(a: &RingSide, b: &RingSide, r: &Vector3<f64>) -> Vector3<f64> {
     match (a, b) {
-        (Side::Face(_, [_, n]), _) | (_, Side::Face(_, [_, n])) => n * r.dot(n),
+        (RingSide::Face(_, [_, n]), _) | (_, RingSide::Face(_, [_, n])) => n * r.dot(n),
         _ => *r,
     }
 }
 
 /// Takes a Newton step in the variables that are `free`. Returns the squared length before the
 /// step, and the length of the step in `x`.
-fn newton_step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<(f64, f64)> {
+fn newton_step(a: &RingSide, b: &RingSide, at: &mut Variables, free: [bool; 4]) -> Option<(f64, f64)> {
     let evaluation = evaluate(a, b, at);
     // Far from the least distance the second derivatives may not be positive; the damped ones
     // always are.
@@ -409,7 +410,14 @@ fn newton_step(a: &Side, b: &Side, at: &mut Four, free: [bool; 4]) -> Option<(f6
 /// Returns the linear system of a step: Newton's if `curved`, else damped and certainly positive
 /// definite.
 #[inline(always)]
-fn newton_system(a: &Side, b: &Side, at: &Four, (r, ja, jb): &Evaluation, free: [bool; 4], curved: bool) -> System {
+fn newton_system(
+    a: &RingSide,
+    b: &RingSide,
+    at: &Variables,
+    (r, ja, jb): &Evaluation,
+    free: [bool; 4],
+    curved: bool,
+) -> System {
     let mut system = System::default();
     let mut first = [Vector3::zeros(); 4];
     for i in 0..4 {

@@ -26,8 +26,8 @@ fn world(scene: &mut Scene, rng: &mut Rng, mut broad: impl BroadPhase) {
     let margin = 0.05 * scene.unit;
     let insert = |broad: &mut _, rng: &mut Rng, k: usize| {
         let body = [
-            broad::Body::moving().margin(margin).lookahead(1.0),
-            broad::Body::fixed(),
+            broad::BodyOptions::moving().margin(margin).lookahead(1.0),
+            broad::BodyOptions::fixed(),
         ][k % 2];
         BroadPhase::insert(broad, &aabb(scene, rng), body).expect("a box")
     };
