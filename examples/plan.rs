@@ -9,7 +9,7 @@
 use lab::command::Arguments;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::plan::{Checker, Path, PlanError, PlanOptions, RigidSpace, World};
-use lin_canny::{ConvexPolyhedron, scene::BodyShape};
+use lin_canny::{ConvexPolyhedron, Geometry};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -86,7 +86,7 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
         world.robot_body(format!("robot[{k}]"), hull);
     }
     for (k, hull) in hulls(&file["obstacles"], "obstacles")?.into_iter().enumerate() {
-        world.obstacle(format!("obstacles[{k}]"), BodyShape::from(hull), Isometry3::identity());
+        world.obstacle(format!("obstacles[{k}]"), Geometry::from(hull), Isometry3::identity());
     }
     let [low, high] = bounds(&file["bounds"])?;
     let space = RigidSpace::new(

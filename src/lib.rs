@@ -309,6 +309,7 @@ pub mod cost;
 mod depth;
 #[cfg(feature = "exact")]
 mod exact;
+mod geometry;
 pub mod impact;
 mod minimum;
 pub mod motion;
@@ -350,6 +351,7 @@ pub use composite::work::MeshWork;
 pub use contact::{
     ContactPoint, Gradient, HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError, Manifold, ManifoldOptions,
 };
+pub use geometry::{Geometry, ShapeKind};
 pub use motion::Velocity;
 pub use nalgebra;
 pub use pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal, Solver, Work};

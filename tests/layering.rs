@@ -318,8 +318,21 @@ const MAY_USE: &[(&str, &[&str])] = &[
         ],
     ),
     // Boxes and ids only.
+    // A shape of any kind.
+    (
+        "geometry",
+        &[
+            "tolerance",
+            "num",
+            "pose",
+            "polyhedron",
+            "shape",
+            "composite",
+            "patch",
+            "geometry",
+        ],
+    ),
     ("broad", &["tolerance", "tuning", "broad"]),
-    // Where all meets.
     (
         "scene",
         &[
@@ -339,6 +352,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "schedule",
             "composite",
             "patch",
+            "geometry",
             "broad",
             "scene",
         ],
@@ -356,6 +370,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "pair",
             "separation",
             "impact",
+            "geometry",
             "broad",
             "scene",
             "plan",

@@ -4,10 +4,10 @@
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, BodyShape, Change, Effects, Group, Scene, SceneError, ShapeKind};
+use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
 use lin_canny::{
-    Class, Composite, ConvexPolyhedron, Manifold, ManifoldOptions, Mesh, Piece, RelativePose, Shape, ShapeTracker,
-    Tracker, Velocity,
+    Class, Composite, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, Piece, RelativePose, Shape,
+    ShapeKind, ShapeTracker, Tracker, Velocity,
 };
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -59,7 +59,7 @@ fn bracket() -> Composite {
 }
 
 /// A polyhedron, composite or mesh, with its convex pieces.
-fn solid(k: usize, rng: &mut Rng) -> (BodyShape, Pieces) {
+fn solid(k: usize, rng: &mut Rng) -> (Geometry, Pieces) {
     let hull = solids::random_hull(12, Vector3::new(0.5, 0.4, rng.range(0.3, 0.6)), k as u64 + 5).unwrap();
     let whole = |hull: &ConvexPolyhedron| vec![(Shape::from(hull.clone()), Isometry3::identity())];
     let parts = |c: &Composite| c.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect();
@@ -167,7 +167,7 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effect
 }
 
 /// Moves bodies about their home and compares every frame.
-fn play(effects: Effects, bodies: Vec<(BodyShape, Pieces)>, seed: u64) -> Mix {
+fn play(effects: Effects, bodies: Vec<(Geometry, Pieces)>, seed: u64) -> Mix {
     let mut rng = Rng::new(seed);
     let mut scene = Scene::new();
     scene.call_for(ALL, ALL, effects).unwrap();
@@ -386,7 +386,7 @@ fn pieces_and_features_are_named() {
 fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
     for (seed, effects) in [(6, predicates()), (7, measured())] {
         let mut rng = Rng::new(300 + seed);
-        let mut bodies: Vec<(BodyShape, Pieces)> = (0..6).map(|k| solid(1 + k % 3, &mut rng)).collect();
+        let mut bodies: Vec<(Geometry, Pieces)> = (0..6).map(|k| solid(1 + k % 3, &mut rng)).collect();
         bodies.extend((0..9).map(|k| {
             let shape = convex(k, &mut rng);
             (shape.clone().into(), vec![(shape, Isometry3::identity())])
@@ -424,12 +424,12 @@ fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
     let mesh = Arc::new(Mesh::from_convex(&solids::cuboid(half).unwrap()).unwrap());
     let tiles = Arc::new(Composite::new(vec![tile(-2.0), tile(2.0)]).unwrap());
     let die = || solids::cuboid(Vector3::repeat(0.5)).unwrap();
-    let floors: [BodyShape; 3] = [
+    let floors: [Geometry; 3] = [
         mesh.clone().into(),
         tiles.clone().into(),
         Shape::cuboid(half).unwrap().into(),
     ];
-    let tops: [(BodyShape, usize); 5] = [
+    let tops: [(Geometry, usize); 5] = [
         (die().into(), 4),
         (Shape::ball(0.5).unwrap().into(), 1),
         (Shape::cylinder(0.5, 0.4).unwrap().into(), 4),

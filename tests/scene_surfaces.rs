@@ -4,8 +4,8 @@ use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::patch::{Surface, revolution};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, BodyShape, Effects, Group, Scene, SceneError, ShapeKind};
-use lin_canny::{Class, Composite, Feature, Mesh, Piece, Shape, Velocity};
+use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
+use lin_canny::{Class, Composite, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
 
 const ALL: Group = Group::new(0).unwrap();
 const NONE: Effects = Effects::none();
@@ -21,7 +21,7 @@ fn sphere(r: f64) -> Surface {
 
 /// Bodies that are all round, with their radii; surfaces and shapes take turns.
 fn round_bodies(scene: &mut Scene, rng: &mut Rng, count: usize) -> Vec<(BodyId, f64, bool)> {
-    let shells = [0.3, 0.4].map(|r| BodyShape::from(sphere(r)));
+    let shells = [0.3, 0.4].map(|r| Geometry::from(sphere(r)));
     let mut bodies = Vec::new();
     for k in 0..count {
         let r = if k / 2 % 2 == 0 { 0.3 } else { 0.4 };
@@ -192,7 +192,7 @@ fn impacts_of_surfaces_are_found() {
     };
     scene.call_for(ALL, ALL, effects).unwrap();
     let wall = scene.insert(Body::moving(sphere(0.5)), Isometry3::identity()).unwrap();
-    let shapes: [BodyShape; 2] = [sphere(0.25).into(), Shape::ball(0.25).unwrap().into()];
+    let shapes: [Geometry; 2] = [sphere(0.25).into(), Shape::ball(0.25).unwrap().into()];
     let mut ids = Vec::new();
     for (k, shape) in shapes.into_iter().enumerate() {
         let side = if k == 0 { 1.0 } else { -1.0 };
@@ -226,14 +226,14 @@ fn bodies_of_pieces_stand_beside_surfaces() {
     let made = |effects: Effects, is_first: bool| {
         let mut scene = Scene::new();
         scene.call_for(ALL, ALL, effects).unwrap();
-        let dumbbell: BodyShape = Composite::new(vec![ball(-1.0), ball(1.0)]).unwrap().into();
+        let dumbbell: Geometry = Composite::new(vec![ball(-1.0), ball(1.0)]).unwrap().into();
         let at = Isometry3::translation(3.0, 0.0, 0.0);
-        let shell: (BodyShape, _) = (sphere(0.5).into(), Isometry3::identity());
+        let shell: (Geometry, _) = (sphere(0.5).into(), Isometry3::identity());
         let mut bodies = vec![(dumbbell, at), shell];
         if !is_first {
             bodies.reverse();
         }
-        let mut insert = |(shape, at): (BodyShape, _)| scene.insert(Body::moving(shape), at).unwrap();
+        let mut insert = |(shape, at): (Geometry, _)| scene.insert(Body::moving(shape), at).unwrap();
         let ids: Vec<_> = bodies.into_iter().map(&mut insert).collect();
         (scene, ids)
     };

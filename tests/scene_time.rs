@@ -6,9 +6,9 @@ use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, BodyShape, Change, Counts, Effects, Event, Group, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Change, Counts, Effects, Event, Group, Scene, SceneError};
 use lin_canny::schedule::Schedule;
-use lin_canny::{Composite, Mesh, Piece, RelativePose, Shape, ShapeTracker, Velocity};
+use lin_canny::{Composite, Geometry, Mesh, Piece, RelativePose, Shape, ShapeTracker, Velocity};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -183,14 +183,14 @@ struct Flyer {
     pieces: Vec<(Shape, Isometry3<f64>)>,
 }
 
-fn pieces_of(shape: &BodyShape, composite: &Composite) -> Vec<(Shape, Isometry3<f64>)> {
+fn pieces_of(shape: &Geometry, composite: &Composite) -> Vec<(Shape, Isometry3<f64>)> {
     match shape.as_convex() {
         Some(shape) => vec![(shape.into_owned(), Isometry3::identity())],
         None => composite.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect(),
     }
 }
 
-fn thin(k: usize, rng: &mut Rng) -> (BodyShape, Composite) {
+fn thin(k: usize, rng: &mut Rng) -> (Geometry, Composite) {
     let plate = solids::cuboid(Vector3::new(0.01, 0.8, 0.8)).unwrap();
     let rod = solids::cuboid(Vector3::new(0.02, 0.02, 1.0)).unwrap();
     let mut upright = Piece::new(rod.clone());
@@ -208,7 +208,7 @@ fn thin(k: usize, rng: &mut Rng) -> (BodyShape, Composite) {
     }
 }
 
-fn convex(k: usize) -> BodyShape {
+fn convex(k: usize) -> Geometry {
     let made = match k % 5 {
         0 => Shape::ball(0.05),
         1 => Shape::capsule(0.5, 0.03),
@@ -282,7 +282,7 @@ fn check_tick(scene: &Scene, flyers: &[Flyer], motions: &BTreeMap<BodyId, Steady
     }
 }
 
-fn fly(shapes: Vec<(BodyShape, Composite)>, effects: Effects, seed: u64) -> Mix {
+fn fly(shapes: Vec<(Geometry, Composite)>, effects: Effects, seed: u64) -> Mix {
     let mut rng = Rng::new(seed);
     let mut scene = Scene::new();
     scene.call_for(ALL, ALL, effects).unwrap();

@@ -8,9 +8,10 @@ use nalgebra::{Isometry3, Point3};
 use super::error::PlanError;
 use super::world::{World, WorldId, WorldPair};
 use crate::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep};
+use crate::geometry::Geometry;
 use crate::motion::{Course, Steady, Velocity};
 use crate::polyhedron::BoxHint;
-use crate::scene::{AnyTracker, BodyShape};
+use crate::scene::AnyTracker;
 use crate::tolerance::PLANE;
 
 /// A pair and its tracker, made when the pair is first measured.
@@ -23,7 +24,7 @@ pub(super) struct TrackedPair {
 
 impl TrackedPair {
     /// Returns the tracker of the pair of these shapes.
-    pub(super) fn tracked(&mut self, (a, b): (&BodyShape, &BodyShape)) -> Option<&mut AnyTracker> {
+    pub(super) fn tracked(&mut self, (a, b): (&Geometry, &Geometry)) -> Option<&mut AnyTracker> {
         if self.tracker.is_none() {
             self.tracker = AnyTracker::new(a, b);
         }
@@ -89,7 +90,7 @@ impl Pairs {
         Ok(pairs)
     }
 
-    fn obstacle(&mut self, shape: &BodyShape, pose: &Isometry3<f64>) -> Result<(), PlanError> {
+    fn obstacle(&mut self, shape: &Geometry, pose: &Isometry3<f64>) -> Result<(), PlanError> {
         self.resting.push(Steady::new(pose, Velocity::default())?);
         let aabb = Aabb::from(shape.aabb_at(pose, &mut BoxHint::default()));
         self.boxes.insert(&aabb, BodyOptions::fixed())?;

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
 use super::error::PlanError;
-use crate::scene::BodyShape;
+use crate::geometry::Geometry;
 
 /// The bodies of a robot and the obstacles about it, of every kind of shape.
 ///
@@ -14,8 +14,8 @@ use crate::scene::BodyShape;
 /// rigid robot are given in the frame of the robot, shapes of an arm in the frame of their link.
 #[derive(Clone, Debug, Default)]
 pub struct World {
-    pub(super) robot: Vec<(String, BodyShape)>,
-    pub(super) obstacles: Vec<(String, BodyShape, Isometry3<f64>)>,
+    pub(super) robot: Vec<(String, Geometry)>,
+    pub(super) obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
     pub(super) excluded: Vec<(WorldId, WorldId)>,
 }
 
@@ -45,13 +45,13 @@ impl World {
     }
 
     /// Adds a body of the robot.
-    pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<BodyShape>) -> WorldId {
+    pub fn robot_body(&mut self, name: impl ToString, shape: impl Into<Geometry>) -> WorldId {
         self.robot.push((name.to_string(), shape.into()));
         WorldId::Robot(self.robot.len() - 1)
     }
 
     /// Adds an obstacle at a pose.
-    pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<BodyShape>, pose: Isometry3<f64>) -> WorldId {
+    pub fn obstacle(&mut self, name: impl ToString, shape: impl Into<Geometry>, pose: Isometry3<f64>) -> WorldId {
         self.obstacles.push((name.to_string(), shape.into(), pose));
         WorldId::Obstacle(self.obstacles.len() - 1)
     }
@@ -87,7 +87,7 @@ impl World {
     ///
     /// # Panics
     /// If the part does not exist.
-    pub(super) fn shape(&self, part: WorldId) -> &BodyShape {
+    pub(super) fn shape(&self, part: WorldId) -> &Geometry {
         match part {
             WorldId::Robot(k) => &self.robot[k].1,
             WorldId::Obstacle(k) => &self.obstacles[k].1,

@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::body_shape::BodyShape;
+use crate::geometry::Geometry;
 use crate::num::scalar::sqrt;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::tolerance::{CENTRE, LEAST_SQUARE, RADIUS_UP, ROUND_DOWN, ROUND_UP};
@@ -24,10 +24,10 @@ impl Ball {
 
     /// Returns a ball that contains a shape, in the frame of the shape: about the frame's origin,
     /// if this ball is nearly as small as the ball about the middle of the box.
-    pub(super) fn about(shape: &BodyShape) -> Self {
+    pub(super) fn about(shape: &Geometry) -> Self {
         let (centre, radius) = shape.bounding_ball();
         let own = match shape {
-            BodyShape::Polyhedron(body) => about_origin(body),
+            Geometry::Polyhedron(body) => about_origin(body),
             _ => (sqrt(centre.coords.norm_squared()) + radius) * RADIUS_UP,
         };
         if own <= 1.25 * radius || own == 0.0 {

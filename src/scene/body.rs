@@ -6,7 +6,6 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
 use super::ball::Ball;
-use super::body_shape::BodyShape;
 use super::budget::Travel;
 use super::effects::Group;
 use super::kinds::Member;
@@ -15,6 +14,7 @@ use super::{BodyId, SceneError};
 use crate::broad::slots::Slots;
 use crate::broad::{self, Aabb};
 use crate::composite::contact::ContactPatches;
+use crate::geometry::Geometry;
 use crate::motion::{Velocity, displacement};
 use crate::polyhedron::BoxHint;
 use crate::pose::{PoseError, RelativePose, is_unit};
@@ -26,7 +26,7 @@ use crate::tolerance::{RADIUS_UP, ROUND_UP, SCENE_REACH};
 #[non_exhaustive]
 pub struct Body {
     /// The shape, in the body's own frame.
-    pub shape: BodyShape,
+    pub shape: Geometry,
     /// The group of the body; group 0 by default.
     pub group: Group,
     /// Two fixed bodies are never paired. A fixed body may be set to another pose but has no
@@ -41,7 +41,7 @@ impl Body {
     /// Returns a body that moves. The shape is a [`ConvexPolyhedron`](crate::ConvexPolyhedron), a
     /// [`Shape`](crate::Shape), a [`Composite`](crate::Composite), a [`Mesh`](crate::Mesh), or an
     /// `Arc` of one of these.
-    pub fn moving(shape: impl Into<BodyShape>) -> Self {
+    pub fn moving(shape: impl Into<Geometry>) -> Self {
         Self {
             shape: shape.into(),
             group: Group::default(),
@@ -51,7 +51,7 @@ impl Body {
     }
 
     /// Returns a body at rest; two such bodies are never paired.
-    pub fn fixed(shape: impl Into<BodyShape>) -> Self {
+    pub fn fixed(shape: impl Into<Geometry>) -> Self {
         Self {
             fixed: true,
             ..Self::moving(shape)
@@ -74,7 +74,7 @@ impl Body {
 /// The shape of a body in a scene, with derived values.
 #[derive(Clone, Debug)]
 pub(super) struct BodySolid {
-    pub(super) shape: BodyShape,
+    pub(super) shape: Geometry,
     pub(super) ball: Ball,
     pub(super) group: Group,
     pub(super) fixed: bool,
@@ -89,7 +89,7 @@ impl BodySolid {
     /// Returns the solid of a body. Refuses shapes that no pose puts within a scene.
     pub(super) fn new(body: Body) -> Result<Self, SceneError> {
         let reach = match &body.shape {
-            BodyShape::Polyhedron(shape) => shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax())),
+            Geometry::Polyhedron(shape) => shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax())),
             other => {
                 let (centre, radius) = other.bounding_ball();
                 centre.coords.amax() + radius
@@ -488,7 +488,7 @@ pub(super) fn swept_box(bodies: &BodyTable, i: usize, sweep: &Sweep, growth: f64
 
 /// Returns the box of a posed body, grown on every side.
 #[inline]
-pub(super) fn box_of(shape: &BodyShape, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
+pub(super) fn box_of(shape: &Geometry, pose: &Isometry3<f64>, growth: f64, hint: &mut BoxHint) -> Aabb {
     let (min, max) = shape.aabb_at(pose, hint);
     // Rounded up, so that the two growths of a pair add up to at least the reach.
     Aabb::new(min, max).grown(growth * ROUND_UP)

@@ -1,7 +1,8 @@
 //! Refused calls of a scene, and their messages.
 
-use super::{BodyId, Group, ShapeKind};
+use super::{BodyId, Group};
 use crate::broad::BroadPhaseError;
+use crate::geometry::ShapeKind;
 use crate::pose::PoseError;
 
 /// A refused call. The error names the fault, and the scene is unchanged.

@@ -1,50 +1,10 @@
-//! Kinds of shapes, and the effects that pairs of kinds can answer.
+//! Effects that pairs of kinds of shapes can answer.
 
 use alloc::collections::BTreeMap;
 
 use super::SceneError;
 use super::effects::{Effects, Group};
-
-/// The kind of a body's shape.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub enum ShapeKind {
-    /// A convex polyhedron or polygon.
-    Polyhedron,
-    /// A point or a segment: a polyhedron without faces.
-    Wire,
-    /// A rounded polyhedron: ball, capsule, rounded box or hull.
-    Rounded,
-    /// A cylinder, cone, ellipsoid or superquadric, rounded or not.
-    Curved,
-    /// A union of convex pieces.
-    Composite,
-    /// A mesh of triangles.
-    Mesh,
-    /// A surface of curved patches.
-    Surface,
-}
-
-impl core::fmt::Display for ShapeKind {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.pad(match self {
-            Self::Polyhedron => "polyhedron",
-            Self::Wire => "point or segment",
-            Self::Rounded => "rounded polyhedron",
-            Self::Curved => "curved shape",
-            Self::Composite => "composite",
-            Self::Mesh => "mesh",
-            Self::Surface => "surface of patches",
-        })
-    }
-}
-
-impl ShapeKind {
-    pub(super) fn is_convex(self) -> bool {
-        !matches!(self, Self::Composite | Self::Mesh | Self::Surface)
-    }
-}
+use crate::geometry::ShapeKind;
 
 /// Returns the name of an effect called for that two kinds cannot answer, if there is one.
 fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static str> {

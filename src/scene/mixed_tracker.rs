@@ -4,7 +4,6 @@
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 
-use super::body_shape::BodyShape;
 use super::pair_tracker::{ContactAsk, PairTracker};
 use super::report::Counts;
 use super::surface_tracker::WithSurface;
@@ -15,6 +14,7 @@ use crate::composite::pieces::{Composite, CompositeTracker};
 use crate::composite::separation::{CompositePair, MeshPair};
 use crate::composite::tracker::MeshTracker;
 use crate::contact::{Manifold, ManifoldOptions};
+use crate::geometry::Geometry;
 use crate::pair::outcome::{Class, Outcome, Until};
 use crate::polyhedron::FeaturePair;
 use crate::pose::RelativePose;
@@ -66,8 +66,8 @@ impl<T: Default, S> TrackedPieces<T, S> {
 
 impl MixedTracker {
     /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
-    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
-        use BodyShape::{Composite as C, Mesh as M, Surface as S};
+    pub(super) fn new(a: &Geometry, b: &Geometry) -> Option<Self> {
+        use Geometry::{Composite as C, Mesh as M, Surface as S};
         Some(match (a, b) {
             (S(_), _) | (_, S(_)) => Self::Patches(Box::new(WithSurface::new(a, b)?)),
             (M(_), _) | (_, M(_)) => match (as_mesh(a), as_mesh(b)) {
@@ -79,23 +79,23 @@ impl MixedTracker {
         })
     }
 
-    fn of_pieces(a: &BodyShape, b: &BodyShape) -> Self {
+    fn of_pieces(a: &Geometry, b: &Geometry) -> Self {
         Self::Pieces(TrackedPieces::new([as_composite(a), as_composite(b)]))
     }
 }
 
 /// Returns the composite that stands for a convex body; `None` for any other body.
-fn as_composite(shape: &BodyShape) -> Option<Arc<Composite>> {
+fn as_composite(shape: &Geometry) -> Option<Arc<Composite>> {
     let convex = shape.as_convex()?;
     Some(Arc::new(Composite::from(convex.into_owned())))
 }
 
 /// Returns the mesh that stands for a body that is not convex: `Some(None)` for the body itself.
-fn as_mesh(shape: &BodyShape) -> Option<Option<Arc<Mesh>>> {
+fn as_mesh(shape: &Geometry) -> Option<Option<Arc<Mesh>>> {
     let surface = match shape {
-        BodyShape::Mesh(_) => return Some(None),
-        BodyShape::Composite(composite) => composite.to_mesh(),
-        BodyShape::Polyhedron(_) | BodyShape::Convex(_) | BodyShape::Surface(_) => return None,
+        Geometry::Mesh(_) => return Some(None),
+        Geometry::Composite(composite) => composite.to_mesh(),
+        Geometry::Polyhedron(_) | Geometry::Convex(_) | Geometry::Surface(_) => return None,
     };
     surface.ok().map(|mesh| Some(Arc::new(mesh)))
 }
@@ -103,13 +103,13 @@ fn as_mesh(shape: &BodyShape) -> Option<Option<Arc<Mesh>>> {
 impl TrackedPieces<CompositeTracker, Composite> {
     fn sides<'a>(
         &'a mut self,
-        a: &'a BodyShape,
-        b: &'a BodyShape,
+        a: &'a Geometry,
+        b: &'a Geometry,
     ) -> Option<(&'a mut CompositeTracker, [PartsRef<'a>; 2])> {
         let [x, y] = &self.stand_ins;
-        let side = |own: &'a BodyShape, stand_in: &'a Option<Arc<Composite>>| match own {
-            BodyShape::Composite(composite) => Some(PartsRef::Pieces(composite)),
-            BodyShape::Mesh(mesh) => Some(PartsRef::Mesh(mesh)),
+        let side = |own: &'a Geometry, stand_in: &'a Option<Arc<Composite>>| match own {
+            Geometry::Composite(composite) => Some(PartsRef::Pieces(composite)),
+            Geometry::Mesh(mesh) => Some(PartsRef::Mesh(mesh)),
             _ => stand_in.as_deref().map(PartsRef::Pieces),
         };
         Some((&mut self.tracker, [side(a, x)?, side(b, y)?]))
@@ -120,13 +120,13 @@ impl<T, S> TrackedPieces<T, S> {
     /// Finds the contacts of two bodies at a pose; the patches of convex bodies are made here.
     fn find_contacts(
         &mut self,
-        (a, b): (&BodyShape, &BodyShape),
+        (a, b): (&Geometry, &Geometry),
         patches: [Option<&ContactPatches>; 2],
         pose: &RelativePose,
         options: &ManifoldOptions,
     ) -> bool {
         let contacts = self.contacts.get_or_insert_with(|| {
-            let of = |shape: &BodyShape| shape.as_convex().map(|s| ContactPatches::from(s.into_owned()));
+            let of = |shape: &Geometry| shape.as_convex().map(|s| ContactPatches::from(s.into_owned()));
             Box::new(FoundContacts {
                 tracker: ContactTracker::new(),
                 stand_ins: [of(a), of(b)],
@@ -142,10 +142,10 @@ impl<T, S> TrackedPieces<T, S> {
 }
 
 impl TrackedPieces<MeshTracker, Mesh> {
-    fn sides<'a>(&'a mut self, a: &'a BodyShape, b: &'a BodyShape) -> Option<(&'a mut MeshTracker, [&'a Mesh; 2])> {
+    fn sides<'a>(&'a mut self, a: &'a Geometry, b: &'a Geometry) -> Option<(&'a mut MeshTracker, [&'a Mesh; 2])> {
         let [x, y] = &self.stand_ins;
-        let side = |own: &'a BodyShape, stand_in: &'a Option<Arc<Mesh>>| match own {
-            BodyShape::Mesh(mesh) => Some(&**mesh),
+        let side = |own: &'a Geometry, stand_in: &'a Option<Arc<Mesh>>| match own {
+            Geometry::Mesh(mesh) => Some(&**mesh),
             _ => stand_in.as_deref(),
         };
         Some((&mut self.tracker, [side(a, x)?, side(b, y)?]))
@@ -191,9 +191,9 @@ fn without_depth(outcome: Outcome) -> Outcome {
 }
 
 impl PairTracker for MixedTracker {
-    type Shapes<'a> = (&'a BodyShape, &'a BodyShape);
+    type Shapes<'a> = (&'a Geometry, &'a Geometry);
 
-    fn shapes<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<Self::Shapes<'a>> {
+    fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>> {
         Some((a, b))
     }
 
@@ -382,7 +382,7 @@ impl MixedTracker {
     }
 
     /// Returns the tracker of two bodies as written; `None` if the tracker is of other kinds.
-    pub(super) fn restored(stored: StoredTracker, a: &BodyShape, b: &BodyShape) -> Option<Self> {
+    pub(super) fn restored(stored: StoredTracker, a: &Geometry, b: &Geometry) -> Option<Self> {
         let mut tracker = Self::new(a, b)?;
         match (&mut tracker, stored) {
             (Self::Convex(tracker), StoredTracker::Convex(known)) => *tracker = known,

@@ -145,7 +145,6 @@ mod ahead;
 mod answer;
 mod ball;
 mod body;
-mod body_shape;
 pub mod budget;
 mod check;
 mod closest;
@@ -175,6 +174,7 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
 use crate::broad::{self, BroadPhase, Groups, PencilSweep};
+use crate::geometry::Geometry;
 use crate::polyhedron::BoxHint;
 use crate::tracker::Workspace;
 
@@ -182,14 +182,12 @@ pub use crate::broad::{BodyId, PairId, Settings};
 pub use answer::PairAnswer;
 pub use body::Body;
 use body::{BodySolid, BodyTable, box_of, checked};
-pub use body_shape::BodyShape;
 pub use effects::{Effects, Group};
 use effects::{GROUPS, Table};
 pub use error::SceneError;
 pub use events::{Change, Event, PairImpact};
 use filter::Ignored;
 use kinds::Census;
-pub use kinds::ShapeKind;
 use pair_table::PairTables;
 pub(crate) use pair_tracker::AnyTracker;
 pub use report::{Bytes, Counts, Report, Times};
@@ -436,7 +434,7 @@ impl Scene {
 
     /// Returns the shape of a body.
     #[must_use]
-    pub fn shape(&self, id: BodyId) -> Option<&BodyShape> {
+    pub fn shape(&self, id: BodyId) -> Option<&Geometry> {
         let solid = self.bodies.solids[self.bodies.index_of(id).ok()?].as_ref()?;
         Some(&solid.shape)
     }

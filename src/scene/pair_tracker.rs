@@ -3,11 +3,11 @@
 
 use alloc::boxed::Box;
 
-use super::body_shape::BodyShape;
 use super::mixed_tracker::MixedTracker;
 use super::report::Counts;
 use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::contact::{Manifold, ManifoldOptions, Query};
+use crate::geometry::Geometry;
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::RelativePose;
@@ -29,7 +29,7 @@ pub(super) trait PairTracker: Clone + Send + Sync {
     type Shapes<'a>: Copy;
 
     /// Returns the shapes of a pair of this tracker; `None` for another pair.
-    fn shapes<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<Self::Shapes<'a>>;
+    fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>>;
 
     /// Returns the signed distance with bounds and features; an overlap without a depth if `until`
     /// is [`Until::Class`].
@@ -85,7 +85,7 @@ impl PairTracker for Tracker {
     type Shapes<'a> = (&'a ConvexPolyhedron, &'a ConvexPolyhedron);
 
     #[inline]
-    fn shapes<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<Self::Shapes<'a>> {
+    fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>> {
         a.as_polyhedron().zip(b.as_polyhedron())
     }
 
@@ -155,7 +155,7 @@ impl PairTracker for Tracker {
 }
 
 /// The shapes of A and B.
-pub(crate) type BodyShapes<'a> = (&'a BodyShape, &'a BodyShape);
+pub(crate) type BodyShapes<'a> = (&'a Geometry, &'a Geometry);
 
 /// The tracker of a pair of any kinds: of a planner's pair, or on the way from one table of a scene
 /// to another, since tables of scenes store the variants apart.
@@ -168,9 +168,9 @@ pub(crate) enum AnyTracker {
 
 impl AnyTracker {
     /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
-    pub(crate) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
+    pub(crate) fn new(a: &Geometry, b: &Geometry) -> Option<Self> {
         match (a, b) {
-            (BodyShape::Polyhedron(_), BodyShape::Polyhedron(_)) => Some(Self::Polyhedra(Tracker::new())),
+            (Geometry::Polyhedron(_), Geometry::Polyhedron(_)) => Some(Self::Polyhedra(Tracker::new())),
             _ => MixedTracker::new(a, b).map(Self::Mixed),
         }
     }
@@ -236,7 +236,7 @@ pub(super) enum TrackerRef<'a> {
 impl TrackerRef<'_> {
     /// Returns a tracker that begins with the state of this one, for the two bodies in the order of
     /// the pair or in the other.
-    pub(super) fn started(self, a: &BodyShape, b: &BodyShape, is_in_order: bool) -> Option<AnyTracker> {
+    pub(super) fn started(self, a: &Geometry, b: &Geometry, is_in_order: bool) -> Option<AnyTracker> {
         match self {
             Self::Polyhedra(tracker) => {
                 let features = tracker.features()?;

@@ -9,11 +9,11 @@ use alloc::vec::Vec;
 
 use super::ball::least_distance;
 use super::body::box_of;
-use super::body_shape::BodyShape;
 use super::effects::{Detail, Group, group_pair_of};
 use super::pair_tracker::AnyTracker;
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
+use crate::geometry::Geometry;
 use crate::pair::outcome::{Outcome, Until};
 use crate::polyhedron::BoxHint;
 use crate::pose::RelativePose;
@@ -219,7 +219,7 @@ impl Scene {
 /// Two bodies and a tracker.
 pub(super) struct PairQuery<'a> {
     pub(super) tracker: AnyTracker,
-    shapes: (&'a BodyShape, &'a BodyShape),
+    shapes: (&'a Geometry, &'a Geometry),
     pose: RelativePose,
 }
 

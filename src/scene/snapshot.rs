@@ -10,7 +10,6 @@ use nalgebra::Isometry3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
 use super::body::{Body, BodySolid, BodyTable};
-use super::body_shape::BodyShape;
 use super::budget::Travel;
 use super::check::census_of;
 use super::effects::{Effects, GROUPS, Group, Table};
@@ -24,6 +23,7 @@ use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, PairImpact, Scene, Settings};
 use crate::broad::slots::Slots;
 use crate::broad::{self, BroadPhase, PencilSweep};
+use crate::geometry::Geometry;
 use crate::pair::outcome::{Distance, Outcome};
 use crate::polyhedron::BoxHint;
 use crate::tracker::Tracker;
@@ -68,7 +68,7 @@ struct TableRows<T> {
 struct SceneSnapshot {
     settings: Settings,
     /// Distinct shapes, in the order of the bodies.
-    shapes: Vec<BodyShape>,
+    shapes: Vec<Geometry>,
     rows: Vec<SnapshotRow>,
     free: Vec<u32>,
     leaving: Vec<u32>,
@@ -162,7 +162,7 @@ impl SceneSnapshot {
         let bodies = &scene.bodies;
         let mut shapes = Vec::new();
         let mut known = BTreeMap::new();
-        let mut number = |shape: &BodyShape| {
+        let mut number = |shape: &Geometry| {
             *known.entry(shape.address()).or_insert_with(|| {
                 shapes.push(shape.clone());
                 shapes.len() - 1
@@ -293,7 +293,7 @@ type Motions = (Vec<Moving>, Vec<(u32, Sweep)>, Vec<u32>, Ticks);
 /// Returns the tables of bodies, if every list names valid bodies.
 fn restored_bodies(
     rows: Vec<SnapshotRow>,
-    shapes: &[BodyShape],
+    shapes: &[Geometry],
     [free, leaving, body_of_proxy, due]: [Vec<u32>; 4],
     (moving, sweeps, wide, ticks): Motions,
     step: u32,

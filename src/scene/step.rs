@@ -5,7 +5,6 @@ use alloc::vec::Vec;
 
 use super::Scene;
 use super::body::{BodyTable, box_of, swept_box};
-use super::body_shape::BodyShape;
 use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::events::{Change, Event, PairChange, PairImpact};
 use super::narrow_phase::{StepContext, Tally, test_table};
@@ -14,6 +13,7 @@ use super::pair_tracker::{AnyTracker, PairTracker};
 use super::report::{Clock, Report};
 use crate::broad::{self, Aabb, BroadPhase, PairId};
 use crate::composite::contact::ContactPatches;
+use crate::geometry::Geometry;
 use crate::polyhedron::BoxHint;
 #[cfg(feature = "parallel")]
 use crate::tuning::scene::QUERY_IN_BOXES;
@@ -105,8 +105,8 @@ impl Scene {
             }
             let shape = &solid.shape;
             let new = || match shape {
-                BodyShape::Mesh(mesh) => Some(ContactPatches::of_mesh(mesh.clone())),
-                BodyShape::Composite(body) => Some(ContactPatches::of_pieces(body.clone())),
+                Geometry::Mesh(mesh) => Some(ContactPatches::of_mesh(mesh.clone())),
+                Geometry::Composite(body) => Some(ContactPatches::of_pieces(body.clone())),
                 _ => None,
             };
             if shape.as_convex().is_none() {

@@ -1,7 +1,7 @@
 //! The tracker of a pair with a surface of patches.
 
-use super::body_shape::BodyShape;
 use crate::composite::pieces::Composite;
+use crate::geometry::Geometry;
 use crate::patch::{
     Decision, Surface, SurfaceCompositePair, SurfaceCompositeTracker, SurfacePair, SurfaceShapePair,
     SurfaceShapeTracker, SurfaceTracker, exchanged,
@@ -30,25 +30,25 @@ enum SurfacePartner {
 /// A surface and a convex shape, and whether the shape is A.
 type Mixed<'a> = (&'a Surface, alloc::borrow::Cow<'a, crate::shape::Shape>, bool);
 
-fn surfaces<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<[&'a Surface; 2]> {
+fn surfaces<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<[&'a Surface; 2]> {
     match (a, b) {
-        (BodyShape::Surface(x), BodyShape::Surface(y)) => Some([x, y]),
+        (Geometry::Surface(x), Geometry::Surface(y)) => Some([x, y]),
         _ => None,
     }
 }
 
-fn mixed<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<Mixed<'a>> {
+fn mixed<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Mixed<'a>> {
     match (a, b) {
-        (BodyShape::Surface(x), y) => Some((x, y.as_convex()?, false)),
-        (x, BodyShape::Surface(y)) => Some((y, x.as_convex()?, true)),
+        (Geometry::Surface(x), y) => Some((x, y.as_convex()?, false)),
+        (x, Geometry::Surface(y)) => Some((y, x.as_convex()?, true)),
         _ => None,
     }
 }
 
-fn of_pieces<'a>(a: &'a BodyShape, b: &'a BodyShape) -> Option<(&'a Surface, &'a Composite, bool)> {
+fn of_pieces<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<(&'a Surface, &'a Composite, bool)> {
     match (a, b) {
-        (BodyShape::Surface(x), BodyShape::Composite(y)) => Some((x, y, false)),
-        (BodyShape::Composite(x), BodyShape::Surface(y)) => Some((y, x, true)),
+        (Geometry::Surface(x), Geometry::Composite(y)) => Some((x, y, false)),
+        (Geometry::Composite(x), Geometry::Surface(y)) => Some((y, x, true)),
         _ => None,
     }
 }
@@ -65,7 +65,7 @@ fn ordered(is_second: bool, pose: &RelativePose, see: impl FnOnce(&RelativePose)
 
 impl WithSurface {
     /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
-    pub(super) fn new(a: &BodyShape, b: &BodyShape) -> Option<Self> {
+    pub(super) fn new(a: &Geometry, b: &Geometry) -> Option<Self> {
         let kind = match surfaces(a, b) {
             Some(_) => SurfacePartner::Surfaces(SurfaceTracker::new()),
             None if of_pieces(a, b).is_some() => SurfacePartner::Pieces(SurfaceCompositeTracker::new()),
@@ -76,7 +76,7 @@ impl WithSurface {
     }
 
     /// Returns the closest points; `None` for bodies of other kinds.
-    pub(super) fn measure(&mut self, a: &BodyShape, b: &BodyShape, pose: &RelativePose) -> Option<Measure> {
+    pub(super) fn measure(&mut self, a: &Geometry, b: &Geometry, pose: &RelativePose) -> Option<Measure> {
         let (_, of_a) = a.bounding_ball();
         let (_, of_b) = b.bounding_ball();
         let width = SCENE_WIDTH * (of_a + of_b);
@@ -103,7 +103,7 @@ impl WithSurface {
     }
 
     /// Returns whether the bodies are at most `d` apart; true if the bounds leave that open.
-    pub(super) fn within(&mut self, a: &BodyShape, b: &BodyShape, pose: &RelativePose, d: f64) -> bool {
+    pub(super) fn within(&mut self, a: &Geometry, b: &Geometry, pose: &RelativePose, d: f64) -> bool {
         let decision = match &mut self.kind {
             SurfacePartner::Surfaces(tracker) => surfaces(a, b).map(|[x, y]| tracker.within(x, y, pose, d)),
             SurfacePartner::Convex(tracker) => mixed(a, b).map(|(surface, shape, is_second)| {
@@ -121,8 +121,8 @@ impl WithSurface {
     /// Asks the pair in the form that can be measured over time.
     pub(super) fn over_time<R>(
         &mut self,
-        a: &BodyShape,
-        b: &BodyShape,
+        a: &Geometry,
+        b: &Geometry,
         ask: impl FnOnce(&mut dyn Separation) -> R,
     ) -> Option<R> {
         Some(match &mut self.kind {

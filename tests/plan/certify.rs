@@ -289,7 +289,7 @@ fn a_turn_is_more_than_its_ends() {
 #[test]
 fn obstacles_of_every_kind() {
     let die = || solids::cuboid(Vector3::repeat(0.5)).expect("a box");
-    let kinds: Vec<(&str, lin_canny::scene::BodyShape)> = vec![
+    let kinds: Vec<(&str, lin_canny::Geometry)> = vec![
         ("polyhedron", die().into()),
         ("ball", Shape::ball(0.5).expect("a ball").into()),
         ("cone", Shape::cone(0.5, 0.5).expect("a cone").into()),

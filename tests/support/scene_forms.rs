@@ -3,8 +3,7 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::{Surface, SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker, revolution};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::BodyShape;
-use lin_canny::{Class, Composite, CompositeTracker, ConvexPolyhedron, Distance, Mesh, PartsRef, Piece};
+use lin_canny::{Class, Composite, CompositeTracker, ConvexPolyhedron, Distance, Geometry, Mesh, PartsRef, Piece};
 use lin_canny::{RelativePose, Shape, ShapeTracker, Tracker};
 
 /// Bodies of which one is no sharp polyhedron, and whose bounds are as near to a threshold as this, may be either side of it.
@@ -47,11 +46,11 @@ impl Form {
     }
 }
 
-fn sharp(body: ConvexPolyhedron) -> (BodyShape, Form) {
+fn sharp(body: ConvexPolyhedron) -> (Geometry, Form) {
     (body.clone().into(), Form::Sharp(body.clone().into(), body))
 }
 
-fn convex(shape: Shape) -> (BodyShape, Form) {
+fn convex(shape: Shape) -> (Geometry, Form) {
     (shape.clone().into(), Form::Convex(shape))
 }
 
@@ -70,7 +69,7 @@ fn ball_of_patches(r: f64) -> Surface {
 }
 
 /// The bodies of a world: polyhedra alone, curved shapes too, meshes and composites too, or surfaces and composites too.
-pub fn forms(kind: usize) -> Vec<(BodyShape, Form)> {
+pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
     let far = [-1.0, 1.0].map(|x| Point3::new(x + 3.0, 0.2, 0.3));
     let mut all = vec![
         sharp(solids::cuboid(Vector3::repeat(0.5)).expect("a cube")),

@@ -15,8 +15,8 @@ use forms::{Form, forms};
 use input::Bytes;
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
-use lin_canny::scene::{Body, BodyId, BodyShape, Effects, Group, Scene, SceneError, Settings};
-use lin_canny::{ManifoldOptions, Velocity};
+use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError, Settings};
+use lin_canny::{Geometry, ManifoldOptions, Velocity};
 use std::collections::{BTreeMap, BTreeSet};
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
@@ -149,7 +149,7 @@ impl Bytes<'_> {
 /// One world in several scenes, fed alike, of which each decides otherwise which pairs are looked at.
 struct World<C> {
     kind: usize,
-    forms: Vec<(BodyShape, Form)>,
+    forms: Vec<(Geometry, Form)>,
     /// With budget and schedule; with neither; with threads; read back from a file now and then.
     scenes: Vec<Scene>,
     copy: C,

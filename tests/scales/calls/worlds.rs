@@ -5,8 +5,8 @@ use lab::rng::Rng;
 use lin_canny::broad::{self, Aabb, BroadPhase, PencilSweep, SortedAxes};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::scene::{self, Body, BodyShape, Effects, Group};
-use lin_canny::{ManifoldOptions, Velocity};
+use lin_canny::scene::{self, Body, Effects, Group};
+use lin_canny::{Geometry, ManifoldOptions, Velocity};
 
 pub(super) fn boxes(scene: &mut Scene, rng: &mut Rng) {
     let seed = rng.bits();
@@ -74,8 +74,8 @@ pub(super) fn scenes(scene: &mut Scene, rng: &mut Rng) {
     };
     world.call_for(PARTS, CONVEX, effects).expect("effects");
     world.call_for(PARTS, PARTS, effects).expect("effects");
-    let mut shapes: Vec<BodyShape> = curved(scene).into_iter().map(BodyShape::from).collect();
-    shapes.extend((0..4).map(|_| BodyShape::from(scene.round(rng, 20))));
+    let mut shapes: Vec<Geometry> = curved(scene).into_iter().map(Geometry::from).collect();
+    shapes.extend((0..4).map(|_| Geometry::from(scene.round(rng, 20))));
     let convex = shapes.len();
     shapes.extend([dented(scene, rng).into(), composite(scene, rng).into()]);
     let place = |scene: &Scene, rng: &mut Rng| {

@@ -1,11 +1,10 @@
-//! The shape of a body in a scene: every kind of shape there is.
+//! A shape of any kind there is.
 
 use alloc::borrow::Cow;
 use alloc::sync::Arc;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::kinds::ShapeKind;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
 use crate::composite::separation::ball_about;
@@ -33,11 +32,11 @@ use crate::tolerance::BOX_TURNED;
 ///
 /// Depths are the effects `depth` and `local_depth`. The effect `manifold` of a pair with a
 /// composite or mesh is answered by [`ContactTracker`](crate::ContactTracker), as
-/// [`PairAnswer::contacts`](super::PairAnswer::contacts); overlaps of such a pair have the distance
+/// [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts); overlaps of such a pair have the distance
 /// 0.
 ///
 /// A call that would make a pair with an effect that the pair cannot answer is refused with
-/// [`SceneError::Unanswered`](super::SceneError::Unanswered): insertion of a body, change of a
+/// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered): insertion of a body, change of a
 /// group, call for an effect. Against a composite or a mesh a convex shape is a composite of one
 /// piece, a single leaf with its own support points: the pair makes that once, when the boxes meet.
 /// The patches for contacts are made once for each shape, in the step after they are called
@@ -80,9 +79,9 @@ use crate::tolerance::BOX_TURNED;
 /// ```
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[cfg_attr(feature = "serde", serde(from = "StoredBodyShape", into = "StoredBodyShape"))]
+#[cfg_attr(feature = "serde", serde(from = "StoredGeometry", into = "StoredGeometry"))]
 #[non_exhaustive]
-pub enum BodyShape {
+pub enum Geometry {
     /// A convex polyhedron, polygon, segment or point.
     Polyhedron(Arc<ConvexPolyhedron>),
     /// A convex shape that is rounded or curved.
@@ -95,7 +94,7 @@ pub enum BodyShape {
     Surface(Arc<Surface>),
 }
 
-impl BodyShape {
+impl Geometry {
     /// Returns the polyhedron of a body that is a polyhedron.
     #[must_use]
     pub fn as_polyhedron(&self) -> Option<&ConvexPolyhedron> {
@@ -165,7 +164,7 @@ impl BodyShape {
     }
 
     /// Returns the address of the shared shape, equal for bodies that share the shape.
-    pub(super) fn address(&self) -> usize {
+    pub(crate) fn address(&self) -> usize {
         match self {
             Self::Polyhedron(body) => Arc::as_ptr(body) as usize,
             Self::Convex(shape) => Arc::as_ptr(shape) as usize,
@@ -173,6 +172,47 @@ impl BodyShape {
             Self::Mesh(mesh) => Arc::as_ptr(mesh) as usize,
             Self::Surface(surface) => Arc::as_ptr(surface) as usize,
         }
+    }
+}
+
+/// The kind of a geometry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum ShapeKind {
+    /// A convex polyhedron or polygon.
+    Polyhedron,
+    /// A point or a segment: a polyhedron without faces.
+    Wire,
+    /// A rounded polyhedron: ball, capsule, rounded box or hull.
+    Rounded,
+    /// A cylinder, cone, ellipsoid or superquadric, rounded or not.
+    Curved,
+    /// A union of convex pieces.
+    Composite,
+    /// A mesh of triangles.
+    Mesh,
+    /// A surface of curved patches.
+    Surface,
+}
+
+impl core::fmt::Display for ShapeKind {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Polyhedron => "polyhedron",
+            Self::Wire => "point or segment",
+            Self::Rounded => "rounded polyhedron",
+            Self::Curved => "curved shape",
+            Self::Composite => "composite",
+            Self::Mesh => "mesh",
+            Self::Surface => "surface of patches",
+        })
+    }
+}
+
+impl ShapeKind {
+    pub(crate) fn is_convex(self) -> bool {
+        !matches!(self, Self::Composite | Self::Mesh | Self::Surface)
     }
 }
 
@@ -189,19 +229,19 @@ fn turned_box((low, high): (Point3<f64>, Point3<f64>), pose: &Isometry3<f64>) ->
     (Point3::from(centre - half), Point3::from(centre + half))
 }
 
-impl From<ConvexPolyhedron> for BodyShape {
+impl From<ConvexPolyhedron> for Geometry {
     fn from(body: ConvexPolyhedron) -> Self {
         Self::from(Arc::new(body))
     }
 }
 
-impl From<Arc<ConvexPolyhedron>> for BodyShape {
+impl From<Arc<ConvexPolyhedron>> for Geometry {
     fn from(body: Arc<ConvexPolyhedron>) -> Self {
         Self::Polyhedron(body)
     }
 }
 
-impl From<Shape> for BodyShape {
+impl From<Shape> for Geometry {
     /// A shape that is a polyhedron and not rounded becomes a polyhedron.
     fn from(shape: Shape) -> Self {
         match shape.core() {
@@ -211,7 +251,7 @@ impl From<Shape> for BodyShape {
     }
 }
 
-impl From<Arc<Shape>> for BodyShape {
+impl From<Arc<Shape>> for Geometry {
     fn from(shape: Arc<Shape>) -> Self {
         match shape.core() {
             Core::Polyhedron(body) if shape.round() == 0.0 => Self::Polyhedron(body.clone()),
@@ -220,37 +260,37 @@ impl From<Arc<Shape>> for BodyShape {
     }
 }
 
-impl From<Composite> for BodyShape {
+impl From<Composite> for Geometry {
     fn from(composite: Composite) -> Self {
         Self::Composite(Arc::new(composite))
     }
 }
 
-impl From<Arc<Composite>> for BodyShape {
+impl From<Arc<Composite>> for Geometry {
     fn from(composite: Arc<Composite>) -> Self {
         Self::Composite(composite)
     }
 }
 
-impl From<Mesh> for BodyShape {
+impl From<Mesh> for Geometry {
     fn from(mesh: Mesh) -> Self {
         Self::Mesh(Arc::new(mesh))
     }
 }
 
-impl From<Arc<Mesh>> for BodyShape {
+impl From<Arc<Mesh>> for Geometry {
     fn from(mesh: Arc<Mesh>) -> Self {
         Self::Mesh(mesh)
     }
 }
 
-impl From<Surface> for BodyShape {
+impl From<Surface> for Geometry {
     fn from(surface: Surface) -> Self {
         Self::Surface(Arc::new(surface))
     }
 }
 
-impl From<Arc<Surface>> for BodyShape {
+impl From<Arc<Surface>> for Geometry {
     fn from(surface: Arc<Surface>) -> Self {
         Self::Surface(surface)
     }
@@ -259,8 +299,8 @@ impl From<Arc<Surface>> for BodyShape {
 /// The serialized form of a shape.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
-#[serde(rename = "BodyShape")]
-enum StoredBodyShape {
+#[serde(rename = "Geometry")]
+enum StoredGeometry {
     Polyhedron(alloc::boxed::Box<ConvexPolyhedron>),
     Convex(Shape),
     Composite(alloc::boxed::Box<Composite>),
@@ -269,28 +309,28 @@ enum StoredBodyShape {
 }
 
 #[cfg(feature = "serde")]
-impl From<StoredBodyShape> for BodyShape {
-    fn from(stored: StoredBodyShape) -> Self {
+impl From<StoredGeometry> for Geometry {
+    fn from(stored: StoredGeometry) -> Self {
         match stored {
-            StoredBodyShape::Polyhedron(body) => Self::from(*body),
-            StoredBodyShape::Convex(shape) => Self::Convex(Arc::new(shape)),
-            StoredBodyShape::Composite(composite) => Self::from(*composite),
-            StoredBodyShape::Mesh(mesh) => Self::from(*mesh),
-            StoredBodyShape::Surface(surface) => Self::from(*surface),
+            StoredGeometry::Polyhedron(body) => Self::from(*body),
+            StoredGeometry::Convex(shape) => Self::Convex(Arc::new(shape)),
+            StoredGeometry::Composite(composite) => Self::from(*composite),
+            StoredGeometry::Mesh(mesh) => Self::from(*mesh),
+            StoredGeometry::Surface(surface) => Self::from(*surface),
         }
     }
 }
 
 #[cfg(feature = "serde")]
-impl From<BodyShape> for StoredBodyShape {
-    fn from(shape: BodyShape) -> Self {
+impl From<Geometry> for StoredGeometry {
+    fn from(shape: Geometry) -> Self {
         use alloc::boxed::Box;
         match shape {
-            BodyShape::Polyhedron(body) => Self::Polyhedron(Box::new(Arc::unwrap_or_clone(body))),
-            BodyShape::Convex(shape) => Self::Convex(Arc::unwrap_or_clone(shape)),
-            BodyShape::Composite(composite) => Self::Composite(Box::new(Arc::unwrap_or_clone(composite))),
-            BodyShape::Mesh(mesh) => Self::Mesh(Box::new(Arc::unwrap_or_clone(mesh))),
-            BodyShape::Surface(surface) => Self::Surface(Box::new(Arc::unwrap_or_clone(surface))),
+            Geometry::Polyhedron(body) => Self::Polyhedron(Box::new(Arc::unwrap_or_clone(body))),
+            Geometry::Convex(shape) => Self::Convex(Arc::unwrap_or_clone(shape)),
+            Geometry::Composite(composite) => Self::Composite(Box::new(Arc::unwrap_or_clone(composite))),
+            Geometry::Mesh(mesh) => Self::Mesh(Box::new(Arc::unwrap_or_clone(mesh))),
+            Geometry::Surface(surface) => Self::Surface(Box::new(Arc::unwrap_or_clone(surface))),
         }
     }
 }
