@@ -315,6 +315,7 @@ mod minimum;
 pub mod motion;
 mod num;
 mod pair;
+mod pair_tracker;
 pub mod patch;
 pub mod plan;
 pub mod polyhedron;

@@ -10,8 +10,8 @@ use super::world::{World, WorldId, WorldPair};
 use crate::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep};
 use crate::geometry::Geometry;
 use crate::motion::{Course, Steady, Velocity};
+use crate::pair_tracker::AnyTracker;
 use crate::polyhedron::BoxHint;
-use crate::scene::AnyTracker;
 use crate::tolerance::PLANE;
 
 /// A pair and its tracker, made when the pair is first measured.

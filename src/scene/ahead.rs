@@ -22,11 +22,11 @@ use super::events::PairImpact;
 use super::moving::Sweep;
 use super::narrow_phase::{StepContext, Tally};
 use super::pair_table::{PairFlags, PairHeader};
-use super::pair_tracker::PairTracker;
 use super::report::Counts;
 use crate::impact::{self, Impact, Tolerance};
 use crate::motion::{Motion, Steady, Velocity};
 use crate::pair::outcome::Outcome;
+use crate::pair_tracker::PairEngine;
 use crate::schedule::ticks;
 use crate::separation::Flight;
 use crate::tuning::scene::TICKS;
@@ -44,7 +44,7 @@ impl StepContext<'_> {
     }
 
     /// Lets a pair sleep that is proven apart from here on; returns whether the pair sleeps.
-    pub(super) fn sleep<T: PairTracker>(
+    pub(super) fn sleep<T: PairEngine>(
         &self,
         header: &mut PairHeader,
         (tracker, shapes): (&mut T, T::Shapes<'_>),
@@ -93,7 +93,7 @@ impl StepContext<'_> {
     /// Looks at a pair from the begin of the last tick: returns true, and lets the pair sleep, if
     /// the pair is proven farther apart than all thresholds for a tick at least. Else an impact of
     /// the tick is noted, if there is one.
-    pub(super) fn sweep_pair<T: PairTracker>(
+    pub(super) fn sweep_pair<T: PairEngine>(
         &self,
         header: &mut PairHeader,
         (tracker, shapes): (&mut T, T::Shapes<'_>),

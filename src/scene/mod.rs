@@ -153,11 +153,9 @@ mod error;
 mod events;
 mod filter;
 mod kinds;
-mod mixed_tracker;
 mod moving;
 mod narrow_phase;
 mod pair_table;
-mod pair_tracker;
 #[cfg(feature = "parallel")]
 mod parallel;
 mod report;
@@ -166,7 +164,6 @@ mod search;
 mod snapshot;
 mod step;
 mod stored_answer;
-mod surface_tracker;
 mod velocity;
 
 use alloc::vec::Vec;
@@ -189,7 +186,6 @@ pub use events::{Change, Event, PairImpact};
 use filter::Ignored;
 use kinds::Census;
 use pair_table::PairTables;
-pub(crate) use pair_tracker::AnyTracker;
 pub use report::{Bytes, Counts, Report, Times};
 pub use search::ClosestPair;
 

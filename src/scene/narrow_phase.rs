@@ -9,10 +9,10 @@ use super::budget::{slack, wake};
 use super::effects::{Detail, NEVER, PairPlan, Table};
 use super::events::{Change, PairChange, PairImpact};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
-use super::pair_tracker::{ContactAsk, PairTracker};
 use super::report::Counts;
 use super::stored_answer::StoredAnswer;
 use crate::pair::outcome::{Class, Outcome};
+use crate::pair_tracker::{ContactAsk, Contacted, PairEngine};
 use crate::pose::RelativePose;
 use crate::tracker::Workspace;
 
@@ -36,7 +36,7 @@ pub(super) struct Tally {
 }
 
 /// Tests all pairs of a table.
-pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
+pub(super) fn test_table<T: PairEngine, A: StoredAnswer>(
     pair_table: &mut PairTable<T, A>,
     context: &StepContext<'_>,
     tally: &mut Tally,
@@ -51,7 +51,7 @@ pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
 }
 
 /// Tests the pairs of a run of rows.
-pub(super) fn test_run<T: PairTracker, A: StoredAnswer>(
+pub(super) fn test_run<T: PairEngine, A: StoredAnswer>(
     headers: &mut [PairHeader],
     trackers: &mut [T],
     answers: &mut [A],
@@ -120,7 +120,7 @@ impl StepContext<'_> {
     }
 
     #[inline]
-    fn test<T: PairTracker, A: StoredAnswer>(
+    fn test<T: PairEngine, A: StoredAnswer>(
         &self,
         header: &mut PairHeader,
         tracker: &mut T,
@@ -180,7 +180,9 @@ impl StepContext<'_> {
                     options,
                     patches: [solid_a.patches.as_ref(), solid_b.patches.as_ref()],
                 };
-                tracker.update_manifold(shapes, &pose, ask, stored, counts);
+                let done = tracker.update_manifold(shapes, &pose, ask, stored);
+                counts.manifolds += u64::from(done != Contacted::Nothing);
+                counts.renewed += u64::from(done == Contacted::Renewed);
             } else {
                 drop_contacts(tracker, answer);
             }
@@ -189,7 +191,7 @@ impl StepContext<'_> {
 }
 
 /// Drops the contacts of a pair that is beyond the prediction, if contacts are called for.
-fn drop_contacts<T: PairTracker, A: StoredAnswer>(tracker: &mut T, answer: &mut A) {
+fn drop_contacts<T: PairEngine, A: StoredAnswer>(tracker: &mut T, answer: &mut A) {
     if let Some(stored) = answer.manifold() {
         *stored = None;
         tracker.drop_contacts();

@@ -15,13 +15,12 @@
 use alloc::vec::Vec;
 
 use super::effects::{Detail, GroupPair, NEVER, PairPlan};
-use super::mixed_tracker::MixedTracker;
-use super::pair_tracker::{AnyTracker, PairTracker, TrackerRef};
 use super::stored_answer::{StoredAnswer, StoredContact};
 use crate::broad::PairId;
 use crate::composite::contact::PatchContacts;
 use crate::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome, Until};
+use crate::pair_tracker::{AnyTracker, MixedTracker, PairEngine, TrackerRef};
 use crate::tracker::Tracker;
 
 /// The part of a pair that is read before a query.
@@ -72,7 +71,7 @@ impl<T, A> Default for PairTable<T, A> {
     }
 }
 
-impl<T: PairTracker, A: StoredAnswer> PairTable<T, A> {
+impl<T: PairEngine, A: StoredAnswer> PairTable<T, A> {
     fn push(&mut self, header: PairHeader, tracker: T) -> u32 {
         self.headers.push(header);
         self.trackers.push(tracker);
@@ -203,7 +202,7 @@ impl<T> Default for DetailTables<T> {
     }
 }
 
-impl<T: PairTracker> DetailTables<T> {
+impl<T: PairEngine> DetailTables<T> {
     /// Inserts a pair; returns the number of its table and the row.
     fn push(&mut self, plan: &PairPlan, header: PairHeader, mut tracker: T) -> Option<(u32, u32)> {
         if plan.until == Until::Class {

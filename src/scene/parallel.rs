@@ -8,10 +8,10 @@ use rayon::prelude::*;
 
 use super::narrow_phase::{StepContext, Tally, test_run};
 use super::pair_table::PairTable;
-use super::pair_tracker::PairTracker;
 use super::step::Boxes;
 use super::stored_answer::StoredAnswer;
 use crate::broad::{self, Aabb};
+use crate::pair_tracker::PairEngine;
 use crate::polyhedron::BoxHint;
 use crate::tuning::scene::{PAIRS, RUN};
 
@@ -36,7 +36,7 @@ pub(super) fn make_boxes(
 }
 
 /// Tests all pairs of a table.
-pub(super) fn test_table<T: PairTracker, A: StoredAnswer>(
+pub(super) fn test_table<T: PairEngine, A: StoredAnswer>(
     pair_table: &mut PairTable<T, A>,
     context: &StepContext<'_>,
     tally: &mut Tally,

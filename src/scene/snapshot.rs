@@ -14,10 +14,8 @@ use super::budget::Travel;
 use super::check::census_of;
 use super::effects::{Effects, GROUPS, Group, Table};
 use super::filter::Ignored;
-use super::mixed_tracker::{MixedTracker, StoredTracker};
 use super::moving::{Moving, Sweep, Ticks};
 use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
-use super::pair_tracker::PairTracker;
 use super::report::Report;
 use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, PairImpact, Scene, Settings};
@@ -25,6 +23,7 @@ use crate::broad::slots::Slots;
 use crate::broad::{self, BroadPhase, PencilSweep};
 use crate::geometry::Geometry;
 use crate::pair::outcome::{Distance, Outcome};
+use crate::pair_tracker::{MixedTracker, PairEngine, StoredTracker};
 use crate::polyhedron::BoxHint;
 use crate::tracker::Tracker;
 use crate::tracker::Workspace;
@@ -101,7 +100,7 @@ struct SceneSnapshot {
     schedule: bool,
 }
 
-fn pair_rows<T: PairTracker, A: StoredAnswer, S>(
+fn pair_rows<T: PairEngine, A: StoredAnswer, S>(
     pair_table: &PairTable<T, A>,
     stored: &impl Fn(&T) -> S,
 ) -> PairRows<S, A> {
@@ -121,7 +120,7 @@ fn pair_rows<T: PairTracker, A: StoredAnswer, S>(
     pairs.map(pair_row).collect()
 }
 
-fn table_rows<T: PairTracker, S>(tables: &DetailTables<T>, stored: impl Fn(&T) -> S) -> TableRows<S> {
+fn table_rows<T: PairEngine, S>(tables: &DetailTables<T>, stored: impl Fn(&T) -> S) -> TableRows<S> {
     TableRows {
         predicates: pair_rows(&tables.predicates, &stored),
         distances: pair_rows(&tables.distances, &stored),
@@ -131,7 +130,7 @@ fn table_rows<T: PairTracker, S>(tables: &DetailTables<T>, stored: impl Fn(&T) -
 }
 
 /// Rebuilds a table; `restore` returns `None` for a tracker that does not belong to the pair.
-fn pair_table<S, T: PairTracker, A>(
+fn pair_table<S, T: PairEngine, A>(
     pair_rows: PairRows<S, A>,
     restore: &impl Fn(&PairHeader, S) -> Option<T>,
 ) -> Result<PairTable<T, A>, String> {
@@ -145,7 +144,7 @@ fn pair_table<S, T: PairTracker, A>(
     Ok(pair_table)
 }
 
-fn detail_tables<S, T: PairTracker>(
+fn detail_tables<S, T: PairEngine>(
     rows: TableRows<S>,
     restore: impl Fn(&PairHeader, S) -> Option<T>,
 ) -> Result<DetailTables<T>, String> {

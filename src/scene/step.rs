@@ -9,11 +9,11 @@ use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::events::{Change, Event, PairChange, PairImpact};
 use super::narrow_phase::{StepContext, Tally, test_table};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
-use super::pair_tracker::{AnyTracker, PairTracker};
 use super::report::{Clock, Report};
 use crate::broad::{self, Aabb, BroadPhase, PairId};
 use crate::composite::contact::ContactPatches;
 use crate::geometry::Geometry;
+use crate::pair_tracker::{AnyTracker, PairEngine};
 use crate::polyhedron::BoxHint;
 #[cfg(feature = "parallel")]
 use crate::tuning::scene::QUERY_IN_BOXES;
@@ -277,7 +277,7 @@ fn is_shared(queries: u64, bodies: usize) -> bool {
 }
 
 /// Tests the pairs of all tables of one type of tracker.
-fn test_tables<T: PairTracker>(
+fn test_tables<T: PairEngine>(
     tables: &mut DetailTables<T>,
     context: &StepContext<'_>,
     tally: &mut Tally,

@@ -4,9 +4,8 @@
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 
-use super::pair_tracker::{ContactAsk, PairTracker};
-use super::report::Counts;
-use super::surface_tracker::WithSurface;
+use super::engine::{ContactAsk, Contacted, PairEngine};
+use super::surface::WithSurface;
 use crate::composite::contact::{ContactPatches, ContactTracker, PatchContacts};
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::PartsRef;
@@ -190,7 +189,7 @@ fn without_depth(outcome: Outcome) -> Outcome {
     }
 }
 
-impl PairTracker for MixedTracker {
+impl PairEngine for MixedTracker {
     type Shapes<'a> = (&'a Geometry, &'a Geometry);
 
     fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>> {
@@ -295,8 +294,7 @@ impl PairTracker for MixedTracker {
         pose: &RelativePose,
         ask: ContactAsk<'_>,
         stored: &mut Option<Box<Manifold>>,
-        counts: &mut Counts,
-    ) {
+    ) -> Contacted {
         let ContactAsk { options, patches, .. } = ask;
         let is_found = match self {
             Self::Pieces(tracked) => tracked.find_contacts((a, b), patches, pose, options),
@@ -304,16 +302,18 @@ impl PairTracker for MixedTracker {
             Self::Patches(_) => false,
             Self::Convex(tracker) => {
                 let (Some(x), Some(y)) = (a.as_convex(), b.as_convex()) else {
-                    return;
+                    return Contacted::Nothing;
                 };
                 let queries = tracker.totals().queries;
                 tracker.manifold(&x, &y, pose, options, stored.get_or_insert_default());
                 // A manifold is rebuilt from a query.
-                counts.renewed += u64::from(tracker.totals().queries > queries);
+                if tracker.totals().queries > queries {
+                    return Contacted::Renewed;
+                }
                 true
             }
         };
-        counts.manifolds += u64::from(is_found);
+        if is_found { Contacted::Kept } else { Contacted::Nothing }
     }
 
     fn contacts(&self) -> Option<&[PatchContacts]> {
@@ -362,7 +362,7 @@ impl PairTracker for MixedTracker {
 /// these trackers begin anew.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
-pub(super) enum StoredTracker {
+pub(crate) enum StoredTracker {
     Convex(Box<ShapeTracker>),
     Pieces([u32; 2]),
     Triangles([u32; 2]),
@@ -372,7 +372,7 @@ pub(super) enum StoredTracker {
 #[cfg(feature = "serde")]
 impl MixedTracker {
     /// Returns the part of the tracker that is written.
-    pub(super) fn stored(&self) -> StoredTracker {
+    pub(crate) fn stored(&self) -> StoredTracker {
         match self {
             Self::Convex(tracker) => StoredTracker::Convex(tracker.clone()),
             Self::Pieces(tracked) => StoredTracker::Pieces(tracked.pieces),
@@ -382,7 +382,7 @@ impl MixedTracker {
     }
 
     /// Returns the tracker of two bodies as written; `None` if the tracker is of other kinds.
-    pub(super) fn restored(stored: StoredTracker, a: &Geometry, b: &Geometry) -> Option<Self> {
+    pub(crate) fn restored(stored: StoredTracker, a: &Geometry, b: &Geometry) -> Option<Self> {
         let mut tracker = Self::new(a, b)?;
         match (&mut tracker, stored) {
             (Self::Convex(tracker), StoredTracker::Convex(known)) => *tracker = known,

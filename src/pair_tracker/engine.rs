@@ -1,10 +1,9 @@
-//! The tracker of a pair of bodies: [`Tracker`] for two polyhedra, [`MixedTracker`] for every other
+//! The state of a pair of geometries: [`Tracker`] for two polyhedra, [`MixedTracker`] for every other
 //! pair of kinds.
 
 use alloc::boxed::Box;
 
-use super::mixed_tracker::MixedTracker;
-use super::report::Counts;
+use super::mixed::MixedTracker;
 use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::contact::{Manifold, ManifoldOptions, Query};
 use crate::geometry::Geometry;
@@ -16,15 +15,26 @@ use crate::tracker::{Tracker, Workspace};
 
 /// What a contact stage starts from: the last outcome, the options, and the patches of bodies that
 /// are not convex.
-pub(super) struct ContactAsk<'a> {
-    pub(super) outcome: &'a Outcome,
-    pub(super) options: &'a ManifoldOptions,
-    pub(super) patches: [Option<&'a ContactPatches>; 2],
+pub(crate) struct ContactAsk<'a> {
+    pub(crate) outcome: &'a Outcome,
+    pub(crate) options: &'a ManifoldOptions,
+    pub(crate) patches: [Option<&'a ContactPatches>; 2],
+}
+
+/// What an update of contact points did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Contacted {
+    /// The pair has no contact points that can be found.
+    Nothing,
+    /// The points were measured again.
+    Kept,
+    /// The manifold was made anew.
+    Renewed,
 }
 
 /// State of a pair between queries. Implemented by two types, so that pairs of polyhedra pay
 /// nothing for the other kinds.
-pub(super) trait PairTracker: Clone + Send + Sync {
+pub(crate) trait PairEngine: Clone + Send + Sync {
     /// The two shapes in the form in which the tracker takes them.
     type Shapes<'a>: Copy;
 
@@ -57,8 +67,7 @@ pub(super) trait PairTracker: Clone + Send + Sync {
         pose: &RelativePose,
         ask: ContactAsk<'_>,
         stored: &mut Option<Box<Manifold>>,
-        counts: &mut Counts,
-    );
+    ) -> Contacted;
 
     /// Returns the contacts of a pair with a body that is not convex.
     fn contacts(&self) -> Option<&[PatchContacts]> {
@@ -81,7 +90,7 @@ pub(super) trait PairTracker: Clone + Send + Sync {
     fn heap_bytes(&self) -> usize;
 }
 
-impl PairTracker for Tracker {
+impl PairEngine for Tracker {
     type Shapes<'a> = (&'a ConvexPolyhedron, &'a ConvexPolyhedron);
 
     #[inline]
@@ -125,15 +134,14 @@ impl PairTracker for Tracker {
         pose: &RelativePose,
         ContactAsk { outcome, options, .. }: ContactAsk<'_>,
         stored: &mut Option<Box<Manifold>>,
-        counts: &mut Counts,
-    ) {
+    ) -> Contacted {
         let query = Query::new(a, b, pose, options);
         let manifold = stored.get_or_insert_default();
-        counts.manifolds += 1;
-        if let Err(moved) = manifold.refresh(&query) {
-            manifold.renew(&query, outcome, moved);
-            counts.renewed += 1;
-        }
+        let Err(moved) = manifold.refresh(&query) else {
+            return Contacted::Kept;
+        };
+        manifold.renew(&query, outcome, moved);
+        Contacted::Renewed
     }
 
     fn pieces(&self) -> [u32; 2] {
@@ -180,7 +188,7 @@ impl AnyTracker {
     pub(crate) fn measure(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
         match self {
             Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
-                Some(shapes) => PairTracker::measure(tracker, shapes, pose, until),
+                Some(shapes) => PairEngine::measure(tracker, shapes, pose, until),
                 None => Outcome::starting_at(FeaturePair::FIRST),
             },
             Self::Mixed(tracker) => tracker.measure((a, b), pose, until),
@@ -197,7 +205,7 @@ impl AnyTracker {
     ) -> bool {
         match self {
             Self::Polyhedra(tracker) => Tracker::shapes(a, b)
-                .is_some_and(|shapes| PairTracker::decides_within(tracker, shapes, pose, outcome, d)),
+                .is_some_and(|shapes| PairEngine::decides_within(tracker, shapes, pose, outcome, d)),
             Self::Mixed(tracker) => tracker.decides_within((a, b), pose, outcome, d),
         }
     }
@@ -228,7 +236,7 @@ impl AnyTracker {
 
 /// The stored tracker of a pair.
 #[derive(Clone, Copy)]
-pub(super) enum TrackerRef<'a> {
+pub(crate) enum TrackerRef<'a> {
     Polyhedra(&'a Tracker),
     Mixed(&'a MixedTracker),
 }
@@ -236,7 +244,7 @@ pub(super) enum TrackerRef<'a> {
 impl TrackerRef<'_> {
     /// Returns a tracker that begins with the state of this one, for the two bodies in the order of
     /// the pair or in the other.
-    pub(super) fn started(self, a: &Geometry, b: &Geometry, is_in_order: bool) -> Option<AnyTracker> {
+    pub(crate) fn started(self, a: &Geometry, b: &Geometry, is_in_order: bool) -> Option<AnyTracker> {
         match self {
             Self::Polyhedra(tracker) => {
                 let features = tracker.features()?;

@@ -1,0 +1,10 @@
+//! Pairs of geometries of any two kinds.
+
+mod engine;
+mod mixed;
+mod surface;
+
+pub(crate) use engine::{AnyTracker, ContactAsk, Contacted, PairEngine, TrackerRef};
+pub(crate) use mixed::MixedTracker;
+#[cfg(feature = "serde")]
+pub(crate) use mixed::StoredTracker;
