@@ -20,7 +20,6 @@ use lab::shapes;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::separation::PolyhedronPair;
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -102,11 +101,17 @@ fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[
         let (start, velocity) = throw(&mut rng, speed);
         let flight = Steady::new(&start, velocity)?;
         let end = flight.pose(STEP);
-        let new = || PolyhedronPair::new(&body.ours, &plate.ours);
         let meets = |tracker: &mut Tracker, pose: &Isometry3<f64>| -> Result<bool, Trouble> {
             Ok(tracker.intersects(&body.ours, &plate.ours, &RelativePose::new(pose, &at)?))
         };
-        let found = cast(&mut new(), &flight, &rest, (0.0, STEP), fine)?.impact;
+        let found = cast(
+            &mut Tracker::new().over(&body.ours, &plate.ours),
+            &flight,
+            &rest,
+            (0.0, STEP),
+            fine,
+        )?
+        .impact;
         if let Impact::Start { .. } = found {
             continue;
         }
@@ -119,7 +124,14 @@ fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[
         }
         let nlerp = Nlerp::new(&start, &end, STEP, Point3::origin())?;
         let swept = matches!(
-            cast(&mut new(), &nlerp, &rest, (0.0, STEP), fine)?.impact,
+            cast(
+                &mut Tracker::new().over(&body.ours, &plate.ours),
+                &nlerp,
+                &rest,
+                (0.0, STEP),
+                fine
+            )?
+            .impact,
             Impact::Hit { .. }
         );
         let vector = |v: Vector3<f64>| [v.x, v.y, v.z].into();

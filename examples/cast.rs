@@ -7,10 +7,10 @@
 //! `--help` describes a line.
 
 use lab::command::Arguments;
+use lin_canny::Tracker;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{MotionError, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
-use lin_canny::separation::PolyhedronPair;
 use lin_canny::{ConvexPolyhedron, PoseError, Velocity};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -109,7 +109,8 @@ fn answer(line: &str) -> Result<String, Trouble> {
     let motion_a = named("motion of A", motion(motion_a))?;
     let motion_b = named("motion of B", motion(motion_b))?;
     let (end, tolerance) = (named("t_end", number(end))?, named("tolerance", number(tolerance))?);
-    let mut pair = PolyhedronPair::new(&a, &b);
+    let mut tracker = Tracker::new();
+    let mut pair = tracker.over(&a, &b);
     let found = cast(
         &mut pair,
         &motion_a,

@@ -16,7 +16,6 @@ use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::schedule::{Schedule, ticks};
-use lin_canny::separation::PolyhedronPair;
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
@@ -125,7 +124,8 @@ impl Swarm {
     fn free(&self, (a, b): (u32, u32), dt: f64) -> Result<u64, Trouble> {
         let (a, b) = (a as usize, b as usize);
         let motion = |k: usize| Steady::new(&self.poses[k], self.velocities[k]);
-        let mut pair = PolyhedronPair::new(&self.shapes[a], &self.shapes[b]);
+        let mut tracker = Tracker::new();
+        let mut pair = tracker.over(&self.shapes[a], &self.shapes[b]);
         let proof = free_until(&mut pair, &motion(a)?, &motion(b)?, (0.0, AHEAD * dt), DRIFT)?;
         Ok(ticks(proof.until, dt))
     }

@@ -163,6 +163,11 @@ impl Geometry {
         }
     }
 
+    /// Whether both are the same shared geometry.
+    pub(crate) fn is(&self, other: &Self) -> bool {
+        core::mem::discriminant(self) == core::mem::discriminant(other) && self.address() == other.address()
+    }
+
     /// Returns the address of the shared shape, equal for bodies that share the shape.
     pub(crate) fn address(&self) -> usize {
         match self {

@@ -346,7 +346,6 @@ pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 pub use composite::parts::{Parts, PartsRef};
 pub use composite::penetration::PenetrationBounds;
 pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};
-pub use composite::separation::{CompositePair, MeshPair};
 pub use composite::tracker::MeshTracker;
 pub use composite::work::MeshWork;
 pub use contact::{
@@ -357,6 +356,7 @@ pub use motion::Velocity;
 pub use nalgebra;
 pub use pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal, Solver, Work};
 pub use pair::world::WorldWitnesses;
+pub use pair_tracker::{Answer, OverTime, PairError, PairTracker, Spot};
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
 };

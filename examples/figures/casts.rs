@@ -5,8 +5,8 @@ use lab::casts::{self, Advance, Throw};
 use lab::plot::Chart;
 use lab::rng::Rng;
 use lin_canny::ConvexPolyhedron;
+use lin_canny::Tracker;
 use lin_canny::impact::{Impact, Tolerance, cast};
-use lin_canny::separation::PolyhedronPair;
 
 use crate::Trouble;
 
@@ -23,7 +23,7 @@ const LIMIT: u32 = 20_000;
 fn proven([a, b]: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64) -> Option<u32> {
     let [p, q] = throw.motions();
     let found = cast(
-        &mut PolyhedronPair::new(a, b),
+        &mut Tracker::new().over(a, b),
         &p,
         &q,
         (0.0, 1.0),

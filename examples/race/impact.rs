@@ -15,10 +15,10 @@ use lab::parry::{self, ParryPose};
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lin_canny::ConvexPolyhedron;
+use lin_canny::Tracker;
 use lin_canny::impact::{Cast, Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::separation::PolyhedronPair;
 
 use crate::common::{Options, Rows};
 
@@ -100,11 +100,20 @@ impl Case {
         let [Ok(sweep_a), Ok(sweep_b)] = sweeps else {
             return None;
         };
-        let new = || PolyhedronPair::new(&bodies[0], &bodies[1]);
+        let cold = |a: &dyn Motion, b: &dyn Motion| {
+            cast(
+                &mut Tracker::new().over(&bodies[0], &bodies[1]),
+                a,
+                b,
+                (0.0, 1.0),
+                TOLERANCE,
+            )
+            .ok()
+        };
         Some(Self {
             pair,
-            truth: cast(&mut new(), &motions[0], &motions[1], (0.0, 1.0), TOLERANCE).ok()?,
-            swept: cast(&mut new(), &sweep_a, &sweep_b, (0.0, 1.0), TOLERANCE).ok()?,
+            truth: cold(&motions[0], &motions[1])?,
+            swept: cold(&sweep_a, &sweep_b)?,
             flights: [0, 1].map(|k| {
                 let v = throw.velocity[k];
                 (ends[k].map(|p| parry_pose(&p)), [v.linear, v.angular])
@@ -132,7 +141,8 @@ impl Case {
         let flights = || (self.flight(pair, 0), self.flight(pair, 1));
         match engine {
             Engine::Ours => {
-                let mut ours = PolyhedronPair::new(a, b);
+                let mut tracker = Tracker::new();
+                let mut ours = tracker.over(a, b);
                 match cast(&mut ours, &self.motions[0], &self.motions[1], (0.0, 1.0), TOLERANCE)
                     .ok()?
                     .impact

@@ -22,94 +22,19 @@ use crate::separation::{Flight, Free, Measure, Proof, Separation, Tangent};
 use crate::tolerance::BOX_TURNED;
 
 /// Two composites, or a composite and a mesh, that can be measured over time.
-///
-/// ```
-/// use lin_canny::impact::{Impact, Tolerance, cast};
-/// use lin_canny::motion::Steady;
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::polyhedron::solids;
-/// use lin_canny::{Composite, CompositePair, Piece, Velocity};
-///
-/// // A gate of two posts; a die flies through the gate into a wall.
-/// let half = Vector3::new(0.1, 0.5, 0.5);
-/// let placed = |x: f64, y: f64| {
-///     let mut piece = Piece::new(solids::cuboid(half).expect("a box"));
-///     piece.pose = Isometry3::translation(x, y, 0.0);
-///     piece
-/// };
-/// let pieces = vec![placed(0.0, 1.5), placed(0.0, -1.5), placed(5.0, 0.0)];
-/// let gate = Composite::new(pieces)?;
-/// let die = Composite::new(vec![Piece::new(solids::cuboid(half)?)])?;
-/// let still = Steady::new(&Isometry3::identity(), Velocity::default())?;
-/// let start = Isometry3::translation(-2.0, 0.0, 0.0);
-/// let velocity = Velocity::new(Vector3::x(), Vector3::zeros());
-/// let flight = Steady::new(&start, velocity)?;
-/// let mut pair = CompositePair::new(&gate, &die);
-/// let tolerance = Tolerance::Distance(1e-9);
-/// let found = cast(&mut pair, &still, &flight, (0.0, 10.0), tolerance)?;
-/// let Impact::Hit { safe, hit, .. } = found.impact else {
-///     panic!("{:?}", found.impact)
-/// };
-/// assert!(safe < 6.8 && 6.8 < hit && hit - safe < 1e-8);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct CompositePair<'a> {
-    a: PartsRef<'a>,
-    b: PartsRef<'a>,
-    tracker: CompositeTracker,
-}
-
-impl<'a> CompositePair<'a> {
-    /// Returns the pair with a new tracker.
-    #[must_use]
-    pub fn new(a: impl Into<PartsRef<'a>>, b: impl Into<PartsRef<'a>>) -> Self {
-        Self::with_tracker(a, b, CompositeTracker::new())
-    }
-
-    /// Returns the pair with a tracker that has followed the pair before.
-    #[must_use]
-    pub fn with_tracker(a: impl Into<PartsRef<'a>>, b: impl Into<PartsRef<'a>>, tracker: CompositeTracker) -> Self {
-        Self {
-            a: a.into(),
-            b: b.into(),
-            tracker,
-        }
-    }
-
-    /// Returns the tracker, to be kept.
-    #[must_use]
-    pub fn into_tracker(self) -> CompositeTracker {
-        self.tracker
-    }
+#[derive(Debug)]
+pub(crate) struct CompositePair<'a> {
+    pub(crate) a: PartsRef<'a>,
+    pub(crate) b: PartsRef<'a>,
+    pub(crate) tracker: &'a mut CompositeTracker,
 }
 
 /// Two meshes that can be measured over time.
-#[derive(Clone, Debug)]
-pub struct MeshPair<'a> {
-    a: &'a Mesh,
-    b: &'a Mesh,
-    tracker: MeshTracker,
-}
-
-impl<'a> MeshPair<'a> {
-    /// Returns the pair with a new tracker.
-    #[must_use]
-    pub fn new(a: &'a Mesh, b: &'a Mesh) -> Self {
-        Self::with_tracker(a, b, MeshTracker::new())
-    }
-
-    /// Returns the pair with a tracker that has followed the pair before.
-    #[must_use]
-    pub fn with_tracker(a: &'a Mesh, b: &'a Mesh, tracker: MeshTracker) -> Self {
-        Self { a, b, tracker }
-    }
-
-    /// Returns the tracker, to be kept.
-    #[must_use]
-    pub fn into_tracker(self) -> MeshTracker {
-        self.tracker
-    }
+#[derive(Debug)]
+pub(crate) struct MeshPair<'a> {
+    pub(crate) a: &'a Mesh,
+    pub(crate) b: &'a Mesh,
+    pub(crate) tracker: &'a mut MeshTracker,
 }
 
 /// Returns the ball about a bounding box that is right up to rounding.

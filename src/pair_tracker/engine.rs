@@ -4,10 +4,12 @@
 use alloc::boxed::Box;
 
 use super::mixed::MixedTracker;
+use super::over::{Kinds, OverTime};
 use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::contact::{Manifold, ManifoldOptions, Query};
 use crate::geometry::Geometry;
 use crate::pair::outcome::{Outcome, Until};
+use crate::patch::Decision;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::RelativePose;
 use crate::separation::{Measure, PolyhedronPair, Separation};
@@ -119,11 +121,9 @@ impl PairEngine for Tracker {
         seen: Option<&Outcome>,
         ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
     ) -> Option<R> {
-        let mut pair = PolyhedronPair::with_tracker(a, b, core::mem::take(self));
+        let mut pair = PolyhedronPair::new(a, b, self);
         let seen = seen.map(|outcome| pair.seen(outcome));
-        let answer = ask(&mut pair, seen);
-        *self = pair.into_tracker();
-        Some(answer)
+        Some(ask(&mut pair, seen))
     }
 
     /// If the bodies have hardly moved since the manifold was made, the points are measured again,
@@ -210,18 +210,26 @@ impl AnyTracker {
         }
     }
 
-    /// Asks the pair in the form that can be measured over time; `None` for shapes of another pair.
-    pub(crate) fn over_time<R>(
-        &mut self,
-        (a, b): BodyShapes<'_>,
-        ask: impl FnOnce(&mut dyn Separation) -> R,
-    ) -> Option<R> {
+    /// Returns whether the shapes are at most `d` apart; yes for shapes of another pair.
+    pub(super) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
+        match self {
+            Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
+                Some((x, y)) if !tracker.within(x, y, pose, d) => Decision::No,
+                _ => Decision::Yes,
+            },
+            Self::Mixed(tracker) => tracker.within((a, b), pose, d),
+        }
+    }
+
+    /// Returns the pair in the form that can be measured over time; `None` for shapes of another
+    /// pair.
+    pub(crate) fn over<'p>(&'p mut self, (a, b): BodyShapes<'p>) -> Option<OverTime<'p>> {
         match self {
             Self::Polyhedra(tracker) => {
-                let shapes = Tracker::shapes(a, b)?;
-                tracker.over_time(shapes, None, |pair, _| ask(pair))
+                let (x, y) = Tracker::shapes(a, b)?;
+                Some(OverTime(Kinds::Polyhedra(PolyhedronPair::new(x, y, tracker))))
             }
-            Self::Mixed(tracker) => tracker.over_time((a, b), None, |pair, _| ask(pair)),
+            Self::Mixed(tracker) => tracker.over((a, b)),
         }
     }
 

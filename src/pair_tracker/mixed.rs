@@ -4,7 +4,8 @@
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 
-use super::engine::{ContactAsk, Contacted, PairEngine};
+use super::engine::{BodyShapes, ContactAsk, Contacted, PairEngine};
+use super::over::{Kinds, OverTime};
 use super::surface::WithSurface;
 use crate::composite::contact::{ContactPatches, ContactTracker, PatchContacts};
 use crate::composite::mesh::Mesh;
@@ -15,9 +16,10 @@ use crate::composite::tracker::MeshTracker;
 use crate::contact::{Manifold, ManifoldOptions};
 use crate::geometry::Geometry;
 use crate::pair::outcome::{Class, Outcome, Until};
+use crate::patch::Decision;
 use crate::polyhedron::FeaturePair;
 use crate::pose::RelativePose;
-use crate::separation::{self, Measure, Separation, Tangent};
+use crate::separation::{Measure, Separation, ShapePair, Tangent};
 use crate::shape_tracker::ShapeTracker;
 
 /// The tracker of a pair that is not of two polyhedra.
@@ -76,6 +78,38 @@ impl MixedTracker {
             (C(_), _) | (_, C(_)) => Self::of_pieces(a, b),
             _ => Self::Convex(Box::default()),
         })
+    }
+
+    /// Returns the pair in the form that can be measured over time; `None` for shapes of another
+    /// pair.
+    pub(super) fn over<'p>(&'p mut self, (a, b): BodyShapes<'p>) -> Option<OverTime<'p>> {
+        let kinds = match self {
+            Self::Convex(tracker) => Kinds::Convex(ShapePair::new(a.as_convex()?, b.as_convex()?, tracker)),
+            Self::Pieces(tracked) => {
+                let (tracker, [a, b]) = tracked.sides(a, b)?;
+                Kinds::Pieces(CompositePair { a, b, tracker })
+            }
+            Self::Triangles(tracked) => {
+                let (tracker, [a, b]) = tracked.sides(a, b)?;
+                Kinds::Triangles(MeshPair { a, b, tracker })
+            }
+            Self::Patches(tracker) => tracker.over(a, b)?,
+        };
+        Some(OverTime(kinds))
+    }
+
+    /// Returns whether the geometries are at most `d` apart; true for geometries of another pair.
+    pub(super) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
+        let is_within = match self {
+            Self::Convex(tracker) => match (a.as_convex(), b.as_convex()) {
+                (Some(x), Some(y)) => tracker.within(&x, &y, pose, d),
+                _ => true,
+            },
+            Self::Pieces(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(&x, &y, pose, d)),
+            Self::Triangles(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
+            Self::Patches(tracker) => return tracker.within(a, b, pose, d),
+        };
+        if is_within { Decision::Yes } else { Decision::No }
     }
 
     fn of_pieces(a: &Geometry, b: &Geometry) -> Self {
@@ -243,15 +277,7 @@ impl PairEngine for MixedTracker {
         if outcome.lower > d {
             return false;
         }
-        match self {
-            Self::Convex(tracker) => match (a.as_convex(), b.as_convex()) {
-                (Some(x), Some(y)) => tracker.within(&x, &y, pose, d),
-                _ => true,
-            },
-            Self::Pieces(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(&x, &y, pose, d)),
-            Self::Triangles(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
-            Self::Patches(tracker) => tracker.within(a, b, pose, d),
-        }
+        self.within((a, b), pose, d) != Decision::No
     }
 
     fn over_time<R>(
@@ -260,31 +286,8 @@ impl PairEngine for MixedTracker {
         seen: Option<&Outcome>,
         ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
     ) -> Option<R> {
-        let seen = seen.map(measure_of);
-        match self {
-            Self::Convex(tracker) => {
-                let (x, y) = (a.as_convex()?, b.as_convex()?);
-                let mut pair = separation::ShapePair::with_tracker(&x, &y, core::mem::take(&mut **tracker));
-                let answer = ask(&mut pair, seen);
-                **tracker = pair.into_tracker();
-                Some(answer)
-            }
-            Self::Pieces(tracked) => {
-                let (tracker, [x, y]) = tracked.sides(a, b)?;
-                let mut pair = CompositePair::with_tracker(x, y, core::mem::take(tracker));
-                let answer = ask(&mut pair, seen);
-                *tracker = pair.into_tracker();
-                Some(answer)
-            }
-            Self::Triangles(tracked) => {
-                let (tracker, [x, y]) = tracked.sides(a, b)?;
-                let mut pair = MeshPair::with_tracker(x, y, core::mem::take(tracker));
-                let answer = ask(&mut pair, seen);
-                *tracker = pair.into_tracker();
-                Some(answer)
-            }
-            Self::Patches(tracker) => tracker.over_time(a, b, |pair| ask(pair, seen)),
-        }
+        let mut pair = self.over((a, b))?;
+        Some(ask(&mut pair, seen.map(measure_of)))
     }
 
     /// Convex shapes have a manifold, composites and meshes contacts by patches.

@@ -1,13 +1,14 @@
 //! The tracker of a pair with a surface of patches.
 
+use super::over::Kinds;
 use crate::composite::pieces::Composite;
 use crate::geometry::Geometry;
 use crate::patch::{
     Decision, Surface, SurfaceCompositePair, SurfaceCompositeTracker, SurfacePair, SurfaceShapePair,
     SurfaceShapeTracker, SurfaceTracker, exchanged,
 };
-use crate::pose::RelativePose;
-use crate::separation::{Measure, Separation};
+use crate::pose::{Operand, RelativePose};
+use crate::separation::Measure;
 use crate::tuning::patch::SCENE_WIDTH;
 
 /// The tracker of a surface and another body, and the patches of the last witnesses.
@@ -102,8 +103,8 @@ impl WithSurface {
         Some(seen)
     }
 
-    /// Returns whether the bodies are at most `d` apart; true if the bounds leave that open.
-    pub(super) fn within(&mut self, a: &Geometry, b: &Geometry, pose: &RelativePose, d: f64) -> bool {
+    /// Returns whether the bodies are at most `d` apart; yes for bodies of other kinds.
+    pub(super) fn within(&mut self, a: &Geometry, b: &Geometry, pose: &RelativePose, d: f64) -> Decision {
         let decision = match &mut self.kind {
             SurfacePartner::Surfaces(tracker) => surfaces(a, b).map(|[x, y]| tracker.within(x, y, pose, d)),
             SurfacePartner::Convex(tracker) => mixed(a, b).map(|(surface, shape, is_second)| {
@@ -115,43 +116,37 @@ impl WithSurface {
                 tracker.within(surface, body, &pose, d)
             }),
         };
-        decision != Some(Decision::No)
+        decision.unwrap_or(Decision::Yes)
     }
 
-    /// Asks the pair in the form that can be measured over time.
-    pub(super) fn over_time<R>(
-        &mut self,
-        a: &Geometry,
-        b: &Geometry,
-        ask: impl FnOnce(&mut dyn Separation) -> R,
-    ) -> Option<R> {
+    /// Returns the pair in the form that can be measured over time; `None` for bodies of other
+    /// kinds.
+    pub(super) fn over<'p>(&'p mut self, a: &'p Geometry, b: &'p Geometry) -> Option<Kinds<'p>> {
+        let order = |is_second| if is_second { Operand::B } else { Operand::A };
         Some(match &mut self.kind {
             SurfacePartner::Surfaces(tracker) => {
-                let [x, y] = surfaces(a, b)?;
-                let mut pair = SurfacePair::with_tracker(x, y, core::mem::take(tracker));
-                let answer = ask(&mut pair);
-                *tracker = pair.into_tracker();
-                answer
+                let [a, b] = surfaces(a, b)?;
+                Kinds::Surfaces(SurfacePair { a, b, tracker })
             }
             SurfacePartner::Convex(tracker) => {
                 let (surface, shape, is_second) = mixed(a, b)?;
-                let mut pair = SurfaceShapePair::with_tracker(surface, &shape, core::mem::take(tracker));
-                if is_second {
-                    pair = pair.swapped();
-                }
-                let answer = ask(&mut pair);
-                *tracker = pair.into_tracker();
-                answer
+                let order = order(is_second);
+                Kinds::SurfaceAndShape(SurfaceShapePair {
+                    surface,
+                    shape,
+                    order,
+                    tracker,
+                })
             }
             SurfacePartner::Pieces(tracker) => {
                 let (surface, body, is_second) = of_pieces(a, b)?;
-                let mut pair = SurfaceCompositePair::with_tracker(surface, body, core::mem::take(tracker));
-                if is_second {
-                    pair = pair.swapped();
-                }
-                let answer = ask(&mut pair);
-                *tracker = pair.into_tracker();
-                answer
+                let order = order(is_second);
+                Kinds::SurfaceAndPieces(SurfaceCompositePair {
+                    surface,
+                    body,
+                    order,
+                    tracker,
+                })
             }
         })
     }

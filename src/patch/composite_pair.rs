@@ -14,53 +14,13 @@ use crate::separation::{Flight, Free, Measure, Separation};
 use crate::tuning::patch::MEASURED;
 
 /// A surface and a body of convex pieces that can be measured over time.
-///
-/// As [`SurfaceShapePair`](super::SurfaceShapePair): a measure has bounds that are at most a
-/// quarter of the distance apart, and a hit is proven by a point of the surface within a piece.
-#[derive(Clone, Debug)]
-pub struct SurfaceCompositePair<'a> {
-    surface: &'a Surface,
-    body: &'a Composite,
+#[derive(Debug)]
+pub(crate) struct SurfaceCompositePair<'a> {
+    pub(crate) surface: &'a Surface,
+    pub(crate) body: &'a Composite,
     /// Which of the two is the surface.
-    order: Operand,
-    tracker: SurfaceCompositeTracker,
-}
-
-impl<'a> SurfaceCompositePair<'a> {
-    /// Returns the pair of a surface A and a body B with a new tracker.
-    #[must_use]
-    pub fn new(a: &'a Surface, b: &'a Composite) -> Self {
-        Self::with_tracker(a, b, SurfaceCompositeTracker::new())
-    }
-
-    /// Returns the pair of a surface A and a body B with a tracker that has followed the pair
-    /// before.
-    #[must_use]
-    pub fn with_tracker(a: &'a Surface, b: &'a Composite, tracker: SurfaceCompositeTracker) -> Self {
-        Self {
-            surface: a,
-            body: b,
-            order: Operand::A,
-            tracker,
-        }
-    }
-
-    /// Returns the pair with the body as A and the surface as B.
-    #[must_use]
-    pub fn swapped(mut self) -> Self {
-        self.order = if self.order == Operand::A {
-            Operand::B
-        } else {
-            Operand::A
-        };
-        self
-    }
-
-    /// Returns the tracker, to be kept.
-    #[must_use]
-    pub fn into_tracker(self) -> SurfaceCompositeTracker {
-        self.tracker
-    }
+    pub(crate) order: Operand,
+    pub(crate) tracker: &'a mut SurfaceCompositeTracker,
 }
 
 impl Separation for SurfaceCompositePair<'_> {

@@ -109,7 +109,7 @@ mod surface;
 mod tracker;
 mod tree;
 
-pub use composite_pair::SurfaceCompositePair;
+pub(crate) use composite_pair::SurfaceCompositePair;
 pub use composite_tracker::SurfaceCompositeTracker;
 pub use error::PatchError;
 pub use net::Patch;
@@ -117,7 +117,7 @@ pub use nurbs::Nurbs;
 pub use outcome::{Decision, SurfaceCompositeOutcome, SurfaceOutcome, SurfacePart, SurfaceShapeOutcome, SurfaceWork};
 pub use revolution::revolution;
 pub(crate) use separation::exchanged;
-pub use separation::{SurfacePair, SurfaceShapePair};
+pub(crate) use separation::{SurfacePair, SurfaceShapePair};
 pub use shape_tracker::SurfaceShapeTracker;
 pub use surface::{Surface, SurfacePoint};
 pub use tracker::SurfaceTracker;

@@ -6,6 +6,8 @@
 //! `d`. A measure is as narrow as a part of the distance, so looks near contact are as sharp as
 //! those far away, and the number of looks grows with the logarithm of the tolerance.
 
+use alloc::borrow::Cow;
+
 use nalgebra::Point3;
 
 use super::outcome::{Decision, SurfaceCompositeOutcome, SurfaceOutcome, SurfaceShapeOutcome};
@@ -21,113 +23,21 @@ use crate::shape::Shape;
 use crate::tuning::patch::{HOPE, MEASURED, NARROWER};
 
 /// Two surfaces that can be measured over time.
-///
-/// A measure has bounds that are at most a quarter of the distance apart. A hit is proven by a
-/// crossing of the surfaces ([`SurfaceTracker::intersects`]), so a tolerance must leave room for
-/// one: from some `1e-8` of the size on.
-///
-/// ```
-/// use lin_canny::impact::{Impact, Tolerance, cast};
-/// use lin_canny::motion::Steady;
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::patch::{SurfacePair, revolution};
-/// use lin_canny::Velocity;
-///
-/// // Two spheres of radius 1, three apart, at speed 1.
-/// let half = 0.5_f64.sqrt();
-/// let south: &[[f64; 3]] =
-///     &[[0.0, -1.0, 1.0], [1.0, -1.0, half], [1.0, 0.0, 1.0]];
-/// let north: &[[f64; 3]] =
-///     &[[1.0, 0.0, 1.0], [1.0, 1.0, half], [0.0, 1.0, 1.0]];
-/// let sphere = revolution(&[south, north])?;
-/// let still = Steady::new(&Isometry3::identity(), Velocity::default())?;
-/// let start = Isometry3::translation(-3.0, 0.0, 0.0);
-/// let velocity = Velocity::new(Vector3::x(), Vector3::zeros());
-/// let flight = Steady::new(&start, velocity)?;
-/// let mut pair = SurfacePair::new(&sphere, &sphere);
-/// let tolerance = Tolerance::Distance(1e-6);
-/// let found = cast(&mut pair, &still, &flight, (0.0, 2.0), tolerance)?;
-/// let Impact::Hit { safe, hit, .. } = found.impact else {
-///     panic!("{:?}", found.impact)
-/// };
-/// assert!(safe < 1.0 && 1.0 < hit && hit - safe < 1e-5);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct SurfacePair<'a> {
-    a: &'a Surface,
-    b: &'a Surface,
-    tracker: SurfaceTracker,
-}
-
-impl<'a> SurfacePair<'a> {
-    /// Returns the pair with a new tracker.
-    #[must_use]
-    pub fn new(a: &'a Surface, b: &'a Surface) -> Self {
-        Self::with_tracker(a, b, SurfaceTracker::new())
-    }
-
-    /// Returns the pair with a tracker that has followed the pair before.
-    #[must_use]
-    pub fn with_tracker(a: &'a Surface, b: &'a Surface, tracker: SurfaceTracker) -> Self {
-        Self { a, b, tracker }
-    }
-
-    /// Returns the tracker, to be kept.
-    #[must_use]
-    pub fn into_tracker(self) -> SurfaceTracker {
-        self.tracker
-    }
+#[derive(Debug)]
+pub(crate) struct SurfacePair<'a> {
+    pub(crate) a: &'a Surface,
+    pub(crate) b: &'a Surface,
+    pub(crate) tracker: &'a mut SurfaceTracker,
 }
 
 /// A surface and a convex shape that can be measured over time.
-///
-/// A measure has bounds that are at most a quarter of the distance apart. A hit is proven by a
-/// point of the surface within the shape.
-#[derive(Clone, Debug)]
-pub struct SurfaceShapePair<'a> {
-    surface: &'a Surface,
-    shape: &'a Shape,
+#[derive(Debug)]
+pub(crate) struct SurfaceShapePair<'a> {
+    pub(crate) surface: &'a Surface,
+    pub(crate) shape: Cow<'a, Shape>,
     /// Which of the two is the surface.
-    order: Operand,
-    tracker: SurfaceShapeTracker,
-}
-
-impl<'a> SurfaceShapePair<'a> {
-    /// Returns the pair of a surface A and a shape B with a new tracker.
-    #[must_use]
-    pub fn new(a: &'a Surface, b: &'a Shape) -> Self {
-        Self::with_tracker(a, b, SurfaceShapeTracker::new())
-    }
-
-    /// Returns the pair of a surface A and a shape B with a tracker that has followed the pair
-    /// before.
-    #[must_use]
-    pub fn with_tracker(a: &'a Surface, b: &'a Shape, tracker: SurfaceShapeTracker) -> Self {
-        Self {
-            surface: a,
-            shape: b,
-            order: Operand::A,
-            tracker,
-        }
-    }
-
-    /// Returns the pair with the shape as A and the surface as B.
-    #[must_use]
-    pub fn swapped(mut self) -> Self {
-        self.order = if self.order == Operand::A {
-            Operand::B
-        } else {
-            Operand::A
-        };
-        self
-    }
-
-    /// Returns the tracker, to be kept.
-    #[must_use]
-    pub fn into_tracker(self) -> SurfaceShapeTracker {
-        self.tracker
-    }
+    pub(crate) order: Operand,
+    pub(crate) tracker: &'a mut SurfaceShapeTracker,
 }
 
 /// Returns the pose of the other body in the frame of a surface that is A or B.
@@ -271,19 +181,19 @@ impl Separation for SurfaceShapePair<'_> {
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
         let pose = from_surface(self.order, a_from_b);
         let goal = NetGoal::Part(MEASURED);
-        let found = self.tracker.answer(self.surface, self.shape, &pose, goal);
+        let found = self.tracker.answer(self.surface, &self.shape, &pose, goal);
         in_order(self.order, Measure::from(&found), &pose)
     }
 
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
         let pose = from_surface(self.order, a_from_b);
-        self.tracker.within(self.surface, self.shape, &pose, distance) == Decision::Yes
+        self.tracker.within(self.surface, &self.shape, &pose, distance) == Decision::Yes
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
         held(self, seen, flight, |pair, a_from_b, width| {
             let pose = from_surface(pair.order, a_from_b);
-            pair.tracker.closest(pair.surface, pair.shape, &pose, width).lower
+            pair.tracker.closest(pair.surface, &pair.shape, &pose, width).lower
         })
     }
 }

@@ -329,12 +329,14 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         let shapes = (self.world.shape(tracked.pair.a), self.world.shape(tracked.pair.b));
         let tracker = tracked.tracked(shapes);
-        let answer = tracker.and_then(|t| t.over_time(shapes, |pair| ask(pair, &moving(body), &partner)));
         // Kinds without a tracker are refused when the checker is made.
-        answer.unwrap_or(Err(ImpactError::Size {
-            what: "kind of a pair",
-            value: f64::NAN,
-        }))
+        let Some(mut pair) = tracker.and_then(|t| t.over(shapes)) else {
+            return Err(ImpactError::Size {
+                what: "kind of a pair",
+                value: f64::NAN,
+            });
+        };
+        ask(&mut pair, &moving(body), &partner)
     }
 
     fn in_world(&self, segment: &C::Segment, pair: WorldPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {

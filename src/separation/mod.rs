@@ -7,9 +7,8 @@
 //! from a plane that turns (`separation/plane.rs`). A pair of shapes that no plane need separate
 //! (meshes, composites) implements `free_for` by another bound, and needs no `support`.
 //!
-//! [`PolyhedronPair`] is the pair of two [`ConvexPolyhedron`](crate::ConvexPolyhedron)s and a
-//! [`Tracker`](crate::Tracker); [`ShapePair`] is the pair of two [`Shape`](crate::Shape)s, rounded
-//! or curved, and a [`ShapeTracker`](crate::ShapeTracker).
+//! Trackers make such pairs: [`PairTracker::over`](crate::PairTracker::over) of any two geometries,
+//! [`Tracker::over`](crate::Tracker::over) of two polyhedra.
 
 mod balls;
 mod bernstein;
@@ -26,8 +25,8 @@ use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::polyhedron::FeaturePair;
 use crate::pose::{Operand, RelativePose};
 
-pub use polyhedra::PolyhedronPair;
-pub use shapes::ShapePair;
+pub(crate) use polyhedra::PolyhedronPair;
+pub(crate) use shapes::ShapePair;
 
 /// Two shapes that can be measured against each other, and bounded over time.
 ///

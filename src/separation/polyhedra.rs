@@ -14,25 +14,11 @@ use crate::tracker::Tracker;
 use crate::tuning::separation::{FEW, FLUSH, RIM, SMALLER};
 
 /// Two convex polyhedra that can be measured over time.
-///
-/// ```
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::separation::{PolyhedronPair, Separation};
-/// use lin_canny::{RelativePose, polyhedron::solids};
-///
-/// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
-/// let b = solids::octahedron(0.5)?;
-/// let mut pair = PolyhedronPair::new(&a, &b);
-/// let pose = Isometry3::translation(3.0, 0.0, 0.0);
-/// let seen = pair.measure(&RelativePose::from_isometry(&pose)?);
-/// assert!(seen.lower <= 1.5 && 1.5 <= seen.upper);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct PolyhedronPair<'a> {
+#[derive(Debug)]
+pub(crate) struct PolyhedronPair<'a> {
     a: BoundedHull<'a>,
     b: BoundedHull<'a>,
-    tracker: Tracker,
+    tracker: &'a mut Tracker,
 }
 
 /// A body, a ball about it, and the vertex of the last support.
@@ -159,26 +145,12 @@ impl<'a> BoundedHull<'a> {
 }
 
 impl<'a> PolyhedronPair<'a> {
-    /// Returns the pair with a new tracker.
-    #[must_use]
-    pub fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron) -> Self {
-        Self::with_tracker(a, b, Tracker::new())
-    }
-
-    /// Returns the pair with a tracker that has followed the pair before.
-    #[must_use]
-    pub fn with_tracker(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, tracker: Tracker) -> Self {
+    pub(crate) fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, tracker: &'a mut Tracker) -> Self {
         Self {
             a: BoundedHull::new(a),
             b: BoundedHull::new(b),
             tracker,
         }
-    }
-
-    /// Returns the tracker, to be kept.
-    #[must_use]
-    pub fn into_tracker(self) -> Tracker {
-        self.tracker
     }
 
     /// Returns an outcome of the tracker as a measure, and takes note of the features.
@@ -191,12 +163,6 @@ impl<'a> PolyhedronPair<'a> {
         // Of bodies that are stored in other units the normal was turned once more.
         seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
         seen
-    }
-
-    /// Returns the tracker, for the counters.
-    #[must_use]
-    pub fn tracker(&self) -> &Tracker {
-        &self.tracker
     }
 
     fn tangent(&self, a: Feature, b: Feature) -> Tangent {

@@ -1,5 +1,7 @@
 //! Two shapes of any kind and their tracker.
 
+use alloc::borrow::Cow;
+
 use nalgebra::{Point3, Vector3};
 
 use super::{Measure, Separation, SupportPoint, Tangent};
@@ -10,73 +12,35 @@ use crate::shape_tracker::ShapeTracker;
 use crate::tolerance::HEIGHT;
 
 /// Two rounded or curved shapes that can be measured over time.
-///
-/// ```
-/// use lin_canny::impact::{Impact, Tolerance, cast};
-/// use lin_canny::motion::Steady;
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::separation::ShapePair;
-/// use lin_canny::{Shape, Velocity};
-///
-/// let (ball, capsule) = (Shape::ball(0.5)?, Shape::capsule(1.0, 0.25)?);
-/// let still = Velocity::new(Vector3::zeros(), Vector3::zeros());
-/// let still = Steady::new(&Isometry3::identity(), still)?;
-/// let start = Isometry3::translation(3.0, 0.0, 0.0);
-/// let speed = Velocity::new(Vector3::new(-4.0, 0.0, 0.0), Vector3::zeros());
-/// let thrown = Steady::new(&start, speed)?;
-/// let mut pair = ShapePair::new(&capsule, &ball);
-/// let tolerance = Tolerance::Distance(1e-9);
-/// let found = cast(&mut pair, &still, &thrown, (0.0, 1.0), tolerance)?;
-/// let Impact::Hit { safe, hit, .. } = found.impact else {
-///     panic!("{:?}", found.impact);
-/// };
-/// // 2.25 of the way at speed 4.
-/// assert!(safe <= 0.5625 && 0.5625 <= hit && hit - safe < 1e-8);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct ShapePair<'a> {
+#[derive(Debug)]
+pub(crate) struct ShapePair<'a> {
     a: BalledShape<'a>,
     b: BalledShape<'a>,
-    tracker: ShapeTracker,
+    tracker: &'a mut ShapeTracker,
 }
 
 /// A shape and its ball.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 struct BalledShape<'a> {
-    shape: &'a Shape,
+    shape: Cow<'a, Shape>,
     centre: Point3<f64>,
     radius: f64,
 }
 
 impl<'a> BalledShape<'a> {
-    fn new(shape: &'a Shape) -> Self {
+    fn new(shape: Cow<'a, Shape>) -> Self {
         let (centre, radius) = shape.bounding_ball();
         Self { shape, centre, radius }
     }
 }
 
 impl<'a> ShapePair<'a> {
-    /// Returns the pair with a new tracker.
-    #[must_use]
-    pub fn new(a: &'a Shape, b: &'a Shape) -> Self {
-        Self::with_tracker(a, b, ShapeTracker::new())
-    }
-
-    /// Returns the pair with a tracker that has followed the pair before.
-    #[must_use]
-    pub fn with_tracker(a: &'a Shape, b: &'a Shape, tracker: ShapeTracker) -> Self {
+    pub(crate) fn new(a: Cow<'a, Shape>, b: Cow<'a, Shape>, tracker: &'a mut ShapeTracker) -> Self {
         Self {
             a: BalledShape::new(a),
             b: BalledShape::new(b),
             tracker,
         }
-    }
-
-    /// Returns the tracker, to be kept.
-    #[must_use]
-    pub fn into_tracker(self) -> ShapeTracker {
-        self.tracker
     }
 
     /// Returns an outcome of the tracker as a measure.
@@ -100,19 +64,19 @@ impl Separation for ShapePair<'_> {
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Self::seen(&self.tracker.closest(self.a.shape, self.b.shape, a_from_b))
+        Self::seen(&self.tracker.closest(&self.a.shape, &self.b.shape, a_from_b))
     }
 
     /// Proven by the upper bound of the distance; exact for rounded polyhedra with the feature
     /// `exact`.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
         let _ = seen;
-        let outcome = self.tracker.closest(self.a.shape, self.b.shape, a_from_b);
+        let outcome = self.tracker.closest(&self.a.shape, &self.b.shape, a_from_b);
         outcome.upper <= distance
     }
 
     fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
-        let placed = *self.of(of);
+        let placed = self.of(of);
         let length = direction.x.abs() + direction.y.abs() + direction.z.abs();
         let size = placed.radius + placed.centre.coords.abs().sum();
         let height = placed.shape.support_height(direction) - direction.dot(&placed.centre.coords);

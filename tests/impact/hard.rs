@@ -5,11 +5,11 @@ use super::radius;
 use lab::casts::{Throw, aimed, body, rotation, solid};
 use lab::rng::Rng;
 use lab::shapes;
+use lin_canny::Tracker;
 use lin_canny::Velocity;
 use lin_canny::impact::{Impact, ImpactError, Tolerance, cast, cast_within};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::separation::PolyhedronPair;
 
 const FINE: Tolerance = Tolerance::Distance(1e-10);
 
@@ -109,7 +109,8 @@ fn bodies_carried_along_never_meet() {
             Velocity::new(Vector3::zeros(), spin),
         )
         .expect("a motion");
-        let mut pair = PolyhedronPair::new(&a, &b);
+        let mut tracker = Tracker::new();
+        let mut pair = tracker.over(&a, &b);
         let found = cast(&mut pair, &ma, &mb, (0.0, 1.0), FINE).expect("a cast");
         let throw = Throw {
             start,
@@ -212,7 +213,7 @@ fn contact_at_the_ends_is_contact() {
     };
     let ask = |x: f64, v: f64| {
         let [a, b] = throw(x, v).motions();
-        cast(&mut PolyhedronPair::new(&cube, &cube), &a, &b, (0.0, 1.0), FINE)
+        cast(&mut Tracker::new().over(&cube, &cube), &a, &b, (0.0, 1.0), FINE)
             .expect("a cast")
             .impact
     };
@@ -235,7 +236,8 @@ fn brackets_are_as_narrow_as_asked() {
             let (a, b) = (body("sphere", 16, &mut rng), body("flat", 16, &mut rng));
             let throw = aimed(&mut rng, (1.0, 1.0), 1.0);
             let [ma, mb] = throw.motions();
-            let mut pair = PolyhedronPair::new(&a, &b);
+            let mut tracker = Tracker::new();
+            let mut pair = tracker.over(&a, &b);
             let by_time = cast(&mut pair, &ma, &mb, (0.0, 1.0), Tolerance::Time(tolerance)).expect("a cast");
             let Impact::Hit { safe, hit, .. } = by_time.impact else {
                 continue;
@@ -265,7 +267,8 @@ fn within_a_distance() {
     )
     .expect("a motion");
     for (distance, expected) in [(0.5, 1.25), (1.0, 1.0), (0.0, 1.5)] {
-        let mut pair = PolyhedronPair::new(&cube, &cube);
+        let mut tracker = Tracker::new();
+        let mut pair = tracker.over(&cube, &cube);
         let found = cast_within(&mut pair, &a, &b, (0.0, 2.0), FINE, distance).expect("a cast");
         let Impact::Hit { safe, hit, .. } = found.impact else {
             panic!("{found:?}")
@@ -275,7 +278,8 @@ fn within_a_distance() {
             "{safe} {expected} {hit}"
         );
     }
-    let mut pair = PolyhedronPair::new(&cube, &cube);
+    let mut tracker = Tracker::new();
+    let mut pair = tracker.over(&cube, &cube);
     let found = cast_within(&mut pair, &a, &b, (0.0, 1.0), FINE, 0.9).expect("a cast");
     assert_eq!(found.impact, Impact::Miss);
     let found = cast_within(&mut pair, &a, &b, (0.0, 1.0), FINE, 3.1).expect("a cast");
@@ -292,7 +296,7 @@ fn sweeps_between_poses() {
         let throw = aimed(&mut rng, (1.0, 0.9), 3.0);
         let ends = [0, 1].map(|k| throw.velocity[k].applied(&throw.start[k], 1.0));
         let [ma, mb] = [0, 1].map(|k| Nlerp::new(&throw.start[k], &ends[k], 1.0, Point3::origin()).expect("a motion"));
-        let found = cast(&mut PolyhedronPair::new(&a, &b), &ma, &mb, (0.0, 1.0), FINE).expect("a cast");
+        let found = cast(&mut Tracker::new().over(&a, &b), &ma, &mb, (0.0, 1.0), FINE).expect("a cast");
         let mut tracker = lin_canny::Tracker::new();
         let mut meets = |t: f64| {
             let relative = lin_canny::RelativePose::new(&ma.pose(t), &mb.pose(t)).expect("a pose");
@@ -320,7 +324,8 @@ fn sweeps_between_poses() {
 fn what_is_no_question_is_refused() {
     let cube = solid(&shapes::cuboid([1.0, 1.0, 1.0]).points);
     let a = Steady::new(&at(0.0, 0.0, 0.0), rest()).expect("a motion");
-    let mut pair = PolyhedronPair::new(&cube, &cube);
+    let mut tracker = Tracker::new();
+    let mut pair = tracker.over(&cube, &cube);
     for interval in [(1.0, 0.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
         assert!(matches!(
             cast(&mut pair, &a, &a, interval, FINE),

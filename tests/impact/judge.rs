@@ -3,7 +3,6 @@
 use lab::casts::{Advance, Throw, advance};
 use lin_canny::impact::{Cast, Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
-use lin_canny::separation::PolyhedronPair;
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
 
 /// What was seen.
@@ -68,10 +67,6 @@ impl<'a> Judge<'a> {
         }
     }
 
-    pub(crate) fn pair(&self) -> PolyhedronPair<'a> {
-        PolyhedronPair::new(self.bodies[0], self.bodies[1])
-    }
-
     pub(crate) fn meets(&self, tracker: &mut Tracker, time: f64) -> bool {
         let [a, b] = &self.motions;
         let relative = RelativePose::new(&a.pose(time), &b.pose(time)).expect("a pose");
@@ -95,7 +90,14 @@ impl<'a> Judge<'a> {
     /// Casts and judges; `turn` is the greatest turn of the family.
     pub(crate) fn cast(&self, tolerance: Tolerance, instants: usize, turn: f64, tally: &mut Tally) -> Cast {
         let [a, b] = &self.motions;
-        let cast = cast(&mut self.pair(), a, b, (0.0, 1.0), tolerance).expect("a cast");
+        let cast = cast(
+            &mut Tracker::new().over(self.bodies[0], self.bodies[1]),
+            a,
+            b,
+            (0.0, 1.0),
+            tolerance,
+        )
+        .expect("a cast");
         let name = &self.name;
         let other = self.advance(turn, tally);
         match cast.impact {

@@ -1,12 +1,15 @@
 //! One pair of every kind that can be cast, of any size, and motions that are none of the crate's.
 
 use crate::Rng;
+use lin_canny::PairTracker;
 use lin_canny::motion::{Course, Drift, Motion};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Surface, SurfaceCompositePair, SurfacePair, SurfaceShapePair, revolution};
+use lin_canny::patch::{Surface, revolution};
+use lin_canny::patch::{SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
 use lin_canny::polyhedron::solids;
-use lin_canny::separation::{PolyhedronPair, Separation, ShapePair};
-use lin_canny::{Composite, CompositePair, ConvexPolyhedron, Mesh, MeshPair, PartsRef, Shape};
+use lin_canny::separation::Separation;
+use lin_canny::{Composite, ConvexPolyhedron, Mesh, PartsRef, Shape};
+use lin_canny::{CompositeTracker, MeshTracker, ShapeTracker, Tracker};
 
 /// Surfaces are built up to this coordinate.
 const SURFACE_MAX: f64 = f64::from_bits((1023 + 200) << 52);
@@ -66,19 +69,27 @@ impl Bodies {
             mesh,
             surface,
         } = self;
-        call("polyhedra", &mut PolyhedronPair::new(hull, hull));
-        call("shapes", &mut ShapePair::new(ball, cone));
-        call("composites", &mut CompositePair::new(pieces, pieces));
+        call("polyhedra", &mut Tracker::new().over(hull, hull));
+        call("shapes", &mut ShapeTracker::new().over(ball, cone));
+        call("composites", &mut CompositeTracker::new().over(pieces, pieces));
         call(
             "composite and mesh",
-            &mut CompositePair::new(pieces, PartsRef::from(mesh)),
+            &mut CompositeTracker::new().over(pieces, PartsRef::from(mesh)),
         );
-        call("meshes", &mut MeshPair::new(mesh, mesh));
+        call("meshes", &mut MeshTracker::new().over(mesh, mesh));
         let Some(surface) = surface else { return };
-        call("surfaces", &mut SurfacePair::new(surface, surface));
-        call("surface and shape", &mut SurfaceShapePair::new(surface, ball));
-        call("shape and surface", &mut SurfaceShapePair::new(surface, ball).swapped());
-        call("surface and composite", &mut SurfaceCompositePair::new(surface, pieces));
+        call("surfaces", &mut SurfaceTracker::new().over(surface, surface));
+        call("surface and shape", &mut SurfaceShapeTracker::new().over(surface, ball));
+        call(
+            "shape and surface",
+            &mut PairTracker::new()
+                .over(&ball.clone().into(), &surface.clone().into())
+                .expect("they have a tracker"),
+        );
+        call(
+            "surface and composite",
+            &mut SurfaceCompositeTracker::new().over(surface, pieces),
+        );
     }
 }
 

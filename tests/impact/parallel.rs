@@ -4,11 +4,11 @@
 use lab::casts::solid;
 use lab::rng::Rng;
 use lab::shapes;
+use lin_canny::Tracker;
 use lin_canny::Velocity;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::separation::PolyhedronPair;
 
 /// The most looks of casts at a gap, by the turn.
 fn most_looks(gap: f64, turn: f64) -> u32 {
@@ -54,7 +54,7 @@ fn plates_spin_over_plates() {
         let tolerance = Tolerance::Distance(1e-10);
         let found = if case % 4 < 2 {
             cast(
-                &mut PolyhedronPair::new(&plate, &round),
+                &mut Tracker::new().over(&plate, &round),
                 &low,
                 &high,
                 (0.0, 1.0),
@@ -62,7 +62,7 @@ fn plates_spin_over_plates() {
             )
         } else {
             cast(
-                &mut PolyhedronPair::new(&round, &plate),
+                &mut Tracker::new().over(&round, &plate),
                 &high,
                 &low,
                 (0.0, 1.0),
@@ -98,7 +98,8 @@ fn plates_that_sink_meet_on_time() {
                 Steady::new(&start, velocity).expect("a motion")
             };
             let (low, high) = (motion(0.0, 0.0, 0.0), motion(0.1 + gap, 2.0 * gap, turn));
-            let mut pair = PolyhedronPair::new(&plate, &plate);
+            let mut tracker = Tracker::new();
+            let mut pair = tracker.over(&plate, &plate);
             let found = cast(&mut pair, &low, &high, (0.0, 1.0), Tolerance::Distance(0.01 * gap)).expect("a cast");
             let Impact::Hit { safe, hit, .. } = found.impact else {
                 panic!("{k} {gap:e}: {found:?}")
@@ -132,7 +133,8 @@ fn bodies_carried_round_a_hair_apart_never_meet() {
         let away = Vector3::z() * (1.0 + gap);
         let a = Steady::new(&Isometry3::identity(), spin).expect("a motion");
         let b = Steady::about(&Isometry3::from(away), Point3::from(-away), spin).expect("a motion");
-        let mut pair = PolyhedronPair::new(&cube, &other);
+        let mut tracker = Tracker::new();
+        let mut pair = tracker.over(&cube, &other);
         let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-10)).expect("a cast");
         assert_eq!(
             found.impact,

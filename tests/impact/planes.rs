@@ -3,10 +3,11 @@
 use super::{bodies, radius};
 use lab::casts;
 use lab::rng::Rng;
+use lin_canny::Tracker;
 use lin_canny::impact::free_until;
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::separation::{PolyhedronPair, Proof};
+use lin_canny::separation::Proof;
 use lin_canny::{ConvexPolyhedron, Velocity};
 
 /// The gap along `n` of the world, over all vertices.
@@ -39,7 +40,8 @@ fn judge<A: Motion, B: Motion>(
     distance: f64,
     seen: &mut Seen,
 ) {
-    let mut pair = PolyhedronPair::new(a, b);
+    let mut tracker = Tracker::new();
+    let mut pair = tracker.over(a, b);
     let certificate = free_until(&mut pair, ma, mb, (from, 1.0), distance).expect("an answer");
     let Proof::Plane { .. } = certificate.proof else {
         seen.balls += 1;

@@ -3,10 +3,10 @@
 use super::pairs::{Bodies, Fall};
 use lab::casts::{aimed, body};
 use lab::rng::Rng;
+use lin_canny::Tracker;
 use lin_canny::impact::{Cast, Impact, Tolerance, cast, cast_within, held_until};
 use lin_canny::motion::{Course, Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::separation::PolyhedronPair;
 use lin_canny::{ConvexPolyhedron, Velocity};
 
 /// Bodies end at one half of `size`; B flies towards A, both turning about the line of flight.
@@ -102,7 +102,8 @@ fn answers_scale_bit_for_bit() {
                 }
             };
             let (motions, bodies) = ([motion(0), motion(1)], [scaled(&a, size), scaled(&b, size)]);
-            let mut pair = PolyhedronPair::new(&bodies[0], &bodies[1]);
+            let mut tracker = Tracker::new();
+            let mut pair = tracker.over(&bodies[0], &bodies[1]);
             let tolerance = Tolerance::Distance(1e-9 * size);
             cast(&mut pair, &motions[0], &motions[1], (0.0, tick), tolerance).expect("a cast")
         };

@@ -5,7 +5,6 @@ use lab::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::separation::ShapePair;
 use lin_canny::{RelativePose, Shape, ShapeTracker, Velocity};
 
 const TOLERANCE: f64 = 1e-9;
@@ -40,7 +39,7 @@ fn balls_meet_when_the_closed_form_says() {
             steady(&Isometry3::from_parts(x.into(), lin_canny::nalgebra::one()), v, -spin),
         ];
         let found = cast(
-            &mut ShapePair::new(&a, &b),
+            &mut ShapeTracker::new().over(&a, &b),
             &motions[0],
             &motions[1],
             (0.0, 1.0),
@@ -86,7 +85,7 @@ fn every_pair_of_kinds_is_apart_until_it_is_hit() {
         let throw = casts::aimed(&mut rng, (a.bounding_ball().1, b.bounding_ball().1), turn);
         let motions = [0, 1].map(|k| steady(&throw.start[k], throw.velocity[k].linear, throw.velocity[k].angular));
         let found = cast(
-            &mut ShapePair::new(a, b),
+            &mut ShapeTracker::new().over(a, b),
             &motions[0],
             &motions[1],
             (0.0, 1.0),

@@ -10,8 +10,7 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::separation::Separation;
 use lin_canny::{
-    Class, Composite, CompositePair, CompositeTracker, MeshPair, MeshTracker, Parts, PartsRef, Piece, RelativePose,
-    Shape, Velocity,
+    Class, Composite, CompositeTracker, MeshTracker, Parts, PartsRef, Piece, RelativePose, Shape, Velocity,
 };
 
 /// What casts found, and the queries they took.
@@ -101,15 +100,15 @@ fn casts_are_never_late() {
         let (m, n) = (&meshes[rng.below(7)], &meshes[rng.below(7)]);
         let mut tracker = MeshTracker::new();
         let mut class = |pose: &RelativePose| tracker.closest(m, n, pose).class;
-        judge(&mut MeshPair::new(m, n), &mut class, (&a, &b), &mut of_meshes);
+        judge(&mut MeshTracker::new().over(m, n), &mut class, (&a, &b), &mut of_meshes);
         judge(
-            &mut CompositePair::new(&cross, &round),
+            &mut CompositeTracker::new().over(&cross, &round),
             &mut of_parts(&cross, &round),
             (&a, &b),
             &mut of_pieces,
         );
         judge(
-            &mut CompositePair::new(m, &round),
+            &mut CompositeTracker::new().over(m, &round),
             &mut of_parts(m, &round),
             (&a, &b),
             &mut mixed,
@@ -128,7 +127,8 @@ fn motion_along_a_wall_takes_few_looks() {
     let ball = Composite::from(Shape::ball(0.2).unwrap());
     let a = steady(Pose::IDENTITY, [0.0; 3], [0.0; 3]);
     let b = steady(Pose::shift([-3.0, 0.3, 0.31]), [6.0, 0.1, 0.0], [0.0; 3]);
-    let mut pair = CompositePair::new(PartsRef::from(&wall), &ball);
+    let mut tracker = CompositeTracker::new();
+    let mut pair = tracker.over(PartsRef::from(&wall), &ball);
     let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-6)).unwrap();
     println!("{} looks", found.queries);
     assert_eq!(found.impact, Impact::Miss);

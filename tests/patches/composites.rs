@@ -1,10 +1,11 @@
 //! Surfaces against bodies of convex pieces: piece by piece, over time, in both orders.
 
 use lab::rng::Rng;
+use lin_canny::PairTracker;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Decision, Surface, SurfaceCompositePair, SurfaceCompositeTracker, SurfaceShapeTracker};
+use lin_canny::patch::{Decision, Surface, SurfaceCompositeTracker, SurfaceShapeTracker};
 use lin_canny::{Class, Composite, Piece, RelativePose, Velocity};
 
 use crate::bodies::{bumpy, place, pose};
@@ -86,13 +87,15 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
         let flight = moving(from, velocity, Vector3::from(rng.unit()) * 2.0);
         let tolerance = Tolerance::Distance(1e-5);
         let found = cast(
-            &mut SurfaceCompositePair::new(&surface, &body),
+            &mut SurfaceCompositeTracker::new().over(&surface, &body),
             &still,
             &flight,
             (0.0, 1.0),
             tolerance,
         );
-        let mut back = SurfaceCompositePair::new(&surface, &body).swapped();
+        let (first, second) = (body.clone().into(), surface.clone().into());
+        let mut tracker = PairTracker::new();
+        let mut back = tracker.over(&first, &second).expect("they have a tracker");
         let swapped = cast(&mut back, &flight, &still, (0.0, 1.0), tolerance).expect("a cast");
         let until = match (found.expect("a cast").impact, swapped.impact) {
             (

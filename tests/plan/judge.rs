@@ -4,7 +4,7 @@ use lin_canny::impact::Certificate;
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::plan::{PairProof, WorldId};
-use lin_canny::separation::{PolyhedronPair, Proof, Separation};
+use lin_canny::separation::{Proof, Separation};
 use lin_canny::{ConvexPolyhedron, Operand, RelativePose, Tracker, Velocity, normalize};
 
 /// Hulls at poses.
@@ -97,7 +97,8 @@ fn holds(certificate: &Certificate, [(a, pose_a), (b, pose_b)]: [(&ConvexPolyhed
         }
         Proof::Balls => {
             // The balls of the pair contain the vertices; that of the robot turns about the pivot, the origin.
-            let pair = PolyhedronPair::new(a, b);
+            let mut tracker = Tracker::new();
+            let pair = tracker.over(a, b);
             let [(p, r), (q, s)] = [Operand::A, Operand::B].map(|of| pair.ball(of));
             for (body, centre, radius) in [(a, p, r), (b, q, s)] {
                 assert!(

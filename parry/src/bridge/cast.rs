@@ -3,7 +3,6 @@
 use lin_canny::impact::{Impact, Tolerance, cast_within};
 use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::separation::ShapePair;
 use lin_canny::{RelativePose, ShapeTracker};
 
 use super::number::{down, isometry, narrow, wide, wide_point};
@@ -72,13 +71,13 @@ fn steady(placed: &Placed, motion: &NonlinearRigidMotion) -> Option<Steady> {
 
 fn fly((a, b): (&Placed, &Placed), (x, y): (&Steady, &Steady), interval: (f64, f64), target: f64) -> Flown {
     use ShapeCastStatus::{Converged, OutOfIterations, PenetratingOrWithinTargetDist};
-    let mut pair = ShapePair::new(&a.shape, &b.shape);
+    let mut tracker = ShapeTracker::new();
+    let mut pair = tracker.over(&a.shape, &b.shape);
     let size = a.shape.bounding_ball().1 + b.shape.bounding_ball().1;
     let tolerance = Tolerance::Distance(TOLERANCE * size);
     let Ok(cast) = cast_within(&mut pair, x, y, interval, tolerance, target) else {
         return Flown::Refused;
     };
-    let mut tracker = pair.into_tracker();
     let mut hit = |time| hit((a, b), (&x.pose(time), &y.pose(time)), time, &mut tracker);
     let (found, status) = match cast.impact {
         Impact::Miss => return Flown::Free,

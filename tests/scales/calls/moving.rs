@@ -3,10 +3,10 @@
 use super::{Scene, bumpy, composite, curved, dented};
 use lab::rng::Rng;
 use lin_canny::impact::{Tolerance, cast, cast_within, free_until, held_until};
-use lin_canny::patch::{SurfaceCompositePair, SurfacePair, SurfaceShapePair};
+use lin_canny::patch::{SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
 use lin_canny::plan::{Checker, TranslationSpace, World};
-use lin_canny::separation::{PolyhedronPair, Separation, ShapePair};
-use lin_canny::{CompositePair, MeshPair};
+use lin_canny::separation::Separation;
+use lin_canny::{CompositeTracker, MeshTracker, ShapeTracker, Tracker};
 
 /// Every question about a pair of motions.
 fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation) {
@@ -31,7 +31,7 @@ fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation
 pub(super) fn hull_casts(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (scene.round(rng, 20), scene.round(rng, 40));
     for _ in 0..3 {
-        casts(scene, rng, "hulls", PolyhedronPair::new(&a, &b));
+        casts(scene, rng, "hulls", Tracker::new().over(&a, &b));
     }
 }
 
@@ -39,27 +39,37 @@ pub(super) fn shape_casts(scene: &mut Scene, rng: &mut Rng) {
     let shapes = curved(scene);
     for (k, a) in shapes.iter().enumerate() {
         let b = &shapes[(k + rng.below(shapes.len())) % shapes.len()];
-        casts(scene, rng, &format!("shape {k}"), ShapePair::new(a, b));
+        casts(scene, rng, &format!("shape {k}"), ShapeTracker::new().over(a, b));
     }
 }
 
 pub(super) fn composite_casts(scene: &mut Scene, rng: &mut Rng) {
     let (a, b, mesh) = (composite(scene, rng), dented(scene, rng), dented(scene, rng));
-    casts(scene, rng, "meshes", MeshPair::new(&b, &mesh));
-    casts(scene, rng, "composite and mesh", CompositePair::new(&a, &mesh));
+    casts(scene, rng, "meshes", MeshTracker::new().over(&b, &mesh));
+    casts(
+        scene,
+        rng,
+        "composite and mesh",
+        CompositeTracker::new().over(&a, &mesh),
+    );
 }
 
 pub(super) fn surface_casts(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (bumpy(scene, rng), bumpy(scene, rng));
     let (shapes, body) = (curved(scene), composite(scene, rng));
-    casts(scene, rng, "surfaces", SurfacePair::new(&a, &b));
+    casts(scene, rng, "surfaces", SurfaceTracker::new().over(&a, &b));
     let shape = rng.pick(&shapes).clone();
-    casts(scene, rng, "surface and shape", SurfaceShapePair::new(&a, &shape));
+    casts(
+        scene,
+        rng,
+        "surface and shape",
+        SurfaceShapeTracker::new().over(&a, &shape),
+    );
     casts(
         scene,
         rng,
         "surface and composite",
-        SurfaceCompositePair::new(&a, &body),
+        SurfaceCompositeTracker::new().over(&a, &body),
     );
 }
 
