@@ -32,12 +32,12 @@ use crate::tolerance::BOX_TURNED;
 ///
 /// Depths are the effects `depth` and `local_depth`. The effect `manifold` of a pair with a
 /// composite or mesh is answered by [`ContactTracker`](crate::ContactTracker), as
-/// [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts); overlaps of such a pair have the distance
-/// 0.
+/// [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts); overlaps of such a pair have the
+/// distance 0.
 ///
 /// A call that would make a pair with an effect that the pair cannot answer is refused with
-/// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered): insertion of a body, change of a
-/// group, call for an effect. Against a composite or a mesh a convex shape is a composite of one
+/// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered): insertion of a body, change of
+/// a group, call for an effect. Against a composite or a mesh a convex shape is a composite of one
 /// piece, a single leaf with its own support points: the pair makes that once, when the boxes meet.
 /// The patches for contacts are made once for each shape, in the step after they are called
 /// for.

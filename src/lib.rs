@@ -59,6 +59,7 @@
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | Meshes that are not convex? | [`MeshTracker`] on [`Mesh`]es | the same questions, [`MeshOutcome`]; inside a solid is an overlap |
 //! | Bodies of several convex pieces, or a convex body and a mesh? | [`CompositeTracker`] on [`Composite`]s and [`Mesh`]es | [`CompositeOutcome`] |
+//! | Any two of these, in either order? | [`PairTracker`] on [`Geometry`]s | [`Answer`], a [`patch::Decision`], [`OverTime`] for casts |
 //! | Which points hold meshes and bodies of pieces apart? | [`ContactTracker`] on [`ContactPatches`] | [`PatchContacts`]: points by direction, with names that last |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for; [`closest_pair`](scene::Scene::closest_pair) |
 //! | Is a motion of a robot free over its whole length; is there a path? | [`plan::Checker`] | [`plan::Verdict`], proven; [`plan::Plan`] |

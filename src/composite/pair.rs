@@ -10,7 +10,7 @@ use super::parts::Parted;
 use super::search::{Judge, Measured};
 use super::shared::Touching;
 use super::state::PosedTrees;
-use super::triangle::{self, Closest, Spot, Triangle, certainly_cross};
+use super::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
 use crate::num::scalar::{lesser, sqrt};
 use crate::pair::outcome::Outcome;
 use crate::polyhedron::ConvexPolyhedron;
@@ -38,7 +38,7 @@ impl<'a> TriangleJudge<'a> {
     /// Two triangles as polygons, and the answer of the certified query for them, in A's stored
     /// units.
     #[cold]
-    fn settle(&mut self, frame: &TreeFrame, pair: NodePair, found: &Closest) -> Option<Measured<[Spot; 2]>> {
+    fn settle(&mut self, frame: &TreeFrame, pair: NodePair, found: &Closest) -> Option<Measured<[TriangleSpot; 2]>> {
         self.settled += 1;
         let (p, q) = self.polygons(pair)?;
         let o: Outcome = Tracker::new().closest(&p, &q, self.posed.pose);
@@ -68,7 +68,7 @@ impl<'a> TriangleJudge<'a> {
 
     /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,
     /// if the bounds do not.
-    fn decide(&mut self, frame: &TreeFrame, m: &mut Measured<[Spot; 2]>) {
+    fn decide(&mut self, frame: &TreeFrame, m: &mut Measured<[TriangleSpot; 2]>) {
         let Some(d) = self.within else { return };
         let stored = d / self.posed.a.unit();
         if m.lower > stored || m.upper <= stored {
@@ -91,19 +91,19 @@ impl<'a> TriangleJudge<'a> {
 }
 
 /// The triangles of a pair of items, and their features.
-pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [Spot; 2]) -> (MeshSpot, MeshSpot) {
+pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> (MeshSpot, MeshSpot) {
     (spot(a, i, spots[0]), spot(b, j, spots[1]))
 }
 
-fn spot(mesh: &Mesh, triangle: u32, spot: Spot) -> MeshSpot {
+fn spot(mesh: &Mesh, triangle: u32, spot: TriangleSpot) -> MeshSpot {
     let corners = mesh.triangles[triangle as usize].map(|v| mesh.source_points[v as usize]);
     let at = |k: u8| corners[k as usize % 3];
     MeshSpot {
         triangle: mesh.source_triangles[triangle as usize],
         feature: match spot {
-            Spot::Vertex(k) => MeshFeature::Vertex(at(k)),
-            Spot::Edge(k) => MeshFeature::Edge([at(k), at(k + 1)]),
-            Spot::Inside => MeshFeature::Face,
+            TriangleSpot::Vertex(k) => MeshFeature::Vertex(at(k)),
+            TriangleSpot::Edge(k) => MeshFeature::Edge([at(k), at(k + 1)]),
+            TriangleSpot::Inside => MeshFeature::Face,
         },
     }
 }
@@ -122,11 +122,11 @@ fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] 
     let edge = |t: &Triangle, k: u8| t[(k as usize + 1) % 3] - t[k as usize % 3];
     let (of_p, of_q) = (triangle::normal(p), triangle::normal(q));
     let across = match found.spots {
-        [Spot::Edge(i), Spot::Edge(j)] => edge(p, i).cross(&edge(q, j)),
+        [TriangleSpot::Edge(i), TriangleSpot::Edge(j)] => edge(p, i).cross(&edge(q, j)),
         // A vertex at an edge: perpendicular to the edge, in the plane of its triangle.
-        [Spot::Edge(i), _] => edge(p, i).cross(&of_p),
-        [_, Spot::Edge(j)] => of_q.cross(&edge(q, j)),
-        [Spot::Inside, _] => -of_p,
+        [TriangleSpot::Edge(i), _] => edge(p, i).cross(&of_p),
+        [_, TriangleSpot::Edge(j)] => of_q.cross(&edge(q, j)),
+        [TriangleSpot::Inside, _] => -of_p,
         _ => of_q,
     };
     [of_p, -of_q, across, -across]
@@ -140,7 +140,7 @@ fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
 }
 
 impl Judge for TriangleJudge<'_> {
-    type Features = [Spot; 2];
+    type Features = [TriangleSpot; 2];
 
     #[inline(always)]
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
@@ -157,11 +157,11 @@ impl Judge for TriangleJudge<'_> {
         self.settled
     }
 
-    fn shares_inside(&self, touching: &Touching, found: &Measured<[Spot; 2]>) -> (bool, u64) {
+    fn shares_inside(&self, touching: &Touching, found: &Measured<[TriangleSpot; 2]>) -> (bool, u64) {
         self.posed.shares_inside(touching, found)
     }
 
-    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<[Spot; 2]> {
+    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<[TriangleSpot; 2]> {
         let p = self.posed.a.corners(pair[0]);
         let local = self.posed.b.corners(pair[1]);
         let q = local.map(|x| frame.point(&x));

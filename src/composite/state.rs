@@ -36,7 +36,7 @@ pub(super) struct PosedTrees<'a, A, B> {
 }
 
 /// The closest points, in the caller's units and the bodies' own frames.
-pub(super) struct Answer<F> {
+pub(super) struct TreeAnswer<F> {
     pub(super) class: Class,
     pub(super) distance: f64,
     pub(super) lower: f64,
@@ -128,11 +128,11 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
 
     /// Bodies so far apart, or so small beside their distance, that only balls about their origins
     /// count.
-    pub(super) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> Answer<F> {
+    pub(super) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
         let (distance, slack, normal) = super::frame::far(a.side(), b.side(), pose);
         let lower = (distance - slack).max(0.0);
         let middle = |side: TreeSide, unit: f64| Point3::from(side.tree.centre * unit);
-        Answer {
+        TreeAnswer {
             class: if lower > 0.0 {
                 Class::Separated
             } else {
@@ -173,14 +173,14 @@ impl TreeState {
         &mut self,
         posed: &PosedTrees<A, B>,
         judge: J,
-    ) -> Answer<J::Features> {
+    ) -> TreeAnswer<J::Features> {
         let mut search = posed.search(judge, MeshGoal::Least);
         self.kept.closest(&mut search);
         let Some(best) = search.best else {
             return PosedTrees::far(posed.a, posed.b, posed.pose);
         };
         let unit = posed.a.stored_unit();
-        let mut answer = Answer {
+        let mut answer = TreeAnswer {
             class: Class::Touching,
             distance: best.distance * unit,
             lower: search.lower.min(best.lower).max(0.0) * unit,
@@ -204,7 +204,7 @@ impl TreeState {
         posed: &PosedTrees<A, B>,
         touching: &Touching,
         best: &Measured<F>,
-        answer: &mut Answer<F>,
+        answer: &mut TreeAnswer<F>,
     ) {
         let (unit_a, unit_b) = (posed.a.stored_unit(), posed.b.stored_unit());
         if answer.lower > 0.0 {
@@ -290,7 +290,7 @@ impl TreeState {
     }
 }
 
-impl<F> Answer<F> {
+impl<F> TreeAnswer<F> {
     /// The bodies share points; only solids share inner ones.
     fn share(&mut self, are_solid: bool) {
         self.class = if are_solid { Class::Overlapping } else { Class::Touching };

@@ -5,8 +5,8 @@ use super::kept::Kept;
 use super::mesh::Mesh;
 use super::outcome::MeshOutcome;
 use super::pair::{TriangleJudge, spots};
-use super::state::{Answer, PosedTrees, TreeState};
-use super::triangle::Spot;
+use super::state::{PosedTrees, TreeAnswer, TreeState};
+use super::triangle::TriangleSpot;
 use super::work::MeshWork;
 use crate::num::count::Counter;
 use crate::pair::outcome::Distance;
@@ -188,8 +188,8 @@ impl MeshTracker {
     }
 }
 
-fn outcome(a: &Mesh, b: &Mesh, answer: &Answer<[Spot; 2]>) -> MeshOutcome {
-    let (pair, features) = answer.of.unwrap_or(([0, 0], [Spot::Vertex(0); 2]));
+fn outcome(a: &Mesh, b: &Mesh, answer: &TreeAnswer<[TriangleSpot; 2]>) -> MeshOutcome {
+    let (pair, features) = answer.of.unwrap_or(([0, 0], [TriangleSpot::Vertex(0); 2]));
     let (on_a, on_b) = spots(a, b, pair, features);
     MeshOutcome {
         class: answer.class,

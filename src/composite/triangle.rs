@@ -12,7 +12,7 @@ use wide::f64x4;
 /// A feature of a triangle by the number of its vertex, of its edge (from the vertex of that number
 /// to the next), or the inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Spot {
+pub(super) enum TriangleSpot {
     Vertex(u8),
     Edge(u8),
     Inside,
@@ -24,7 +24,7 @@ pub(super) struct Closest {
     pub(super) square: f64,
     pub(super) on_p: Vector3<f64>,
     pub(super) on_q: Vector3<f64>,
-    pub(super) spots: [Spot; 2],
+    pub(super) spots: [TriangleSpot; 2],
     /// Whether an edge of one passes through the other, as far as rounding can tell.
     pub(super) pierces: bool,
 }
@@ -43,7 +43,7 @@ pub(super) fn closest(p: &Triangle, q: &Triangle) -> Closest {
         square: f64::INFINITY,
         on_p: p[0],
         on_q: q[0],
-        spots: [Spot::Vertex(0); 2],
+        spots: [TriangleSpot::Vertex(0); 2],
         pierces: false,
     };
     edges(p, q, &mut best);
@@ -67,19 +67,19 @@ pub(super) fn closest(p: &Triangle, q: &Triangle) -> Closest {
 }
 
 /// The squared distance of a point from a triangle, and the nearest feature.
-pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, Spot) {
+pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, TriangleSpot) {
     let mut best = Closest {
         square: f64::INFINITY,
         on_p: *point,
         on_q: y[0],
-        spots: [Spot::Vertex(0); 2],
+        spots: [TriangleSpot::Vertex(0); 2],
         pierces: false,
     };
     TriangleSides::new(y).closest_to(point, &Vector3::zeros(), 0, &mut best);
     let n = normal(y);
     let (square, height) = (n.norm_squared(), n.dot(&(point - y[0])));
     if height * height < best.square * square && is_over(point, y, &n) {
-        (height * height / square, Spot::Inside)
+        (height * height / square, TriangleSpot::Inside)
     } else {
         (best.square, best.spots[1])
     }
@@ -89,12 +89,12 @@ pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, Spot) {
 pub(super) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
     let (square, spot) = nearest(point, y);
     let foot = match spot {
-        Spot::Vertex(k) => y[k as usize % 3],
-        Spot::Edge(k) => {
+        TriangleSpot::Vertex(k) => y[k as usize % 3],
+        TriangleSpot::Edge(k) => {
             let (from, along) = (y[k as usize % 3], y[(k as usize + 1) % 3] - y[k as usize % 3]);
             from + along * clamp(along.dot(&(point - from)) / along.norm_squared())
         }
-        Spot::Inside => {
+        TriangleSpot::Inside => {
             let n = normal(y);
             point - n * (n.dot(&(point - y[0])) / n.norm_squared())
         }
@@ -185,13 +185,13 @@ fn clamp(x: f64) -> f64 {
     if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 }
 }
 
-fn spot(edge: usize, s: f64) -> Spot {
+fn spot(edge: usize, s: f64) -> TriangleSpot {
     if s <= 0.0 {
-        Spot::Vertex(edge as u8)
+        TriangleSpot::Vertex(edge as u8)
     } else if s >= 1.0 {
-        Spot::Vertex((edge as u8 + 1) % 3)
+        TriangleSpot::Vertex((edge as u8 + 1) % 3)
     } else {
-        Spot::Edge(edge as u8)
+        TriangleSpot::Edge(edge as u8)
     }
 }
 
@@ -212,11 +212,11 @@ fn foot(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>, swappe
     }
     let at = x[k] - n * (height / square);
     best.square = height * height / square;
-    let corner = Spot::Vertex(k as u8);
+    let corner = TriangleSpot::Vertex(k as u8);
     if swapped {
-        (best.on_p, best.on_q, best.spots) = (at, x[k], [Spot::Inside, corner]);
+        (best.on_p, best.on_q, best.spots) = (at, x[k], [TriangleSpot::Inside, corner]);
     } else {
-        (best.on_p, best.on_q, best.spots) = (x[k], at, [corner, Spot::Inside]);
+        (best.on_p, best.on_q, best.spots) = (x[k], at, [corner, TriangleSpot::Inside]);
     }
 }
 
@@ -235,8 +235,9 @@ fn pierce(
     (q, of_q, over_q): (&Triangle, &Vector3<f64>, &[f64; 3]),
     best: &mut Closest,
 ) {
-    let found = crossing(p, over_q, q, of_q).map(|(at, edge)| (at, [Spot::Edge(edge), Spot::Inside]));
-    let other = || crossing(q, over_p, p, of_p).map(|(at, edge)| (at, [Spot::Inside, Spot::Edge(edge)]));
+    let found = crossing(p, over_q, q, of_q).map(|(at, edge)| (at, [TriangleSpot::Edge(edge), TriangleSpot::Inside]));
+    let other =
+        || crossing(q, over_p, p, of_p).map(|(at, edge)| (at, [TriangleSpot::Inside, TriangleSpot::Edge(edge)]));
     if let Some((at, spots)) = found.or_else(other) {
         *best = Closest {
             square: 0.0,

@@ -8,8 +8,7 @@
 //! use lin_canny::impact::{self, Impact, Tolerance};
 //! use lin_canny::motion::Steady;
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
-//! use lin_canny::separation::PolyhedronPair;
-//! use lin_canny::{Velocity, polyhedron::solids};
+//! use lin_canny::{Tracker, Velocity, polyhedron::solids};
 //!
 //! let a = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
 //! let b = solids::octahedron(0.5)?;
@@ -17,7 +16,8 @@
 //! let spin = Velocity::new(-Vector3::x(), Vector3::x() * 0.3);
 //! let flight = Steady::new(&Isometry3::translation(4.0, 0.0, 0.0), spin)?;
 //!
-//! let mut pair = PolyhedronPair::new(&a, &b);
+//! let mut tracker = Tracker::new();
+//! let mut pair = tracker.over(&a, &b);
 //! let tolerance = Tolerance::Distance(1e-9);
 //! let cast = impact::cast(&mut pair, &rest, &flight, (0.0, 10.0), tolerance)?;
 //! let Impact::Hit { safe, hit, .. } = cast.impact else { panic!("they meet") };

@@ -1,5 +1,5 @@
-//! The state of a pair of geometries: [`Tracker`] for two polyhedra, [`MixedTracker`] for every other
-//! pair of kinds.
+//! The state of a pair of geometries: [`Tracker`] for two polyhedra, [`MixedTracker`] for every
+//! other pair of kinds.
 
 use alloc::boxed::Box;
 

@@ -186,8 +186,8 @@ impl SurfaceTracker {
     /// Returns two surfaces that can be measured over time, followed by this tracker.
     ///
     /// A measure has bounds that are at most a quarter of the distance apart. A hit is proven by a
-    /// crossing of the surfaces ([`intersects`](Self::intersects)), so a tolerance must leave room for
-    /// one: from some `1e-8` of the size on.
+    /// crossing of the surfaces ([`intersects`](Self::intersects)), so a tolerance must leave room
+    /// for one: from some `1e-8` of the size on.
     ///
     /// ```
     /// use lin_canny::impact::{Impact, Tolerance, cast};

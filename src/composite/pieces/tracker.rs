@@ -7,7 +7,7 @@ use super::pair::{NearParts, PartJudge};
 use crate::composite::front::NodePair;
 use crate::composite::kept::Kept;
 use crate::composite::parts::Parts;
-use crate::composite::state::{Answer, PosedTrees, TreeState};
+use crate::composite::state::{PosedTrees, TreeAnswer, TreeState};
 use crate::composite::work::MeshWork;
 use crate::num::count::Counter;
 use crate::pair::outcome::{Class, Distance};
@@ -210,7 +210,7 @@ impl CompositeTracker {
     }
 }
 
-fn outcome<A: Parts, B: Parts>(a: &A, b: &B, answer: &Answer<FeaturePair>) -> CompositeOutcome {
+fn outcome<A: Parts, B: Parts>(a: &A, b: &B, answer: &TreeAnswer<FeaturePair>) -> CompositeOutcome {
     let ([i, j], features) = answer.of.unwrap_or(([0, 0], FeaturePair::FIRST));
     CompositeOutcome {
         class: answer.class,
