@@ -2,6 +2,7 @@
 //! times the power of two, bit for bit or, where a row says so, in its bounds.
 
 mod moving;
+mod named;
 mod words;
 mod worlds;
 
@@ -11,8 +12,8 @@ use lab::shapes;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface, SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
 use lin_canny::{
-    Composite, CompositeTracker, ContactPatches, ContactTracker, HalfSpace, Manifold, ManifoldOptions, Mesh,
-    MeshTracker, Parts, Piece, RelativePose, Shape, ShapeTracker, Tracker,
+    Composite, CompositeTracker, ContactPatches, ContactTracker, Distance, Geometry, HalfSpace, Manifold,
+    ManifoldOptions, Mesh, MeshTracker, PairTracker, Parts, Piece, RelativePose, Shape, ShapeTracker, Tracker,
 };
 
 const CASES: u64 = 2;
@@ -73,7 +74,7 @@ struct Scene {
 /// A row: what is asked, in which units, and in which of these the answer has the same bits.
 type Row = (&'static str, Range, Range, fn(&mut Scene, &mut Rng));
 
-const ROWS: [Row; 20] = [
+const ROWS: [Row; 21] = [
     ("hulls", ALL, ALL, hulls),
     ("local depths", ALL, ALL, local_depths),
     ("points", ALL, ALL, points),
@@ -84,6 +85,7 @@ const ROWS: [Row; 20] = [
     ("contacts of meshes", ALL, MIDDLE, patches),
     ("fit of a hull", ALL, ALL, fits),
     ("composites", ALL, MIDDLE, composites),
+    ("any two geometries", ALL, MIDDLE, geometries),
     ("surfaces", SURFACES, SURFACES, surfaces),
     ("surfaces and others", SURFACES, MIDDLE, surfaces_and_others),
     ("casts of hulls", CASTS, CASTS, moving::hull_casts),
@@ -163,6 +165,8 @@ fn hulls(scene: &mut Scene, rng: &mut Rng) {
             let (of_a, of_b) = (o.gradient_a(), o.gradient_b(&pose));
             scene.lengths("gradients", of_a.angular.iter().chain(of_b.angular.iter()).copied());
             scene.plain("gradients", (of_a.linear, of_b.linear));
+            scene.manifold("of_outcome", &Manifold::of_outcome((&a, &b), &pose, &o, &options));
+            scene.lengths("propose", tracker.propose(&a, &b, &pose).distance);
             let d = tracker.distance(&a, &b, &pose);
             scene.distance("distance", &d);
             scene.plain("intersects", tracker.intersects(&a, &b, &pose));
@@ -179,7 +183,34 @@ fn hulls(scene: &mut Scene, rng: &mut Rng) {
             options.local_depth = local_depth;
             warm.manifold(&a, &b, &pose, &options, &mut manifold);
             scene.manifold("manifold", &manifold);
+            let still = Vector3::zeros();
+            let coming = Vector3::new(-scene.unit, 0.0, 0.0);
+            scene.lengths("rate", manifold.rate(&pose, (&still, &still), (&coming, &still)));
         }
+    }
+}
+
+/// Geometries of every kind that has no limit of its own, all pairs in both orders.
+fn geometries(scene: &mut Scene, rng: &mut Rng) {
+    let unit = scene.unit;
+    let hull = scene.round(rng, 12);
+    let bodies: [Geometry; 4] = [
+        hull.clone().into(),
+        Shape::cylinder(0.6 * unit, 0.4 * unit).unwrap().into(),
+        Mesh::from_convex(&scene.round(rng, 20)).unwrap().into(),
+        Composite::from(Shape::from(hull)).into(),
+    ];
+    let mut tracker = PairTracker::new();
+    for (a, b) in bodies.iter().flat_map(|a| bodies.iter().map(move |b| (a, b))) {
+        let pose = scene.pose(rng, APART[0]);
+        let found = tracker.closest(a, b, &pose).unwrap();
+        scene.distance("closest", &Distance::from(&found));
+        scene.lengths(
+            "witnesses",
+            found.point_on_a.iter().chain(found.point_on_b.iter()).copied(),
+        );
+        scene.plain("intersects", tracker.intersects(a, b, &pose));
+        scene.plain("within", tracker.within(a, b, &pose, WITHIN[1] * unit));
     }
 }
 
