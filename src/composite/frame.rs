@@ -40,7 +40,7 @@ pub(super) struct TreeFrame {
     pub(super) size: f64,
     /// Error of a distance and of a height in double precision.
     pub(super) error: f64,
-    /// How far below the distance a proven gap may be that lets a pair pass.
+    /// Tolerance below the distance within which a proven gap still prunes.
     pub(super) tie: f64,
     pub(super) single: Single,
 }
@@ -62,7 +62,7 @@ pub(super) struct Single {
 pub(super) struct Way {
     pub(super) rotation: [f32x4; 9],
     pub(super) translation: [f32x4; 3],
-    /// Both again, for a single point.
+    /// Rotation and translation for unpacked points.
     r: [f32; 9],
     t: [f32; 3],
 }

@@ -50,7 +50,7 @@ impl Kept {
         }
         if !search.is_over() {
             if motion < NEAR && !self.front.is_empty() {
-                // A pair that has left a contact says nothing about the next.
+                // After contact the old directions predict nothing: start anew.
                 if search.level() > STALE * self.distance + search.frame.tie {
                     search.seed();
                 }

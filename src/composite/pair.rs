@@ -176,7 +176,7 @@ impl Judge for TriangleJudge<'_> {
         };
         let mut best = between.map_or(f64::NEG_INFINITY, |n| gap(&p, &q, &n));
         let mut normal = between.unwrap_or_else(Vector3::x);
-        // Of the question whether they are within a distance the bound must lie beyond it.
+        // For `within`, the bound must exceed the threshold.
         let known = if self.within.is_some() {
             known + frame.tie + frame.error
         } else {

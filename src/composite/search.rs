@@ -80,10 +80,9 @@ pub(super) struct TreeSearch<'a, J: Judge> {
     pub(super) goal: MeshGoal,
     /// The closest pair so far.
     pub(super) best: Option<Measured<J::Features>>,
-    /// The least proven gap of all that was passed by below the distance.
+    /// Lower bound over all pairs pruned so far.
     pub(super) lower: f64,
-    /// The direction of the best pair, by which most others are proven. Of several pairs that are
-    /// equally close, as in flush contact, the pairs whose directions proved the most lately.
+    /// Directions of the latest best pairs; two, because flush contact alternates.
     pub(super) directions: [Option<(NodePair, TriedDirection)>; 2],
     /// Pairs at distance zero, up to rounding, that were met.
     pub(super) touching: Touching,
@@ -150,7 +149,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// The same in single precision, rounded up; beyond it if equality is not enough.
+    /// Pruning level in f32, rounded up; the next number if equality does not prune.
     fn single_level(&self) -> f32 {
         let level = self.frame.single_up(self.level());
         match self.goal {
@@ -213,8 +212,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Whether a gap in double precision, error taken off, lets a pair pass; if so, it is
-    /// remembered.
+    /// Returns whether a proven gap prunes the pair, and remembers the gap.
     #[inline(always)]
     pub(super) fn passes(&mut self, gap: f64) -> bool {
         let passes = match self.goal {

@@ -22,7 +22,7 @@ pub(super) struct TreeState {
     #[cfg_attr(feature = "serde", serde(skip))]
     fingerprints: [Fingerprint; 2],
     pub(super) kept: Kept,
-    /// The last answer that proved surfaces and insides apart: how far, and where B was.
+    /// Last proof that the bodies do not contain each other: clearance and B's pose.
     #[cfg_attr(feature = "serde", serde(skip))]
     free: Option<(f64, BallAtPose)>,
 }
@@ -226,7 +226,7 @@ impl TreeState {
     /// Whether one body is inside the other, whose surfaces are proven to be `lower` apart.
     fn held<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>, lower: f64) -> Inside {
         let now = posed.place();
-        // Surfaces that were proven apart cannot have met on the way if no point went as far.
+        // The bodies moved less than the proven clearance, so the old proof holds.
         let carried = self
             .free
             .as_ref()

@@ -109,9 +109,8 @@ impl PyramidSides<'_, '_> {
         }
     }
 
-    /// Returns whether three triangles over a side that is not, which join its edges to the support
-    /// point along its normal, are beyond the target: if the foot of the origin is near an edge of
-    /// the facet. The origin lies behind them, so the surface still encloses the origin.
+    /// Returns whether three triangles to the support point along a failed side's normal lie beyond
+    /// the target. The origin lies behind them, so the surface still encloses the origin.
     #[cold]
     fn is_far_beyond(&mut self, side: &[Vec3<f64>; 3]) -> bool {
         let Some(left) = self.supports.checked_sub(1) else {

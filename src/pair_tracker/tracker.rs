@@ -107,7 +107,8 @@ impl From<&Answer> for Distance {
 /// let post = Geometry::from(Shape::cylinder(2.0, 0.5)?);
 /// let mut tracker = PairTracker::new();
 /// for x in [4.0, 3.9, 3.8] {
-///     let pose = RelativePose::from_isometry(&Isometry3::translation(x, 0.0, 0.0))?;
+///     let place = Isometry3::translation(x, 0.0, 0.0);
+///     let pose = RelativePose::from_isometry(&place)?;
 ///     let answer = tracker.closest(&part, &post, &pose)?;
 ///     assert!((answer.distance - (x - 1.5)).abs() < 1e-14);
 /// }

@@ -11,7 +11,7 @@ use crate::tolerance::{NET as NET_ERROR, NET_CUT};
 /// The part of a patch over a box of parameters.
 pub(super) struct Cut {
     pub(super) node: Node,
-    /// As those of a tree.
+    /// Layout as `NetTree::numbers`.
     numbers: [f64; 7 * NET],
 }
 

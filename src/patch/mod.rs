@@ -30,8 +30,8 @@
 //! 2. Where no plane stands between (nested saddles, hollows), a quadratic surface does (`bowl`).
 //! 3. Nodes are closed by second derivatives, so the cost of a narrow interval does not grow with
 //!    its narrowness where one surface curves away from the plane between.
-//! 4. The surroundings of the closest points are cut out of the patches and proven at once, as
-//!    large as may be (`region`): halves meet there in large numbers, and none would last a frame.
+//! 4. Around the closest points a region as large as can be is proven at once (`region`), because
+//!    its many small nodes would not survive the next frame.
 //!
 //! # Which pair
 //!

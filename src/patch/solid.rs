@@ -179,8 +179,8 @@ impl<'a> Feet<'a> {
     }
 
     /// Returns a foot nearer to a close shape, towards the point of the shape that is lowest over
-    /// the surface. Beside an edge of the shape the distance bends as sharply as it is short, and
-    /// no difference of normals tells how.
+    /// the surface. Near an edge the curvature of the distance grows as 1/distance, so normals do
+    /// not predict the foot.
     fn toward_top(&mut self, patch: &Patch, now: &ShapeFoot, held: &[bool; 4]) -> Option<ShapeFoot> {
         if now.found.distance.abs() > CLOSE * self.frame.size {
             return None;

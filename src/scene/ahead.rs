@@ -10,9 +10,9 @@
 //!
 //! **Rounding.** A look proves the motion itself. Poses are placed tick by tick, each from the last
 //! pose, so after k ticks a pose is off the motion by at most k times the error of one tick, which
-//! is below the drift of [`Steady`] over all these ticks; an error of the turn moves no point by
-//! more than as much later on, since bodies turn about their own origins. With at most
-//! [`TICKS`] ticks that many drifts are added to the distance that the look must prove.
+//! is below the drift of [`Steady`] over all these ticks. A rotation error does not grow: bodies
+//! turn about their own origins. With at most [`TICKS`] ticks that many drifts are added to the
+//! distance that the look must prove.
 //!
 //! For impacts the look begins at the start of the tick and covers the instants between; if it
 //! proves less than the tick, the tick is cast ([`impact::cast`]).

@@ -1,5 +1,4 @@
-//! A core of any kind behind one match: for the finer arithmetic and for extreme sizes, beside
-//! which a match costs nothing.
+//! A core of any kind, for slow paths where one match is free: finer arithmetic, extreme sizes.
 
 use nalgebra::Vector3;
 

@@ -21,9 +21,9 @@ pub(super) struct NearPatches {
     parts: [(Shape, Isometry3<f64>); 2],
     tracker: ShapeTracker,
     manifold: Manifold,
-    /// The points of the manifold that both bodies bear, as bits.
+    /// Mask of the manifold's points that lie on both surfaces.
     borne: u8,
-    /// Whether the last query met the pair.
+    /// Whether the last query reached this pair of patches.
     pub(super) is_seen: bool,
 }
 
@@ -109,8 +109,8 @@ impl PosedPatches<'_> {
         }
     }
 
-    /// The points of a manifold that both bodies bear, as bits: none unless both bear the deepest
-    /// fully. Points that are nearly borne lend their places to a normal that is a body's own.
+    /// Returns a mask of the manifold's points that lie on both surfaces; empty if the deepest does
+    /// not. Points that nearly lie on both count if the normal is one of a face of a body.
     fn borne(&self, manifold: &Manifold) -> u8 {
         let Some(deepest) = manifold.deepest() else { return 0 };
         let n = self.normal(manifold);
@@ -250,8 +250,8 @@ impl PosedPatches<'_> {
             && (b.is_mesh() || is_in(q, &point.point_on_b, 2.0 * doubt))
     }
 
-    /// Whether the face of an outcome is the nearest to the point that overlaps most: of a ridge
-    /// that another body has entered from one side, the other side bears no contact.
+    /// Returns whether the face of an outcome is the nearest one to the deepest point. If a body
+    /// enters a ridge from one side, only that side is in contact.
     pub(super) fn is_nearest(&self, is_of_a: bool, outcome: &Outcome) -> bool {
         let PatchQuery { a, b, doubt, .. } = self.query;
         let depth = -outcome.distance * (1.0 - NEARLY) - doubt;
