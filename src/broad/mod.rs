@@ -2,14 +2,14 @@
 //! crate.
 //!
 //! ```
-//! use lin_canny::broad::{Aabb, Body, BroadPhase, PencilSweep};
+//! use lin_canny::broad::{Aabb, BodyOptions, BroadPhase, PencilSweep};
 //! use lin_canny::nalgebra::{Point3, Vector3};
 //!
 //! let half = Vector3::repeat(0.5);
 //! let cube = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), half);
 //! let mut broad = PencilSweep::new();
-//! let a = broad.insert(&cube(0.0), Body::moving())?;
-//! let b = broad.insert(&cube(3.0), Body::moving())?;
+//! let a = broad.insert(&cube(0.0), BodyOptions::moving())?;
+//! let b = broad.insert(&cube(3.0), BodyOptions::moving())?;
 //! assert!(broad.step().began.is_empty());
 //!
 //! broad.set_box(b, &cube(1.0))?; // touching boxes are a pair
