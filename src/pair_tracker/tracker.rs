@@ -27,10 +27,13 @@ pub struct PairError {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spot {
     /// The piece of a composite, the triangle of a mesh or the patch of a surface, by the caller's
-    /// index; zero for a convex geometry.
+    /// index; zero for a convex geometry. Beside a mesh a composite of polyhedra is the mesh of its
+    /// surface ([`Composite::to_mesh`](crate::Composite::to_mesh)).
     pub part: u32,
     /// The feature that holds the witness: of a polyhedron, of the core of a convex shape, or of
-    /// the part. A patch is a face, with the number of the patch.
+    /// the piece. Of two meshes, a vertex has the number of its point, an edge that of the point at
+    /// which the edge begins, a face that of its triangle; beside another geometry a triangle is a
+    /// polygon of three vertices. A patch is a face, with the number of the patch.
     pub feature: Feature,
 }
 
@@ -90,9 +93,9 @@ impl From<&Answer> for Distance {
 /// Follows a pair of geometries of any two kinds, in either order.
 ///
 /// The tracker keeps the state of the pair that was asked last. Other geometries, or the same in
-/// the other order, begin anew: keep a tracker for each pair. The answers do not depend on the
-/// state, as those of [`Tracker`](crate::Tracker), which is the faster one for two polyhedra that
-/// are known to be such: no geometry is compared, and no kind is chosen.
+/// the other order, begin anew: keep a tracker for each pair. What the state may change stands on
+/// the [front page](crate), as for every tracker. For two geometries that are known to be polyhedra
+/// [`Tracker`](crate::Tracker) is the faster one: it compares no geometries and chooses no kind.
 ///
 /// Two surfaces, or a surface and another geometry, have bounds that are at most `2^-30` of the
 /// size of the pair apart; a surface and a mesh are refused.
@@ -165,8 +168,8 @@ impl PairTracker {
         Ok(Distance::from(&self.closest(a, b, a_from_b)?))
     }
 
-    /// Returns whether the geometries share a point; undecided for surfaces alone, if their bounds
-    /// hold both answers.
+    /// Returns whether the geometries share a point. Only pairs with a surface of patches may be
+    /// undecided; curved shapes whose bounds hold both answers count as sharing one.
     ///
     /// # Errors
     /// If no tracker follows the two kinds.
@@ -174,8 +177,8 @@ impl PairTracker {
         self.within(a, b, a_from_b, 0.0)
     }
 
-    /// Returns whether the geometries are at most `d` apart; undecided for surfaces alone, if their
-    /// bounds hold both answers.
+    /// Returns whether the geometries are at most `d` apart. Only pairs with a surface of patches
+    /// may be undecided; curved shapes whose bounds hold both answers count as within.
     ///
     /// # Errors
     /// If no tracker follows the two kinds.

@@ -71,7 +71,8 @@ pub(crate) const TOUCHES: usize = 128;
 
 /// Pairs measured in contact after which a search looks for inner points that the bodies share.
 /// Bodies in one place have more contacts than triangles, and hardly a pair that crosses for
-/// certain: of 280 queries of such bodies the longest measured 485 pairs with it, 58,000 without.
+/// certain: of 280 queries of such bodies the longest measured 485 pairs with the look, 58,000
+/// without.
 pub(crate) const CROWD: u32 = 128;
 
 /// Triangles of a solid whose middles are asked on which side of another surface they are, if the
