@@ -1,5 +1,10 @@
 //! A shape of any kind there is.
 
+mod lent;
+
+pub use lent::GeometryRef;
+pub(crate) use lent::Lent;
+
 use alloc::borrow::Cow;
 use alloc::sync::Arc;
 
@@ -7,7 +12,6 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
-use crate::composite::separation::ball_about;
 use crate::patch::Surface;
 use crate::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::pose::rotation_matrix;
@@ -118,36 +122,13 @@ impl Geometry {
     /// Returns the kind of the shape.
     #[must_use]
     pub fn kind(&self) -> ShapeKind {
-        let polyhedral = |body: &ConvexPolyhedron| {
-            if body.face_count() == 0 {
-                ShapeKind::Wire
-            } else {
-                ShapeKind::Polyhedron
-            }
-        };
-        match self {
-            Self::Polyhedron(body) => polyhedral(body),
-            Self::Convex(shape) => match shape.core() {
-                Core::Polyhedron(body) if shape.round() == 0.0 => polyhedral(body),
-                Core::Polyhedron(_) => ShapeKind::Rounded,
-                _ => ShapeKind::Curved,
-            },
-            Self::Composite(_) => ShapeKind::Composite,
-            Self::Mesh(_) => ShapeKind::Mesh,
-            Self::Surface(_) => ShapeKind::Surface,
-        }
+        GeometryRef::from(self).kind()
     }
 
     /// Returns a ball that contains the shape, in the frame of the shape: centre and radius.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        match self {
-            Self::Polyhedron(body) => body.bounding_ball(),
-            Self::Convex(shape) => shape.bounding_ball(),
-            Self::Composite(composite) => ball_about(composite.aabb()),
-            Self::Mesh(mesh) => ball_about(mesh.aabb()),
-            Self::Surface(surface) => surface.bounding_ball(),
-        }
+        GeometryRef::from(self).bounding_ball()
     }
 
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
@@ -161,11 +142,6 @@ impl Geometry {
             Self::Mesh(mesh) => turned_box(mesh.aabb(), pose),
             Self::Surface(surface) => turned_box(surface.outer_box(), pose),
         }
-    }
-
-    /// Whether both are the same shared geometry.
-    pub(crate) fn is(&self, other: &Self) -> bool {
-        core::mem::discriminant(self) == core::mem::discriminant(other) && self.address() == other.address()
     }
 
     /// Returns the address of the shared shape, equal for bodies that share the shape.

@@ -339,32 +339,29 @@ mod tracker;
 mod tuning;
 mod walk;
 
-pub use composite::audit::FrontFault;
-pub use composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
+pub use composite::contact::{ContactPatches, PatchContact, PatchContacts};
 pub use composite::decomposition::{Decomposition, DecompositionFit};
 pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
-pub use composite::outcome::{MeshFeature, MeshOutcome, MeshSpot};
-pub use composite::parts::{Parts, PartsRef};
 pub use composite::penetration::PenetrationBounds;
-pub use composite::pieces::{Composite, CompositeError, CompositeOutcome, CompositeTracker, Piece};
-pub use composite::tracker::MeshTracker;
+pub use composite::pieces::{Composite, CompositeError, Piece};
 pub use composite::work::MeshWork;
 pub use contact::{
     ContactPoint, Gradient, HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError, Manifold, ManifoldOptions,
 };
-pub use geometry::{Geometry, ShapeKind};
+pub use geometry::{Geometry, GeometryRef, ShapeKind};
 pub use motion::Velocity;
 pub use nalgebra;
-pub use pair::outcome::{Accuracy, Class, Distance, Outcome, Proposal, Solver, Work};
+pub use pair::outcome::{Accuracy, Class, Decision, Distance, Outcome, Proposal, Solver, Until, Work};
+pub use pair::question::Question;
+pub use pair::spot::{Answer, Spot};
 pub use pair::world::WorldWitnesses;
-pub use pair_tracker::{Answer, OverTime, PairError, PairTracker, Spot};
+pub use pair_tracker::{OverTime, PairError, PairTracker, PairWork};
 pub use polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
 };
 pub use pose::{Operand, PoseError, RelativePose, normalize};
 pub use replay::{Replay, ReplayError};
 pub use shape::{Shape, ShapeError};
-pub use shape_tracker::ShapeTracker;
 pub use tracker::{Totals, Tracker};
 
 /// Runs the README as a test.

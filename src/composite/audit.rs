@@ -14,7 +14,7 @@ use crate::num::scalar::sqrt;
 /// What is wrong with a front.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum FrontFault {
+pub(crate) enum FrontFault {
     /// An entry claims a gap along its direction that some vertices do not have.
     #[error("nodes {} and {} are claimed {claimed} apart and are {gap} apart", pair[0], pair[1])]
     Claim {

@@ -17,11 +17,12 @@ use core::fmt;
 use super::gaps::{PieceHull, excess, hulls, shortfall};
 use super::mesh::hull::RESOLUTION;
 use super::mesh::{Mesh, MeshError};
-use super::parts::{Parted, Parts};
-use super::pieces::{Composite, CompositeTracker};
+use super::parts::{Parted, PartsRef};
+use super::pieces::Composite;
 use super::state::{Inside, PosedTrees};
 use crate::num::scalar::sqrt;
 use crate::pair::outcome::{Class, Distance};
+use crate::pair::spot::Answer;
 use crate::pose::RelativePose;
 use crate::tolerance::{CERTIFICATE, UNIT};
 
@@ -133,17 +134,9 @@ impl Decomposition {
         &self.fit
     }
 
-    /// Returns bounds of the distance of the mesh from another body, by the distance of the pieces.
-    ///
-    /// If the bounds leave open whether the bodies meet, the class is [`Class::Undecided`];
-    /// no depth is told.
-    pub fn distance<B: Parts>(
-        &self,
-        tracker: &mut CompositeTracker,
-        other: &B,
-        mesh_from_other: &RelativePose,
-    ) -> Distance {
-        let found = tracker.closest(&*self.pieces, other, mesh_from_other);
+    /// Returns bounds of the distance of the mesh from another body, by the answer of the pieces and
+    /// that body.
+    pub(crate) fn bounds(&self, found: &Answer, other: &PartsRef, mesh_from_other: &RelativePose) -> Distance {
         let fit = &self.fit;
         if found.class != Class::Separated {
             // A point of the body is in a piece, or next to one: at most the depth of the piece

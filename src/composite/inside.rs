@@ -90,6 +90,19 @@ impl Mesh {
         })
     }
 
+    /// Returns whether a point that may be off its place by `doubt`, both in stored units, is inside a
+    /// solid; `None` if the surface is as near as the doubt, or if every segment to the outside met an
+    /// edge.
+    pub(crate) fn holds_point(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
+        if !self.is_solid() {
+            return Some(false);
+        }
+        if doubt > 0.0 && !self.is_clear_of(point, doubt) {
+            return None;
+        }
+        self.winding(point).map(|w| w != 0)
+    }
+
     /// Whether a segment certainly passes through a triangle from which its first end is farther
     /// than `skin`.
     pub(super) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {

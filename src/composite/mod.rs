@@ -45,7 +45,6 @@ mod inside;
 mod kept;
 mod leaves;
 pub mod mesh;
-pub(crate) mod outcome;
 mod pair;
 pub(crate) mod parts;
 pub(crate) mod penetration;

@@ -5,7 +5,6 @@ use nalgebra::{Point3, Vector3};
 use super::frame::TreeFrame;
 use super::front::NodePair;
 use super::mesh::Mesh;
-use super::outcome::{MeshFeature, MeshSpot};
 use super::parts::Parted;
 use super::search::{Judge, Measured};
 use super::shared::Touching;
@@ -13,7 +12,8 @@ use super::state::PosedTrees;
 use super::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
 use crate::num::scalar::{lesser, sqrt};
 use crate::pair::outcome::Outcome;
-use crate::polyhedron::ConvexPolyhedron;
+use crate::pair::spot::Spot;
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::tracker::Tracker;
 use crate::tuning::composite::SHARP;
 
@@ -90,22 +90,21 @@ impl<'a> TriangleJudge<'a> {
     }
 }
 
-/// The triangles of a pair of items, and their features.
-pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> (MeshSpot, MeshSpot) {
-    (spot(a, i, spots[0]), spot(b, j, spots[1]))
+/// Returns the triangles of a pair of items by the caller's numbers, and their features.
+pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> [Spot; 2] {
+    [spot(a, i, spots[0]), spot(b, j, spots[1])]
 }
 
-fn spot(mesh: &Mesh, triangle: u32, spot: TriangleSpot) -> MeshSpot {
-    let corners = mesh.triangles[triangle as usize].map(|v| mesh.source_points[v as usize]);
+fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
+    let corners = mesh.triangles[item as usize].map(|v| mesh.source_points[v as usize]);
     let at = |k: u8| corners[k as usize % 3];
-    MeshSpot {
-        triangle: mesh.source_triangles[triangle as usize],
-        feature: match spot {
-            TriangleSpot::Vertex(k) => MeshFeature::Vertex(at(k)),
-            TriangleSpot::Edge(k) => MeshFeature::Edge([at(k), at(k + 1)]),
-            TriangleSpot::Inside => MeshFeature::Face,
-        },
-    }
+    let triangle = mesh.source_triangles[item as usize];
+    let feature = match spot {
+        TriangleSpot::Vertex(k) => Feature::Vertex(VertexId(at(k))),
+        TriangleSpot::Edge(k) => Feature::Edge(EdgeId(at(k))),
+        TriangleSpot::Inside => Feature::Face(FaceId(triangle)),
+    };
+    Spot::new(triangle, feature)
 }
 
 /// The gap of two placed triangles along a direction.

@@ -11,55 +11,19 @@ use crate::polyhedron::ConvexPolyhedron;
 use crate::shape::Shape;
 use crate::tuning::composite::MIDDLES;
 
-/// A body of convex parts under a tree: a [`Mesh`], whose parts are its triangles, or a
-/// [`Composite`], whose parts are its pieces.
-///
-/// No other type can implement the trait.
-pub trait Parts: Parted {}
-
-impl Parts for Mesh {}
-impl Parts for Composite {}
-impl Parts for PartsRef<'_> {}
-
-/// A mesh or a composite, for callers who know the kind of a body at run time only.
-///
-/// ```
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::{Composite, CompositeTracker, Mesh, PartsRef};
-/// use lin_canny::{RelativePose, Shape};
-///
-/// let die = lin_canny::polyhedron::solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
-/// let mesh = Mesh::from_convex(&die)?;
-/// let ball = Composite::from(Shape::ball(0.5)?);
-/// let bodies = [PartsRef::from(&mesh), PartsRef::from(&ball)];
-/// let at = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0))?;
-/// let found = CompositeTracker::new().distance(&bodies[0], &bodies[1], &at);
-/// assert!((found.value - 1.5).abs() < 1e-14);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
+/// A mesh or a composite.
 #[derive(Clone, Copy, Debug)]
-pub enum PartsRef<'a> {
+pub(crate) enum PartsRef<'a> {
     /// A mesh of triangles.
     Mesh(&'a Mesh),
     /// A body of pieces.
     Pieces(&'a Composite),
 }
 
-impl<'a> From<&'a Mesh> for PartsRef<'a> {
-    fn from(mesh: &'a Mesh) -> Self {
-        Self::Mesh(mesh)
-    }
-}
-
-impl<'a> From<&'a Composite> for PartsRef<'a> {
-    fn from(body: &'a Composite) -> Self {
-        Self::Pieces(body)
-    }
-}
-
-/// The methods behind [`Parts`], which callers do not see. Points and directions are in stored
+/// A body of convex parts under a tree: a [`Mesh`], whose parts are its triangles, or a
+/// [`Composite`], whose parts are its pieces. Points and directions are in stored
 /// units of the body; an item is a part by its number in the tree.
-pub trait Parted {
+pub(crate) trait Parted {
     /// Returns the body by its kind, for questions that meshes and pieces answer in other ways.
     fn by_kind(&self) -> PartsRef<'_>;
 
@@ -179,13 +143,7 @@ impl Parted for Mesh {
     }
 
     fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
-        if !Mesh::is_solid(self) {
-            return Some(false);
-        }
-        if doubt > 0.0 && !self.is_clear_of(point, doubt) {
-            return None;
-        }
-        self.winding(point).map(|w| w != 0)
+        self.holds_point(point, doubt)
     }
 }
 

@@ -10,15 +10,13 @@ use nalgebra::{Point3, Vector3};
 use super::ahead::LookAhead;
 use super::kept::Kept;
 use super::mesh::Mesh;
-use super::outcome::{MeshFeature, MeshOutcome, MeshSpot};
 use super::parts::{Parted, PartsRef};
-use super::pieces::{CompositeOutcome, CompositeTracker};
+use super::pieces::CompositeTracker;
 use super::state::PosedTrees;
 use super::tracker::MeshTracker;
 use crate::num::scalar::sqrt;
-use crate::polyhedron::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pose::{Operand, RelativePose};
-use crate::separation::{Flight, Free, Measure, Proof, Separation, Tangent};
+use crate::separation::{Flight, Free, Measure, Proof, Separation};
 use crate::tolerance::BOX_TURNED;
 
 /// Two composites, or a composite and a mesh, that can be measured over time.
@@ -66,52 +64,6 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
     Free {
         span: span * tick,
         proof: Proof::Own,
-    }
-}
-
-impl From<&CompositeOutcome> for Measure {
-    fn from(found: &CompositeOutcome) -> Self {
-        Self {
-            class: found.class,
-            distance: found.distance,
-            lower: found.lower,
-            upper: found.upper,
-            features: Some(found.features),
-            pieces: (found.pieces[0], found.pieces[1]),
-            point_on_a: found.point_on_a,
-            point_on_b: found.point_on_b,
-            normal: found.normal,
-            tangent: Tangent::Free,
-            by_plane: false,
-        }
-    }
-}
-
-impl From<&MeshOutcome> for Measure {
-    /// Features have the caller's numbers: a vertex that of the point, a face that of the triangle,
-    /// an edge that of the point at which the edge of the triangle begins.
-    fn from(found: &MeshOutcome) -> Self {
-        let feature = |spot: &MeshSpot| match spot.feature {
-            MeshFeature::Vertex(v) => Feature::Vertex(VertexId(v)),
-            MeshFeature::Edge([v, _]) => Feature::Edge(EdgeId(v)),
-            MeshFeature::Face => Feature::Face(FaceId(spot.triangle)),
-        };
-        Self {
-            class: found.class,
-            distance: found.distance,
-            lower: found.lower,
-            upper: found.upper,
-            features: Some(FeaturePair {
-                a: feature(&found.on_a),
-                b: feature(&found.on_b),
-            }),
-            pieces: (found.on_a.triangle, found.on_b.triangle),
-            point_on_a: found.point_on_a,
-            point_on_b: found.point_on_b,
-            normal: found.normal,
-            tangent: Tangent::Free,
-            by_plane: false,
-        }
     }
 }
 

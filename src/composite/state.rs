@@ -11,7 +11,8 @@ use super::shared::Touching;
 use crate::motion::BallAtPose;
 use crate::num::count::Counter;
 use crate::num::fingerprint::Fingerprint;
-use crate::pair::outcome::Class;
+use crate::pair::outcome::{Class, Outcome};
+use crate::pair::spot::{Answer, Spot, features_on};
 use crate::pose::{Operand, RelativePose};
 
 /// The state of a tracker between queries. Saving a state (feature `serde`) keeps the counters
@@ -291,6 +292,25 @@ impl TreeState {
 }
 
 impl<F> TreeAnswer<F> {
+    /// Returns the answer with the places of the witnesses.
+    pub(super) fn on(&self, on: [Spot; 2]) -> Answer {
+        let outcome = Outcome {
+            class: self.class,
+            distance: self.distance,
+            lower: self.lower,
+            upper: self.upper,
+            point_on_a: self.point_on_a,
+            point_on_b: self.point_on_b,
+            normal: self.normal,
+            ..Outcome::starting_at(features_on(&on))
+        };
+        Answer {
+            outcome,
+            on,
+            is_reached: true,
+        }
+    }
+
     /// The bodies share points; only solids share inner ones.
     fn share(&mut self, are_solid: bool) {
         self.class = if are_solid { Class::Overlapping } else { Class::Touching };

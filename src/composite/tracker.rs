@@ -3,13 +3,12 @@
 use super::audit::{FrontFault, audit};
 use super::kept::Kept;
 use super::mesh::Mesh;
-use super::outcome::MeshOutcome;
 use super::pair::{TriangleJudge, spots};
 use super::state::{PosedTrees, TreeAnswer, TreeState};
 use super::triangle::TriangleSpot;
 use super::work::MeshWork;
 use crate::num::count::Counter;
-use crate::pair::outcome::Distance;
+use crate::pair::spot::Answer;
 use crate::pose::RelativePose;
 
 /// The front of the last answer for one pair of meshes, from which the next query starts, and
@@ -18,41 +17,16 @@ use crate::pose::RelativePose;
 /// Owns no mesh. State changes time, never an answer: a tracker that comes from another
 /// pair, or is out of date, is allowed. Saving a tracker (feature `serde`) keeps its counters
 /// alone.
-///
-/// ```
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::{Class, Mesh, MeshTracker, RelativePose, polyhedron::solids};
-///
-/// let a = Mesh::from_convex(&solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?)?;
-/// let b = Mesh::from_convex(&solids::octahedron(0.5)?)?;
-/// let mut pair = MeshTracker::new();
-/// for k in 0..10 {
-///     let pose = Isometry3::translation(3.0, 0.1 * k as f64, 0.0);
-///     let a_from_b = RelativePose::from_isometry(&pose)?;
-///     let c = pair.closest(&a, &b, &a_from_b);
-///     assert!(c.lower <= 1.5 && 1.5 <= c.upper);
-/// }
-/// let inside = Isometry3::translation(0.1, 0.2, 0.0);
-/// let inside = RelativePose::from_isometry(&inside)?;
-/// assert_eq!(pair.closest(&a, &b, &inside).class, Class::Overlapping);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct MeshTracker {
+pub(crate) struct MeshTracker {
     state: TreeState,
 }
 
 impl MeshTracker {
-    /// Returns a tracker without a start.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Returns the work of all queries so far.
     #[must_use]
-    pub fn work(&self) -> MeshWork {
+    pub(crate) fn work(&self) -> MeshWork {
         self.state.kept.work
     }
 
@@ -66,15 +40,8 @@ impl MeshTracker {
 
     /// Returns the number of entries of the front that is kept.
     #[must_use]
-    pub fn front_len(&self) -> usize {
+    pub(crate) fn front_len(&self) -> usize {
         self.state.kept.front.len()
-    }
-
-    /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther
-    /// apart than the distance, under which every pair of triangles lies. [`Mesh::node_box`]
-    /// returns their boxes.
-    pub fn front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        self.state.kept.front.pairs()
     }
 
     /// Checks the front that is kept against all vertices, at the pose of the last
@@ -83,7 +50,7 @@ impl MeshTracker {
     /// # Errors
     ///
     /// The first claim that is false, or a pair that is not covered.
-    pub fn audit(&self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Result<(), FrontFault> {
+    pub(crate) fn audit(&self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Result<(), FrontFault> {
         match PosedTrees::new(a, b, a_from_b) {
             Some(posed) if self.front_len() > 0 => audit(&self.state.kept.front, a, b, &posed.frame),
             _ => Ok(()),
@@ -106,13 +73,8 @@ impl MeshTracker {
 
     /// Returns the bytes kept on the heap.
     #[must_use]
-    pub fn heap_bytes(&self) -> usize {
+    pub(crate) fn heap_bytes(&self) -> usize {
         self.state.kept.heap_bytes()
-    }
-
-    /// Forgets everything that is kept, counters too.
-    pub fn reset(&mut self) {
-        *self = Self::default();
     }
 
     /// Returns the closest points with bounds of the distance: for bodies apart no wider than
@@ -123,7 +85,7 @@ impl MeshTracker {
     /// to rounding: a few for most bodies, six for each triangle of a dome 1e-9 above a copy of
     /// itself. Bodies in contact end the search early: surfaces at the first pair in contact,
     /// solids after 128 of them if inner points of both are found.
-    pub fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> MeshOutcome {
+    pub(crate) fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Answer {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
         }
@@ -133,18 +95,7 @@ impl MeshTracker {
             Some(posed) => self.state.closest(&posed, TriangleJudge::new(&posed, None)),
             None => PosedTrees::far(a, b, a_from_b),
         };
-        outcome(a, b, &answer)
-    }
-
-    /// Returns the distance and its bounds without the witnesses.
-    pub fn distance(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Distance {
-        Distance::from(&self.closest(a, b, a_from_b))
-    }
-
-    /// Returns whether the bodies share a point; touching counts. Exact with the feature `exact`;
-    /// without it ties count as touching.
-    pub fn intersects(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> bool {
-        self.within(a, b, a_from_b, 0.0)
+        answered(a, b, &answer)
     }
 
     /// Returns whether the bodies are at most `d` apart. Exact with the feature `exact`; without it
@@ -159,7 +110,7 @@ impl MeshTracker {
     /// some 10 us: flush faces, and surfaces that lie on each other at a gap below `1e-13 L`, have
     /// three to twelve such pairs for each triangle, and no budget cuts them short. Solids that
     /// certainly share inner points are told after 128.
-    pub fn within(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose, d: f64) -> bool {
+    pub(crate) fn within(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
         }
@@ -179,7 +130,7 @@ impl MeshTracker {
 
     /// Returns a lower bound of the distance in one pass over the front, without looking for the
     /// closest pair; zero if nothing better is known.
-    pub fn lower_bound(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> f64 {
+    pub(crate) fn lower_bound(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> f64 {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.lower_bound(b, a, &a_from_b.swapped());
         }
@@ -188,18 +139,7 @@ impl MeshTracker {
     }
 }
 
-fn outcome(a: &Mesh, b: &Mesh, answer: &TreeAnswer<[TriangleSpot; 2]>) -> MeshOutcome {
-    let (pair, features) = answer.of.unwrap_or(([0, 0], [TriangleSpot::Vertex(0); 2]));
-    let (on_a, on_b) = spots(a, b, pair, features);
-    MeshOutcome {
-        class: answer.class,
-        distance: answer.distance,
-        lower: answer.lower,
-        upper: answer.upper,
-        on_a,
-        on_b,
-        point_on_a: answer.point_on_a,
-        point_on_b: answer.point_on_b,
-        normal: answer.normal,
-    }
+fn answered(a: &Mesh, b: &Mesh, found: &TreeAnswer<[TriangleSpot; 2]>) -> Answer {
+    let (pair, features) = found.of.unwrap_or(([0, 0], [TriangleSpot::Vertex(0); 2]));
+    found.on(spots(a, b, pair, features))
 }

@@ -68,15 +68,20 @@ impl Ask {
     }
 }
 
-/// The point at which a query may stop.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Until {
+/// The point at which a query of two convex geometries that overlap may stop.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Until {
     /// An overlap is proven; the penetration depth stays open.
     Class,
-    /// The penetration depth of an overlap is bounded from above, by the height of a facet that is
-    /// nearest in its neighbourhood.
+    /// The penetration depth of an overlap of two polyhedra, rounded or not, is bounded from above,
+    /// by the height of a facet that is nearest in its neighbourhood, at about three times the price
+    /// of a walk
+    /// ([`Tracker::closest_with_local_depth`](crate::Tracker::closest_with_local_depth)). Other
+    /// shapes get the depth.
     LocalDepth,
     /// The penetration depth of an overlap is bounded as well.
+    #[default]
     Depth,
 }
 
@@ -317,6 +322,64 @@ pub struct Distance {
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
+}
+
+/// The answer to a question of yes or no by bounds: no exact arithmetic decides what they leave
+/// open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum Decision {
+    /// Proven.
+    Yes,
+    /// Proven not to be so.
+    No,
+    /// The bounds of the distance leave both possible.
+    Undecided {
+        /// Lower bound of the distance.
+        lower: f64,
+        /// Upper bound of the distance.
+        upper: f64,
+    },
+}
+
+impl Decision {
+    /// Returns whether a distance is at most `d`, by its bounds.
+    pub(crate) fn by(lower: f64, upper: f64, d: f64) -> Self {
+        if upper <= d {
+            Self::Yes
+        } else if lower > d {
+            Self::No
+        } else {
+            Self::Undecided { lower, upper }
+        }
+    }
+
+    /// Returns whether yes is proven.
+    #[must_use]
+    pub fn is_yes(self) -> bool {
+        self == Self::Yes
+    }
+
+    /// Returns whether no is proven.
+    #[must_use]
+    pub fn is_no(self) -> bool {
+        self == Self::No
+    }
+
+    /// Returns the answer of a pair that is always decided.
+    pub(crate) fn of(is_so: bool) -> Self {
+        if is_so { Self::Yes } else { Self::No }
+    }
+
+    /// Returns the answer, `None` if undecided.
+    #[must_use]
+    pub fn known(self) -> Option<bool> {
+        match self {
+            Self::Yes => Some(true),
+            Self::No => Some(false),
+            Self::Undecided { .. } => None,
+        }
+    }
 }
 
 impl Outcome {

@@ -4,14 +4,17 @@
 use alloc::boxed::Box;
 
 use super::mixed::MixedTracker;
-use super::over::{Kinds, OverTime};
+use super::over::Kinds;
+use super::pair::BallPair;
+use super::work::PairWork;
 use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::contact::{Manifold, ManifoldOptions, Query};
-use crate::geometry::Geometry;
-use crate::pair::outcome::{Outcome, Until};
-use crate::patch::Decision;
+use crate::geometry::{Geometry, GeometryRef, Lent};
+use crate::pair::outcome::{Accuracy, Outcome, Until};
+use crate::patch::SurfaceTracker;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::RelativePose;
+use crate::replay::Replay;
 use crate::separation::{Measure, PolyhedronPair, Separation};
 use crate::tracker::{Tracker, Workspace};
 
@@ -60,7 +63,7 @@ pub(crate) trait PairEngine: Clone + Send + Sync {
         shapes: Self::Shapes<'_>,
         seen: Option<&Outcome>,
         ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
-    ) -> Option<R>;
+    ) -> R;
 
     /// Updates the contact points of a pair within the prediction.
     fn update_manifold(
@@ -120,10 +123,10 @@ impl PairEngine for Tracker {
         (a, b): Self::Shapes<'_>,
         seen: Option<&Outcome>,
         ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
-    ) -> Option<R> {
+    ) -> R {
         let mut pair = PolyhedronPair::new(a, b, self);
         let seen = seen.map(|outcome| pair.seen(outcome));
-        Some(ask(&mut pair, seen))
+        ask(&mut pair, seen)
     }
 
     /// If the bodies have hardly moved since the manifold was made, the points are measured again,
@@ -163,7 +166,7 @@ impl PairEngine for Tracker {
 }
 
 /// The shapes of A and B.
-pub(crate) type BodyShapes<'a> = (&'a Geometry, &'a Geometry);
+pub(crate) type BodyShapes<'a> = (GeometryRef<'a>, GeometryRef<'a>);
 
 /// The tracker of a pair of any kinds: of a planner's pair, or on the way from one table of a scene
 /// to another, since tables of scenes store the variants apart.
@@ -175,11 +178,24 @@ pub(crate) enum AnyTracker {
 }
 
 impl AnyTracker {
-    /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
-    pub(crate) fn new(a: &Geometry, b: &Geometry) -> Option<Self> {
-        match (a, b) {
-            (Geometry::Polyhedron(_), Geometry::Polyhedron(_)) => Some(Self::Polyhedra(Tracker::new())),
-            _ => MixedTracker::new(a, b).map(Self::Mixed),
+    /// Returns a tracker without a start.
+    pub(crate) fn new((a, b): BodyShapes<'_>) -> Self {
+        match (a.0, b.0) {
+            (Lent::Polyhedron(_), Lent::Polyhedron(_)) => Self::Polyhedra(Tracker::new()),
+            _ => Self::Mixed(MixedTracker::new(a, b)),
+        }
+    }
+
+    /// Returns a tracker of two bodies of parts of which a composite stays one.
+    pub(super) fn of_pieces((a, b): BodyShapes<'_>) -> Self {
+        Self::Mixed(MixedTracker::of_pieces(a, b))
+    }
+
+    /// Takes the recorded start of a query of two convex bodies.
+    pub(super) fn begin_as(&mut self, replay: &Replay) {
+        match self {
+            Self::Polyhedra(tracker) => *tracker = replay.tracker(),
+            Self::Mixed(tracker) => tracker.begin_as(replay),
         }
     }
 
@@ -187,8 +203,8 @@ impl AnyTracker {
     /// made.
     pub(crate) fn measure(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
         match self {
-            Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
-                Some(shapes) => PairEngine::measure(tracker, shapes, pose, until),
+            Self::Polyhedra(tracker) => match polyhedra(a, b) {
+                Some((a, b)) => tracker.measure(a, b, pose, until),
                 None => Outcome::starting_at(FeaturePair::FIRST),
             },
             Self::Mixed(tracker) => tracker.measure((a, b), pose, until),
@@ -204,42 +220,122 @@ impl AnyTracker {
         d: f64,
     ) -> bool {
         match self {
-            Self::Polyhedra(tracker) => Tracker::shapes(a, b)
-                .is_some_and(|shapes| PairEngine::decides_within(tracker, shapes, pose, outcome, d)),
+            Self::Polyhedra(tracker) => {
+                polyhedra(a, b).is_some_and(|shapes| PairEngine::decides_within(tracker, shapes, pose, outcome, d))
+            }
             Self::Mixed(tracker) => tracker.decides_within((a, b), pose, outcome, d),
         }
     }
 
-    /// Returns whether the shapes are at most `d` apart; yes for shapes of another pair.
-    pub(super) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
+    /// Returns the pair and the tracker.
+    pub(crate) fn over<'p>(&'p mut self, (a, b): BodyShapes<'p>) -> Kinds<'p> {
         match self {
-            Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
-                Some((x, y)) if !tracker.within(x, y, pose, d) => Decision::No,
-                _ => Decision::Yes,
+            Self::Polyhedra(tracker) => match polyhedra(a, b) {
+                Some((x, y)) => Kinds::Polyhedra(PolyhedronPair::new(x, y, tracker)),
+                None => Kinds::Balls(BallPair::new(a, b)),
             },
-            Self::Mixed(tracker) => tracker.within((a, b), pose, d),
+            Self::Mixed(tracker) => tracker.over(a, b),
         }
     }
 
-    /// Returns the pair in the form that can be measured over time; `None` for shapes of another
-    /// pair.
-    pub(crate) fn over<'p>(&'p mut self, (a, b): BodyShapes<'p>) -> Option<OverTime<'p>> {
+    /// Returns whether both bodies are convex.
+    pub(super) fn is_convex(&self) -> bool {
         match self {
-            Self::Polyhedra(tracker) => {
-                let (x, y) = Tracker::shapes(a, b)?;
-                Some(OverTime(Kinds::Polyhedra(PolyhedronPair::new(x, y, tracker))))
-            }
-            Self::Mixed(tracker) => tracker.over((a, b)),
+            Self::Polyhedra(_) => true,
+            Self::Mixed(tracker) => tracker.is_convex(),
         }
     }
 
-    /// Returns the pieces or triangles of the last measurement.
+    /// Computes the manifold of two convex bodies; returns whether both are.
+    pub(super) fn manifold(
+        &mut self,
+        (a, b): BodyShapes<'_>,
+        pose: &RelativePose,
+        options: &ManifoldOptions,
+        manifold: &mut Manifold,
+    ) -> bool {
+        match self {
+            Self::Polyhedra(tracker) => match polyhedra(a, b) {
+                Some((a, b)) => tracker.manifold(a, b, pose, options, manifold),
+                None => return false,
+            },
+            Self::Mixed(tracker) => match tracker.convex(a, b) {
+                Some((tracker, [a, b])) => tracker.manifold(a, b, pose, options, manifold),
+                None => return false,
+            },
+        }
+        true
+    }
+
+    /// Returns the contacts of two bodies that are not both convex; `None` if one bears none.
+    pub(super) fn contacts(
+        &mut self,
+        bodies: BodyShapes<'_>,
+        pose: &RelativePose,
+        options: &ManifoldOptions,
+    ) -> Option<&[PatchContacts]> {
+        match self {
+            Self::Polyhedra(_) => None,
+            Self::Mixed(tracker) => tracker.find_contacts(bodies, [None; 2], pose, options),
+        }
+    }
+
+    /// Returns a query of two polyhedra, rounded or not, as a text.
+    pub(super) fn replay(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose) -> Option<Replay> {
+        match self {
+            Self::Polyhedra(tracker) => polyhedra(a, b).map(|(a, b)| tracker.replay(a, b, pose, Accuracy::Certified)),
+            Self::Mixed(tracker) => {
+                let (tracker, [a, b]) = tracker.convex(a, b)?;
+                tracker.replay(a, b, pose)
+            }
+        }
+    }
+
+    /// Returns the work of all queries so far.
+    pub(super) fn work(&self) -> PairWork {
+        match self {
+            Self::Polyhedra(tracker) => PairWork::of_convex(tracker.totals()),
+            Self::Mixed(tracker) => tracker.work(),
+        }
+    }
+
+    /// Returns the number of entries of the front that is kept.
+    pub(super) fn front_len(&self) -> usize {
+        match self {
+            Self::Polyhedra(_) => 0,
+            Self::Mixed(tracker) => tracker.front_len(),
+        }
+    }
+
+    /// Returns the tracker of two surfaces.
+    pub(super) fn surfaces(&self) -> Option<&SurfaceTracker> {
+        match self {
+            Self::Polyhedra(_) => None,
+            Self::Mixed(tracker) => tracker.surfaces(),
+        }
+    }
+
+    /// Returns the bytes on the heap.
+    pub(super) fn heap_bytes(&self) -> usize {
+        match self {
+            Self::Polyhedra(tracker) => tracker.heap_bytes(),
+            Self::Mixed(tracker) => PairEngine::heap_bytes(tracker),
+        }
+    }
+
+    /// Returns the parts of the last measurement.
     pub(crate) fn pieces(&self) -> [u32; 2] {
         match self {
             Self::Polyhedra(_) => [0; 2],
             Self::Mixed(tracker) => tracker.pieces(),
         }
     }
+}
+
+/// Returns the polyhedra of a pair of two.
+#[inline]
+fn polyhedra<'a>(a: GeometryRef<'a>, b: GeometryRef<'a>) -> Option<(&'a ConvexPolyhedron, &'a ConvexPolyhedron)> {
+    a.polyhedron().zip(b.polyhedron())
 }
 
 /// The stored tracker of a pair.

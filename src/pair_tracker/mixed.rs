@@ -4,199 +4,305 @@
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 
+use super::contacts::FoundContacts;
 use super::engine::{BodyShapes, ContactAsk, Contacted, PairEngine};
-use super::over::{Kinds, OverTime};
-use super::surface::WithSurface;
-use crate::composite::contact::{ContactPatches, ContactTracker, PatchContacts};
+use super::over::Kinds;
+use super::pair::{Asked, BallPair, measured};
+use super::work::PairWork;
+use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::PartsRef;
 use crate::composite::pieces::{Composite, CompositeTracker};
 use crate::composite::separation::{CompositePair, MeshPair};
 use crate::composite::tracker::MeshTracker;
 use crate::contact::{Manifold, ManifoldOptions};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, GeometryRef, Lent};
 use crate::pair::outcome::{Class, Outcome, Until};
-use crate::patch::Decision;
-use crate::polyhedron::FeaturePair;
-use crate::pose::RelativePose;
+use crate::pair::question::Question;
+use crate::patch::{
+    Surface, SurfaceCompositePair, SurfaceCompositeTracker, SurfacePair, SurfaceShapePair, SurfaceShapeTracker,
+    SurfaceTracker,
+};
+use crate::pose::{Operand, RelativePose};
 use crate::separation::{Measure, Separation, ShapePair, Tangent};
+use crate::replay::Replay;
+use crate::shape::Shape;
 use crate::shape_tracker::ShapeTracker;
 
-/// The tracker of a pair that is not of two polyhedra.
+/// The tracker of a pair that is not of two polyhedra, the parts of the last measurement, and the
+/// contacts if they are called for.
 #[derive(Clone, Debug)]
-pub(crate) enum MixedTracker {
-    /// Two convex shapes.
-    Convex(Box<ShapeTracker>),
-    /// Two bodies of which one is a composite or a mesh, and the other of any kind: a convex body
-    /// is a single leaf with its own support points.
-    Pieces(Box<TrackedPieces<CompositeTracker, Composite>>),
-    /// Two meshes, or a mesh and a composite whose surface is one.
-    Triangles(Box<TrackedPieces<MeshTracker, Mesh>>),
-    /// A surface of patches, and another or a convex shape.
-    Patches(Box<WithSurface>),
-}
-
-/// A tracker of two bodies of many pieces.
-#[derive(Clone, Debug)]
-pub(crate) struct TrackedPieces<T, S> {
-    tracker: T,
-    /// The body in the form in which the tracker takes it, for a body of another kind.
-    stand_ins: [Option<Arc<S>>; 2],
-    pieces: [u32; 2],
+pub(crate) struct MixedTracker {
+    kinds: TrackedKinds,
+    parts: [u32; 2],
     contacts: Option<Box<FoundContacts>>,
 }
 
-/// The contacts of a pair that is within the prediction.
+/// The trackers by the kinds of the pair.
 #[derive(Clone, Debug)]
-struct FoundContacts {
-    tracker: ContactTracker,
-    /// The patches of a convex body.
-    stand_ins: [Option<ContactPatches>; 2],
+enum TrackedKinds {
+    /// Two convex shapes.
+    Convex(Box<Tracked<ShapeTracker, Shape>>),
+    /// Two bodies of which one is a composite or a mesh, and the other of any kind: a convex body
+    /// is a single leaf with its own support points.
+    Pieces(Box<Tracked<CompositeTracker, Composite>>),
+    /// Two meshes, or a mesh and a composite whose surface is one.
+    Triangles(Box<Tracked<MeshTracker, Mesh>>),
+    Surfaces(Box<Tracked<SurfaceTracker, Surface>>),
+    /// A surface and a convex shape, in either order.
+    SurfaceAndShape(Box<Tracked<SurfaceShapeTracker, Shape>>),
+    /// A surface and a body of pieces, in either order.
+    SurfaceAndPieces(Box<Tracked<SurfaceCompositeTracker, Composite>>),
 }
 
-impl<T: Default, S> TrackedPieces<T, S> {
+/// A tracker of one kind.
+#[derive(Clone, Debug)]
+struct Tracked<T, S> {
+    tracker: T,
+    /// The body in the form in which the tracker takes it, for a body of another kind.
+    stand_ins: [Option<Arc<S>>; 2],
+}
+
+impl<T: Default, S> Tracked<T, S> {
     fn new(stand_ins: [Option<Arc<S>>; 2]) -> Box<Self> {
-        Box::new(Self {
-            tracker: T::default(),
-            stand_ins,
-            pieces: [0; 2],
-            contacts: None,
-        })
+        let tracker = T::default();
+        Box::new(Self { tracker, stand_ins })
+    }
+
+    /// Returns the tracker and both bodies, their own or the stand-ins.
+    fn sides<'p>(&'p mut self, own: [Option<&'p S>; 2]) -> Option<(&'p mut T, [&'p S; 2])> {
+        let [x, y] = &self.stand_ins;
+        let sides = [own[0].or(x.as_deref())?, own[1].or(y.as_deref())?];
+        Some((&mut self.tracker, sides))
     }
 }
 
-impl MixedTracker {
-    /// Returns a tracker without a start; `None` for kinds that no tracker takes together.
-    pub(super) fn new(a: &Geometry, b: &Geometry) -> Option<Self> {
-        use Geometry::{Composite as C, Mesh as M, Surface as S};
-        Some(match (a, b) {
-            (S(_), _) | (_, S(_)) => Self::Patches(Box::new(WithSurface::new(a, b)?)),
+impl Tracked<CompositeTracker, Composite> {
+    /// Returns the tracker and both bodies of parts.
+    fn parts<'p>(
+        &'p mut self,
+        a: GeometryRef<'p>,
+        b: GeometryRef<'p>,
+    ) -> Option<(&'p mut CompositeTracker, [PartsRef<'p>; 2])> {
+        let [x, y] = &self.stand_ins;
+        let side = |own: GeometryRef<'p>, stand_in: &'p Option<Arc<Composite>>| match own.0 {
+            Lent::Composite(body) => Some(PartsRef::Pieces(body.get())),
+            Lent::Mesh(mesh) => Some(PartsRef::Mesh(mesh.get())),
+            _ => stand_in.as_deref().map(PartsRef::Pieces),
+        };
+        let sides = [side(a, x)?, side(b, y)?];
+        Some((&mut self.tracker, sides))
+    }
+}
+
+/// Returns the surface of a pair with one, the other geometry, and which of both is the surface.
+fn surface_first<'a>(a: GeometryRef<'a>, b: GeometryRef<'a>) -> Option<(&'a Surface, GeometryRef<'a>, Operand)> {
+    match (a.surface(), b.surface()) {
+        (Some(surface), _) => Some((surface, b, Operand::A)),
+        (None, Some(surface)) => Some((surface, a, Operand::B)),
+        (None, None) => None,
+    }
+}
+
+impl TrackedKinds {
+    /// Returns a tracker without a start.
+    fn new(a: GeometryRef, b: GeometryRef) -> Self {
+        use Lent::{Composite as C, Mesh as M, Surface as S};
+        match (a.0, b.0) {
+            (S(_), S(_) | M(_)) | (M(_), S(_)) => Self::Surfaces(Tracked::new([as_surface(a), as_surface(b)])),
+            (S(_), C(_)) | (C(_), S(_)) => Self::SurfaceAndPieces(Tracked::new([None, None])),
+            (S(_), _) | (_, S(_)) => {
+                Self::SurfaceAndShape(Tracked::new([a.polyhedron_as_shape(), b.polyhedron_as_shape()]))
+            }
             (M(_), _) | (_, M(_)) => match (as_mesh(a), as_mesh(b)) {
-                (Some(x), Some(y)) => Self::Triangles(TrackedPieces::new([x, y])),
+                (Some(x), Some(y)) => Self::Triangles(Tracked::new([x, y])),
                 _ => Self::of_pieces(a, b),
             },
             (C(_), _) | (_, C(_)) => Self::of_pieces(a, b),
-            _ => Self::Convex(Box::default()),
-        })
+            _ => Self::Convex(Tracked::new([a.polyhedron_as_shape(), b.polyhedron_as_shape()])),
+        }
     }
 
-    /// Returns the pair in the form that can be measured over time; `None` for shapes of another
-    /// pair.
-    pub(super) fn over<'p>(&'p mut self, (a, b): BodyShapes<'p>) -> Option<OverTime<'p>> {
-        let kinds = match self {
-            Self::Convex(tracker) => Kinds::Convex(ShapePair::new(a.as_convex()?, b.as_convex()?, tracker)),
+    fn of_pieces(a: GeometryRef, b: GeometryRef) -> Self {
+        let piece = |shape: Arc<Shape>| Arc::new(Composite::from(Arc::unwrap_or_clone(shape)));
+        Self::Pieces(Tracked::new([a, b].map(|own| own.to_shape().map(piece))))
+    }
+
+    /// Returns the pair and the tracker; `None` for geometries of another pair.
+    fn over<'p>(&'p mut self, a: GeometryRef<'p>, b: GeometryRef<'p>) -> Option<Kinds<'p>> {
+        Some(match self {
+            Self::Convex(tracked) => {
+                let (tracker, [a, b]) = tracked.sides([a.shape(), b.shape()])?;
+                Kinds::Convex(ShapePair::new(a, b, tracker))
+            }
             Self::Pieces(tracked) => {
-                let (tracker, [a, b]) = tracked.sides(a, b)?;
+                let (tracker, [a, b]) = tracked.parts(a, b)?;
                 Kinds::Pieces(CompositePair { a, b, tracker })
             }
             Self::Triangles(tracked) => {
-                let (tracker, [a, b]) = tracked.sides(a, b)?;
+                let (tracker, [a, b]) = tracked.sides([a.mesh(), b.mesh()])?;
                 Kinds::Triangles(MeshPair { a, b, tracker })
             }
-            Self::Patches(tracker) => tracker.over(a, b)?,
-        };
-        Some(OverTime(kinds))
+            Self::Surfaces(tracked) => {
+                let of_a = a.mesh().map(|mesh| (Operand::A, mesh));
+                let mesh = of_a.or(b.mesh().map(|mesh| (Operand::B, mesh)));
+                let (tracker, [a, b]) = tracked.sides([a.surface(), b.surface()])?;
+                Kinds::Surfaces(SurfacePair { a, b, mesh, tracker })
+            }
+            Self::SurfaceAndShape(tracked) => {
+                let (surface, other, order) = surface_first(a, b)?;
+                let [x, y] = &tracked.stand_ins;
+                let shape = other.shape().or(x.as_deref()).or(y.as_deref())?;
+                Kinds::SurfaceAndShape(SurfaceShapePair {
+                    surface,
+                    shape,
+                    order,
+                    tracker: &mut tracked.tracker,
+                })
+            }
+            Self::SurfaceAndPieces(tracked) => {
+                let (surface, other, order) = surface_first(a, b)?;
+                Kinds::SurfaceAndPieces(SurfaceCompositePair {
+                    surface,
+                    body: other.composite()?,
+                    order,
+                    tracker: &mut tracked.tracker,
+                })
+            }
+        })
     }
 
-    /// Returns whether the geometries are at most `d` apart; true for geometries of another pair.
-    pub(super) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
-        let is_within = match self {
-            Self::Convex(tracker) => match (a.as_convex(), b.as_convex()) {
-                (Some(x), Some(y)) => tracker.within(&x, &y, pose, d),
-                _ => true,
-            },
-            Self::Pieces(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(&x, &y, pose, d)),
-            Self::Triangles(tracked) => tracked.sides(a, b).is_none_or(|(t, [x, y])| t.within(x, y, pose, d)),
-            Self::Patches(tracker) => return tracker.within(a, b, pose, d),
-        };
-        if is_within { Decision::Yes } else { Decision::No }
+    fn work(&self) -> PairWork {
+        match self {
+            Self::Convex(tracked) => PairWork::of_convex(tracked.tracker.totals()),
+            Self::Pieces(tracked) => PairWork::of_trees(tracked.tracker.work()),
+            Self::Triangles(tracked) => PairWork::of_trees(tracked.tracker.work()),
+            Self::Surfaces(tracked) => PairWork::of_surfaces(tracked.tracker.work()),
+            Self::SurfaceAndShape(tracked) => PairWork::of_surfaces(tracked.tracker.work()),
+            Self::SurfaceAndPieces(tracked) => PairWork::of_surfaces(tracked.tracker.work()),
+        }
     }
 
-    fn of_pieces(a: &Geometry, b: &Geometry) -> Self {
-        Self::Pieces(TrackedPieces::new([as_composite(a), as_composite(b)]))
+    fn front_len(&self) -> usize {
+        match self {
+            Self::Convex(_) => 0,
+            Self::Pieces(tracked) => tracked.tracker.front_len(),
+            Self::Triangles(tracked) => tracked.tracker.front_len(),
+            Self::Surfaces(tracked) => tracked.tracker.front_len(),
+            Self::SurfaceAndShape(tracked) => tracked.tracker.front_len(),
+            Self::SurfaceAndPieces(tracked) => tracked.tracker.front_len(),
+        }
     }
-}
 
-/// Returns the composite that stands for a convex body; `None` for any other body.
-fn as_composite(shape: &Geometry) -> Option<Arc<Composite>> {
-    let convex = shape.as_convex()?;
-    Some(Arc::new(Composite::from(convex.into_owned())))
+    fn heap_bytes(&self) -> usize {
+        fn all<T, S>(tracked: &Tracked<T, S>, kept: impl FnOnce(&T) -> usize) -> usize {
+            size_of::<Tracked<T, S>>() + kept(&tracked.tracker)
+        }
+        match self {
+            Self::Convex(tracked) => all(tracked, |_| 0),
+            Self::Pieces(tracked) => all(tracked, CompositeTracker::heap_bytes),
+            Self::Triangles(tracked) => all(tracked, MeshTracker::heap_bytes),
+            Self::Surfaces(tracked) => all(tracked, SurfaceTracker::heap_bytes),
+            Self::SurfaceAndShape(tracked) => all(tracked, SurfaceShapeTracker::heap_bytes),
+            Self::SurfaceAndPieces(tracked) => all(tracked, SurfaceCompositeTracker::heap_bytes),
+        }
+    }
 }
 
 /// Returns the mesh that stands for a body that is not convex: `Some(None)` for the body itself.
-fn as_mesh(shape: &Geometry) -> Option<Option<Arc<Mesh>>> {
-    let surface = match shape {
-        Geometry::Mesh(_) => return Some(None),
-        Geometry::Composite(composite) => composite.to_mesh(),
-        Geometry::Polyhedron(_) | Geometry::Convex(_) | Geometry::Surface(_) => return None,
-    };
-    surface.ok().map(|mesh| Some(Arc::new(mesh)))
-}
-
-impl TrackedPieces<CompositeTracker, Composite> {
-    fn sides<'a>(
-        &'a mut self,
-        a: &'a Geometry,
-        b: &'a Geometry,
-    ) -> Option<(&'a mut CompositeTracker, [PartsRef<'a>; 2])> {
-        let [x, y] = &self.stand_ins;
-        let side = |own: &'a Geometry, stand_in: &'a Option<Arc<Composite>>| match own {
-            Geometry::Composite(composite) => Some(PartsRef::Pieces(composite)),
-            Geometry::Mesh(mesh) => Some(PartsRef::Mesh(mesh)),
-            _ => stand_in.as_deref().map(PartsRef::Pieces),
-        };
-        Some((&mut self.tracker, [side(a, x)?, side(b, y)?]))
+fn as_mesh(own: GeometryRef) -> Option<Option<Arc<Mesh>>> {
+    match own.0 {
+        Lent::Mesh(_) => Some(None),
+        Lent::Composite(body) => body.get().to_mesh().ok().map(|mesh| Some(Arc::new(mesh))),
+        Lent::Polyhedron(_) | Lent::Convex(_) | Lent::Surface(_) => None,
     }
 }
 
-impl<T, S> TrackedPieces<T, S> {
-    /// Finds the contacts of two bodies at a pose; the patches of convex bodies are made here.
-    fn find_contacts(
+/// Returns the surface that stands for a mesh; `None` for a mesh of coordinates that are too large
+/// for surfaces, and for all other geometries.
+fn as_surface(own: GeometryRef) -> Option<Arc<Surface>> {
+    Surface::from_mesh(own.mesh()?).ok().map(Arc::new)
+}
+
+impl MixedTracker {
+    /// Returns a tracker without a start.
+    pub(super) fn new(a: GeometryRef, b: GeometryRef) -> Self {
+        Self {
+            kinds: TrackedKinds::new(a, b),
+            parts: [0; 2],
+            contacts: None,
+        }
+    }
+
+    /// Returns a tracker of two bodies of parts of which a composite stays one.
+    pub(super) fn of_pieces(a: GeometryRef, b: GeometryRef) -> Self {
+        Self {
+            kinds: TrackedKinds::of_pieces(a, b),
+            parts: [0; 2],
+            contacts: None,
+        }
+    }
+
+    /// Takes the recorded start of a query of two convex bodies.
+    pub(super) fn begin_as(&mut self, replay: &Replay) {
+        if let TrackedKinds::Convex(tracked) = &mut self.kinds {
+            tracked.tracker = replay.shape_tracker();
+        }
+    }
+
+    /// Returns the pair and the tracker.
+    pub(super) fn over<'p>(&'p mut self, a: GeometryRef<'p>, b: GeometryRef<'p>) -> Kinds<'p> {
+        let balls = || Kinds::Balls(BallPair::new(a, b));
+        self.kinds.over(a, b).unwrap_or_else(balls)
+    }
+
+    pub(super) fn work(&self) -> PairWork {
+        self.kinds.work()
+    }
+
+    pub(super) fn front_len(&self) -> usize {
+        self.kinds.front_len()
+    }
+
+    /// Returns the tracker of two surfaces.
+    pub(super) fn surfaces(&self) -> Option<&SurfaceTracker> {
+        match &self.kinds {
+            TrackedKinds::Surfaces(tracked) => Some(&tracked.tracker),
+            _ => None,
+        }
+    }
+
+    /// Returns the tracker of two convex shapes, and the shapes.
+    pub(super) fn convex<'p>(
+        &'p mut self,
+        a: GeometryRef<'p>,
+        b: GeometryRef<'p>,
+    ) -> Option<(&'p mut ShapeTracker, [&'p Shape; 2])> {
+        match &mut self.kinds {
+            TrackedKinds::Convex(tracked) => tracked.sides([a.shape(), b.shape()]),
+            _ => None,
+        }
+    }
+
+    /// Returns whether both bodies are convex.
+    pub(super) fn is_convex(&self) -> bool {
+        matches!(self.kinds, TrackedKinds::Convex(_))
+    }
+
+    /// Returns the contacts by patches; `None` for bodies without.
+    pub(super) fn find_contacts(
         &mut self,
-        (a, b): (&Geometry, &Geometry),
+        bodies: BodyShapes<'_>,
         patches: [Option<&ContactPatches>; 2],
         pose: &RelativePose,
         options: &ManifoldOptions,
-    ) -> bool {
-        let contacts = self.contacts.get_or_insert_with(|| {
-            let of = |shape: &Geometry| shape.as_convex().map(|s| ContactPatches::from(s.into_owned()));
-            Box::new(FoundContacts {
-                tracker: ContactTracker::new(),
-                stand_ins: [of(a), of(b)],
-            })
-        });
-        let [x, y] = &contacts.stand_ins;
-        let (Some(x), Some(y)) = (patches[0].or(x.as_ref()), patches[1].or(y.as_ref())) else {
-            return false;
-        };
-        contacts.tracker.contacts(x, y, pose, options);
-        true
-    }
-}
-
-impl TrackedPieces<MeshTracker, Mesh> {
-    fn sides<'a>(&'a mut self, a: &'a Geometry, b: &'a Geometry) -> Option<(&'a mut MeshTracker, [&'a Mesh; 2])> {
-        let [x, y] = &self.stand_ins;
-        let side = |own: &'a Geometry, stand_in: &'a Option<Arc<Mesh>>| match own {
-            Geometry::Mesh(mesh) => Some(&**mesh),
-            _ => stand_in.as_deref(),
-        };
-        Some((&mut self.tracker, [side(a, x)?, side(b, y)?]))
-    }
-}
-
-/// Returns the outcome of composites or meshes.
-fn outcome_of(found: &Measure) -> Outcome {
-    let features = found.features.unwrap_or(FeaturePair::FIRST);
-    Outcome {
-        class: found.class,
-        distance: found.distance,
-        lower: found.lower,
-        upper: found.upper,
-        point_on_a: found.point_on_a,
-        point_on_b: found.point_on_b,
-        normal: found.normal,
-        ..Outcome::starting_at(features)
+    ) -> Option<&[PatchContacts]> {
+        if !matches!(self.kinds, TrackedKinds::Pieces(_) | TrackedKinds::Triangles(_)) {
+            return None;
+        }
+        self.contacts
+            .get_or_insert_default()
+            .find(bodies, patches, pose, options)
     }
 }
 
@@ -208,66 +314,20 @@ fn measure_of(found: &Outcome) -> Measure {
     }
 }
 
-/// Returns the outcome with an overlap of unknown depth.
-fn without_depth(outcome: Outcome) -> Outcome {
-    if outcome.class == Class::Overlapping {
-        let (distance, lower, upper) = (0.0, f64::NEG_INFINITY, 0.0);
-        Outcome {
-            distance,
-            lower,
-            upper,
-            ..outcome
-        }
-    } else {
-        outcome
-    }
-}
-
 impl PairEngine for MixedTracker {
-    type Shapes<'a> = (&'a Geometry, &'a Geometry);
+    type Shapes<'a> = BodyShapes<'a>;
 
     fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>> {
-        Some((a, b))
+        Some((a.into(), b.into()))
     }
 
     fn measure(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
-        let unknown = || Outcome {
-            upper: f64::MAX,
-            ..Outcome::starting_at(FeaturePair::FIRST)
-        };
-        let outcome = match self {
-            Self::Convex(tracker) => match (a.as_convex(), b.as_convex()) {
-                (Some(x), Some(y)) if until == Until::LocalDepth => tracker.closest_with_local_depth(&x, &y, pose),
-                (Some(x), Some(y)) => tracker.closest(&x, &y, pose),
-                _ => unknown(),
-            },
-            Self::Pieces(tracked) => {
-                let Some((tracker, [x, y])) = tracked.sides(a, b) else {
-                    return unknown();
-                };
-                let found = tracker.closest(&x, &y, pose);
-                tracked.pieces = found.pieces;
-                return without_depth(outcome_of(&Measure::from(&found)));
-            }
-            Self::Triangles(tracked) => {
-                let Some((tracker, [x, y])) = tracked.sides(a, b) else {
-                    return unknown();
-                };
-                let found = tracker.closest(x, y, pose);
-                tracked.pieces = [found.on_a.triangle, found.on_b.triangle];
-                return without_depth(outcome_of(&Measure::from(&found)));
-            }
-            Self::Patches(tracker) => {
-                return match tracker.measure(a, b, pose) {
-                    Some(found) => without_depth(outcome_of(&found)),
-                    None => unknown(),
-                };
-            }
-        };
-        match until {
-            Until::Depth | Until::LocalDepth => outcome,
-            Until::Class => without_depth(outcome),
+        if let Some((tracker, [x, y])) = self.convex(a, b) {
+            return measured(tracker, (x, y), pose, until);
         }
+        let answer = self.over(a, b).answer(pose, &Question::new());
+        self.parts = answer.parts();
+        answer.outcome
     }
 
     fn decides_within(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
@@ -277,7 +337,7 @@ impl PairEngine for MixedTracker {
         if outcome.lower > d {
             return false;
         }
-        self.within((a, b), pose, d) != Decision::No
+        !self.over(a, b).within(pose, d, &Question::new()).is_no()
     }
 
     fn over_time<R>(
@@ -285,9 +345,8 @@ impl PairEngine for MixedTracker {
         (a, b): Self::Shapes<'_>,
         seen: Option<&Outcome>,
         ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
-    ) -> Option<R> {
-        let mut pair = self.over((a, b))?;
-        Some(ask(&mut pair, seen.map(measure_of)))
+    ) -> R {
+        ask(&mut self.over(a, b), seen.map(measure_of))
     }
 
     /// Convex shapes have a manifold, composites and meshes contacts by patches.
@@ -299,50 +358,32 @@ impl PairEngine for MixedTracker {
         stored: &mut Option<Box<Manifold>>,
     ) -> Contacted {
         let ContactAsk { options, patches, .. } = ask;
-        let is_found = match self {
-            Self::Pieces(tracked) => tracked.find_contacts((a, b), patches, pose, options),
-            Self::Triangles(tracked) => tracked.find_contacts((a, b), patches, pose, options),
-            Self::Patches(_) => false,
-            Self::Convex(tracker) => {
-                let (Some(x), Some(y)) = (a.as_convex(), b.as_convex()) else {
-                    return Contacted::Nothing;
-                };
-                let queries = tracker.totals().queries;
-                tracker.manifold(&x, &y, pose, options, stored.get_or_insert_default());
-                // A manifold is rebuilt from a query.
-                if tracker.totals().queries > queries {
-                    return Contacted::Renewed;
-                }
-                true
-            }
-        };
-        if is_found { Contacted::Kept } else { Contacted::Nothing }
+        if let Some((tracker, [x, y])) = self.convex(a, b) {
+            let queries = tracker.totals().queries;
+            tracker.manifold(x, y, pose, options, stored.get_or_insert_default());
+            // A manifold is rebuilt from a query.
+            return if tracker.totals().queries > queries {
+                Contacted::Renewed
+            } else {
+                Contacted::Kept
+            };
+        }
+        match self.find_contacts((a, b), patches, pose, options) {
+            Some(_) => Contacted::Kept,
+            None => Contacted::Nothing,
+        }
     }
 
     fn contacts(&self) -> Option<&[PatchContacts]> {
-        let contacts = match self {
-            Self::Convex(_) | Self::Patches(_) => None,
-            Self::Pieces(tracked) => tracked.contacts.as_deref(),
-            Self::Triangles(tracked) => tracked.contacts.as_deref(),
-        };
-        contacts.map(|c| c.tracker.found())
+        self.contacts.as_deref().map(FoundContacts::found)
     }
 
     fn drop_contacts(&mut self) {
-        match self {
-            Self::Convex(_) | Self::Patches(_) => {}
-            Self::Pieces(tracked) => tracked.contacts = None,
-            Self::Triangles(tracked) => tracked.contacts = None,
-        }
+        self.contacts = None;
     }
 
     fn pieces(&self) -> [u32; 2] {
-        match self {
-            Self::Convex(_) => [0; 2],
-            Self::Pieces(tracked) => tracked.pieces,
-            Self::Triangles(tracked) => tracked.pieces,
-            Self::Patches(tracker) => tracker.pieces,
-        }
+        self.parts
     }
 
     fn facets(&self) -> usize {
@@ -352,12 +393,7 @@ impl PairEngine for MixedTracker {
     fn shed(&mut self) {}
 
     fn heap_bytes(&self) -> usize {
-        match self {
-            Self::Convex(_) => size_of::<ShapeTracker>(),
-            Self::Pieces(_) => size_of::<TrackedPieces<CompositeTracker, Composite>>(),
-            Self::Triangles(tracked) => size_of::<TrackedPieces<MeshTracker, Mesh>>() + tracked.tracker.heap_bytes(),
-            Self::Patches(tracker) => size_of::<WithSurface>() + tracker.heap_bytes(),
-        }
+        self.kinds.heap_bytes()
     }
 }
 
@@ -376,24 +412,28 @@ pub(crate) enum StoredTracker {
 impl MixedTracker {
     /// Returns the part of the tracker that is written.
     pub(crate) fn stored(&self) -> StoredTracker {
-        match self {
-            Self::Convex(tracker) => StoredTracker::Convex(tracker.clone()),
-            Self::Pieces(tracked) => StoredTracker::Pieces(tracked.pieces),
-            Self::Triangles(tracked) => StoredTracker::Triangles(tracked.pieces),
-            Self::Patches(tracker) => StoredTracker::Patches(tracker.pieces),
+        match &self.kinds {
+            TrackedKinds::Convex(tracked) => StoredTracker::Convex(Box::new(tracked.tracker.clone())),
+            TrackedKinds::Pieces(_) => StoredTracker::Pieces(self.parts),
+            TrackedKinds::Triangles(_) => StoredTracker::Triangles(self.parts),
+            _ => StoredTracker::Patches(self.parts),
         }
     }
 
     /// Returns the tracker of two bodies as written; `None` if the tracker is of other kinds.
     pub(crate) fn restored(stored: StoredTracker, a: &Geometry, b: &Geometry) -> Option<Self> {
-        let mut tracker = Self::new(a, b)?;
-        match (&mut tracker, stored) {
-            (Self::Convex(tracker), StoredTracker::Convex(known)) => *tracker = known,
-            (Self::Pieces(tracked), StoredTracker::Pieces(pieces)) => tracked.pieces = pieces,
-            (Self::Triangles(tracked), StoredTracker::Triangles(pieces)) => tracked.pieces = pieces,
-            (Self::Patches(tracker), StoredTracker::Patches(pieces)) => tracker.pieces = pieces,
+        use TrackedKinds::{Convex, Pieces, Triangles};
+        let mut tracker = Self::new(a.into(), b.into());
+        tracker.parts = match (&mut tracker.kinds, stored) {
+            (Convex(tracked), StoredTracker::Convex(known)) => {
+                tracked.tracker = *known;
+                [0; 2]
+            }
+            (Pieces(_), StoredTracker::Pieces(parts)) | (Triangles(_), StoredTracker::Triangles(parts)) => parts,
+            (Convex(_) | Pieces(_) | Triangles(_), _) => return None,
+            (_, StoredTracker::Patches(parts)) => parts,
             _ => return None,
-        }
+        };
         Some(tracker)
     }
 }

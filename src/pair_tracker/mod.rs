@@ -1,15 +1,19 @@
 //! Pairs of geometries of any two kinds.
 
+mod contacts;
 mod engine;
 mod mixed;
 mod over;
-mod surface;
+mod pair;
 mod tracker;
+mod work;
 
 pub use over::OverTime;
-pub use tracker::{Answer, PairError, PairTracker, Spot};
+pub use tracker::{PairError, PairTracker};
+pub use work::PairWork;
 
-pub(crate) use engine::{AnyTracker, ContactAsk, Contacted, PairEngine, TrackerRef};
+pub(crate) use contacts::patches_of;
+pub(crate) use engine::{AnyTracker, BodyShapes, ContactAsk, Contacted, PairEngine, TrackerRef};
 pub(crate) use mixed::MixedTracker;
 #[cfg(feature = "serde")]
 pub(crate) use mixed::StoredTracker;

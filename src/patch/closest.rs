@@ -11,8 +11,8 @@ use super::bowl::Bowl;
 use super::cut::Cut;
 use super::frame::NetFrame;
 use super::net::{Patch, SurfaceJet};
-use super::surface::SurfacePoint;
 use crate::num::scalar::sqrt;
+use crate::pair::spot::Spot;
 use crate::polyhedron::{FaceId, Feature};
 use crate::tolerance::{AGREE, PARALLEL, UNIT};
 use crate::tuning::patch::NEWTON;
@@ -48,12 +48,8 @@ pub(super) struct Meeting {
 
 impl Meeting {
     /// Returns the point of A (0) or of B (1) by its parameters.
-    pub(super) fn place(&self, k: usize) -> SurfacePoint {
-        SurfacePoint {
-            patch: self.patches[k],
-            u: self.at[2 * k],
-            v: self.at[2 * k + 1],
-        }
+    pub(super) fn place(&self, k: usize) -> Spot {
+        Spot::on_patch(self.patches[k], [self.at[2 * k], self.at[2 * k + 1]])
     }
 
     /// Returns a unit direction from A to B: along w, or, where w is short beside `size`, along the

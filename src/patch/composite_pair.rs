@@ -3,7 +3,6 @@
 use nalgebra::Point3;
 
 use super::composite_tracker::SurfaceCompositeTracker;
-use super::outcome::Decision;
 use super::search::NetGoal;
 use super::separation::{from_surface, held, in_order};
 use super::surface::Surface;
@@ -36,18 +35,18 @@ impl Separation for SurfaceCompositePair<'_> {
         let pose = from_surface(self.order, a_from_b);
         let goal = NetGoal::Part(MEASURED);
         let found = self.tracker.answer(self.surface, self.body, &pose, goal);
-        in_order(self.order, Measure::from(&found), &pose)
+        Measure::from(&in_order(self.order, found, &pose))
     }
 
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
         let pose = from_surface(self.order, a_from_b);
-        self.tracker.within(self.surface, self.body, &pose, distance) == Decision::Yes
+        self.tracker.within(self.surface, self.body, &pose, distance).is_yes()
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
         held(self, seen, flight, |pair, a_from_b, width| {
             let pose = from_surface(pair.order, a_from_b);
-            pair.tracker.distance(pair.surface, pair.body, &pose, width).lower
+            pair.tracker.closest(pair.surface, pair.body, &pose, width).lower
         })
     }
 }

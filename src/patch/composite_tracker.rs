@@ -3,16 +3,17 @@
 use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
-use super::outcome::{Decision, SurfaceCompositeOutcome};
+use super::outcome::SurfaceWork;
 use super::search::NetGoal;
-use super::shape_tracker::{SurfaceShapeTracker, far_apart};
+use super::shape_tracker::{SurfaceShapeTracker, far_apart, lower_to};
 use super::surface::Surface;
 use crate::composite::parts::Parted;
 use crate::composite::pieces::{Composite, Piece};
 use crate::composite::placed::Placed;
 use crate::composite::separation::ball_about;
 use crate::num::scalar::sqrt;
-use crate::pair::outcome::Distance;
+use crate::pair::outcome::Decision;
+use crate::pair::spot::Answer;
 use crate::pose::RelativePose;
 use crate::tolerance::{CERTIFICATE, UNIT};
 
@@ -21,92 +22,64 @@ use crate::tolerance::{CERTIFICATE, UNIT};
 /// The counterpart of [`SurfaceShapeTracker`] for bodies of placed convex shapes: the surface is A
 /// and the body B. A piece whose ball is farther away than the closest piece is not asked. Not
 /// saved to files.
-///
-/// ```
-/// use lin_canny::nalgebra::{Isometry3, Point3};
-/// use lin_canny::patch::{Patch, Surface, SurfaceCompositeTracker};
-/// use lin_canny::{Composite, Piece, RelativePose, Shape};
-///
-/// // Two balls over a flat square.
-/// let at = |k: usize| Point3::new((k / 2) as f64, (k % 2) as f64, 0.0);
-/// let points: Vec<_> = (0..4).map(at).collect();
-/// let floor = Surface::new(vec![Patch::polynomial([1, 1], &points)?])?;
-/// let ball = |x: f64, z: f64| -> Result<Piece, lin_canny::ShapeError> {
-///     let pose = Isometry3::translation(x, 0.0, z);
-///     Ok(Piece { pose, ..Piece::new(Shape::ball(0.2)?) })
-/// };
-/// let body = Composite::new(vec![ball(0.0, 0.5)?, ball(0.5, 0.0)?])?;
-/// let pose = Isometry3::translation(0.2, 0.5, 1.0);
-/// let a_from_b = RelativePose::from_isometry(&pose)?;
-/// let mut pair = SurfaceCompositeTracker::new();
-/// let c = pair.closest(&floor, &body, &a_from_b, 1e-9);
-/// assert_eq!(c.piece, 1);
-/// assert!(c.closest.lower <= 0.8 && 0.8 <= c.closest.upper);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Debug, Default)]
-pub struct SurfaceCompositeTracker {
+pub(crate) struct SurfaceCompositeTracker {
     pieces: Vec<SurfaceShapeTracker>,
     /// The piece that was closest.
     last: usize,
+    splits: Option<usize>,
 }
 
 impl SurfaceCompositeTracker {
     /// Returns a tracker without a start.
     #[must_use]
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::default()
+    }
+
+    /// Sets the number of nodes that a query of one piece may split; `None` for the usual budget.
+    pub(crate) fn allow(&mut self, splits: Option<usize>) {
+        self.splits = splits;
+    }
+
+    /// Returns the work of all queries so far.
+    pub(crate) fn work(&self) -> SurfaceWork {
+        self.pieces.iter().fold(SurfaceWork::default(), |mut sum, piece| {
+            sum += piece.work();
+            sum
+        })
+    }
+
+    /// Returns the number of entries of the fronts that are kept.
+    pub(crate) fn front_len(&self) -> usize {
+        self.pieces.iter().map(SurfaceShapeTracker::front_len).sum()
     }
 
     /// Returns the bytes kept on the heap, without those of shapes.
     #[must_use]
-    pub fn heap_bytes(&self) -> usize {
+    pub(crate) fn heap_bytes(&self) -> usize {
         let own = self.pieces.capacity() * size_of::<SurfaceShapeTracker>();
         own + self.pieces.iter().map(SurfaceShapeTracker::heap_bytes).sum::<usize>()
     }
 
     /// Returns the closest points with bounds of the distance that are at most `width` apart, as
     /// [`SurfaceShapeTracker::closest`] does.
-    pub fn closest(
-        &mut self,
-        a: &Surface,
-        b: &Composite,
-        a_from_b: &RelativePose,
-        width: f64,
-    ) -> SurfaceCompositeOutcome {
+    pub(crate) fn closest(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, width: f64) -> Answer {
         self.answer(a, b, a_from_b, NetGoal::Width(width))
-    }
-
-    /// Returns the distance with bounds that are at most `width` apart, as
-    /// [`closest`](Self::closest).
-    pub fn distance(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, width: f64) -> Distance {
-        Distance::from(&self.closest(a, b, a_from_b, width).closest)
-    }
-
-    /// Decides whether a point of the surface lies in a piece. Pairs that merely touch stay
-    /// undecided.
-    pub fn intersects(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose) -> Decision {
-        self.within(a, b, a_from_b, 0.0)
     }
 
     /// Decides whether the distance is at most `d`, a length in the caller's unit. Undecided only
     /// if `d` is within rounding of the distance, or a budget is used up.
-    pub fn within(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, d: f64) -> Decision {
+    pub(crate) fn within(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, d: f64) -> Decision {
         if !(d >= 0.0) {
             return Decision::No;
         }
-        let found = self.answer(a, b, a_from_b, NetGoal::Within(d)).closest;
+        let found = self.answer(a, b, a_from_b, NetGoal::Within(d));
         Decision::by(found.lower, found.upper, d)
     }
 
     /// Returns the closest points of all pieces with bounds as close as a goal asks for.
-    pub(super) fn answer(
-        &mut self,
-        a: &Surface,
-        b: &Composite,
-        a_from_b: &RelativePose,
-        goal: NetGoal,
-    ) -> SurfaceCompositeOutcome {
+    pub(super) fn answer(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
         let pieces = b.pieces();
         self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);
         let placed = Placed::new(a_from_b, b.is_in_place());
@@ -120,6 +93,7 @@ impl SurfaceCompositeTracker {
             }
             // The rounding of composed poses: two products of rotations and two sums.
             let placing = if is_exact { 0.0 } else { noise };
+            self.pieces[k].allow(self.splits);
             Some(self.pieces[k].answer_placed(a, &pieces[k].shape, &pose, goal, placing))
         };
         let mut last = self.last.min(pieces.len() - 1);
@@ -134,12 +108,10 @@ impl SurfaceCompositeTracker {
             }
         }
         self.last = last;
-        best.lower_to(lower, goal);
-        best.point_on_b = pieces[last].pose * best.point_on_b;
-        SurfaceCompositeOutcome {
-            piece: last as u32,
-            closest: best,
-        }
+        lower_to(&mut best, lower, goal);
+        best.outcome.point_on_b = pieces[last].pose * best.point_on_b;
+        best.on[1].part = last as u32;
+        best
     }
 }
 

@@ -64,7 +64,7 @@ impl NetFrame {
 }
 
 /// Returns bounds of the distance by the origins alone, and the direction from A to B.
-pub(super) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+pub(crate) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
     let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();
     let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };

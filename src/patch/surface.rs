@@ -10,6 +10,7 @@ use super::tree::NetTree;
 use crate::composite::mesh::Mesh;
 use crate::composite::separation::ball_about;
 use crate::num::fingerprint::{Fingerprint, Fingerprinter};
+use crate::pair::spot::Spot;
 use crate::polyhedron::ConvexPolyhedron;
 use crate::tolerance::{SEAM, SURFACE_POINT};
 
@@ -52,20 +53,8 @@ pub struct Surface {
     pub(super) tree: NetTree,
     /// The largest distance of a control point from the origin, rounded up.
     pub(super) reach: f64,
-    pub(super) fingerprint: Fingerprint,
+    pub(crate) fingerprint: Fingerprint,
     is_closed: bool,
-}
-
-/// A point of a surface by its parameters.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct SurfacePoint {
-    /// The number of the patch.
-    pub patch: u32,
-    /// Parameter between 0 and 1.
-    pub u: f64,
-    /// Parameter between 0 and 1.
-    pub v: f64,
 }
 
 impl Surface {
@@ -147,23 +136,29 @@ impl Surface {
 
     /// Returns a point of the surface; `None` if there is no such patch.
     #[must_use]
-    pub fn point(&self, at: &SurfacePoint) -> Option<Point3<f64>> {
-        Some(self.patches.get(at.patch as usize)?.point(at.u, at.v))
+    pub fn point(&self, at: &Spot) -> Option<Point3<f64>> {
+        Some(
+            self.patches
+                .get(at.part as usize)?
+                .point(at.parameters[0], at.parameters[1]),
+        )
     }
 
     /// Returns the unit normal at a point of the surface, as [`Patch::normal`].
     #[must_use]
-    pub fn normal(&self, at: &SurfacePoint) -> Option<Unit<Vector3<f64>>> {
-        self.patches.get(at.patch as usize)?.normal(at.u, at.v)
+    pub fn normal(&self, at: &Spot) -> Option<Unit<Vector3<f64>>> {
+        self.patches
+            .get(at.part as usize)?
+            .normal(at.parameters[0], at.parameters[1])
     }
 
     /// Returns the parameters of a point in the knots of the NURBS surface; those of the patch for
     /// any other surface; `None` if there is no such patch.
     #[must_use]
-    pub fn parameters(&self, at: &SurfacePoint) -> Option<[f64; 2]> {
-        let [u, v] = self.domains.get(at.patch as usize)?;
+    pub fn parameters(&self, at: &Spot) -> Option<[f64; 2]> {
+        let [u, v] = self.domains.get(at.part as usize)?;
         let mixed = |[low, high]: [f64; 2], t: f64| low * (1.0 - t) + high * t;
-        Some([mixed(*u, at.u), mixed(*v, at.v)])
+        Some([mixed(*u, at.parameters[0]), mixed(*v, at.parameters[1])])
     }
 
     /// Returns a ball that contains the surface: centre and radius.

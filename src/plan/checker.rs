@@ -327,15 +327,8 @@ impl<C: ConfigurationSpace> Checker<C> {
             WorldId::Robot(other) => PartMotion::Robot(moving(other)),
             WorldId::Obstacle(k) => PartMotion::Obstacle(&resting[k]),
         };
-        let shapes = (self.world.shape(tracked.pair.a), self.world.shape(tracked.pair.b));
-        let tracker = tracked.tracked(shapes);
-        // Kinds without a tracker are refused when the checker is made.
-        let Some(mut pair) = tracker.and_then(|t| t.over(shapes)) else {
-            return Err(ImpactError::Size {
-                what: "kind of a pair",
-                value: f64::NAN,
-            });
-        };
+        let shapes = self.world.shapes(tracked.pair);
+        let mut pair = tracked.tracked(shapes).over(shapes);
         ask(&mut pair, &moving(body), &partner)
     }
 

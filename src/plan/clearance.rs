@@ -195,12 +195,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         let [pose_a, pose_b] = [pair.a, pair.b].map(pose_of);
         let relative = RelativePose::new(&pose_a, &pose_b)?;
-        let shapes = (world.shape(pair.a), world.shape(pair.b));
-        let outcome = tracked
-            .tracked(shapes)
-            .map(|t| t.measure(shapes, &relative, Until::Depth));
-        // Kinds without a tracker are refused when the checker is made.
-        let outcome = outcome.ok_or(PlanError::Empty)?;
+        let shapes = world.shapes(pair);
+        let outcome = tracked.tracked(shapes).measure(shapes, &relative, Until::Depth);
         let is_known = outcome.class != Class::Overlapping || outcome.lower > f64::NEG_INFINITY;
         let near = NearPair {
             pair,

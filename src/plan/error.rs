@@ -52,14 +52,6 @@ pub enum PlanError {
     /// No body has this name.
     #[error("no body is called {0}")]
     Unnamed(String),
-    /// No tracker takes the kinds of these two bodies together.
-    #[error("the distance of {a} and {b} cannot be measured: their kinds of shapes have no common tracker")]
-    Unanswered {
-        /// The name of the first body.
-        a: String,
-        /// The name of the second body.
-        b: String,
-    },
     /// The robot is in contact, or nearer than the margin, at an end of the motion asked for.
     #[error("{a} and {b} are in contact, or within the margin, at the {end}")]
     Contact {

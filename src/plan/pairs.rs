@@ -1,6 +1,5 @@
 //! The pairs of a checker: a tracker each, and the boxes of the obstacles.
 
-use alloc::string::ToString;
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
@@ -10,7 +9,7 @@ use super::world::{World, WorldId, WorldPair};
 use crate::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep};
 use crate::geometry::Geometry;
 use crate::motion::{Course, Steady, Velocity};
-use crate::pair_tracker::AnyTracker;
+use crate::pair_tracker::{AnyTracker, BodyShapes};
 use crate::polyhedron::BoxHint;
 use crate::tolerance::PLANE;
 
@@ -24,11 +23,8 @@ pub(super) struct TrackedPair {
 
 impl TrackedPair {
     /// Returns the tracker of the pair of these shapes.
-    pub(super) fn tracked(&mut self, (a, b): (&Geometry, &Geometry)) -> Option<&mut AnyTracker> {
-        if self.tracker.is_none() {
-            self.tracker = AnyTracker::new(a, b);
-        }
-        self.tracker.as_mut()
+    pub(super) fn tracked(&mut self, shapes: BodyShapes<'_>) -> &mut AnyTracker {
+        self.tracker.get_or_insert_with(|| AnyTracker::new(shapes))
     }
 }
 
@@ -101,12 +97,6 @@ impl Pairs {
     fn add(&mut self, world: &World, pair: WorldPair) -> Result<u32, PlanError> {
         if world.is_excluded(pair) {
             return Ok(NONE);
-        }
-        if AnyTracker::new(world.shape(pair.a), world.shape(pair.b)).is_none() {
-            return Err(PlanError::Unanswered {
-                a: world.name(pair.a).to_string(),
-                b: world.name(pair.b).to_string(),
-            });
         }
         self.all.push(TrackedPair {
             pair,

@@ -7,6 +7,7 @@ use nalgebra::Isometry3;
 
 use super::error::PlanError;
 use crate::geometry::Geometry;
+use crate::pair_tracker::BodyShapes;
 
 /// The bodies of a robot and the obstacles about it, of every kind of shape.
 ///
@@ -87,6 +88,11 @@ impl World {
     ///
     /// # Panics
     /// If the part does not exist.
+    /// Returns the shapes of a pair.
+    pub(super) fn shapes(&self, pair: WorldPair) -> BodyShapes<'_> {
+        (self.shape(pair.a).into(), self.shape(pair.b).into())
+    }
+
     pub(super) fn shape(&self, part: WorldId) -> &Geometry {
         match part {
             WorldId::Robot(k) => &self.robot[k].1,

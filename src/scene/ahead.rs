@@ -82,7 +82,7 @@ impl StepContext<'_> {
             let by_plane = seen.map_or(0.0, |seen| separation.free_for(&seen, &flight).span);
             apart.max(by_plane)
         });
-        let whole = ticks(free.unwrap_or(0.0), length).min(TICKS);
+        let whole = ticks(free, length).min(TICKS);
         if whole > 0 {
             header.state.sleeps = true;
             header.wake = bodies.ticks.later(whole + 1);
@@ -117,7 +117,7 @@ impl StepContext<'_> {
             let ahead = tracker.over_time(shapes, None, |separation, _| {
                 impact::ahead(separation, [x, y], (length, span), keep, tolerance)
             });
-            if let Some(Ok(ahead)) = ahead {
+            if let Ok(ahead) = ahead {
                 let counts = &mut tally.counts;
                 counts.ahead += 1;
                 counts.queries += u64::from(ahead.queries);

@@ -18,27 +18,7 @@ fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static 
     if !is_surface(a) && !is_surface(b) {
         return None;
     }
-    if effects.manifold.is_some() {
-        return Some("manifold");
-    }
-    if [a, b].contains(&ShapeKind::Mesh) {
-        called(effects)
-    } else {
-        None
-    }
-}
-
-/// Returns the name of the lowest effect called for beyond boxes.
-fn called(effects: &Effects) -> Option<&'static str> {
-    let names = [
-        (effects.overlap, "overlap"),
-        (effects.within.is_some(), "within"),
-        (effects.distance.is_some(), "distance"),
-        (effects.features, "features"),
-        (effects.impact.is_some(), "impact"),
-    ];
-    let first = names.into_iter().find(|(is_called, _)| *is_called);
-    first.map(|(_, name)| name)
+    effects.manifold.map(|_| "manifold")
 }
 
 /// The number of bodies by group and kind. Two fixed bodies make no pair, so fixed bodies are

@@ -12,9 +12,8 @@ use super::body::box_of;
 use super::effects::{Detail, Group, group_pair_of};
 use super::{BodyId, Scene, SceneError};
 use crate::broad::{Aabb, BroadPhase};
-use crate::geometry::Geometry;
 use crate::pair::outcome::{Outcome, Until};
-use crate::pair_tracker::AnyTracker;
+use crate::pair_tracker::{AnyTracker, BodyShapes};
 use crate::polyhedron::BoxHint;
 use crate::pose::RelativePose;
 use crate::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
@@ -209,8 +208,8 @@ impl Scene {
         let seen = pair.and_then(|pair| self.pair_tables.get(pair.id.slot));
         let known = seen.and_then(|seen| seen.tracker.started(x, y, a < b));
         Some(PairQuery {
-            tracker: known.or_else(|| AnyTracker::new(x, y))?,
-            shapes: (x, y),
+            tracker: known.unwrap_or_else(|| AnyTracker::new((x.into(), y.into()))),
+            shapes: (x.into(), y.into()),
             pose,
         })
     }
@@ -219,7 +218,7 @@ impl Scene {
 /// Two bodies and a tracker.
 pub(super) struct PairQuery<'a> {
     pub(super) tracker: AnyTracker,
-    shapes: (&'a Geometry, &'a Geometry),
+    shapes: BodyShapes<'a>,
     pose: RelativePose,
 }
 

@@ -11,9 +11,7 @@ use super::narrow_phase::{StepContext, Tally, test_table};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
 use super::report::{Clock, Report};
 use crate::broad::{self, Aabb, BroadPhase, PairId};
-use crate::composite::contact::ContactPatches;
-use crate::geometry::Geometry;
-use crate::pair_tracker::{AnyTracker, PairEngine};
+use crate::pair_tracker::{AnyTracker, PairEngine, patches_of};
 use crate::polyhedron::BoxHint;
 #[cfg(feature = "parallel")]
 use crate::tuning::scene::QUERY_IN_BOXES;
@@ -104,12 +102,8 @@ impl Scene {
                 continue;
             }
             let shape = &solid.shape;
-            let new = || match shape {
-                Geometry::Mesh(mesh) => Some(ContactPatches::of_mesh(mesh.clone())),
-                Geometry::Composite(body) => Some(ContactPatches::of_pieces(body.clone())),
-                _ => None,
-            };
-            if shape.as_convex().is_none() {
+            let new = || patches_of(shape.into());
+            if !shape.kind().is_convex() {
                 solid.patches = made.entry(shape.address()).or_insert_with(new).clone();
             }
         }
@@ -351,7 +345,7 @@ fn begin(
     let tracker = pair_state.tracker.or_else(|| {
         let shape = |i: u32| bodies.solids[i as usize].as_ref().map(|solid| &solid.shape);
         if plan.detail > Detail::Boxes {
-            AnyTracker::new(shape(a)?, shape(b)?)
+            Some(AnyTracker::new((shape(a)?.into(), shape(b)?.into())))
         } else {
             None
         }

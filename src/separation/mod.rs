@@ -22,6 +22,7 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use crate::motion::Course;
 use crate::num::scalar::magnitude;
 use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::spot::Answer;
 use crate::polyhedron::FeaturePair;
 use crate::pose::{Operand, RelativePose};
 
@@ -88,7 +89,7 @@ pub struct Measure {
     pub features: Option<FeaturePair>,
     /// The piece or triangle of A and of B to which the features belong; zero for shapes of one
     /// piece.
-    pub pieces: (u32, u32),
+    pub pieces: [u32; 2],
     /// The witness on A, in A's frame.
     pub point_on_a: Point3<f64>,
     /// The witness on B, in B's frame.
@@ -222,12 +223,23 @@ impl Measure {
             lower: outcome.lower,
             upper: outcome.upper,
             features: Some(outcome.features),
-            pieces: (0, 0),
+            pieces: [0; 2],
             point_on_a: outcome.point_on_a,
             point_on_b: outcome.point_on_b,
             normal: outcome.normal,
             tangent,
             by_plane: outcome.class == Class::Separated && matches!(outcome.solver, Solver::Walk | Solver::Restart),
+        }
+    }
+}
+
+impl From<&Answer> for Measure {
+    /// The measure of geometries that no plane keeps apart.
+    fn from(answer: &Answer) -> Self {
+        Self {
+            pieces: answer.parts(),
+            by_plane: false,
+            ..Self::new(&answer.outcome, Tangent::Free)
         }
     }
 }

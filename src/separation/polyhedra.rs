@@ -153,6 +153,16 @@ impl<'a> PolyhedronPair<'a> {
         }
     }
 
+    /// Returns the polyhedra and the tracker, for a question at one pose.
+    pub(crate) fn asked(&mut self) -> (&'a ConvexPolyhedron, &'a ConvexPolyhedron, &mut Tracker) {
+        (self.a.shape, self.b.shape, self.tracker)
+    }
+
+    /// Returns the first broken invariant of the tracker.
+    pub(crate) fn checked(&self) -> Result<(), alloc::string::String> {
+        self.tracker.check()
+    }
+
     /// Returns an outcome of the tracker as a measure, and takes note of the features.
     #[inline]
     pub(crate) fn seen(&mut self, outcome: &Outcome) -> Measure {

@@ -1,7 +1,5 @@
 //! Two shapes of any kind and their tracker.
 
-use alloc::borrow::Cow;
-
 use nalgebra::{Point3, Vector3};
 
 use super::{Measure, Separation, SupportPoint, Tangent};
@@ -22,25 +20,30 @@ pub(crate) struct ShapePair<'a> {
 /// A shape and its ball.
 #[derive(Debug)]
 struct BalledShape<'a> {
-    shape: Cow<'a, Shape>,
+    shape: &'a Shape,
     centre: Point3<f64>,
     radius: f64,
 }
 
 impl<'a> BalledShape<'a> {
-    fn new(shape: Cow<'a, Shape>) -> Self {
+    fn new(shape: &'a Shape) -> Self {
         let (centre, radius) = shape.bounding_ball();
         Self { shape, centre, radius }
     }
 }
 
 impl<'a> ShapePair<'a> {
-    pub(crate) fn new(a: Cow<'a, Shape>, b: Cow<'a, Shape>, tracker: &'a mut ShapeTracker) -> Self {
+    pub(crate) fn new(a: &'a Shape, b: &'a Shape, tracker: &'a mut ShapeTracker) -> Self {
         Self {
             a: BalledShape::new(a),
             b: BalledShape::new(b),
             tracker,
         }
+    }
+
+    /// Returns the shapes and the tracker, for a question at one pose.
+    pub(crate) fn asked(&mut self) -> (&'a Shape, &'a Shape, &mut ShapeTracker) {
+        (self.a.shape, self.b.shape, self.tracker)
     }
 
     /// Returns an outcome of the tracker as a measure.
@@ -64,14 +67,14 @@ impl Separation for ShapePair<'_> {
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Self::seen(&self.tracker.closest(&self.a.shape, &self.b.shape, a_from_b))
+        Self::seen(&self.tracker.closest(self.a.shape, self.b.shape, a_from_b))
     }
 
     /// Proven by the upper bound of the distance; exact for rounded polyhedra with the feature
     /// `exact`.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
         let _ = seen;
-        let outcome = self.tracker.closest(&self.a.shape, &self.b.shape, a_from_b);
+        let outcome = self.tracker.closest(self.a.shape, self.b.shape, a_from_b);
         outcome.upper <= distance
     }
 

@@ -40,6 +40,6 @@ impl Shape {
     fn is_near(&self, point: &Point3<f64>) -> Option<bool> {
         let point = Self::from(ConvexPolyhedron::point(*point).ok()?);
         let pose = RelativePose::from_isometry(&Isometry3::identity()).ok()?;
-        Some(ShapeTracker::new().intersects(self, &point, &pose))
+        Some(ShapeTracker::new().within(self, &point, &pose, 0.0))
     }
 }

@@ -30,21 +30,7 @@ impl ShapeTracker {
     /// times the radius of the smaller shape. As features, the points of the upper rim of a
     /// cylinder are vertices 0 to 7, of the lower rim 8 to 15, and of the rim of a cone 1 to 8; the
     /// second crossing of an edge with a rim is named by the face instead of the rim.
-    ///
-    /// ```
-    /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny::{Manifold, ManifoldOptions, RelativePose, Shape, ShapeTracker};
-    ///
-    /// let floor = Shape::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
-    /// let can = Shape::cylinder(0.5, 0.25)?;
-    /// let at = RelativePose::from_isometry(&Isometry3::translation(1.0, 2.0, 1.51))?;
-    /// let (mut pair, mut manifold) = (ShapeTracker::new(), Manifold::new());
-    /// pair.manifold(&floor, &can, &at, &ManifoldOptions::within(0.02), &mut manifold);
-    /// assert_eq!(manifold.points().len(), 4);
-    /// assert!(manifold.points().iter().all(|p| (p.separation - 0.01).abs() < 1e-12));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn manifold(
+    pub(crate) fn manifold(
         &mut self,
         a: &Shape,
         b: &Shape,

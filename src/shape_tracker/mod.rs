@@ -5,7 +5,7 @@ mod face;
 mod manifold;
 mod round;
 
-use crate::pair::outcome::{Accuracy, Distance, Outcome, Until};
+use crate::pair::outcome::{Accuracy, Outcome, Until};
 use crate::pose::RelativePose;
 use crate::replay::Replay;
 use crate::shape::{Core, Shape};
@@ -17,22 +17,9 @@ pub(crate) use face::{along_face, swapped};
 ///
 /// The counterpart of [`Tracker`] for every kind of [`Shape`]. Owns no shape. A tracker that comes
 /// from another pair, or is out of date, costs time and never an answer.
-///
-/// ```
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::{RelativePose, Shape, ShapeTracker};
-///
-/// let ball = Shape::ball(0.5)?;
-/// let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))?.rounded(0.25)?;
-/// let mut pair = ShapeTracker::new();
-/// let pose = Isometry3::translation(3.0, 0.0, 0.0);
-/// let c = pair.closest(&ball, &die, &RelativePose::from_isometry(&pose)?);
-/// assert!(c.lower <= 1.25 && 1.25 <= c.upper);
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct ShapeTracker {
+pub(crate) struct ShapeTracker {
     polyhedral: Tracker,
     curved: smooth::WarmStart,
     totals: Totals,
@@ -41,7 +28,7 @@ pub struct ShapeTracker {
 impl ShapeTracker {
     /// Returns a tracker without a start.
     #[must_use]
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::default()
     }
 
@@ -65,19 +52,12 @@ impl ShapeTracker {
     /// take some hundred times as long as usual, in about one pose of a hundred at any distance:
     /// they are answered in double-double arithmetic, by up to some 450 directions, and within
     /// `1e-10 L` of contact by up to some 1,300. The median is 14.
-    pub fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
+    pub(crate) fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         self.measure(a, b, a_from_b, Until::Depth)
     }
 
-    /// Returns the closest points as [`closest`](Self::closest) does, and of overlapping cores that
-    /// are polyhedra a local depth, as [`Tracker::closest_with_local_depth`]: an upper bound of the
-    /// depth at about three times the price of a walk. Other shapes get the depth.
-    pub fn closest_with_local_depth(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
-        self.measure(a, b, a_from_b, Until::LocalDepth)
-    }
-
     /// Returns the closest points, of an overlap with the depth or a local one.
-    fn measure(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: Until) -> Outcome {
+    pub(crate) fn measure(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: Until) -> Outcome {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {
                 let mut outcome = self.polyhedral.checked(x, y, a_from_b, until);
@@ -109,18 +89,6 @@ impl ShapeTracker {
         }
     }
 
-    /// Returns the signed distance and its bounds without the witnesses.
-    pub fn distance(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Distance {
-        Distance::from(&self.closest(a, b, a_from_b))
-    }
-
-    /// Returns whether the closed shapes share a point: touching is intersecting.
-    ///
-    /// Exact for rounded polyhedra with the feature `exact`, see [`within`](Self::within).
-    pub fn intersects(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> bool {
-        self.within(a, b, a_from_b, 0.0)
-    }
-
     /// Returns whether the closed shapes are at most `d` apart, `d` in the caller's unit; false if
     /// `d` is negative or NaN.
     ///
@@ -128,7 +96,7 @@ impl ShapeTracker {
     /// radii and the `d` given (with the feature `exact`). For other shapes, a distance that the
     /// bounds cannot tell from `d` counts as within; for such a `d`, the answer may depend on the
     /// last query, which moves the bounds by less than their width.
-    pub fn within(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, d: f64) -> bool {
+    pub(crate) fn within(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, d: f64) -> bool {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {
                 self.polyhedral.within_reach(x, y, a_from_b, [d, a.round(), b.round()])
@@ -140,7 +108,7 @@ impl ShapeTracker {
     /// Returns the query as a text that rebuilds the query bit for bit, as [`Tracker::replay`];
     /// `None` unless both cores are polyhedra.
     #[must_use]
-    pub fn replay(&self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Option<Replay> {
+    pub(crate) fn replay(&self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Option<Replay> {
         let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) else {
             return None;
         };
@@ -152,7 +120,7 @@ impl ShapeTracker {
 
     /// Returns what has been done so far.
     #[must_use]
-    pub fn totals(&self) -> Totals {
+    pub(crate) fn totals(&self) -> Totals {
         let mut totals = self.totals;
         totals += self.polyhedral.totals();
         totals
@@ -161,17 +129,12 @@ impl ShapeTracker {
     fn count(&mut self, outcome: &Outcome) {
         self.totals.note(false, outcome.solver, &outcome.work);
     }
-
-    /// Forgets features and counters.
-    pub fn reset(&mut self) {
-        *self = Self::default();
-    }
 }
 
 impl Replay {
     /// Returns a tracker of [`shapes`](Self::shapes) with the recorded start.
     #[must_use]
-    pub fn shape_tracker(&self) -> ShapeTracker {
+    pub(crate) fn shape_tracker(&self) -> ShapeTracker {
         ShapeTracker {
             polyhedral: self.tracker(),
             ..ShapeTracker::default()

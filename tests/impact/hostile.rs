@@ -347,7 +347,7 @@ impl Separation for Stubborn {
             lower: gap,
             upper: gap,
             features: None,
-            pieces: (0, 0),
+            pieces: [0; 2],
             point_on_a: Point3::origin(),
             point_on_b: Point3::origin(),
             normal: Vector3::x_axis(),

@@ -79,24 +79,8 @@ pub struct PatchContacts {
 /// hulls of patches bear no contact at all, they have one along a translation that parts them,
 /// [`MeshTracker::penetration`](crate::MeshTracker::penetration), at its price; a solid that is
 /// deep inside another one, away from all patches, has none.
-///
-/// ```
-/// use lin_canny::nalgebra::{Isometry3, Vector3};
-/// use lin_canny::polyhedron::solids;
-/// use lin_canny::{ContactPatches, ManifoldOptions, Mesh};
-/// use lin_canny::{ContactTracker, RelativePose, Shape};
-///
-/// let floor = Mesh::from_convex(&solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?)?;
-/// let floor = ContactPatches::of_mesh(floor);
-/// let die = ContactPatches::from(Shape::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
-/// let mut pair = ContactTracker::new();
-/// let at = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.0, 1.49))?;
-/// let found = pair.contacts(&floor, &die, &at, &ManifoldOptions::within(0.02));
-/// assert_eq!((found.len(), found[0].contacts.len()), (1, 4));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
-/// ```
 #[derive(Clone, Debug, Default)]
-pub struct ContactTracker {
+pub(crate) struct ContactTracker {
     fingerprints: [Fingerprint; 2],
     near: BTreeMap<NodePair, NearPatches>,
     /// Says whether bodies without a contact overlap.
@@ -116,28 +100,16 @@ struct PatchQuery<'a> {
 }
 
 impl ContactTracker {
-    /// Returns a tracker without a start.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Returns the contacts of the last query.
     #[must_use]
-    pub fn found(&self) -> &[PatchContacts] {
+    pub(crate) fn found(&self) -> &[PatchContacts] {
         &self.found
-    }
-
-    /// Returns the number of pairs of patches that the last query looked at.
-    #[must_use]
-    pub fn near_len(&self) -> usize {
-        self.near.len()
     }
 
     /// Returns the contacts within `options.prediction`, in groups of one direction, the group of
     /// the deepest contact first. `options.sine` and `options.drift` are those of the manifold of
     /// two patches.
-    pub fn contacts(
+    pub(crate) fn contacts(
         &mut self,
         a: &ContactPatches,
         b: &ContactPatches,
@@ -165,7 +137,7 @@ impl ContactTracker {
         let mut all = self.ask_all(&query, &frame);
         if all.is_empty()
             && self.near.values().any(NearPatches::may_overlap)
-            && self.overlap.intersects(&a.parts(), &b.parts(), a_from_b)
+            && self.overlap.within(&a.parts(), &b.parts(), a_from_b, 0.0)
         {
             let contact = parting(&query, frame.size * a.unit());
             all.extend(contact.filter(|c| c.point.separation <= options.prediction));

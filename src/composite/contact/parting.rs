@@ -45,7 +45,7 @@ pub(super) fn parting(query: &PatchQuery, size: f64) -> Option<PatchContact> {
         length -= outcome.lower - 0.5 * last;
     }
     let outcome = found?;
-    let [p, q] = outcome.pieces;
+    let [p, q] = outcome.parts();
     let (point_on_a, point_on_b) = (outcome.point_on_a, outcome.point_on_b);
     Some(PatchContact {
         patches: [query.a.patch_at(p, &point_on_a), query.b.patch_at(q, &point_on_b)],

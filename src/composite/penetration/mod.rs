@@ -24,7 +24,7 @@ mod inner;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 use super::mesh::Mesh;
-use super::parts::{Parted, Parts, PartsRef};
+use super::parts::{Parted, PartsRef};
 use super::pieces::CompositeTracker;
 use super::placed::relative;
 use super::state::PosedTrees;
@@ -250,20 +250,7 @@ impl MeshTracker {
     /// any one of them, and slots lead the search astray. Takes at most 35 queries and 13 looks at
     /// up to 2,048 vertices of each body: milliseconds to tens of them for meshes of thousands of
     /// triangles.
-    ///
-    /// ```
-    /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny::polyhedron::solids;
-    /// use lin_canny::{Mesh, MeshTracker, RelativePose};
-    ///
-    /// let ball = Mesh::from_convex(&solids::geodesic_sphere(3, 1.0)?)?;
-    /// let at = RelativePose::from_isometry(&Isometry3::translation(1.7, 0.0, 0.1))?;
-    /// let found = MeshTracker::new().penetration(&ball, &ball, &at);
-    /// let found = found.expect("two solids");
-    /// assert!(found.lower > 0.2 && found.upper < 0.31 && found.lower <= found.upper);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
+    pub(crate) fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
         let (found, windings) = bounds((a, b), a_from_b, |pose| {
             let found = self.closest(a, b, pose);
             (found.class, found.lower, found.point_on_a)
@@ -282,22 +269,7 @@ impl CompositeTracker {
     /// deepest of some thousand points, or of a piece and a convex part of the mesh where they
     /// overlap; above a translation that parts the bodies. Every pair of pieces is measured, or
     /// every piece against the points, then dozens of queries.
-    ///
-    /// ```
-    /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny::polyhedron::solids;
-    /// use lin_canny::{Composite, CompositeTracker, Mesh, RelativePose, Shape};
-    ///
-    /// let table = Mesh::from_convex(&solids::cuboid(Vector3::new(1.0, 1.0, 0.5))?)?;
-    /// let ball = Composite::from(Shape::ball(0.3)?);
-    /// let at = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, 0.7))?;
-    /// let found = CompositeTracker::new().penetration(&table, &ball, &at);
-    /// let found = found.expect("two solids");
-    /// assert!(found.lower > 0.0999 && found.lower <= 0.1);
-    /// assert!(found.upper >= 0.1 && found.upper < 0.1002);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn penetration<A: Parts, B: Parts>(
+    pub(crate) fn penetration<A: Parted, B: Parted>(
         &mut self,
         a: &A,
         b: &B,

@@ -7,7 +7,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
-pub use tracker::{CompositeOutcome, CompositeTracker};
+pub(crate) use tracker::CompositeTracker;
 
 use super::frame::TreeSide;
 use super::mesh::{Mesh, MeshError};
@@ -174,6 +174,11 @@ impl Composite {
             low,
             high,
         }
+    }
+
+    /// Returns the hash of shapes and poses.
+    pub(crate) fn recognised(&self) -> Fingerprint {
+        self.fingerprint
     }
 
     /// Returns the pieces in the caller's order.

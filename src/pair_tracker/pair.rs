@@ -1,0 +1,289 @@
+//! A pair of two geometries of known kinds and their tracker: the questions that every pair answers.
+
+use alloc::string::{String, ToString};
+
+use nalgebra::{Point3, Unit};
+
+use crate::composite::penetration::PenetrationBounds;
+use crate::composite::pieces::{Composite, CompositeTracker};
+use crate::composite::separation::{CompositePair, MeshPair};
+use crate::geometry::GeometryRef;
+use crate::pair::outcome::{Class, Decision, Outcome, Until};
+use crate::pair::question::Question;
+use crate::pair::spot::Answer;
+use crate::patch::{SurfaceCompositePair, SurfacePair, SurfaceShapePair, far, from_surface, in_order};
+use crate::polyhedron::FeaturePair;
+use crate::pose::{Operand, RelativePose};
+use crate::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair};
+use crate::shape::Shape;
+use crate::shape_tracker::ShapeTracker;
+use crate::tuning::patch::SCENE_WIDTH;
+
+/// Two geometries and a borrowed tracker.
+pub(super) trait Asked: Separation {
+    /// Returns the closest points with bounds of the signed distance.
+    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer;
+
+    /// Returns whether the geometries are at most `d` apart.
+    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision;
+
+    /// Returns a lower bound of the distance, the cheapest to be had.
+    fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
+        self.answer(pose, &Question::new()).lower.max(0.0)
+    }
+
+    /// Returns bounds of the penetration depth of two solids.
+    fn penetration(&mut self, _: &RelativePose) -> Option<PenetrationBounds> {
+        None
+    }
+
+    /// Returns the first broken invariant of what is kept.
+    fn check(&self, _: &RelativePose) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Returns the width of the bounds that is asked for.
+    fn width(&self, question: &Question) -> f64 {
+        let radius = |of| self.ball(of).1;
+        question
+            .width
+            .unwrap_or_else(|| SCENE_WIDTH * (radius(Operand::A) + radius(Operand::B)))
+    }
+}
+
+/// Returns the answer with an overlap of unknown depth.
+pub(super) fn without_depth(outcome: Outcome) -> Outcome {
+    if outcome.class == Class::Overlapping {
+        let (distance, lower, upper) = (0.0, f64::NEG_INFINITY, 0.0);
+        Outcome {
+            distance,
+            lower,
+            upper,
+            ..outcome
+        }
+    } else {
+        outcome
+    }
+}
+
+/// Returns the closest points of two shapes, of an overlap with what is asked for. Without the
+/// depth of their cores rounded ones could not be told from those that touch.
+pub(super) fn measured(
+    tracker: &mut ShapeTracker,
+    (a, b): (&Shape, &Shape),
+    pose: &RelativePose,
+    until: Until,
+) -> Outcome {
+    match until {
+        Until::Class => without_depth(tracker.measure(a, b, pose, Until::Depth)),
+        Until::LocalDepth | Until::Depth => tracker.measure(a, b, pose, until),
+    }
+}
+
+/// Returns the answer of geometries whose depth is not searched.
+fn of_sets(answer: Answer) -> Answer {
+    Answer {
+        outcome: without_depth(answer.outcome),
+        ..answer
+    }
+}
+
+impl Asked for PolyhedronPair<'_> {
+    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        let (a, b, tracker) = self.asked();
+        Answer::of_convex(tracker.measure(a, b, pose, question.until))
+    }
+
+    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
+        let (a, b, tracker) = self.asked();
+        Decision::of(tracker.within(a, b, pose, d))
+    }
+
+    fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
+        let (a, b, _) = self.asked();
+        let [a, b] = [a, b].map(|body| Composite::from(Shape::from(body.clone())));
+        CompositeTracker::new().penetration(&a, &b, pose)
+    }
+
+    fn check(&self, _: &RelativePose) -> Result<(), String> {
+        self.checked()
+    }
+}
+
+/// Two geometries that no tracker measures: a surface and a mesh with coordinates beyond those of
+/// surfaces. Only balls about the origins are known.
+#[derive(Debug)]
+pub(super) struct BallPair {
+    balls: [(Point3<f64>, f64); 2],
+}
+
+impl BallPair {
+    pub(super) fn new(a: GeometryRef, b: GeometryRef) -> Self {
+        Self {
+            balls: [a.bounding_ball(), b.bounding_ball()],
+        }
+    }
+
+    fn answered(&self, pose: &RelativePose) -> Answer {
+        let reach = self.balls.map(|(centre, radius)| centre.coords.norm() + radius);
+        let (lower, upper, normal) = far(reach, pose);
+        Answer {
+            is_reached: false,
+            ..Answer::of_convex(Outcome {
+                class: if lower > 0.0 {
+                    Class::Separated
+                } else {
+                    Class::Undecided
+                },
+                distance: 0.5 * lower + 0.5 * upper,
+                lower,
+                upper,
+                point_on_a: self.balls[0].0,
+                point_on_b: self.balls[1].0,
+                normal: Unit::new_unchecked(normal),
+                ..Outcome::starting_at(FeaturePair::FIRST)
+            })
+        }
+    }
+}
+
+impl Separation for BallPair {
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        self.balls[usize::from(of == Operand::B)]
+    }
+
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        Measure::from(&self.answered(a_from_b))
+    }
+
+    fn meets(&mut self, _: &RelativePose, _: f64, seen: &Measure) -> bool {
+        seen.lower <= 0.0
+    }
+
+    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+        let way = seen.lower - flight.keep - flight.apart(self).noise;
+        Free {
+            span: flight.held(self, way),
+            proof: Proof::Own,
+        }
+    }
+}
+
+impl Asked for BallPair {
+    fn answer(&mut self, pose: &RelativePose, _: &Question) -> Answer {
+        self.answered(pose)
+    }
+
+    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
+        let found = self.answered(pose);
+        if d >= 0.0 {
+            Decision::by(found.lower, found.upper, d)
+        } else {
+            Decision::No
+        }
+    }
+}
+
+impl Asked for ShapePair<'_> {
+    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        let (a, b, tracker) = self.asked();
+        Answer::of_convex(measured(tracker, (a, b), pose, question.until))
+    }
+
+    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
+        let (a, b, tracker) = self.asked();
+        Decision::of(tracker.within(a, b, pose, d))
+    }
+
+    fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
+        let (a, b, _) = self.asked();
+        let [a, b] = [a, b].map(|shape| Composite::from(shape.clone()));
+        CompositeTracker::new().penetration(&a, &b, pose)
+    }
+}
+
+impl Asked for CompositePair<'_> {
+    fn answer(&mut self, pose: &RelativePose, _: &Question) -> Answer {
+        of_sets(self.tracker.closest(&self.a, &self.b, pose))
+    }
+
+    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
+        Decision::of(self.tracker.within(&self.a, &self.b, pose, d))
+    }
+
+    fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
+        self.tracker.lower_bound(&self.a, &self.b, pose)
+    }
+
+    fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
+        self.tracker.penetration(&self.a, &self.b, pose)
+    }
+}
+
+impl Asked for MeshPair<'_> {
+    fn answer(&mut self, pose: &RelativePose, _: &Question) -> Answer {
+        of_sets(self.tracker.closest(self.a, self.b, pose))
+    }
+
+    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
+        Decision::of(self.tracker.within(self.a, self.b, pose, d))
+    }
+
+    fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
+        self.tracker.lower_bound(self.a, self.b, pose)
+    }
+
+    fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
+        self.tracker.penetration(self.a, self.b, pose)
+    }
+
+    fn check(&self, pose: &RelativePose) -> Result<(), String> {
+        let checked = self.tracker.audit(self.a, self.b, pose);
+        checked.map_err(|fault| fault.to_string())
+    }
+}
+
+impl Asked for SurfacePair<'_> {
+    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        let width = self.width(question);
+        self.tracker.allow(question.splits);
+        of_sets(self.closest(pose, width))
+    }
+
+    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.tracker.allow(question.splits);
+        self.is_within(pose, d)
+    }
+}
+
+impl Asked for SurfaceShapePair<'_> {
+    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        let width = self.width(question);
+        let pose = from_surface(self.order, pose);
+        self.tracker.allow(question.splits);
+        let found = self.tracker.closest(self.surface, self.shape, &pose, width);
+        of_sets(in_order(self.order, found, &pose))
+    }
+
+    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.tracker.allow(question.splits);
+        let pose = from_surface(self.order, pose);
+        self.tracker.within(self.surface, self.shape, &pose, d)
+    }
+}
+
+impl Asked for SurfaceCompositePair<'_> {
+    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        let width = self.width(question);
+        let pose = from_surface(self.order, pose);
+        self.tracker.allow(question.splits);
+        let found = self.tracker.closest(self.surface, self.body, &pose, width);
+        of_sets(in_order(self.order, found, &pose))
+    }
+
+    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.tracker.allow(question.splits);
+        let pose = from_surface(self.order, pose);
+        self.tracker.within(self.surface, self.body, &pose, d)
+    }
+}

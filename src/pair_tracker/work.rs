@@ -1,0 +1,51 @@
+//! The work of a tracker of any two geometries.
+
+use crate::composite::work::MeshWork;
+use crate::patch::SurfaceWork;
+use crate::tracker::Totals;
+
+/// The work of the queries of a [`PairTracker`](crate::PairTracker), by what the geometries are
+/// searched by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PairWork {
+    /// Queries of two convex geometries.
+    pub convex: Totals,
+    /// Queries of composites and meshes.
+    pub trees: MeshWork,
+    /// Queries with a surface of patches.
+    pub surfaces: SurfaceWork,
+}
+
+impl PairWork {
+    pub(super) fn of_convex(convex: Totals) -> Self {
+        Self {
+            convex,
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn of_trees(trees: MeshWork) -> Self {
+        Self {
+            trees,
+            ..Self::default()
+        }
+    }
+
+    pub(super) fn of_surfaces(surfaces: SurfaceWork) -> Self {
+        Self {
+            surfaces,
+            ..Self::default()
+        }
+    }
+}
+
+impl core::ops::AddAssign for PairWork {
+    /// Adds all counts. Sums saturate.
+    fn add_assign(&mut self, other: Self) {
+        self.convex += other.convex;
+        self.trees += other.trees;
+        self.surfaces += other.surfaces;
+    }
+}
