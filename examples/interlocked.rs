@@ -10,7 +10,7 @@ use lab::pose::{cross, dot, norm, quat, quat_mul, scale, sub, unit, unit_quat};
 use lab::soups::{self, Soup};
 use lab::{Point, Pose};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Mesh, MeshOutcome, MeshTracker, RelativePose};
+use lin_canny::{Answer, Mesh, PairTracker, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
@@ -62,13 +62,13 @@ fn race(ring: &Soup) -> Result<(), Trouble> {
     let at: Vec<_> = (0..FRAMES)
         .map(|k| RelativePose::from_isometry(&pose(k).isometry()))
         .collect::<Result<_, _>>()?;
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     let start = Instant::now();
-    let ours: Vec<MeshOutcome> = at.iter().map(|at| tracker.closest(&m, &m, at)).collect();
+    let ours: Vec<Answer> = at.iter().map(|at| tracker.closest(&m, &m, at)).collect();
     let tracked = start.elapsed().as_secs_f64() * 1e6 / FRAMES as f64;
     let start = Instant::now();
     at.iter().for_each(|at| {
-        MeshTracker::new().closest(&m, &m, at);
+        PairTracker::new().closest(&m, &m, at);
     });
     let cold = start.elapsed().as_secs_f64() * 1e6 / FRAMES as f64;
     let points = ring.points.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
@@ -85,9 +85,9 @@ fn race(ring: &Soup) -> Result<(), Trouble> {
         "{:>9} {tracked:>10.1} {cold:>10.1} {parry:>12.0} {:>7} {:>7.1} {:>7.1} {:>9.1}   parry differs by {worst:.0e}",
         ring.triangles.len(),
         tracker.front_len(),
-        each(w.failed),
-        each(w.bounds),
-        each(w.measured),
+        each(w.trees.failed),
+        each(w.trees.bounds),
+        each(w.trees.measured),
     );
     Ok(())
 }
@@ -104,7 +104,7 @@ fn project(p: Point) -> (f64, f64, f64) {
 /// Both rings, the boxes of the front, and the closest points.
 fn picture(ring: &Soup) -> Result<String, Trouble> {
     let m = mesh(ring)?;
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     let mut last = None;
     for k in 0..60 {
         last = Some(tracker.closest(&m, &m, &RelativePose::from_isometry(&pose(k).isometry())?));
@@ -115,7 +115,7 @@ fn picture(ring: &Soup) -> Result<String, Trouble> {
         for t in 0..ring.triangles.len() {
             faces.extend(face(ring.corners(t).map(|p| place.apply(p)), hue));
         }
-        let nodes: BTreeSet<u32> = tracker.front().map(|pair| pair[body]).collect();
+        let nodes: BTreeSet<u32> = tracker.mesh_front().map(|pair| pair[body]).collect();
         for node in nodes {
             let corners = m.node_box(node).ok_or("no such node")?;
             faces.extend(frame(corners.map(|p| place.apply(p.into())), hue));

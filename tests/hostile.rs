@@ -11,8 +11,8 @@ use lin_canny::broad::{Aabb, BroadPhase, PencilSweep, SortedAxes};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
-use lin_canny::{Composite, CompositeTracker, ConvexPolyhedron, Manifold, ManifoldOptions, Mesh, MeshTracker};
-use lin_canny::{RelativePose, Shape, ShapeTracker, Tracker, Velocity};
+use lin_canny::{Composite, ConvexPolyhedron, Manifold, ManifoldOptions, Mesh, PairTracker};
+use lin_canny::{RelativePose, Shape, Tracker, Velocity};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::sync::Arc;
@@ -325,7 +325,7 @@ fn counters_at_their_end(pose: &RelativePose) {
     let body = solids::icosahedron(1.0).unwrap();
     let (shape, ball) = (Shape::from(body.clone()), Shape::ball(0.3).unwrap());
     let (mesh, pieces) = (Mesh::from_convex(&body).unwrap(), Composite::from(shape.clone()));
-    let (mut shapes, mut meshes, mut composites) = (ShapeTracker::new(), MeshTracker::new(), CompositeTracker::new());
+    let (mut shapes, mut meshes, mut composites) = (PairTracker::new(), PairTracker::new(), PairTracker::new());
     for _ in 0..2 {
         for _ in 0..2 {
             shapes.closest(&shape, &ball, pose);
@@ -339,8 +339,11 @@ fn counters_at_their_end(pose: &RelativePose) {
         shapes = at_their_end(&shapes);
         (meshes, composites) = (at_their_end(&meshes), at_their_end(&composites));
     }
-    assert_eq!(shapes.totals().queries, u64::MAX);
-    assert_eq!((meshes.work().queries, composites.work().queries), (u64::MAX, u64::MAX));
+    assert_eq!(shapes.work().convex.queries, u64::MAX);
+    assert_eq!(
+        (meshes.work().trees.queries, composites.work().trees.queries),
+        (u64::MAX, u64::MAX)
+    );
     let (mut scene, ids) = small_scene();
     let velocity = Velocity::new(Vector3::x(), Vector3::z());
     for _ in 0..3 {

@@ -11,10 +11,13 @@ use lab::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::{Decision, Surface};
+use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Separation;
-use lin_canny::{Class, Distance, Geometry, Mesh, PairTracker, RelativePose, Velocity};
+use lin_canny::{
+    Answer, Class, Composite, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh, PairTracker,
+    PairWork, PatchContact, Question, RelativePose, Shape, Velocity,
+};
 
 type Body = (Geometry, Form);
 
@@ -25,7 +28,7 @@ fn meet(x: &Distance, y: &Distance, slack: f64) -> bool {
 /// One pair at one pose: fresh and kept trackers, both orders, predicates, and the form over time.
 fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTracker; 2]) -> Class {
     let truth = forms::distance(a, b, pose);
-    let found = PairTracker::new().closest(x, y, pose).unwrap();
+    let found = PairTracker::new().closest(x, y, pose);
     let distance = Distance::from(&found);
     let is_deep = found.class == Class::Overlapping && !(a.is_convex() && b.is_convex());
     assert!(is_deep || meet(&distance, &truth, 1e-8), "{found:?} {truth:?}");
@@ -34,15 +37,15 @@ fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTrac
         let apart = (pose_b * found.point_on_b - pose_a * found.point_on_a).norm();
         assert!((apart - found.distance).abs() < 1e-8, "{found:?} {apart}");
     }
-    let warm = kept[0].distance(x, y, pose).unwrap();
-    let back = kept[1].closest(y, x, &pose.swapped()).unwrap();
+    let warm = kept[0].distance(x, y, pose);
+    let back = kept[1].closest(y, x, &pose.swapped());
     assert!(meet(&warm, &distance, 1e-12) && meet(&Distance::from(&back), &distance, 1e-8));
     let Distance { lower, upper, .. } = distance;
-    assert_eq!(kept[0].within(x, y, pose, upper.max(0.0) + TIE), Ok(Decision::Yes));
+    assert_eq!(kept[0].within(x, y, pose, upper.max(0.0) + TIE), Decision::Yes);
     if lower > TIE {
-        assert_eq!(kept[0].within(x, y, pose, lower - TIE), Ok(Decision::No));
-        assert_eq!(kept[1].intersects(y, x, &pose.swapped()), Ok(Decision::No));
-        let mut pair = kept[0].over(x, y).unwrap();
+        assert_eq!(kept[0].within(x, y, pose, lower - TIE), Decision::No);
+        assert_eq!(kept[1].intersects(y, x, &pose.swapped()), Decision::No);
+        let mut pair = kept[0].over(x, y);
         let seen = pair.measure(pose);
         assert!(
             seen.lower <= upper + TIE && lower <= seen.upper + TIE,
@@ -110,8 +113,8 @@ fn any_two_geometries_meet_at_one_time_in_either_order() {
             let tolerance = Tolerance::Distance(1e-5);
             let mut trackers = [PairTracker::new(), PairTracker::new()];
             let [one, two] = &mut trackers;
-            let there = cast(&mut one.over(x, y).unwrap(), &still, &flight, (0.0, 1.0), tolerance).unwrap();
-            let back = cast(&mut two.over(y, x).unwrap(), &flight, &still, (0.0, 1.0), tolerance).unwrap();
+            let there = cast(&mut one.over(x, y), &still, &flight, (0.0, 1.0), tolerance).unwrap();
+            let back = cast(&mut two.over(y, x), &flight, &still, (0.0, 1.0), tolerance).unwrap();
             if let (Impact::Hit { safe, hit, .. }, Impact::Hit { safe: s, hit: h, .. }) = (there.impact, back.impact) {
                 assert!(safe <= h && s <= hit, "{:?} {:?}", there.impact, back.impact);
                 hits += 1;
@@ -126,23 +129,121 @@ fn any_two_geometries_meet_at_one_time_in_either_order() {
     assert!(hits > 60, "{hits}");
 }
 
+/// A mesh that is a solid is answered beside a surface as the hull that it covers, which has a road of its own.
 #[test]
-fn a_mesh_and_a_surface_are_refused_by_name() {
-    let mesh = Mesh::from_convex(&solids::octahedron(1.0).unwrap()).unwrap();
-    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(Point3::from);
+fn a_mesh_beside_a_surface_is_a_solid() {
+    let mut rng = Rng::new(41);
+    let (hull, shell) = (solids::icosahedron(0.6).unwrap(), sphere(0.45));
+    let sheet = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [1.0, 1.0, 0.5]].map(Point3::from);
+    let sheet = Mesh::new(&sheet, &[[0, 1, 2], [2, 1, 3]]).unwrap();
+    let mesh = Mesh::from_convex(&hull).unwrap();
+    let [small, open] = [sphere(0.05), Surface::from_mesh(&sheet).unwrap()];
+    let narrow = Question::new().width(1e-9);
+    let (mut kept, mut classes, mut inside) = (PairTracker::new(), [0; 4], 0);
+    for k in 0..600 {
+        let surface = [&shell, &small, &open][k % 3];
+        let reach = [0.5, 1.2, 3.0][k / 3 % 3];
+        let (q, t) = (rng.quat(), scale(rng.in_ball(), reach));
+        let pose = RelativePose::from_isometry(&Pose { q, t }.isometry()).unwrap();
+        let truth = PairTracker::new().ask(&hull, surface, &pose, &narrow);
+        let found = PairTracker::new().ask(&mesh, surface, &pose, &narrow);
+        let back = kept.ask(surface, &mesh, &pose.swapped(), &narrow);
+        for o in [&found, &back] {
+            let is_close = truth.upper < 1e-6 && truth.class != Class::Overlapping;
+            let shares = |o: &Answer| matches!(o.class, Class::Overlapping | Class::Touching);
+            assert!(is_close || shares(o) == shares(&truth), "{o:?} {truth:?}");
+            let (lower, upper) = (truth.lower.max(0.0), truth.upper);
+            assert!(o.lower <= upper + 1e-12 && lower <= o.upper + 1e-12, "{o:?} {truth:?}");
+        }
+        let meets = PairTracker::new().intersects(&mesh, surface, &pose);
+        assert!(
+            meets.known().is_none_or(|meets| meets == (truth.lower <= 0.0)),
+            "{meets:?} {truth:?}"
+        );
+        assert!(
+            kept.within(surface, &mesh, &pose.swapped(), truth.upper.max(0.0) + 1e-9)
+                .is_yes()
+        );
+        if truth.lower > 1e-6 {
+            assert!(kept.within(surface, &mesh, &pose.swapped(), truth.lower - 1e-9).is_no());
+        }
+        classes[found.class as usize] += 1;
+        inside += u32::from(found.class == Class::Overlapping && k % 3 == 1);
+    }
+    assert!(
+        classes[0] > 150 && classes[1] > 30 && inside > 30,
+        "{classes:?} {inside}"
+    );
+}
+
+/// An open mesh has no inside, and one beyond the coordinates of surfaces only a ball.
+#[test]
+fn meshes_that_no_surface_stands_for_have_bounds() {
+    let corners = [[-9.0, -9.0, -1.0], [9.0, -9.0, -1.0], [0.0, 9.0, -1.0]].map(Point3::from);
     let sheet = Mesh::new(&corners, &[[0, 1, 2]]).unwrap();
-    let [mesh, surface] = [Geometry::from(mesh), Surface::from_mesh(&sheet).unwrap().into()];
-    let pose = RelativePose::from_isometry(&Isometry3::translation(3.0, 0.0, 0.0)).unwrap();
+    let at = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, 1.0)).unwrap();
+    let d = PairTracker::new().distance(&sheet, &sphere(0.5), &at);
+    assert!(d.class == Class::Separated && (d.value - 1.5).abs() < 1e-8, "{d:?}");
+    let far = corners.map(|p| p * 1e70);
+    let huge = Mesh::new(&far, &[[0, 1, 2]]).unwrap();
     let mut tracker = PairTracker::new();
-    let refused = tracker.closest(&mesh, &surface, &pose).unwrap_err();
+    let answer = tracker.closest(&huge, &sphere(0.5), &at);
+    assert!(
+        !answer.is_reached && answer.lower <= 1e70 && answer.upper >= 1e70,
+        "{answer:?}"
+    );
+    assert_eq!(tracker.within(&huge, &sphere(0.5), &at, 1e80), Decision::Yes);
+    assert_eq!(tracker.within(&huge, &sphere(0.5), &at, f64::NAN), Decision::No);
+    assert!(tracker.over(&huge, &sphere(0.5)).measure(&at).lower <= 1e70);
+}
+
+fn sphere(r: f64) -> Surface {
+    let half = 0.5_f64.sqrt();
+    let south: &[[f64; 3]] = &[[0.0, -r, 1.0], [r, -r, half], [r, 0.0, 1.0]];
+    let north: &[[f64; 3]] = &[[r, 0.0, 1.0], [r, r, half], [0.0, r, 1.0]];
+    lin_canny::patch::revolution(&[south, north]).unwrap()
+}
+
+/// Two convex geometries have the points of their manifold, other solids those of patches, a surface none.
+#[test]
+fn contacts_of_any_two_geometries() {
+    let die = solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).unwrap();
+    let floor = solids::cuboid(Vector3::new(5.0, 5.0, 1.0)).unwrap();
+    let ground = Mesh::from_convex(&floor).unwrap();
+    let blocks = Composite::from(Shape::from(floor.clone()));
+    let at = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.0, 1.49)).unwrap();
+    let options = ManifoldOptions::within(0.02);
+    let round = Shape::from(die.clone()).rounded(0.01).unwrap();
+    let floors = [GeometryRef::from(&floor), (&ground).into(), (&blocks).into()];
+    let mut tracker = PairTracker::new();
+    for floor in floors {
+        for die in [GeometryRef::from(&die), (&round).into()] {
+            for frame in 0..3 {
+                let found = tracker.contacts(floor, die, &at, &options).unwrap();
+                assert_eq!((found.len(), found[0].contacts.len()), (1, 4), "{frame}");
+                let depth = |c: &PatchContact| c.point.separation;
+                assert!(found[0].contacts.iter().all(|c| (depth(c) + 0.01).abs() < 0.0101));
+            }
+            let depth = tracker.penetration(floor, die, &at).unwrap();
+            assert!(
+                depth.lower <= 0.0201 && depth.upper >= 0.0099 && depth.upper < 0.022,
+                "{depth:?}"
+            );
+        }
+    }
+    let shell = sphere(1.0);
+    let refused = tracker.contacts(&floor, &shell, &at, &options).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "no tracker follows a mesh and a surface of patches"
+        "a polyhedron and a surface of patches have no contacts"
     );
-    let refused = tracker.over(&surface, &mesh).unwrap_err();
+    let refused = tracker.manifold(&ground, &die, &at, &options, &mut Manifold::new());
     assert_eq!(
-        refused.to_string(),
-        "no tracker follows a surface of patches and a mesh"
+        refused.unwrap_err().to_string(),
+        "a mesh and a polyhedron have no manifold"
     );
-    assert!(tracker.intersects(&mesh, &mesh, &pose) == Ok(Decision::No));
+    assert_eq!(tracker.penetration(&floor, &shell, &at), None);
+    assert!(tracker.check(&floor, &die, &at).is_ok() && tracker.work().trees.queries > 0);
+    tracker.reset();
+    assert_eq!(tracker.work(), PairWork::default());
 }

@@ -4,7 +4,7 @@ use lab::rng::Rng;
 use lab::shapes;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Accuracy, ConvexPolyhedron, Operand, RelativePose, Replay, ReplayError, Shape, ShapeTracker, Tracker};
+use lin_canny::{Accuracy, ConvexPolyhedron, Operand, PairTracker, RelativePose, Replay, ReplayError, Shape, Tracker};
 
 fn bodies() -> Vec<ConvexPolyhedron> {
     let point = |x, y, z| Point3::new(x, y, z);
@@ -66,7 +66,7 @@ fn a_query_of_rounded_bodies_comes_back_bit_for_bit() {
             Shape::from(a).rounded(round).unwrap(),
             Shape::from(b).rounded(0.5).unwrap(),
         ];
-        let mut pair = ShapeTracker::new();
+        let mut pair = PairTracker::new();
         for _ in 0..4 {
             let pose = Isometry3::new(Vector3::from(rng.unit()) * 2.0, Vector3::from(rng.unit()));
             let pose = RelativePose::from_isometry(&pose).unwrap();
@@ -78,7 +78,7 @@ fn a_query_of_rounded_bodies_comes_back_bit_for_bit() {
             let [c, d] = again.shapes();
             let (mine, theirs) = (
                 pair.closest(&a, &b, &pose),
-                again.shape_tracker().closest(&c, &d, &again.pose),
+                again.pair_tracker().closest(&c, &d, &again.pose),
             );
             overlaps += usize::from(mine.upper < 0.0);
             assert_eq!(format!("{mine:?}"), format!("{theirs:?}"));
@@ -87,7 +87,7 @@ fn a_query_of_rounded_bodies_comes_back_bit_for_bit() {
     assert!(warm > 20 && overlaps > 3, "{warm} {overlaps}");
     let ball = Shape::ellipsoid(Vector3::new(1.0, 2.0, 3.0)).unwrap();
     let pose = RelativePose::from_isometry(&Isometry3::identity()).unwrap();
-    assert_eq!(ShapeTracker::new().replay(&ball, &ball, &pose), None);
+    assert_eq!(PairTracker::new().replay(&ball, &ball, &pose), None);
 }
 
 /// The replay of two boxes with one line changed.

@@ -10,7 +10,7 @@ use lab::rng::Rng;
 use lab::shapes::Shape as Plain;
 use lab::{Body, Pose};
 use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Class, Outcome, RelativePose, Shape, ShapeTracker};
+use lin_canny::{Class, Outcome, PairTracker, RelativePose, Shape};
 
 /// A hull of four to eight random points, or a segment or a point.
 fn core(rng: &mut Rng, least: usize) -> Plain {
@@ -51,18 +51,18 @@ fn signed_distances_are_those_of_the_cores_less_the_radii() {
         // The truth of the core is rounded once, and the difference twice.
         let s = truth.distance - radii[0] - radii[1];
         let size = 2.0 + radii[0] + radii[1] + lab::pose::norm(pose_b.t);
-        let mut pair = ShapeTracker::new();
+        let mut pair = PairTracker::new();
         for _ in 0..2 {
             let o = pair.closest(&a, &b, &pose);
             judge(&o, &pose, size);
             let slack = 4.0 * f64::EPSILON * (truth.distance.abs() + radii[0] + radii[1]);
             assert!(o.lower <= s + slack && s - slack <= o.upper, "{s} {o:?}");
-            let swapped = ShapeTracker::new().closest(&b, &a, &pose.swapped());
+            let swapped = PairTracker::new().closest(&b, &a, &pose.swapped());
             assert_eq!(swapped.class, o.class);
             assert!(swapped.lower <= o.upper && o.lower <= swapped.upper);
             classes[o.class as usize] += 1;
             for d in [0.0, 0.5 * s.abs(), 2.0 * s.abs()] {
-                assert_eq!(pair.within(&a, &b, &pose, d), s <= d, "{s} {d}");
+                assert_eq!(pair.within(&a, &b, &pose, d).is_yes(), s <= d, "{s} {d}");
             }
         }
     }
@@ -75,7 +75,7 @@ fn classes_and_predicates_are_exact() {
     let tiny = f64::EPSILON / 4.0;
     let pose = RelativePose::from_isometry(&Isometry3::translation(3.0, 4.0, 0.0)).expect("a pose");
     let ball = |r: f64| Shape::ball(r).expect("a ball");
-    let mut pair = ShapeTracker::new();
+    let mut pair = PairTracker::new();
     for (a, b, class) in [
         (2.0, 3.0, Class::Touching),
         (2.0, 3.0f64.next_up(), Class::Overlapping),
@@ -88,15 +88,23 @@ fn classes_and_predicates_are_exact() {
         for (x, y, pose) in [(&x, &y, pose), (&y, &x, pose.swapped())] {
             let o = pair.closest(x, y, &pose);
             assert_eq!(o.class, class, "{a} {b} {o:?}");
-            assert_eq!(pair.intersects(x, y, &pose), class != Class::Separated, "{a} {b}");
+            assert_eq!(
+                pair.intersects(x, y, &pose).is_yes(),
+                class != Class::Separated,
+                "{a} {b}"
+            );
             judge(&o, &pose, 10.0);
         }
     }
     // Three numbers whose sum f64 does not hold: 1 + 2^-54 + 4 against 5, and 4 less one unit.
     let (x, y) = (ball(1.0), ball(tiny));
-    assert!(pair.within(&x, &y, &pose, 4.0));
-    assert!(!pair.within(&x, &y, &pose, 4.0f64.next_down()));
-    assert!(!pair.within(&x, &y, &pose, -1.0) && !pair.within(&x, &y, &pose, f64::NAN));
+    assert!(pair.within(&x, &y, &pose, 4.0))
+        .is_yes()
+        .is_yes()
+        .is_yes()
+        .is_yes();
+    assert!(!pair.within(&x, &y, &pose, 4.0f64.next_down()).is_yes());
+    assert!(!pair.within(&x, &y, &pose, -1.0).is_yes() && !pair.within(&x, &y, &pose, f64::NAN).is_yes());
     // A capsule beside a rounded box, touching along a segment.
     let pill = Shape::capsule(1.0, 0.25).expect("a capsule");
     let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))

@@ -8,7 +8,7 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Counts, Effects, Event, Group, Scene, SceneError};
 use lin_canny::schedule::Schedule;
-use lin_canny::{Composite, Geometry, Mesh, Piece, RelativePose, Shape, ShapeTracker, Velocity};
+use lin_canny::{Composite, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -235,7 +235,7 @@ fn intersects(x: &Flyer, y: &Flyer, at: &Isometry3<f64>, on: &Isometry3<f64>) ->
     x.pieces.iter().any(|(a, i)| {
         y.pieces.iter().any(|(b, j)| {
             let pose = RelativePose::new(&(at * i), &(on * j)).unwrap();
-            ShapeTracker::new().intersects(a, b, &pose)
+            PairTracker::new().intersects(a, b, &pose).is_yes()
         })
     })
 }

@@ -12,7 +12,7 @@ use lab::progress::Progress;
 use lab::record::Row;
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{ConvexPolyhedron, RelativePose, Shape, ShapeTracker, Tracker};
+use lin_canny::{ConvexPolyhedron, PairTracker, RelativePose, Shape, Tracker};
 
 use crate::bodies::ball;
 use crate::measure;
@@ -94,7 +94,7 @@ impl Scene {
         let frames = motion::orbit_and_spin(&mut Rng::new(31), options.frames(), 0.5, radii, (0.02, 0.5), 200);
         let truth = |f: usize| {
             let place = Place::of(&frames[f]);
-            let o = ShapeTracker::new().closest(&a.shape, &b.shape, &place.pose());
+            let o = PairTracker::new().closest(&a.shape, &b.shape, &place.pose());
             let (lower, upper) = place.truth(&a.kind, &b.kind, &o);
             let [lower, upper] = [lower.0, upper.0];
             (Truth { lower, upper }, place.size(&a.kind, &b.kind))
@@ -124,7 +124,7 @@ impl Scene {
     }
 
     /// The distance of the shapes, both witnesses in the world.
-    fn curved(&self, f: usize, pair: &mut ShapeTracker) -> f64 {
+    fn curved(&self, f: usize, pair: &mut PairTracker) -> f64 {
         let o = pair.closest(&self.a.shape, &self.b.shape, &self.relative(f));
         black_box((self.poses[f].0 * o.point_on_a, self.poses[f].1 * o.point_on_b));
         o.distance
@@ -166,9 +166,9 @@ pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -
             0,
             "ours",
             "certified",
-            scene.seen(options, ShapeTracker::new, |f, s| scene.curved(f, s)),
+            scene.seen(options, PairTracker::new, |f, s| scene.curved(f, s)),
         );
-        let cold = |f: usize, (): &mut ()| scene.curved(f, &mut ShapeTracker::new());
+        let cold = |f: usize, (): &mut ()| scene.curved(f, &mut PairTracker::new());
         note(0, "ours-cold", "certified", scene.seen(options, || (), cold));
         note(
             0,

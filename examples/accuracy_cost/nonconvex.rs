@@ -12,9 +12,7 @@ use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lab::{brute, pose};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{
-    Composite, CompositeTracker, ConvexPolyhedron, Decomposition, Mesh, MeshTracker, Piece, RelativePose, Tracker,
-};
+use lin_canny::{Composite, ConvexPolyhedron, Decomposition, Mesh, PairTracker, Piece, RelativePose, Tracker};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
@@ -116,7 +114,7 @@ fn linked(k: usize) -> Pose {
 fn tumbling(mesh: &Mesh, reach: f64, frames: usize) -> Result<Vec<Pose>, Trouble> {
     let mut rng = Rng::new(11);
     let (axis, mut q, mut x) = (rng.unit(), rng.quat(), reach);
-    let (mut tracker, mut poses) = (MeshTracker::new(), Vec::new());
+    let (mut tracker, mut poses) = (PairTracker::new(), Vec::new());
     while poses.len() < frames + 20 {
         let phase = poses.len() as f64 * 0.5f64.to_radians();
         q = unit_quat(quat_mul(quat(axis, 0.5f64.to_radians()), q));
@@ -157,16 +155,16 @@ pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -
         let mut note = |n: usize, engine: &str, level: &str, seen: [Vec<f64>; 2]| {
             measure::line(rows, ("nonconvex", name, n), (engine, level), seen);
         };
-        let mesh = |f: usize, s: &mut MeshTracker| s.distance(&scene.mesh, &scene.mesh, &scene.relative[f]).value;
-        note(n, "ours", "mesh", scene.seen(options, MeshTracker::new, mesh));
+        let mesh = |f: usize, s: &mut PairTracker| s.distance(&scene.mesh, &scene.mesh, &scene.relative[f]).value;
+        note(n, "ours", "mesh", scene.seen(options, PairTracker::new, mesh));
         let hull = scene.mesh.hull()?;
         let as_hull = |f: usize, s: &mut Tracker| s.distance(&hull, &hull, &scene.relative[f]).value;
         note(1, "ours", "hull", scene.seen(options, Tracker::new, as_hull));
         for resolution in RESOLUTIONS {
             let pieces = Decomposition::new(scene.mesh.clone(), scene.pieces(resolution)?)?;
             let body = pieces.pieces();
-            let as_pieces = |f: usize, s: &mut CompositeTracker| s.distance(body, body, &scene.relative[f]).value;
-            let seen = scene.seen(options, CompositeTracker::new, as_pieces);
+            let as_pieces = |f: usize, s: &mut PairTracker| s.distance(body, body, &scene.relative[f]).value;
+            let seen = scene.seen(options, PairTracker::new, as_pieces);
             note(body.pieces().len(), "ours", "pieces", seen);
             println!("{:<8} {:>6}  {}", "", "", pieces.fit());
         }

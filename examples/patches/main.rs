@@ -16,9 +16,9 @@ use std::time::Instant;
 use lab::Point;
 use lab::command::Arguments;
 use lab::pose::dot;
-use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Nurbs, PatchError, Surface, SurfaceOutcome, SurfacePart, SurfaceTracker, revolution};
+use lin_canny::patch::{Nurbs, PatchError, Surface, SurfacePart, revolution};
+use lin_canny::{Answer, PairTracker, Question, RelativePose};
 
 const USAGE: &str = "\
 usage: patches [--frames N] [--width W] [--out FILE.svg]
@@ -104,8 +104,8 @@ fn run(options: &Options) -> Result<(), String> {
         println!(
             "{width:>8.0e} {widest:>10.1e} {:>10.1e} {us:>10.1} {:>8.1} {:>8.1} {:>8}",
             errors.fold(0.0, f64::max),
-            each(work.gaps),
-            each(work.splits),
+            each(work.surfaces.gaps),
+            each(work.surfaces.splits),
             tracker.front_len()
         );
     }
@@ -118,10 +118,13 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 /// The outcomes of all frames, the tracker after them, microseconds a frame.
-fn track(a: &Surface, b: &Surface, at: &[RelativePose], width: f64) -> (Vec<SurfaceOutcome>, SurfaceTracker, f64) {
-    let mut tracker = SurfaceTracker::new();
+fn track(a: &Surface, b: &Surface, at: &[RelativePose], width: f64) -> (Vec<Answer>, PairTracker, f64) {
+    let mut tracker = PairTracker::new();
     let began = Instant::now();
-    let found = at.iter().map(|at| tracker.closest(a, b, at, width)).collect();
+    let found = at
+        .iter()
+        .map(|at| tracker.ask(a, b, at, &Question::new().width(width)))
+        .collect();
     let us = began.elapsed().as_secs_f64() * 1e6 / at.len() as f64;
     (found, tracker, us)
 }
@@ -133,13 +136,7 @@ fn project(p: Point3<f64>) -> [f64; 2] {
 }
 
 /// Both surfaces as lines of equal parameters, the parts of the front, the closest points of all frames.
-fn picture(
-    a: &Surface,
-    b: &Surface,
-    tracker: &SurfaceTracker,
-    found: &[SurfaceOutcome],
-    pose: &Isometry3<f64>,
-) -> String {
+fn picture(a: &Surface, b: &Surface, tracker: &PairTracker, found: &[Answer], pose: &Isometry3<f64>) -> String {
     let mut svg = String::from(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 620\" font-family=\"sans-serif\">\n\
          <rect width=\"760\" height=\"620\" fill=\"#fff\"/>\n",
@@ -149,7 +146,7 @@ fn picture(
         let whole = (0..surface.patches().len() as u32).map(|k| part(k, [0.0, 1.0], [0.0, 1.0]));
         whole.for_each(|p| outline(&mut svg, surface, place, &p, &format!("hsl({hue} 40% 78%)"), 0.7));
         let mut seen = BTreeSet::new();
-        for pair in tracker.front(a, b) {
+        for pair in tracker.surface_front(a, b) {
             let p = pair[body];
             if p.patch.is_some()
                 && seen.insert([p.u[0], p.u[1], p.v[0], p.v[1], f64::from(p.patch.unwrap_or(0))].map(f64::to_bits))

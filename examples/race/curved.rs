@@ -11,7 +11,7 @@ use lab::motion::{self, Frame};
 use lab::parry::{Core, Map, MapGjk};
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::{RelativePose, Shape, ShapeTracker, Solver, Totals};
+use lin_canny::{PairTracker, RelativePose, Shape, Solver, Totals};
 
 use crate::common::{Options, Rows, WARM_UP, median};
 
@@ -58,7 +58,7 @@ fn body(kind: &str) -> Body {
 
 type Poses = (Isometry3<f64>, Isometry3<f64>);
 
-fn ours(pair: &mut ShapeTracker, a: &Shape, b: &Shape, poses: &Poses) -> f64 {
+fn ours(pair: &mut PairTracker, a: &Shape, b: &Shape, poses: &Poses) -> f64 {
     let Ok(relative) = RelativePose::new(&poses.0, &poses.1) else {
         return f64::NAN;
     };
@@ -115,11 +115,11 @@ fn race(rows: &mut Rows, names: (&str, &str), (a, b): (&Body, &Body), count: usi
     let mut totals = Totals::default();
     let time_of = |x: &Shape, y: &Shape, totals: &mut Totals| {
         timed(count, || {
-            let mut pair = ShapeTracker::new();
+            let mut pair = PairTracker::new();
             for p in &poses {
                 black_box(ours(&mut pair, x, y, p));
             }
-            *totals = pair.totals();
+            *totals = pair.work().convex;
         })
     };
     let mine = time_of(&a.shape, &b.shape, &mut totals);
@@ -130,7 +130,7 @@ fn race(rows: &mut Rows, names: (&str, &str), (a, b): (&Body, &Body), count: usi
             parry(&mut gjk, &a.map, &b.map, f);
         }
     });
-    let (mut pair, mut gjk) = (ShapeTracker::new(), MapGjk::default());
+    let (mut pair, mut gjk) = (PairTracker::new(), MapGjk::default());
     let mut errors: Vec<f64> = frames
         .iter()
         .zip(&poses)

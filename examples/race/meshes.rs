@@ -17,7 +17,7 @@ use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Composite, CompositeTracker, ConvexPolyhedron, Mesh, MeshTracker, Piece, RelativePose};
+use lin_canny::{Composite, ConvexPolyhedron, Mesh, PairTracker, Piece, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::{Compound, SharedShape, TriMesh};
@@ -57,7 +57,7 @@ fn tumbling(a: &Mesh, b: &Mesh, reach: f64, degrees: f64, frames: usize) -> Vec<
     let mut rng = Rng::new(11);
     let axis = rng.unit();
     let (mut q, mut x) = (rng.quat(), reach);
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     let mut poses = Vec::new();
     while poses.len() < frames + 20 {
         let phase = poses.len() as f64 * degrees.to_radians();
@@ -82,7 +82,7 @@ fn tumbling(a: &Mesh, b: &Mesh, reach: f64, degrees: f64, frames: usize) -> Vec<
 /// [`tumbling`]. In the middle all of both inner rims is nearly equally close.
 fn linked(rings: Option<(&Mesh, &Mesh)>, degrees: f64, frames: usize) -> Vec<Pose> {
     let turned = quat([1.0, 0.0, 0.0], std::f64::consts::FRAC_PI_2);
-    let (mut x, mut tracker, mut poses) = (1.05, MeshTracker::new(), Vec::new());
+    let (mut x, mut tracker, mut poses) = (1.05, PairTracker::new(), Vec::new());
     while poses.len() < frames {
         let phase = poses.len() as f64 * degrees.to_radians();
         let spin = quat_mul(quat([0.0, 1.0, 0.0], phase), turned);
@@ -114,7 +114,7 @@ fn random(a: &Mesh, b: &Mesh, reach: f64, frames: usize) -> Vec<Pose> {
             t: u.map(|x| x * reach * rng.range(0.5, 1.3)),
         };
         let at = RelativePose::from_isometry(&pose.isometry()).expect("unit");
-        let d = MeshTracker::new().distance(a, b, &at).value;
+        let d = PairTracker::new().distance(a, b, &at).value;
         if d > 0.01 {
             poses.push(pose);
         }
@@ -214,13 +214,13 @@ fn race(scene: &str, n: usize, race: &Race, csv: &mut Rows) {
         .map(|p| RelativePose::from_isometry(&p.isometry()).expect("unit"))
         .collect();
     let progress = Progress::new(&format!("{scene} {} {n}", race.shape), 3);
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     let ours = time(at.len(), |k| {
         black_box(tracker.closest(&a, &b, &at[k]));
     });
     progress.step();
     let cold = time(at.len(), |k| {
-        black_box(MeshTracker::new().closest(&a, &b, &at[k]));
+        black_box(PairTracker::new().closest(&a, &b, &at[k]));
     });
     progress.step();
     let (p, q) = (trimesh(&race.a), trimesh(&race.b));
@@ -229,21 +229,21 @@ fn race(scene: &str, n: usize, race: &Race, csv: &mut Rows) {
         black_box(query::distance(&Default::default(), &p, &poses[k], &q).ok());
     });
     drop(progress);
-    let mut counted = MeshTracker::new();
+    let mut counted = PairTracker::new();
     for at in &at {
         counted.closest(&a, &b, at);
     }
     let w = counted.work();
-    let each = |x: u64| x as f64 / w.queries as f64;
+    let each = |x: u64| x as f64 / w.trees.queries as f64;
     println!(
         "{scene:<13}{:<14}{:>8}{ours:>10.0}{cold:>10.0}{parry:>14.0}{:>9.0}{:>8.0}{:>8.1}{:>8.1}{:>7.2}{:>8.0}",
         race.shape,
         race.a.triangles.len(),
         parry / ours,
-        each(w.bounds),
-        each(w.failed),
-        each(w.measured),
-        each(w.cuts),
+        each(w.trees.bounds),
+        each(w.trees.failed),
+        each(w.trees.measured),
+        each(w.trees.cuts),
         counted.front_len(),
     );
     for (engine, ns) in [("ours", ours), ("ours-cold", cold), ("parry-trimesh", parry)] {
@@ -302,12 +302,12 @@ fn pieces(frames: usize, csv: &mut Rows) {
             .iter()
             .map(|p| RelativePose::from_isometry(&p.isometry()).expect("unit"))
             .collect();
-        let mut tracker = CompositeTracker::new();
+        let mut tracker = PairTracker::new();
         let tracked = time(at.len(), |k| {
             black_box(tracker.closest(&ours, &ours, &at[k]));
         });
         let cold = time(at.len(), |k| {
-            black_box(CompositeTracker::new().closest(&ours, &ours, &at[k]));
+            black_box(PairTracker::new().closest(&ours, &ours, &at[k]));
         });
         let hull = |points: &Vec<[f64; 3]>| {
             let points: Vec<_> = points.iter().map(|p| Vector::new(p[0], p[1], p[2])).collect();
@@ -321,21 +321,21 @@ fn pieces(frames: usize, csv: &mut Rows) {
         let parry = time(placed.len(), |k| {
             black_box(query::distance(&Default::default(), &compound, &placed[k], &compound).ok());
         });
-        let mut counted = CompositeTracker::new();
+        let mut counted = PairTracker::new();
         at.iter().for_each(|at| {
             counted.closest(&ours, &ours, at);
         });
         let w = counted.work();
-        let each = |x: u64| x as f64 / w.queries as f64;
+        let each = |x: u64| x as f64 / w.trees.queries as f64;
         println!(
             "{:<13}{shape:<14}{:>8}{tracked:>10.0}{cold:>10.0}{parry:>14.0}{:>9.0}{:>8.0}{:>8.1}{:>8.1}{:>7.2}{:>8.0}",
             "pieces",
             hulls.len(),
             parry / tracked,
-            each(w.bounds),
-            each(w.failed),
-            each(w.measured),
-            each(w.cuts),
+            each(w.trees.bounds),
+            each(w.trees.failed),
+            each(w.trees.measured),
+            each(w.trees.cuts),
             counted.front_len(),
         );
         for (engine, ns) in [("ours", tracked), ("ours-cold", cold), ("parry-compound", parry)] {

@@ -1,7 +1,7 @@
 //! `race patches`: two curved surfaces that tumble by half a degree a frame, in nanoseconds of thread CPU time a query.
 //!
 //! `ours` keeps its tracker, `ours-cold` begins each query anew; the interval is as narrow as the name of the shape says. Beside them
-//! meshes of an accuracy of `1e-4`: `ours-mesh` keeps a `MeshTracker`, parry's `distance` of two `TriMesh`es keeps nothing.
+//! meshes of an accuracy of `1e-4`: `ours-mesh` keeps a `PairTracker`, parry's `distance` of two `TriMesh`es keeps nothing.
 
 use std::hint::black_box;
 
@@ -9,8 +9,8 @@ use cpu_time::ThreadTime;
 use lab::pose::{Pose, quat, quat_mul, unit_quat};
 use lab::rng::Rng;
 use lin_canny::nalgebra::Point3;
-use lin_canny::patch::{Patch, Surface, SurfaceTracker, revolution};
-use lin_canny::{Mesh, MeshTracker, RelativePose};
+use lin_canny::patch::{Patch, Surface, revolution};
+use lin_canny::{Mesh, PairTracker, Question, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
@@ -44,7 +44,7 @@ fn vase() -> Surface {
 fn tumbling(a: &Surface, b: &Surface, seed: u64, frames: usize) -> Vec<Pose> {
     let mut rng = Rng::new(seed);
     let (axis, mut q, mut x) = (rng.unit(), rng.quat(), 3.0);
-    let mut tracker = SurfaceTracker::new();
+    let mut tracker = PairTracker::new();
     let mut poses = Vec::new();
     while poses.len() < frames + 20 {
         let phase = (0.5 * poses.len() as f64).to_radians();
@@ -54,7 +54,9 @@ fn tumbling(a: &Surface, b: &Surface, seed: u64, frames: usize) -> Vec<Pose> {
             t: [x, 0.1 * phase.sin(), 0.1 * phase.cos()],
         };
         for _ in 0..if poses.is_empty() { 60 } else { 2 } {
-            let d = tracker.distance(a, b, &relative(&pose), 1e-3).value;
+            let d = tracker
+                .ask(a, b, &relative(&pose), &Question::new().width(1e-3))
+                .distance;
             x += if d > 0.0 {
                 0.5 * (0.2 + 0.09 * phase.sin() - d)
             } else {
@@ -138,15 +140,19 @@ fn race(rows: &mut Rows, scene: &str, pairs: &[[Surface; 2]], frames: usize) {
     };
     for (shape, width) in [("1e-4", 1e-4), ("1e-9", 1e-9)] {
         put(shape, "ours", &|[a, b], poses| {
-            let tracker = std::cell::RefCell::new(SurfaceTracker::new());
+            let tracker = std::cell::RefCell::new(PairTracker::new());
             let query = |p: &Pose| {
-                black_box(tracker.borrow_mut().closest(a, b, &relative(p), width));
+                black_box(
+                    tracker
+                        .borrow_mut()
+                        .ask(a, b, &relative(p), &Question::new().width(width)),
+                );
             };
             each(poses, || tracker.borrow_mut().reset(), query)
         });
         put(shape, "ours-cold", &|[a, b], poses| {
             let query = |p: &Pose| {
-                black_box(SurfaceTracker::new().closest(a, b, &relative(p), width));
+                black_box(PairTracker::new().ask(a, b, &relative(p), &Question::new().width(width)));
             };
             each(poses, || (), query)
         });
@@ -158,7 +164,7 @@ fn race(rows: &mut Rows, scene: &str, pairs: &[[Surface; 2]], frames: usize) {
             let (points, triangles) = net(s, n);
             Mesh::new(&points, &triangles).expect("a sound mesh")
         });
-        let tracker = std::cell::RefCell::new(MeshTracker::new());
+        let tracker = std::cell::RefCell::new(PairTracker::new());
         let query = |p: &Pose| {
             black_box(tracker.borrow_mut().closest(&a, &b, &relative(p)));
         };

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use lin_canny::nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
-use lin_canny::{BoxHint, Outcome, RelativePose, Shape, ShapeTracker};
+use lin_canny::{BoxHint, Outcome, PairTracker, RelativePose, Shape};
 
 const CELL: f64 = 118.0;
 const MARGIN: f64 = 92.0;
@@ -34,7 +34,7 @@ fn kinds() -> Result<Vec<(&'static str, Shape)>, lin_canny::ShapeError> {
 fn placed(a: &Shape, b: &Shape, k: usize, goal: f64) -> Result<(Isometry3<f64>, Outcome), String> {
     let turn = UnitQuaternion::from_euler_angles(0.7 * k as f64, 0.4 + 0.3 * k as f64, 1.1 * k as f64);
     let mut pose = Isometry3::from_parts(Vector3::new(2.4, 1.2, 0.8).into(), turn);
-    let mut tracker = ShapeTracker::new();
+    let mut tracker = PairTracker::new();
     let mut closest = |pose: &Isometry3<f64>| {
         let pose = RelativePose::from_isometry(pose).map_err(|e| e.to_string())?;
         Ok::<_, String>(tracker.closest(a, b, &pose))
@@ -44,7 +44,7 @@ fn placed(a: &Shape, b: &Shape, k: usize, goal: f64) -> Result<(Isometry3<f64>, 
         pose.translation.vector -= *o.normal * (o.distance - goal);
         o = closest(&pose)?;
     }
-    Ok((pose, o))
+    Ok((pose, o.outcome))
 }
 
 /// The outline of a shape as seen along z, from its support heights.

@@ -9,7 +9,7 @@
 mod draw;
 mod parse;
 
-use lin_canny::ShapeTracker;
+use lin_canny::PairTracker;
 
 fn main() -> Result<(), String> {
     match std::env::args().nth(1) {
@@ -25,7 +25,7 @@ fn answer(file: &str) -> Result<(), String> {
             continue;
         }
         let pair = parse::pair(line).map_err(|e| format!("{file}:{}: {e}", k + 1))?;
-        let o = ShapeTracker::new().closest(&pair.a, &pair.b, &pair.pose);
+        let o = PairTracker::new().closest(&pair.a, &pair.b, &pair.pose);
         println!("{:.16e} {:.16e} {:.16e}", o.distance, o.lower, o.upper);
     }
     Ok(())

@@ -7,7 +7,7 @@ use lab::curved::{KINDS, Kind, Place, Wide, special, wide};
 use lab::motion::{self, Frame};
 use lab::pose::{norm, sub};
 use lab::rng::Rng;
-use lin_canny::{Class, Outcome, Shape, ShapeTracker, Solver};
+use lin_canny::{Class, Outcome, PairTracker, Shape, Solver};
 
 /// Aspect up to which the width of bounds is promised, and the promise, over the size of the pair.
 const ASPECT: f64 = 30.0;
@@ -174,7 +174,7 @@ fn moves(cores: &[Kind; 2], round: [f64; 2], rng: &mut Rng) -> Vec<Frame> {
 pub(crate) fn play(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let trial = trial(&mut rng);
-    let (mut mix, mut pair, mut last) = (Mix::default(), ShapeTracker::new(), None);
+    let (mut mix, mut pair, mut last) = (Mix::default(), PairTracker::new(), None);
     for (k, frame) in trial.frames.iter().enumerate() {
         let place = Place::of(frame);
         let asked = catch_unwind(AssertUnwindSafe(|| {
@@ -197,7 +197,7 @@ pub(crate) fn play(seed: u64) -> Result<Mix, String> {
 fn frame_of(
     trial: &Trial,
     place: &Place,
-    pair: &mut ShapeTracker,
+    pair: &mut PairTracker,
     rng: &mut Rng,
     mix: &mut Mix,
 ) -> Result<Outcome, String> {
@@ -214,10 +214,10 @@ fn frame_of(
         mix.queries += 5;
         return match others(trial, place, &o, pair) {
             Some(what) => Err(format!("{what}\n{o:?}")),
-            None => Ok(o),
+            None => Ok(o.outcome),
         };
     }
-    fault.map_or(Ok(o), |what| Err(format!("{what}\n{o:?}")))
+    fault.map_or(Ok(o.outcome), |what| Err(format!("{what}\n{o:?}")))
 }
 
 /// The width of bounds that is promised for the pair, over its size.
@@ -282,15 +282,15 @@ fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mi
 }
 
 /// Other ways to the same answer.
-fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut ShapeTracker) -> Option<String> {
+fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> Option<String> {
     let [a, b] = &trial.shapes;
     let pose = place.pose();
     let meet = |p: &Outcome| o.lower <= p.upper && p.lower <= o.upper;
-    let cold = ShapeTracker::new().closest(a, b, &pose);
+    let cold = PairTracker::new().closest(a, b, &pose);
     if !meet(&cold) {
         return Some(format!("cold: {cold:?}"));
     }
-    let swapped = ShapeTracker::new().closest(b, a, &pose.swapped());
+    let swapped = PairTracker::new().closest(b, a, &pose.swapped());
     if !meet(&swapped) {
         return Some(format!("swapped: {swapped:?}"));
     }
@@ -298,15 +298,15 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut ShapeTracker) ->
     let size = place.size(&trial.cores[0], &trial.cores[1]) + round;
     // Predicates take bounds of their own, which may tell more of shapes that nearly touch.
     let nearly = open_within(trial) * size;
-    let (meets, is_apart) = (pair.intersects(a, b, &pose), o.class == Class::Separated);
+    let (meets, is_apart) = (!pair.intersects(a, b, &pose).is_no(), o.class == Class::Separated);
     if meets == is_apart && o.lower > nearly {
         return Some("intersects contradicts the class".into());
     }
-    if !pair.within(a, b, &pose, o.upper.max(0.0)) {
+    if !pair.within(a, b, &pose, o.upper.max(0.0)).is_yes() {
         return Some("not within the upper bound".into());
     }
     // The predicate takes bounds of its own, and what they leave open counts as within.
-    if trial.plain && o.lower > 0.0 && pair.within(a, b, &pose, o.lower - widest(trial) * size) {
+    if trial.plain && o.lower > 0.0 && pair.within(a, b, &pose, o.lower - widest(trial) * size).is_yes() {
         return Some("within less than the lower bound".into());
     }
     if round == 0.0 {
@@ -314,7 +314,7 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut ShapeTracker) ->
     }
     // A rounded pair is the pair of the cores, less the roundings.
     let cores = trial.cores.each_ref().map(Kind::shape);
-    let core = ShapeTracker::new().closest(&cores[0], &cores[1], &pose);
+    let core = PairTracker::new().closest(&cores[0], &cores[1], &pose);
     let slack = 8.0 * f64::EPSILON * size;
     let agree = core.lower - round <= o.upper + slack && o.lower <= core.upper - round + slack;
     (!agree).then(|| format!("the cores: {core:?}"))

@@ -8,7 +8,7 @@ use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lab::{Pose, brute};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshKind, MeshTracker, RelativePose};
+use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
 
 /// Poses of a pair.
 const POSES: usize = 8;
@@ -65,7 +65,7 @@ fn poses(seed: u64) -> Result<Mix, String> {
     let small = rng.log_range(0.02, 1.0);
     let other = on_grid(clean(&mut rng).map(|p| scale(p, small)));
     let (m, n) = (mesh(&faulty(&shape, &mut rng))?, mesh(&faulty(&other, &mut rng))?);
-    let (mut mix, mut tracker) = (Mix::default(), MeshTracker::new());
+    let (mut mix, mut tracker) = (Mix::default(), PairTracker::new());
     mix.meshes = 2;
     for _ in 0..POSES {
         let (q, t) = (rng.quat(), scale(rng.in_ball(), rng.range(0.1, 2.0)));
@@ -87,7 +87,7 @@ fn poses(seed: u64) -> Result<Mix, String> {
         } else {
             found.class == Class::Separated && found.lower <= truth + noise && truth <= found.upper + noise
         };
-        if !is_right || tracker.intersects(&m, &n, &relative) != meets {
+        if !is_right || tracker.intersects(&m, &n, &relative).is_yes() != meets {
             return Err(format!("{truth:e}, contained {contained}: {found:?}\n{pose:?}"));
         }
         mix.frames += 1;

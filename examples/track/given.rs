@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
-use lin_canny::{Class, Mesh, MeshTracker, RelativePose};
+use lin_canny::{Class, Mesh, PairTracker, RelativePose};
 
 use crate::Trouble;
 
@@ -16,7 +16,7 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
     let (a, b) = (load('A', meshes[0])?, load('B', meshes[1])?);
     let text = std::fs::read_to_string(poses).map_err(|e| format!("{}: {e}", poses.display()))?;
     let mut rows = String::from("distance,lower,upper,ax,ay,az,bx,by,bz\n");
-    let (mut tracker, mut frames, mut shared) = (MeshTracker::new(), 0, 0);
+    let (mut tracker, mut frames, mut shared) = (PairTracker::new(), 0, 0);
     let began = std::time::Instant::now();
     for (line, number) in text.lines().zip(1..) {
         if line.trim().is_empty() {

@@ -101,7 +101,7 @@ mod tests {
     use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
     use super::*;
-    use crate::MeshTracker;
+    use crate::composite::tracker::MeshTracker;
     use crate::pose::RelativePose;
 
     /// A torus of `n` times `m` squares about z, its tube `thick` and wavy by `wave`.
@@ -127,7 +127,7 @@ mod tests {
     #[test]
     fn fronts_hold_what_they_claim_and_a_spoiled_one_is_found() {
         let (a, b) = (torus(40, 20, 0.3, 0.0), torus(30, 20, 0.5, 0.2));
-        let mut tracker = MeshTracker::new();
+        let mut tracker = MeshTracker::default();
         let turn = UnitQuaternion::new(Vector3::new(0.6, 0.0, 0.8) * 0.009);
         let mut q = UnitQuaternion::identity();
         let (mut entries, mut audited, mut spoiled) = (0, 0, 0);

@@ -12,7 +12,7 @@ use crate::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
 
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]
-pub struct TreeSide<'a> {
+pub(crate) struct TreeSide<'a> {
     pub(super) tree: &'a Tree,
     /// Stored lengths times `2^exponent` are the caller's.
     pub(super) exponent: i32,

@@ -44,6 +44,12 @@ impl MeshTracker {
         self.state.kept.front.len()
     }
 
+    /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther
+    /// apart than the distance.
+    pub(crate) fn front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.state.kept.front.pairs()
+    }
+
     /// Checks the front that is kept against all vertices, at the pose of the last
     /// [`closest`](Self::closest): for debugging, in time that is entries times triangles.
     ///

@@ -198,6 +198,13 @@ impl<'a> From<&'a Geometry> for GeometryRef<'a> {
     }
 }
 
+impl<'a> From<&GeometryRef<'a>> for GeometryRef<'a> {
+    #[inline]
+    fn from(geometry: &GeometryRef<'a>) -> Self {
+        *geometry
+    }
+}
+
 impl<'a> From<&'a Shape> for GeometryRef<'a> {
     #[inline]
     fn from(shape: &'a Shape) -> Self {

@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 /// A 128-bit hash of a body: bodies of equal fingerprint are identical for all practical purposes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Fingerprint([u64; 2]);
+pub(crate) struct Fingerprint([u64; 2]);
 
 impl Fingerprint {
     /// Returns the fingerprint of a body and a number that changes it in a way named by `kind`.

@@ -3,9 +3,12 @@
 use alloc::vec::Vec;
 
 use super::engine::BodyShapes;
+use super::pair::Asked;
+use super::tracker::{Followed, PairTracker};
 use crate::composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
+use crate::composite::penetration::PenetrationBounds;
 use crate::contact::{Manifold, ManifoldOptions};
-use crate::geometry::{GeometryRef, Lent};
+use crate::geometry::{GeometryRef, Lent, ShapeKind};
 use crate::pose::RelativePose;
 
 /// The contacts of a pair with a composite or a mesh.
@@ -79,4 +82,202 @@ impl ConvexContacts {
         self.found.push(PatchContacts { normal, contacts });
         &self.found
     }
+}
+
+/// Two geometries of these kinds do not have what was asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("a {a} and a {b} have no {asked}")]
+pub struct PairError {
+    /// The kind of A.
+    pub a: ShapeKind,
+    /// The kind of B.
+    pub b: ShapeKind,
+    /// What was asked for.
+    pub asked: &'static str,
+}
+
+impl PairTracker {
+    /// Returns the contact points within `options.prediction`, in groups of one direction, the group
+    /// of the deepest contact first.
+    ///
+    /// Two convex geometries have one group, the points of their [`manifold`](Self::manifold); else
+    /// the groups are those of the patches of meshes and the pieces of composites, as of
+    /// [`contacts_between`](Self::contacts_between). The tracker makes the patches of a body at the
+    /// first call: of a body that is lent without being shared, from a copy.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::{Geometry, ManifoldOptions, Mesh};
+    /// use lin_canny::{PairTracker, RelativePose, Shape};
+    ///
+    /// let half = Vector3::new(5.0, 5.0, 1.0);
+    /// let floor = Mesh::from_convex(&solids::cuboid(half)?)?;
+    /// let floor = Geometry::from(floor);
+    /// let die = Shape::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+    /// let at = Isometry3::translation(0.1, 0.0, 1.49);
+    /// let at = RelativePose::from_isometry(&at)?;
+    /// let mut tracker = PairTracker::new();
+    /// let options = ManifoldOptions::within(0.02);
+    /// let found = tracker.contacts(&floor, &die, &at, &options)?;
+    /// assert_eq!((found.len(), found[0].contacts.len()), (1, 4));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If one of both is a surface of patches, which bears no contacts.
+    pub fn contacts<'g>(
+        &mut self,
+        a: impl Into<GeometryRef<'g>>,
+        b: impl Into<GeometryRef<'g>>,
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+    ) -> Result<&[PatchContacts], PairError> {
+        let (a, b) = (a.into(), b.into());
+        let followed = self.of(a, b);
+        let Followed { tracker, contacts, .. } = followed;
+        if contacts.is_some() || tracker.is_convex() {
+            let convex = contacts.get_or_insert_default();
+            tracker.manifold((a, b), a_from_b, options, &mut convex.manifold);
+            return Ok(convex.found());
+        }
+        tracker
+            .contacts((a, b), a_from_b, options)
+            .ok_or_else(|| refused(a, b, "contacts"))
+    }
+
+    /// Returns the contact points of two bodies whose patches the caller has made, as
+    /// [`contacts`](Self::contacts) does: for bodies of many pairs, which share their patches, and for
+    /// patches with a tolerance of their own.
+    ///
+    /// `options.sine` and `options.drift` are those of the manifold of two patches. Contacts are those
+    /// of shallow overlap: a body that is wholly behind a face, or whose deepest point has left the
+    /// mesh on another side, has no contact with that face. If solids overlap whose hulls of patches
+    /// bear no contact at all, they have one along a translation that parts them, that of
+    /// [`penetration`](Self::penetration), at its price; a solid that is deep inside another one, away
+    /// from all patches, has none.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::{ContactPatches, ManifoldOptions, Mesh};
+    /// use lin_canny::{PairTracker, RelativePose, Shape};
+    ///
+    /// let half = Vector3::new(5.0, 5.0, 1.0);
+    /// let floor = Mesh::from_convex(&solids::cuboid(half)?)?;
+    /// let floor = ContactPatches::of_mesh(floor);
+    /// let die = Shape::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+    /// let die = ContactPatches::from(die);
+    /// let at = Isometry3::translation(0.1, 0.0, 1.49);
+    /// let at = RelativePose::from_isometry(&at)?;
+    /// let mut tracker = PairTracker::new();
+    /// let options = ManifoldOptions::within(0.02);
+    /// let found = tracker.contacts_between(&floor, &die, &at, &options);
+    /// assert_eq!((found.len(), found[0].contacts.len()), (1, 4));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn contacts_between(
+        &mut self,
+        a: &ContactPatches,
+        b: &ContactPatches,
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+    ) -> &[PatchContacts] {
+        self.between.get_or_insert_default().contacts(a, b, a_from_b, options)
+    }
+
+    /// Computes the contact points of two convex geometries within `options.prediction`, in
+    /// `manifold`, which keeps ids and order of the contacts of the previous query: one manifold for
+    /// each pair, passed in every frame. [`contacts`](Self::contacts) returns them for all kinds.
+    ///
+    /// Rounded polyhedra have the contacts of their cores, moved out by the radii along the normal.
+    /// Curved shapes bear contacts by their flat round faces and straight generators within
+    /// `options.sine` of the normal; an ellipsoid, a superquadric, or a rim or apex without such a
+    /// face has one contact, the witnesses.
+    ///
+    /// Contacts of a flat round face are eight points of its rim at multiples of 45 degrees, as far
+    /// as they are over the other shape, and the crossings of the rim with the boundary of the
+    /// other face. They stand still on a shape that trembles: if the shapes are tilted by less than
+    /// some 2e-4, the deepest contact may be shallower than [`closest`](Self::closest) by `2^-16`
+    /// times the radius of the smaller shape. As features, the points of the upper rim of a
+    /// cylinder are vertices 0 to 7, of the lower rim 8 to 15, and of the rim of a cone 1 to 8; the
+    /// second crossing of an edge with a rim is named by the face instead of the rim.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::{Manifold, ManifoldOptions, PairTracker, RelativePose, Shape};
+    ///
+    /// let floor = Shape::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
+    /// let can = Shape::cylinder(0.5, 0.25)?;
+    /// let at = RelativePose::from_isometry(&Isometry3::translation(1.0, 2.0, 1.51))?;
+    /// let (mut tracker, mut manifold) = (PairTracker::new(), Manifold::new());
+    /// let options = ManifoldOptions::within(0.02);
+    /// tracker.manifold(&floor, &can, &at, &options, &mut manifold)?;
+    /// assert_eq!(manifold.points().len(), 4);
+    /// assert!(manifold.points().iter().all(|p| (p.separation - 0.01).abs() < 1e-12));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If one of both is not convex.
+    pub fn manifold<'g>(
+        &mut self,
+        a: impl Into<GeometryRef<'g>>,
+        b: impl Into<GeometryRef<'g>>,
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+        manifold: &mut Manifold,
+    ) -> Result<(), PairError> {
+        let (a, b) = (a.into(), b.into());
+        let tracker = &mut self.of(a, b).tracker;
+        if tracker.manifold((a, b), a_from_b, options, manifold) {
+            Ok(())
+        } else {
+            Err(refused(a, b, "manifold"))
+        }
+    }
+
+    /// Returns bounds of the penetration depth of two solids, the length of the shortest translation
+    /// of B after which they share no inner point. `None` if one of both has no inside: a mesh that is
+    /// not closed, or a surface of patches.
+    ///
+    /// Below stands the depth of the deepest of some thousand vertices inside the other body, of the
+    /// deepest pair of pieces, or of convex parts of both bodies where they overlap; above a
+    /// translation that parts the bodies. The interval may be wide: bodies that hold each other at
+    /// several places are deeper than at any one of them, and slots lead the search astray. Of two
+    /// convex geometries [`closest`](Self::closest) tells the depth itself.
+    ///
+    /// Two meshes take at most 35 queries and 13 looks at up to 2,048 vertices of each body:
+    /// milliseconds to tens of them for meshes of thousands of triangles. Of composites every pair of
+    /// pieces is measured, or every piece against the points of a mesh, then dozens of queries.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::{Mesh, PairTracker, RelativePose, Shape};
+    ///
+    /// let half = Vector3::new(1.0, 1.0, 0.5);
+    /// let table = Mesh::from_convex(&solids::cuboid(half)?)?;
+    /// let ball = Shape::ball(0.3)?;
+    /// let at = Isometry3::translation(0.0, 0.0, 0.7);
+    /// let at = RelativePose::from_isometry(&at)?;
+    /// let found = PairTracker::new().penetration(&table, &ball, &at);
+    /// let found = found.expect("two solids");
+    /// assert!(found.lower > 0.0999 && found.lower <= 0.1);
+    /// assert!(found.upper >= 0.1 && found.upper < 0.1002);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn penetration<'g>(
+        &mut self,
+        a: impl Into<GeometryRef<'g>>,
+        b: impl Into<GeometryRef<'g>>,
+        a_from_b: &RelativePose,
+    ) -> Option<PenetrationBounds> {
+        self.pair(a.into(), b.into()).penetration(a_from_b)
+    }
+}
+
+fn refused(a: GeometryRef, b: GeometryRef, asked: &'static str) -> PairError {
+    let (a, b) = (a.kind(), b.kind());
+    PairError { a, b, asked }
 }

@@ -8,6 +8,7 @@ use super::over::Kinds;
 use super::pair::BallPair;
 use super::work::PairWork;
 use crate::composite::contact::{ContactPatches, PatchContacts};
+use crate::composite::tracker::MeshTracker;
 use crate::contact::{Manifold, ManifoldOptions, Query};
 use crate::geometry::{Geometry, GeometryRef, Lent};
 use crate::pair::outcome::{Accuracy, Outcome, Until};
@@ -304,6 +305,14 @@ impl AnyTracker {
         match self {
             Self::Polyhedra(_) => 0,
             Self::Mixed(tracker) => tracker.front_len(),
+        }
+    }
+
+    /// Returns the tracker of two meshes.
+    pub(super) fn meshes(&self) -> Option<&MeshTracker> {
+        match self {
+            Self::Polyhedra(_) => None,
+            Self::Mixed(tracker) => tracker.meshes(),
         }
     }
 

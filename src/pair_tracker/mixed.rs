@@ -24,8 +24,8 @@ use crate::patch::{
     SurfaceTracker,
 };
 use crate::pose::{Operand, RelativePose};
-use crate::separation::{Measure, Separation, ShapePair, Tangent};
 use crate::replay::Replay;
+use crate::separation::{Measure, Separation, ShapePair, Tangent};
 use crate::shape::Shape;
 use crate::shape_tracker::ShapeTracker;
 
@@ -262,6 +262,14 @@ impl MixedTracker {
 
     pub(super) fn front_len(&self) -> usize {
         self.kinds.front_len()
+    }
+
+    /// Returns the tracker of two meshes.
+    pub(super) fn meshes(&self) -> Option<&MeshTracker> {
+        match &self.kinds {
+            TrackedKinds::Triangles(tracked) => Some(&tracked.tracker),
+            _ => None,
+        }
     }
 
     /// Returns the tracker of two surfaces.

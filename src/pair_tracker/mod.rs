@@ -1,15 +1,18 @@
 //! Pairs of geometries of any two kinds.
 
 mod contacts;
+mod decomposition;
 mod engine;
 mod mixed;
 mod over;
 mod pair;
+mod state;
 mod tracker;
 mod work;
 
+pub use contacts::PairError;
 pub use over::OverTime;
-pub use tracker::{PairError, PairTracker};
+pub use tracker::PairTracker;
 pub use work::PairWork;
 
 pub(crate) use contacts::patches_of;

@@ -113,7 +113,7 @@ impl Asked for PolyhedronPair<'_> {
 /// Two geometries that no tracker measures: a surface and a mesh with coordinates beyond those of
 /// surfaces. Only balls about the origins are known.
 #[derive(Debug)]
-pub(super) struct BallPair {
+pub(crate) struct BallPair {
     balls: [(Point3<f64>, f64); 2],
 }
 

@@ -31,12 +31,6 @@ pub(crate) struct SurfaceCompositeTracker {
 }
 
 impl SurfaceCompositeTracker {
-    /// Returns a tracker without a start.
-    #[must_use]
-    pub(crate) fn new() -> Self {
-        Self::default()
-    }
-
     /// Sets the number of nodes that a query of one piece may split; `None` for the usual budget.
     pub(crate) fn allow(&mut self, splits: Option<usize>) {
         self.splits = splits;

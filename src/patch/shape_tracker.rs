@@ -4,7 +4,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use super::frame::{NetFrame, far};
 use super::gap::{SearchCounts, Trees};
-use super::outcome::{SurfacePart, SurfaceWork};
+use super::outcome::SurfaceWork;
 use super::search::NetGoal;
 use super::solid::{Feet, ShapeNode};
 use super::state::SurfaceMemory;
@@ -70,16 +70,6 @@ impl SurfaceShapeTracker {
     #[must_use]
     pub(crate) fn front_len(&self) -> usize {
         self.state.front.entries.len()
-    }
-
-    /// Returns the front that is kept for this pair: parts of the surface that are proven apart
-    /// from the shape, under which every patch lies. Empty for a pair other than that of the last
-    /// query.
-    pub(crate) fn front<'t>(&'t self, a: &'t Surface, b: &Shape) -> impl Iterator<Item = SurfacePart> + 't {
-        let entries = self.state.entries([a.fingerprint, b.fingerprint()]);
-        entries
-            .iter()
-            .map(|e| SurfacePart::of(self.grown.node(&a.tree, e.pair[0])))
     }
 
     /// Returns the bytes kept on the heap, without those of shapes.

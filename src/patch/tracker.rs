@@ -42,12 +42,6 @@ struct Found {
 }
 
 impl SurfaceTracker {
-    /// Returns a tracker without a start.
-    #[must_use]
-    pub(crate) fn new() -> Self {
-        Self::default()
-    }
-
     /// Sets the number of pairs of nodes that one query may split; `None` for the usual budget.
     pub(crate) fn allow(&mut self, splits: Option<usize>) {
         self.state.allow(splits.unwrap_or(SPLITS));
@@ -81,15 +75,6 @@ impl SurfaceTracker {
     #[must_use]
     pub(crate) fn heap_bytes(&self) -> usize {
         self.grown.iter().map(Grown::heap_bytes).sum::<usize>() + self.state.heap_bytes()
-    }
-
-    /// Returns the closest points with bounds of the distance that are at most `width` apart, a
-    /// length in the caller's unit. A width that is no number, or that is below
-    /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size L (the farthest control points
-    /// of both surfaces from their origins, and the distance of the origins), is taken as that
-    /// limit.
-    pub(crate) fn closest(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, width: f64) -> Answer {
-        self.answer(a, b, a_from_b, NetGoal::Width(width))
     }
 
     /// Returns the closest points with bounds as close as a goal asks for.

@@ -9,7 +9,7 @@ use super::suites::sampled;
 use lab::curved::{Kind, Place};
 use lab::rng::Rng;
 use lin_canny::shape::Core;
-use lin_canny::{Class, Outcome, RelativePose, Shape, ShapeTracker};
+use lin_canny::{Class, Outcome, PairTracker, RelativePose, Shape};
 
 /// A shape without its rounding, as ours and as the judge's.
 fn core(shape: &Shape) -> (Shape, Kind) {
@@ -50,7 +50,7 @@ fn every_line_is_answered() {
         let pair = parse::pair(line).expect(line);
         let ((a, first), (b, second)) = (core(&pair.a), core(&pair.b));
         let at = place(&pair.pose);
-        let o = ShapeTracker::new().closest(&a, &b, &pair.pose);
+        let o = PairTracker::new().closest(&a, &b, &pair.pose);
         let size = at.size(&first, &second);
         assert_ne!(o.class, Class::Undecided, "{line} {o:?}");
         if matches!((a.core(), b.core()), (Core::Polyhedron(_), Core::Polyhedron(_))) {
@@ -64,7 +64,7 @@ fn every_line_is_answered() {
         }
         classes[o.class as usize] += 1;
         // Rounded: both radii less; warm, swapped, and after another pair.
-        let mut tracker = ShapeTracker::new();
+        let mut tracker = PairTracker::new();
         let rounded = tracker.closest(&pair.a, &pair.b, &pair.pose);
         let radii = pair.a.round() + pair.b.round();
         let slack = 1e-15 * (size + radii);

@@ -12,7 +12,7 @@ mod suites;
 use lab::curved::{KINDS, Kind, Place, Wide};
 use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Outcome, ShapeTracker, Solver};
+use lin_canny::{Class, Outcome, PairTracker, Solver};
 
 /// What a suite met.
 #[derive(Default, Debug)]
@@ -103,7 +103,7 @@ fn at_gap(a: &Kind, b: &Kind, rng: &mut Rng, gap: f64) -> Place {
     };
     let (x, y) = (a.shape(), b.shape());
     for _ in 0..2 {
-        let o = ShapeTracker::new().closest(&x, &y, &place.pose());
+        let o = PairTracker::new().closest(&x, &y, &place.pose());
         let t = Vector3::from(place.t) - *o.normal * (o.distance - gap);
         place.t = t.into();
     }
@@ -137,10 +137,10 @@ fn random_poses_of_all_pairs_of_kinds() {
             let gap = rng.log_range(1e-9, 10.0);
             let place = at_gap(&a, &b, &mut rng, gap);
             let (x, y, pose) = (a.shape(), b.shape(), place.pose());
-            let o = ShapeTracker::new().closest(&x, &y, &pose);
+            let o = PairTracker::new().closest(&x, &y, &pose);
             cold.judge(&a, &b, &place, &o);
             assert_eq!(o.class, Class::Separated, "{a:?} {b:?} {place:?} {o:?}");
-            let swapped = ShapeTracker::new().closest(&y, &x, &pose.swapped());
+            let swapped = PairTracker::new().closest(&y, &x, &pose.swapped());
             assert_eq!(swapped.class, o.class);
             assert!(
                 swapped.lower <= o.upper && o.lower <= swapped.upper,

@@ -5,7 +5,7 @@ use super::at_gap;
 use lab::curved::{KINDS, Kind, Place, wide};
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, Shape, ShapeTracker, Tracker};
+use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, PairTracker, Shape, Tracker};
 
 const R: f64 = 0.5;
 
@@ -92,12 +92,12 @@ fn contacts_at_rest_stand_still() {
             let mut options = ManifoldOptions::within(0.01);
             options.drift = drift;
             let (a, b) = (floor.shape(), kind.shape());
-            let (mut pair, mut manifold) = (ShapeTracker::new(), Manifold::new());
+            let (mut pair, mut manifold) = (PairTracker::new(), Manifold::new());
             let mut first: Vec<ContactPoint> = Vec::new();
             let mut moved = 0.0f64;
             for frame in 0..1000 {
                 let place = trembled(&rest, 1e-7 * R, &mut rng);
-                pair.manifold(&a, &b, &place.pose(), &options, &mut manifold);
+                pair.manifold(&a, &b, &place.pose(), &options, &mut manifold).unwrap();
                 let told = format!("{kind:?} gap {gap} drift {drift} frame {frame} {place:?}");
                 judge([&floor, kind], &place, &manifold, &told);
                 assert_eq!(manifold.points().len(), points, "{told} {:?}", manifold.points());
@@ -128,7 +128,9 @@ fn caps_are_clipped_by_edges_and_by_caps() {
         let q = lab::pose::quat([0.0, 0.0, 1.0], 0.1);
         let place = Place { q, t };
         let mut manifold = Manifold::new();
-        ShapeTracker::new().manifold(&a.shape(), &can.shape(), &place.pose(), &options, &mut manifold);
+        PairTracker::new()
+            .manifold(&a.shape(), &can.shape(), &place.pose(), &options, &mut manifold)
+            .unwrap();
         judge([a, &can], &place, &manifold, &format!("{a:?} {t:?}"));
         manifold
     };
@@ -184,15 +186,15 @@ fn contacts_of_all_pairs_are_sound() {
             let turn = lab::pose::quat(rng.unit(), if rng.chance(0.2) { 0.0 } else { tilt });
             place.q = lab::pose::unit_quat(lab::pose::quat_mul(turn, q));
             place.t = [rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), 4.0];
-            let o = ShapeTracker::new().closest(&kinds[0].shape(), &kinds[1].shape(), &place.pose());
+            let o = PairTracker::new().closest(&kinds[0].shape(), &kinds[1].shape(), &place.pose());
             let gap = if rng.chance(0.3) { -1e-3 } else { 1e-3 };
             place.t = (Vector3::from(place.t) - Vector3::z() * (o.distance / o.normal.z - gap)).into();
         }
-        let (mut pair, mut manifold) = (ShapeTracker::new(), Manifold::new());
+        let (mut pair, mut manifold) = (PairTracker::new(), Manifold::new());
         let (a, b) = (kinds[0].shape(), kinds[1].shape());
         for _ in 0..3 {
-            let o = ShapeTracker::new().closest(&a, &b, &place.pose());
-            pair.manifold(&a, &b, &place.pose(), &options, &mut manifold);
+            let o = PairTracker::new().closest(&a, &b, &place.pose());
+            pair.manifold(&a, &b, &place.pose(), &options, &mut manifold).unwrap();
             let told = format!("{kinds:?} {place:?} {o:?}");
             if manifold.is_fresh() {
                 judge([&kinds[0], &kinds[1]], &place, &manifold, &told);
@@ -224,7 +226,7 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
     let radii = [0.25, 0.125];
     let a = Shape::from(floor.clone()).rounded(radii[0]).expect("a radius");
     let b = Shape::from(core.clone()).rounded(radii[1]).expect("a radius");
-    let (mut pair, mut cores) = (ShapeTracker::new(), Tracker::new());
+    let (mut pair, mut cores) = (PairTracker::new(), Tracker::new());
     let (mut manifold, mut of_cores) = (Manifold::new(), Manifold::new());
     let mut seen = 0;
     for k in 0..400 {
@@ -233,7 +235,8 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
             t: [0.003 * f64::from(k), 0.1, 0.8 + 0.375 + rng.range(-0.01, 0.02)],
         };
         let pose = place.pose();
-        pair.manifold(&a, &b, &pose, &ManifoldOptions::within(0.01), &mut manifold);
+        pair.manifold(&a, &b, &pose, &ManifoldOptions::within(0.01), &mut manifold)
+            .unwrap();
         cores.manifold(&floor, &core, &pose, &ManifoldOptions::within(0.385), &mut of_cores);
         assert_eq!(manifold.points().len(), of_cores.points().len());
         let n = manifold.normal();
@@ -262,7 +265,8 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
         q: [0.0, 0.0, 0.0, 1.0],
         t: [0.505, 0.0, 0.5],
     };
-    pair.manifold(&pill, &pill, &at.pose(), &ManifoldOptions::within(0.01), &mut manifold);
+    pair.manifold(&pill, &pill, &at.pose(), &ManifoldOptions::within(0.01), &mut manifold)
+        .unwrap();
     assert_eq!(manifold.points().len(), 2);
     for p in manifold.points() {
         assert!(

@@ -6,7 +6,7 @@ use lab::curved::special::{about_parallel_axes, flush_over_edge};
 use lab::curved::{Kind, Place, matrix, turned_back, wide};
 use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Outcome, ShapeTracker};
+use lin_canny::{Class, Outcome, PairTracker};
 
 /// Largest error of witnesses, times L, and of those of superquadrics, whose heights are less exact; of a depth known to an
 /// interval, the width is added, as far as to `WIDE`.
@@ -44,7 +44,7 @@ struct Worst {
 }
 
 impl Worst {
-    fn take(&mut self, kinds: [&Kind; 2], radii: [f64; 2], place: &Place, pair: &mut ShapeTracker) {
+    fn take(&mut self, kinds: [&Kind; 2], radii: [f64; 2], place: &Place, pair: &mut PairTracker) {
         let shape = |k: usize| {
             let sharp = kinds[k].shape();
             if radii[k] > 0.0 {
@@ -112,7 +112,7 @@ fn witnesses_of_overlaps_are_opposite() {
                 q: turn(&mut rng),
                 t: shift(kinds, &mut rng),
             };
-            worst.take(kinds, radii, &place, &mut ShapeTracker::new());
+            worst.take(kinds, radii, &place, &mut PairTracker::new());
         }
         println!("{first:12} {second:12} {worst:?}");
         if worst.bad > 0 {
@@ -134,7 +134,7 @@ fn witnesses_at_special_poses_are_opposite() {
             about_parallel_axes(&mut rng)
         };
         let radii = *rng.pick(&[[0.0, 0.0], [0.0, 0.3], [0.2, 0.05]]);
-        worst.take([&kinds[0], &kinds[1]], radii, &place, &mut ShapeTracker::new());
+        worst.take([&kinds[0], &kinds[1]], radii, &place, &mut PairTracker::new());
     }
     println!("{worst:?}");
     assert_eq!(worst.bad, 0, "{worst:?}");
@@ -156,7 +156,7 @@ fn witnesses_of_a_capsule_along_the_axis_of_a_cylinder_are_opposite() {
             t: aside,
         };
         for (kinds, radii) in [([&can, &pill], [0.0, 0.3]), ([&pill, &can], [0.3, 0.0])] {
-            worst.take(kinds, radii, &place, &mut ShapeTracker::new());
+            worst.take(kinds, radii, &place, &mut PairTracker::new());
         }
     }
     println!("{worst:?}");
@@ -175,8 +175,8 @@ fn witnesses_stay_opposite_through_contact() {
         for _ in 0..super::count() / 30 {
             let kinds = [first, second].map(|name| Kind::random(name, &mut rng, 4.0));
             let (mut place, axis) = (at_gap(&kinds[0], &kinds[1], &mut rng, 0.2), rng.unit());
-            let o = ShapeTracker::new().closest(&kinds[0].shape(), &kinds[1].shape(), &place.pose());
-            let mut pair = ShapeTracker::new();
+            let o = PairTracker::new().closest(&kinds[0].shape(), &kinds[1].shape(), &place.pose());
+            let mut pair = PairTracker::new();
             for _ in 0..30 {
                 worst.take([&kinds[0], &kinds[1]], [0.0; 2], &place, &mut pair);
                 place.t = (Vector3::from(place.t) - *o.normal * 0.01).into();

@@ -6,7 +6,7 @@ use lab::curved::special::{about_parallel_axes, flush_over_edge, near_limits};
 use lab::curved::{KINDS, Kind, Place};
 use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, Shape, ShapeTracker};
+use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
 
 /// Whether an answer of shapes that are flush is the gap, along the axis of the faces.
 fn is_flush(o: &Outcome, side: f64, apart: f64, size: f64) -> bool {
@@ -29,11 +29,11 @@ fn a_face_flush_over_an_edge_is_a_gap_along_its_axis() {
                 told += &format!("{way} {a:?} {b:?} {place:?} apart {apart:e}\n{what:?}\n");
             }
         };
-        let o = ShapeTracker::new().closest(&x, &y, &place.pose());
+        let o = PairTracker::new().closest(&x, &y, &place.pose());
         if !is_flush(&o, side, apart, size) {
             note(0, &o);
         }
-        let (mut pair, mut last) = (ShapeTracker::new(), o);
+        let (mut pair, mut last) = (PairTracker::new(), o);
         for lift in [0.1, 1e-2, 1e-4, 1e-7, 1e-11, 0.0] {
             let mut lifted = place;
             lifted.t[2] += side * lift;
@@ -43,7 +43,8 @@ fn a_face_flush_over_an_edge_is_a_gap_along_its_axis() {
             note(1, &last);
         }
         let mut manifold = Manifold::new();
-        pair.manifold(&x, &y, &place.pose(), &ManifoldOptions::within(1e-6), &mut manifold);
+        pair.manifold(&x, &y, &place.pose(), &ManifoldOptions::within(1e-6), &mut manifold)
+            .unwrap();
         let upright = |n: Vector3<f64>| side * n.z > 1.0 - 1e-9;
         if manifold.points().is_empty() || !upright(*manifold.normal()) {
             note(2, &last);
@@ -66,7 +67,7 @@ fn quarter(rng: &mut Rng) -> [f64; 4] {
 /// The pose of B moved along the axis between the origins to a gap.
 fn moved_to(a: &Shape, b: &Shape, mut place: Place, gap: f64) -> Place {
     for _ in 0..3 {
-        let o = ShapeTracker::new().closest(a, b, &place.pose());
+        let o = PairTracker::new().closest(a, b, &place.pose());
         place.t = (Vector3::from(place.t) - *o.normal * (o.distance - gap)).into();
     }
     place
@@ -91,7 +92,7 @@ fn superquadrics_near_the_limits_are_bounded_close_to_contact() {
         let q = quarter(&mut rng);
         let gap = rng.log_range(1e-12, 1.0);
         let place = moved_to(&x, &y, Place { q, t: along }, gap);
-        let o = ShapeTracker::new().closest(&x, &y, &place.pose());
+        let o = PairTracker::new().closest(&x, &y, &place.pose());
         let told = || format!("{a:?} {b:?} {place:?} {o:?}");
         for p in [o.point_on_a, o.point_on_b] {
             assert!(p.coords.iter().all(|x| x.is_finite()), "{}", told());
@@ -101,7 +102,7 @@ fn superquadrics_near_the_limits_are_bounded_close_to_contact() {
             mix.judge(&a, &b, &place, &o);
         }
         let round = rng.range(0.1, 1.0);
-        let p = ShapeTracker::new().closest(&x.rounded(round).expect("a radius"), &y, &place.pose());
+        let p = PairTracker::new().closest(&x.rounded(round).expect("a radius"), &y, &place.pose());
         let slack = 1e-13 * (place.size(&a, &b) + round);
         let meets = p.lower <= o.upper - round + slack && o.lower - round <= p.upper + slack;
         assert!(meets, "rounded by {round}: {p:?}\n{}", told());
@@ -120,7 +121,7 @@ fn depths_about_parallel_axes_are_closed() {
         let ([a, b], place) = about_parallel_axes(&mut rng);
         let (x, y, size) = (a.shape(), b.shape(), place.size(&a, &b));
         for (x, y, pose) in [(&x, &y, place.pose()), (&y, &x, place.pose().swapped())] {
-            let o = ShapeTracker::new().closest(x, y, &pose);
+            let o = PairTracker::new().closest(x, y, &pose);
             if o.class == Class::Separated {
                 continue;
             }
@@ -132,7 +133,7 @@ fn depths_about_parallel_axes_are_closed() {
                 }
             }
         }
-        let o = ShapeTracker::new().closest(&x, &y, &place.pose());
+        let o = PairTracker::new().closest(&x, &y, &place.pose());
         let known = super::suites::sampled(&a, &b, &place, &mut rng);
         assert!(known <= o.upper + 1e-15 * size, "{known:e} {a:?} {b:?} {place:?} {o:?}");
     }
@@ -159,7 +160,7 @@ fn superquadrics_near_the_limits_take_no_more_directions_than_stated() {
         let gap = [1.0, 1e-3, 1e-6, 1e-9, 1e-11, 1e-13, 0.0, -1e-3][k % 8];
         let t = lab::pose::scale(rng.unit(), 4.0);
         let place = moved_to(&a, &b, Place { q, t }, gap);
-        let o = ShapeTracker::new().closest(&a, &b, &place.pose());
+        let o = PairTracker::new().closest(&a, &b, &place.pose());
         assert!(o.lower <= o.upper && o.upper.is_finite(), "{k} {o:?}");
         let most = if o.lower > 1e-10 { 450 } else { 1300 };
         assert!(o.work.steps <= most, "{k} {o:?}");

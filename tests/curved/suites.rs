@@ -5,10 +5,10 @@ use lab::curved::{KINDS, Kind, Place, wide};
 use lab::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Outcome, Shape, ShapeTracker, Solver};
+use lin_canny::{Class, Outcome, PairTracker, Shape, Solver};
 
 fn closest(a: &Shape, b: &Shape, place: &Place) -> Outcome {
-    ShapeTracker::new().closest(a, b, &place.pose())
+    PairTracker::new().closest(a, b, &place.pose()).outcome
 }
 
 /// The greatest height over many directions, climbed from the best few: never above the truth.
@@ -194,7 +194,7 @@ fn flush_and_extreme_pairs_close() {
 /// One tracker for all pairs, jumping from one to the next: the class is the same, the bounds meet; and so along a motion.
 #[test]
 fn stale_and_warm_trackers_agree_with_cold_ones() {
-    let (mut rng, mut pair) = (Rng::new(2194), ShapeTracker::new());
+    let (mut rng, mut pair) = (Rng::new(2194), PairTracker::new());
     let (mut warm, mut frames) = (Mix::default(), 0);
     for k in 0..60 {
         let (first, second) = pairs().nth(k % pairs().count()).expect("a pair");

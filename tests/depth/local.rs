@@ -9,7 +9,7 @@ use lab::pose::{dot, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Body, Pose, bound};
-use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, ShapeTracker, Tracker};
+use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, PairTracker, Question, Tracker, Until};
 
 /// A pair of bodies in one order.
 struct Pair<'a> {
@@ -168,12 +168,14 @@ fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
             sharp.rounded(round).expect("a radius")
         });
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let (mut shape_pair, mut of_round) = (ShapeTracker::new(), Manifold::new());
+        let (mut shape_pair, mut of_round) = (PairTracker::new(), Manifold::new());
         for frame in motion::pass_through(&mut rng, 60, (1.0, 0.8), 0.2) {
             let pose = support::relative(&frame);
             let size = support::size(&a, &b, &frame);
             pair.manifold(&a, &b, &pose, &options, &mut m);
-            shape_pair.manifold(&rounded[0], &rounded[1], &pose, &options, &mut of_round);
+            shape_pair
+                .manifold(&rounded[0], &rounded[1], &pose, &options, &mut of_round)
+                .unwrap();
             for m in [&m, &of_round] {
                 let n = m.normal().into_inner().into();
                 for p in m.points() {
@@ -185,8 +187,13 @@ fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
                 }
                 overlaps += usize::from(m.lower() < 0.0);
             }
-            let truth = ShapeTracker::new().closest(&rounded[0], &rounded[1], &pose);
-            let o = shape_pair.closest_with_local_depth(&rounded[0], &rounded[1], &pose);
+            let truth = PairTracker::new().closest(&rounded[0], &rounded[1], &pose);
+            let o = shape_pair.ask(
+                &rounded[0],
+                &rounded[1],
+                &pose,
+                &Question::new().until(Until::LocalDepth),
+            );
             assert_eq!(o.class, truth.class, "{o:?} {truth:?}");
             assert!(o.lower <= truth.upper && truth.lower <= o.upper, "{o:?} {truth:?}");
         }

@@ -1,15 +1,13 @@
 //! One pair of every kind that can be cast, of any size, and motions that are none of the crate's.
 
 use crate::Rng;
-use lin_canny::PairTracker;
 use lin_canny::motion::{Course, Drift, Motion};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Surface, revolution};
-use lin_canny::patch::{SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Separation;
-use lin_canny::{Composite, ConvexPolyhedron, Mesh, PartsRef, Shape};
-use lin_canny::{CompositeTracker, MeshTracker, ShapeTracker, Tracker};
+use lin_canny::{Composite, ConvexPolyhedron, Mesh, Shape};
+use lin_canny::{PairTracker, Tracker};
 
 /// Surfaces are built up to this coordinate.
 const SURFACE_MAX: f64 = f64::from_bits((1023 + 200) << 52);
@@ -70,26 +68,16 @@ impl Bodies {
             surface,
         } = self;
         call("polyhedra", &mut Tracker::new().over(hull, hull));
-        call("shapes", &mut ShapeTracker::new().over(ball, cone));
-        call("composites", &mut CompositeTracker::new().over(pieces, pieces));
-        call(
-            "composite and mesh",
-            &mut CompositeTracker::new().over(pieces, PartsRef::from(mesh)),
-        );
-        call("meshes", &mut MeshTracker::new().over(mesh, mesh));
+        call("shapes", &mut PairTracker::new().over(ball, cone));
+        call("composites", &mut PairTracker::new().over(pieces, pieces));
+        call("composite and mesh", &mut PairTracker::new().over(pieces, mesh));
+        call("meshes", &mut PairTracker::new().over(mesh, mesh));
         let Some(surface) = surface else { return };
-        call("surfaces", &mut SurfaceTracker::new().over(surface, surface));
-        call("surface and shape", &mut SurfaceShapeTracker::new().over(surface, ball));
-        call(
-            "shape and surface",
-            &mut PairTracker::new()
-                .over(&ball.clone().into(), &surface.clone().into())
-                .expect("they have a tracker"),
-        );
-        call(
-            "surface and composite",
-            &mut SurfaceCompositeTracker::new().over(surface, pieces),
-        );
+        call("surfaces", &mut PairTracker::new().over(surface, surface));
+        call("surface and shape", &mut PairTracker::new().over(surface, ball));
+        call("shape and surface", &mut PairTracker::new().over(ball, surface));
+        call("surface and composite", &mut PairTracker::new().over(surface, pieces));
+        call("mesh and surface", &mut PairTracker::new().over(mesh, surface));
     }
 }
 

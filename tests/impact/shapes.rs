@@ -5,7 +5,7 @@ use lab::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::{RelativePose, Shape, ShapeTracker, Velocity};
+use lin_canny::{PairTracker, RelativePose, Shape, Velocity};
 
 const TOLERANCE: f64 = 1e-9;
 
@@ -39,7 +39,7 @@ fn balls_meet_when_the_closed_form_says() {
             steady(&Isometry3::from_parts(x.into(), lin_canny::nalgebra::one()), v, -spin),
         ];
         let found = cast(
-            &mut ShapeTracker::new().over(&a, &b),
+            &mut PairTracker::new().over(&a, &b),
             &motions[0],
             &motions[1],
             (0.0, 1.0),
@@ -85,7 +85,7 @@ fn every_pair_of_kinds_is_apart_until_it_is_hit() {
         let throw = casts::aimed(&mut rng, (a.bounding_ball().1, b.bounding_ball().1), turn);
         let motions = [0, 1].map(|k| steady(&throw.start[k], throw.velocity[k].linear, throw.velocity[k].angular));
         let found = cast(
-            &mut ShapeTracker::new().over(a, b),
+            &mut PairTracker::new().over(a, b),
             &motions[0],
             &motions[1],
             (0.0, 1.0),
@@ -98,7 +98,7 @@ fn every_pair_of_kinds_is_apart_until_it_is_hit() {
             Impact::Miss => (1.0, None),
             _ => continue,
         };
-        let mut tracker = ShapeTracker::new();
+        let mut tracker = PairTracker::new();
         for k in 0..INSTANTS {
             let t = until * k as f64 / INSTANTS as f64;
             let seen = tracker.distance(a, b, &relative(t));

@@ -9,9 +9,7 @@ use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::separation::Separation;
-use lin_canny::{
-    Class, Composite, CompositeTracker, MeshTracker, Parts, PartsRef, Piece, RelativePose, Shape, Velocity,
-};
+use lin_canny::{Class, Composite, GeometryRef, PairTracker, Piece, RelativePose, Shape, Velocity};
 
 /// What casts found, and the queries they took.
 #[derive(Debug, Default)]
@@ -82,8 +80,9 @@ fn bodies() -> (Composite, Composite) {
     (cross, round)
 }
 
-fn of_parts<A: Parts, B: Parts>(a: &A, b: &B) -> impl FnMut(&RelativePose) -> Class {
-    let mut tracker = CompositeTracker::new();
+fn of_parts<'g>(a: impl Into<GeometryRef<'g>>, b: impl Into<GeometryRef<'g>>) -> impl FnMut(&RelativePose) -> Class {
+    let (a, b): (GeometryRef, GeometryRef) = (a.into(), b.into());
+    let mut tracker = PairTracker::new();
     move |pose| tracker.closest(a, b, pose).class
 }
 
@@ -98,17 +97,17 @@ fn casts_are_never_late() {
         let spin = [0.0, 0.5, 3.0][k % 3];
         let (a, b) = courses(&mut rng, spin);
         let (m, n) = (&meshes[rng.below(7)], &meshes[rng.below(7)]);
-        let mut tracker = MeshTracker::new();
+        let mut tracker = PairTracker::new();
         let mut class = |pose: &RelativePose| tracker.closest(m, n, pose).class;
-        judge(&mut MeshTracker::new().over(m, n), &mut class, (&a, &b), &mut of_meshes);
+        judge(&mut PairTracker::new().over(m, n), &mut class, (&a, &b), &mut of_meshes);
         judge(
-            &mut CompositeTracker::new().over(&cross, &round),
+            &mut PairTracker::new().over(&cross, &round),
             &mut of_parts(&cross, &round),
             (&a, &b),
             &mut of_pieces,
         );
         judge(
-            &mut CompositeTracker::new().over(m, &round),
+            &mut PairTracker::new().over(m, &round),
             &mut of_parts(m, &round),
             (&a, &b),
             &mut mixed,
@@ -127,8 +126,8 @@ fn motion_along_a_wall_takes_few_looks() {
     let ball = Composite::from(Shape::ball(0.2).unwrap());
     let a = steady(Pose::IDENTITY, [0.0; 3], [0.0; 3]);
     let b = steady(Pose::shift([-3.0, 0.3, 0.31]), [6.0, 0.1, 0.0], [0.0; 3]);
-    let mut tracker = CompositeTracker::new();
-    let mut pair = tracker.over(PartsRef::from(&wall), &ball);
+    let mut tracker = PairTracker::new();
+    let mut pair = tracker.over(&wall, &ball);
     let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-6)).unwrap();
     println!("{} looks", found.queries);
     assert_eq!(found.impact, Impact::Miss);

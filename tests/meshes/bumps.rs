@@ -7,7 +7,7 @@ use lab::pose::{quat, quat_mul, sub, unit, unit_quat};
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Composite, ContactPatches, ContactTracker, MeshTracker, Shape};
+use lin_canny::{Composite, ContactPatches, PairTracker, Shape};
 
 /// A floor in squares with random heights, as an open surface.
 fn ground(n: usize, amplitude: f64, rng: &mut Rng) -> Soup {
@@ -54,7 +54,7 @@ fn a_ball_rolls_over_bumps_without_ghosts_and_always_with_its_deepest_contact() 
     let (ball, radius) = (ContactPatches::from(Shape::ball(0.11).unwrap()), 0.11);
     let speck = Composite::from(Shape::ball(1e-6).unwrap());
     let options = exact(0.01);
-    let mut tracker = ContactTracker::new();
+    let mut tracker = PairTracker::new();
     let (mut apart, mut deep) = (0, 0);
     for k in 0..600 {
         let angle = 0.013 * f64::from(k);
@@ -67,7 +67,7 @@ fn a_ball_rolls_over_bumps_without_ghosts_and_always_with_its_deepest_contact() 
         let mut t = [x, y, height(&soup, x, y) + 0.2];
         let middle = |t| {
             let at = relative(&Pose::shift(t));
-            lin_canny::CompositeTracker::new().distance(&surface, &speck, &at).value + 1e-6
+            lin_canny::PairTracker::new().distance(&surface, &speck, &at).value + 1e-6
         };
         // Down until the middle is as far from the ground as wanted.
         let (mut low, mut high) = (t[2] - 0.2, t[2]);
@@ -81,7 +81,7 @@ fn a_ball_rolls_over_bumps_without_ghosts_and_always_with_its_deepest_contact() 
         }
         let truth = middle(t) - radius;
         let found = tracker
-            .contacts(&floor, &ball, &relative(&Pose::shift(t)), &options)
+            .contacts_between(&floor, &ball, &relative(&Pose::shift(t)), &options)
             .to_vec();
         check(&found, [Some(&soup), None], &Pose::shift(t), &format!("ball {k}"));
         assert!((deepest(&found) - truth).abs() < 1e-8, "{k} {truth} {found:?}");
@@ -97,13 +97,13 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
     let (floor, half) = (patches(&soup), [0.15, 0.1, 0.12]);
     let (cube, solid) = (cuboid(half), soups::plate(1, half));
     let (mut met, mut deep, mut lost) = (0, 0, Vec::new());
-    let (mut q, mut tracker) = (rng.quat(), ContactTracker::new());
+    let (mut q, mut tracker) = (rng.quat(), PairTracker::new());
     for k in 0..400u32 {
         q = unit_quat(quat_mul(quat(rng.unit(), 0.03), q));
         let angle = 0.017 * f64::from(k);
         let mut t = [0.6 * angle.sin(), 0.6 * (1.31 * angle).cos(), 0.5];
         let (m, n) = (mesh(&soup), mesh(&solid));
-        let distance = |t| MeshTracker::new().distance(&m, &n, &relative(&Pose { q, t })).value;
+        let distance = |t| PairTracker::new().distance(&m, &n, &relative(&Pose { q, t })).value;
         for _ in 0..60 {
             t[2] -= distance(t);
         }
@@ -112,13 +112,13 @@ fn a_box_tumbles_over_bumps_without_ghosts() {
         let pose = Pose { q, t };
         let truth = distance(t);
         let found = tracker
-            .contacts(&floor, &cube, &relative(&pose), &within(0.01))
+            .contacts_between(&floor, &cube, &relative(&pose), &within(0.01))
             .to_vec();
         check(&found, [Some(&soup), None], &pose, &format!("box {k}"));
         if truth > 0.0 {
             let options = exact(0.01);
-            let cold = ContactTracker::new()
-                .contacts(&floor, &cube, &relative(&pose), &options)
+            let cold = PairTracker::new()
+                .contacts_between(&floor, &cube, &relative(&pose), &options)
                 .to_vec();
             assert!((deepest(&cold) - truth).abs() < 1e-9, "{k} {truth} {cold:?}");
         } else {
@@ -151,7 +151,7 @@ fn a_corner_in_a_valley_has_contacts_along_both_of_its_faces() {
             triangles: vec![[0, 2, 3], [0, 3, 1], [2, 4, 5], [2, 5, 3]],
         };
         let (floor, cube) = (patches(&soup), cuboid([0.1; 3]));
-        let mut tracker = ContactTracker::new();
+        let mut tracker = PairTracker::new();
         for k in 0..200 {
             // A corner of the cube below, next to the bottom line; its edges are steeper than the sides.
             let upright = quat(unit([-1.0, 1.0, 0.0]), 0.955);
@@ -161,7 +161,9 @@ fn a_corner_in_a_valley_has_contacts_along_both_of_its_faces() {
             let corner = Pose { q, t: [0.0; 3] }.apply([0.1, 0.1, -0.1]);
             let t = sub([beside, rng.range(-0.2, 0.2), -depth], corner);
             let pose = Pose { q, t };
-            let found = tracker.contacts(&floor, &cube, &relative(&pose), &exact(1e-3)).to_vec();
+            let found = tracker
+                .contacts_between(&floor, &cube, &relative(&pose), &exact(1e-3))
+                .to_vec();
             let what = format!("{rise} {k} {depth:e}");
             check(&found, [Some(&soup), None], &pose, &what);
             for side in [-1.0, 1.0] {

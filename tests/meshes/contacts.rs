@@ -6,9 +6,7 @@ use lab::pose::{add, quat, quat_mul, scale, sub, unit_quat};
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{
-    Composite, ContactPatches, ContactTracker, ManifoldOptions, MeshTracker, PatchContact, PatchContacts, Piece, Shape,
-};
+use lin_canny::{Composite, ContactPatches, ManifoldOptions, PairTracker, PatchContact, PatchContacts, Piece, Shape};
 
 pub(crate) fn patches(soup: &Soup) -> ContactPatches {
     ContactPatches::of_mesh(mesh(soup))
@@ -124,14 +122,16 @@ fn convex_bodies_and_flat_regions_are_one_patch_turned_or_not() {
 fn a_plate_on_a_plate_has_four_contacts_whose_names_last() {
     let plate = soups::plate(12, [1.0, 1.0, 0.05]);
     let p = patches(&plate);
-    let mut tracker = ContactTracker::new();
+    let mut tracker = PairTracker::new();
     let mut names = Vec::new();
     for (k, gap) in [4e-3, 3e-3, 1e-9, 0.0, -3e-3, -4e-3, -4e-3].into_iter().enumerate() {
         let pose = Pose {
             q: quat([0.0, 0.0, 1.0], 0.3),
             t: [0.2, 0.1, 0.1 + gap],
         };
-        let found = tracker.contacts(&p, &p, &relative(&pose), &within(0.01)).to_vec();
+        let found = tracker
+            .contacts_between(&p, &p, &relative(&pose), &within(0.01))
+            .to_vec();
         assert_eq!((found.len(), all(&found).count()), (1, 4), "{gap} {found:?}");
         assert!((*found[0].normal - Vector3::z()).norm() < 1e-9, "{gap} {found:?}");
         assert!(
@@ -170,8 +170,8 @@ fn bodies_on_a_plate_have_a_few_contacts_upward() {
                 q,
                 t: [0.1, 0.2, 0.1 + height + gap],
             };
-            let found = ContactTracker::new()
-                .contacts(&floor, &body, &relative(&pose), &within(0.01))
+            let found = PairTracker::new()
+                .contacts_between(&floor, &body, &relative(&pose), &within(0.01))
                 .to_vec();
             assert_eq!((found.len(), all(&found).count()), (1, count), "{name} {gap} {found:?}");
             assert!(
@@ -182,8 +182,8 @@ fn bodies_on_a_plate_have_a_few_contacts_upward() {
             check(&found, [Some(&plate), Some(&soup)], &pose, name);
             // The other order: the same contacts.
             let back = relative(&pose).swapped();
-            let other = ContactTracker::new()
-                .contacts(&body, &floor, &back, &within(0.01))
+            let other = PairTracker::new()
+                .contacts_between(&body, &floor, &back, &within(0.01))
                 .to_vec();
             assert_eq!(all(&other).count(), count, "{name} {gap} {other:?}");
             assert!((deepest(&other) - gap).abs() < 1e-12, "{name} {gap} {other:?}");
@@ -195,14 +195,16 @@ fn bodies_on_a_plate_have_a_few_contacts_upward() {
 fn an_l_in_an_l_has_contacts_along_both_walls() {
     let l = soups::bracket();
     let p = patches(&l);
-    let mut tracker = ContactTracker::new();
+    let mut tracker = PairTracker::new();
     for gap in [4e-3, -4e-3] {
         // The back of one in the corner of the other.
         let pose = Pose {
             t: [0.3 + gap, 0.3 + gap, 0.1],
             ..Pose::IDENTITY
         };
-        let found = tracker.contacts(&p, &p, &relative(&pose), &within(0.01)).to_vec();
+        let found = tracker
+            .contacts_between(&p, &p, &relative(&pose), &within(0.01))
+            .to_vec();
         check(&found, [Some(&l); 2], &pose, "L in L");
         assert!((deepest(&found) - gap).abs() < 1e-12, "{found:?}");
         for axis in [Vector3::x(), Vector3::y()] {
@@ -233,10 +235,12 @@ fn an_l_on_an_l_and_a_finger_of_overlapping_parts_on_a_plate_rest_on_a_few_conta
     ];
     for (name, a, b, t) in cases {
         let (p, q) = (patches(a), patches(b));
-        let mut tracker = ContactTracker::new();
+        let mut tracker = PairTracker::new();
         for gap in [5e-3, 1e-9, -4e-3] {
             let pose = Pose::shift(add(t, [0.0, 0.0, gap]));
-            let found = tracker.contacts(&p, &q, &relative(&pose), &within(0.01)).to_vec();
+            let found = tracker
+                .contacts_between(&p, &q, &relative(&pose), &within(0.01))
+                .to_vec();
             check(&found, [Some(a), Some(b)], &pose, name);
             assert!((deepest(&found) - gap).abs() < 1e-12, "{name} {gap} {found:?}");
             let upward = |g: &&PatchContacts| (*g.normal - Vector3::z()).norm() < 1e-9;
@@ -251,7 +255,7 @@ fn an_l_on_an_l_and_a_finger_of_overlapping_parts_on_a_plate_rest_on_a_few_conta
 fn slide((floor, turn): (&ContactPatches, &Pose), (body, lift, count): (&ContactPatches, f64, usize), what: &str) {
     let up = Vector3::from(turn.rotate([0.0, 0.0, 1.0]));
     let mut rng = Rng::new(3);
-    let mut tracker = ContactTracker::new();
+    let mut tracker = PairTracker::new();
     for k in 0..1000 {
         let angle = 0.0171 * f64::from(k);
         let depth = rng.range(-2e-3, 2e-3);
@@ -260,7 +264,7 @@ fn slide((floor, turn): (&ContactPatches, &Pose), (body, lift, count): (&Contact
             q: unit_quat(quat_mul(turn.q, quat([0.0, 0.0, 1.0], angle))),
             t: turn.apply(at),
         };
-        let found = tracker.contacts(floor, body, &relative(&pose), &within(5e-3));
+        let found = tracker.contacts_between(floor, body, &relative(&pose), &within(5e-3));
         assert_eq!((found.len(), all(found).count()), (1, count), "{what} {k} {found:?}");
         assert!((deepest(found) - depth).abs() < 1e-9, "{what} {k} {depth} {found:?}");
         for c in all(found) {
@@ -313,8 +317,8 @@ fn a_body_in_a_corner_has_both_walls_and_a_body_behind_a_wall_none() {
     for k in 0..50 {
         let depth = 1e-4 * f64::from(k - 25);
         let pose = Pose::shift([1.7 + depth, 0.01 * f64::from(k), -0.75 - depth]);
-        let found = ContactTracker::new()
-            .contacts(&r, &c, &relative(&pose), &within(5e-3))
+        let found = PairTracker::new()
+            .contacts_between(&r, &c, &relative(&pose), &within(5e-3))
             .to_vec();
         check(&found, [Some(&room), None], &pose, "corner");
         assert_eq!(found.len(), 2, "{k} {found:?}");
@@ -325,8 +329,8 @@ fn a_body_in_a_corner_has_both_walls_and_a_body_behind_a_wall_none() {
     shelf = shelf.with(&soups::plate(4, [0.1, 0.1, 0.5]).map(|p| add(p, [0.0, 0.0, 0.6])));
     let p = patches(&shelf);
     let below = Pose::shift([0.7, 0.0, -0.02 - 0.25 - 0.02]);
-    let found = ContactTracker::new()
-        .contacts(&p, &c, &relative(&below), &within(5e-3))
+    let found = PairTracker::new()
+        .contacts_between(&p, &c, &relative(&below), &within(5e-3))
         .to_vec();
     assert_eq!(found, [], "{found:?}");
 }
@@ -348,17 +352,17 @@ fn contacts_of_tumbling_bodies_lie_on_both_and_their_normals_are_the_meshes_own(
         let (i, j) = (rng.below(4), rng.below(4));
         let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
         let (m, n) = (&meshes[i], &meshes[j]);
-        let mut tracker = ContactTracker::new();
+        let mut tracker = PairTracker::new();
         for frame in 0..4 {
             q = unit_quat(quat_mul(quat(axis, 0.01), q));
             let mut pose = Pose { q, t: scale(at, 2.6) };
             for _ in 0..30 {
-                let d = MeshTracker::new().distance(m, n, &relative(&pose)).value;
+                let d = PairTracker::new().distance(m, n, &relative(&pose)).value;
                 pose.t = sub(pose.t, scale(at, (d - 0.002).max(0.0)));
             }
-            let truth = MeshTracker::new().closest(m, n, &relative(&pose));
+            let truth = PairTracker::new().closest(m, n, &relative(&pose));
             let found = tracker
-                .contacts(&parts[i], &parts[j], &relative(&pose), &options)
+                .contacts_between(&parts[i], &parts[j], &relative(&pose), &options)
                 .to_vec();
             check(
                 &found,
@@ -387,8 +391,8 @@ fn pieces_bear_contacts_as_they_are() {
     let p = ContactPatches::of_pieces(body);
     let floor = cuboid([3.0, 3.0, 1.0]);
     let pose = Pose::shift([0.0, 0.0, 1.099]);
-    let found = ContactTracker::new()
-        .contacts(&floor, &p, &relative(&pose), &within(1e-3))
+    let found = PairTracker::new()
+        .contacts_between(&floor, &p, &relative(&pose), &within(1e-3))
         .to_vec();
     assert_eq!((found.len(), all(&found).count()), (1, 4));
     assert!(all(&found).all(|c| c.patches == [0, 0] && (c.point.separation + 1e-3).abs() < 1e-12));

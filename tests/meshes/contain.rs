@@ -5,7 +5,7 @@ use lab::pose::{quat, scale};
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lab::{Pose, brute};
-use lin_canny::{Class, MeshKind, MeshTracker};
+use lin_canny::{Class, MeshKind, PairTracker};
 
 #[test]
 fn windings_decide_over_jumps() {
@@ -26,7 +26,7 @@ fn windings_decide_over_jumps() {
     for (k, solid) in solids.iter().enumerate() {
         let m = mesh(solid);
         assert_eq!(m.kind(), MeshKind::Solid);
-        let (mut forward, mut backward) = (MeshTracker::new(), MeshTracker::new());
+        let (mut forward, mut backward) = (PairTracker::new(), PairTracker::new());
         for i in 0..500 {
             let pose = Pose {
                 q: rng.quat(),
@@ -45,7 +45,7 @@ fn windings_decide_over_jumps() {
             let found = forward.closest(&m, &small, &relative(&pose));
             assert_eq!(found.class, class, "{k} {i} {found:?} {truth}");
             assert_eq!(backward.closest(&small, &m, &relative(&pose).swapped()).class, class);
-            assert_eq!(forward.intersects(&m, &small, &relative(&pose)), contained);
+            assert_eq!(forward.intersects(&m, &small, &relative(&pose)).is_yes(), contained);
             *if contained { &mut inside } else { &mut outside } += 1;
         }
     }
@@ -59,11 +59,11 @@ fn an_open_mesh_holds_nothing_and_may_be_held() {
     let bowl = mesh(&open);
     assert_eq!(bowl.kind(), MeshKind::Surface);
     let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.05)));
-    let found = MeshTracker::new().closest(&bowl, &pebble, &relative(&Pose::IDENTITY));
+    let found = PairTracker::new().closest(&bowl, &pebble, &relative(&Pose::IDENTITY));
     assert_eq!(found.class, Class::Separated);
     // A surface in a solid shares points with it.
     let ball = mesh(&soups::sphere(2).map(|p| scale(p, 3.0)));
-    let found = MeshTracker::new().closest(&ball, &bowl, &relative(&Pose::IDENTITY));
+    let found = PairTracker::new().closest(&ball, &bowl, &relative(&Pose::IDENTITY));
     assert_eq!((found.class, found.distance), (Class::Touching, 0.0));
 }
 
@@ -71,7 +71,7 @@ fn an_open_mesh_holds_nothing_and_may_be_held() {
 fn linked_rings_are_apart() {
     let ring = soups::torus(40, 20, 0.2);
     let m = mesh(&ring);
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     for k in 0..100 {
         let angle = 0.05 * f64::from(k);
         let q = lab::pose::quat_mul(quat([0.0, 0.0, 1.0], 0.1 * angle.sin()), quat([1.0, 0.0, 0.0], 1.5));
@@ -93,17 +93,22 @@ fn boxes_with_coplanar_faces_overlap() {
         let (a, b): (Soup, Soup) = (cube(n), cube(n));
         let (m, k) = (mesh(&a), mesh(&b));
         for t in [[0.5, 0.0, 0.0], [0.25, 0.25, 0.0], [0.0, 0.0, 0.75]] {
-            let found = MeshTracker::new().closest(&m, &k, &relative(&Pose::shift(t)));
+            let found = PairTracker::new().closest(&m, &k, &relative(&Pose::shift(t)));
             assert_eq!(found.class, Class::Overlapping, "{n} {t:?}");
         }
         for t in [[1.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0, 1.0, 0.25], [1.0, 1.0, 1.0]] {
-            let mut tracker = MeshTracker::new();
+            let mut tracker = PairTracker::new();
             let found = tracker.closest(&m, &k, &relative(&Pose::shift(t)));
             assert_eq!((found.class, found.distance), (Class::Touching, 0.0), "{n} {t:?}");
-            assert!(tracker.intersects(&m, &k, &relative(&Pose::shift(t))));
+            assert!(tracker.intersects(&m, &k, &relative(&Pose::shift(t))))
+                .is_yes()
+                .is_yes()
+                .is_yes();
             let beyond = t.map(|x| if x == 1.0 { 1.0 + 1e-15 } else { x });
             assert!(
-                !MeshTracker::new().intersects(&m, &k, &relative(&Pose::shift(beyond))),
+                !PairTracker::new()
+                    .intersects(&m, &k, &relative(&Pose::shift(beyond)))
+                    .is_yes(),
                 "{n} {t:?}"
             );
         }

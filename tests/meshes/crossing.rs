@@ -8,8 +8,7 @@ use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{
-    Class, Composite, CompositeTracker, ConvexPolyhedron, Mesh, MeshTracker, PartsRef, PenetrationBounds, Piece,
-    RelativePose, Shape, ShapeTracker,
+    Class, Composite, ConvexPolyhedron, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape,
 };
 
 /// The ratios of lower and upper bounds of a family, and poses whose lower bound is zero.
@@ -37,7 +36,7 @@ impl Ratios {
 }
 
 fn of_meshes(a: &Mesh, b: &Mesh, at: &RelativePose) -> PenetrationBounds {
-    MeshTracker::new().penetration(a, b, at).expect("two solids")
+    PairTracker::new().penetration(a, b, at).expect("two solids")
 }
 
 /// No shift shorter than the lower bound parts the bodies: of a few.
@@ -81,12 +80,12 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
             q,
             t: [rng.range(-0.4, 0.4), rng.range(-0.2, 0.2), 0.5],
         };
-        let apart = ShapeTracker::new()
+        let apart = PairTracker::new()
             .closest(&shapes[0], &shapes[1], &relative(&pose))
             .distance;
         pose.t[2] -= apart + [1e-4, 3e-3, 0.03][k % 3];
         let at = relative(&pose);
-        let truth = ShapeTracker::new().closest(&shapes[0], &shapes[1], &at);
+        let truth = PairTracker::new().closest(&shapes[0], &shapes[1], &at);
         if truth.class != Class::Overlapping {
             continue;
         }
@@ -95,8 +94,8 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
         let found = [
             of_meshes(&a, &b, &at),
             of_meshes(&mesh(&finer), &b, &at),
-            CompositeTracker::new()
-                .penetration(&PartsRef::from(&a), &PartsRef::from(&pieces), &at)
+            PairTracker::new()
+                .penetration(&GeometryRef::from(&a), &GeometryRef::from(&pieces), &at)
                 .unwrap(),
         ];
         for (o, ratios) in found.iter().zip([&mut coarse, &mut cut, &mut mixed]) {
@@ -107,7 +106,7 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
             ratios.push(o);
         }
         check(&found[0], &pose, &mut rng, |p| {
-            MeshTracker::new().closest(&a, &b, p).class
+            PairTracker::new().closest(&a, &b, p).class
         });
     }
     let all = [
@@ -130,7 +129,7 @@ fn family(name: &str, a: &Soup, b: &Soup, seed: u64) -> f64 {
             t: scale(at, 3.0),
         };
         for _ in 0..30 {
-            let d = MeshTracker::new().distance(&m, &n, &relative(&pose)).value;
+            let d = PairTracker::new().distance(&m, &n, &relative(&pose)).value;
             pose.t = add(pose.t, scale(at, -d));
         }
         pose.t = add(pose.t, scale(at, -[0.01, 0.05, 0.15][k % 3]));
@@ -139,7 +138,7 @@ fn family(name: &str, a: &Soup, b: &Soup, seed: u64) -> f64 {
             continue;
         }
         ratios.push(&found);
-        check(&found, &pose, &mut rng, |p| MeshTracker::new().closest(&m, &n, p).class);
+        check(&found, &pose, &mut rng, |p| PairTracker::new().closest(&m, &n, p).class);
     }
     ratios.median(name)
 }

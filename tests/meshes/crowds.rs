@@ -5,7 +5,7 @@ use lab::Pose;
 use lab::pose::{quat, scale};
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
-use lin_canny::{Class, Mesh, MeshKind, MeshTracker, MeshWork};
+use lin_canny::{Class, Mesh, MeshKind, MeshWork, PairTracker};
 
 /// A dome of `2 n n` triangles over a square: a surface.
 fn dome(n: usize) -> Soup {
@@ -50,7 +50,7 @@ fn nearly_nothing(rng: &mut Rng, k: usize) -> Pose {
 
 /// The work and the class of `closest`: cold, again, after another pose, and turned round.
 fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (MeshWork, Class) {
-    let (at, mut tracker) = (relative(pose), MeshTracker::new());
+    let (at, mut tracker) = (relative(pose), PairTracker::new());
     let found = tracker.closest(a, b, &at);
     let work = tracker.work();
     assert!(found.lower == 0.0 && found.upper >= 0.0, "{found:?}");
@@ -64,9 +64,9 @@ fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (MeshWork, Class) {
         }),
     );
     classes.push(tracker.closest(a, b, &at).class);
-    classes.push(MeshTracker::new().closest(b, a, &at.swapped()).class);
+    classes.push(PairTracker::new().closest(b, a, &at.swapped()).class);
     assert_eq!(classes, [found.class; 3], "{found:?}");
-    (work, found.class)
+    (work.trees, found.class)
 }
 
 #[test]
@@ -84,9 +84,12 @@ fn bodies_in_one_place_take_few_pairs() {
             assert_eq!(class == Class::Overlapping, is_solid, "{k} {i}");
             measured.push((work.measured, k, i));
             if is_solid {
-                let mut tracker = MeshTracker::new();
-                assert!(tracker.intersects(&m, n, &relative(&pose)), "{k} {i}");
-                measured.push((tracker.work().measured, k, i));
+                let mut tracker = PairTracker::new();
+                assert!(tracker.intersects(&m, n, &relative(&pose)), "{k} {i}")
+                    .is_yes()
+                    .is_yes()
+                    .is_yes();
+                measured.push((tracker.work().trees.measured, k, i));
             }
         }
     }
@@ -100,21 +103,21 @@ fn surfaces_on_each_other_keep_their_class() {
     let m = mesh(&dome(24));
     let few = mesh(&dome(5));
     let lifted = |gap: f64| relative(&Pose::shift([0.0, 0.0, gap]));
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     for gap in [0.0, 1e-17, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-9, 1e-4] {
         for (pose, flip) in [(lifted(gap), false), (lifted(gap).swapped(), true)] {
             let class = if gap < 5e-13 { Class::Touching } else { Class::Separated };
-            let mut cold = MeshTracker::new();
+            let mut cold = PairTracker::new();
             for found in [cold.closest(&m, &m, &pose), tracker.closest(&m, &m, &pose)] {
                 assert_eq!(found.class, class, "{gap:e} {flip} {found:?}");
                 // The slope of the rim is the greatest.
                 assert!(found.lower <= gap && gap <= 1.3 * found.upper, "{gap:e} {found:?}");
             }
             if gap < 5e-14 {
-                assert!(cold.work().measured < 8, "{gap:e} {:?}", cold.work());
+                assert!(cold.work().trees.measured < 8, "{gap:e} {:?}", cold.work());
             }
             // The predicate is exact below rounding, too.
-            let meets = MeshTracker::new().intersects(&few, &few, &pose);
+            let meets = PairTracker::new().intersects(&few, &few, &pose).is_yes();
             assert_eq!(meets, gap == 0.0, "{gap:e} {flip}");
         }
     }
@@ -130,13 +133,13 @@ fn depths_of_bodies_in_one_place_take_few_winding_numbers() {
         }
         for by in [1e-9, 1e-5, 1e-2] {
             let at = relative(&Pose::shift(scale(rng.unit(), by)));
-            let mut tracker = MeshTracker::new();
+            let mut tracker = PairTracker::new();
             let found = tracker.penetration(&m, &m, &at).unwrap();
             assert!(0.0 < found.lower && found.lower <= found.upper, "{found:?}");
             // A dozen moves, at each of which either body's vertices are looked at.
             let (looks, work) = (24 * m.vertex_count() as u64, tracker.work());
             assert!(
-                found.queries <= 35 && 2 * work.windings < looks + 100,
+                found.queries <= 35 && 2 * work.trees.windings < looks + 100,
                 "{k} {by:e} {work:?}"
             );
         }

@@ -6,9 +6,7 @@ use lab::pose::scale;
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{
-    Class, Composite, CompositeTracker, ConvexPolyhedron, Decomposition, Mesh, MeshError, MeshTracker, Piece, Shape,
-};
+use lin_canny::{Class, Composite, ConvexPolyhedron, Decomposition, Mesh, MeshError, PairTracker, Piece, Shape};
 
 fn hull(points: &[[f64; 3]]) -> Piece {
     let points: Vec<_> = points.iter().map(|p| Point3::from(*p)).collect();
@@ -65,8 +63,8 @@ fn gaps_are_bracketed() {
     for (m, pieces) in cases() {
         let d = Decomposition::new(m.clone(), pieces).unwrap();
         let fit = d.fit();
-        let mut speck = MeshTracker::new();
-        let mut other = CompositeTracker::new();
+        let mut speck = PairTracker::new();
+        let mut other = PairTracker::new();
         let (mut excess, mut shortfall) = (0.0f64, 0.0f64);
         let dot = |p: Point3<f64>| Composite::from(Shape::from(ConvexPolyhedron::point(p).unwrap()));
         let still = relative(&Pose::IDENTITY);
@@ -117,7 +115,7 @@ fn distances_are_intervals_that_hold_for_the_mesh() {
     for (m, pieces) in cases() {
         let d = Decomposition::new(m.clone(), pieces).unwrap();
         for other in &others {
-            let (mut pair, mut exact) = (CompositeTracker::new(), MeshTracker::new());
+            let (mut pair, mut exact) = (PairTracker::new(), PairTracker::new());
             for k in 0..60 {
                 let pose = Pose {
                     q: rng.quat(),
@@ -160,11 +158,11 @@ fn a_body_that_the_mesh_holds_and_the_pieces_do_not_is_found() {
         d.fit()
     );
     let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.2)));
-    let found = d.distance(&mut CompositeTracker::new(), &pebble, &relative(&Pose::IDENTITY));
+    let found = d.distance(&mut PairTracker::new(), &pebble, &relative(&Pose::IDENTITY));
     assert_eq!((found.class, found.lower, found.upper), (Class::Overlapping, 0.0, 0.0));
     // The other way round: another body holds both.
     let big = mesh(&soups::sphere(2).map(|p| scale(p, 9.0)));
-    let found = d.distance(&mut CompositeTracker::new(), &big, &relative(&Pose::IDENTITY));
+    let found = d.distance(&mut PairTracker::new(), &big, &relative(&Pose::IDENTITY));
     assert!(found.lower == 0.0, "{found:?}");
 }
 

@@ -6,7 +6,7 @@ use lab::pose::scale;
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lab::{Pose, brute};
-use lin_canny::{Class, MeshKind, MeshTracker};
+use lin_canny::{Class, MeshKind, PairTracker};
 
 #[test]
 fn no_fault_opens_a_closed_surface() {
@@ -29,7 +29,7 @@ fn no_fault_opens_a_closed_surface() {
         assert_eq!(m.kind(), MeshKind::Solid, "{k}: {} {:?}", m.report(), soup.triangles);
         let volume = mesh(clean).volume();
         assert!((m.volume() - volume).abs() < 1e-9 * volume, "{k}: {}", m.report());
-        let mut tracker = MeshTracker::new();
+        let mut tracker = PairTracker::new();
         for _ in 0..10 {
             let pose = Pose {
                 q: rng.quat(),
@@ -46,7 +46,7 @@ fn no_fault_opens_a_closed_surface() {
             };
             let found = tracker.closest(&m, &small, &relative(&pose));
             assert_eq!(found.class, class, "{k}: {} {pose:?}", m.report());
-            assert_eq!(tracker.intersects(&m, &small, &relative(&pose)), contained);
+            assert_eq!(tracker.intersects(&m, &small, &relative(&pose)).is_yes(), contained);
             inside += usize::from(contained);
         }
     }
@@ -69,7 +69,7 @@ fn layers_that_share_a_face_count_twice() {
         (1.6, Class::Separated),
     ] {
         let at = relative(&Pose::shift([0.1, 0.2, z]));
-        assert_eq!(MeshTracker::new().closest(&m, &pebble, &at).class, class, "{z}");
+        assert_eq!(PairTracker::new().closest(&m, &pebble, &at).class, class, "{z}");
     }
 }
 

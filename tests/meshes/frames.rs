@@ -5,7 +5,7 @@ use lab::Pose;
 use lab::pose::{quat, quat_mul, unit_quat};
 use lab::rng::Rng;
 use lab::soups;
-use lin_canny::{Class, MeshTracker};
+use lin_canny::{Class, PairTracker};
 
 /// Frames of slow tumbling with a jump now and then.
 fn motion(frames: usize, degrees: f64, jump: usize, seed: u64) -> Vec<Pose> {
@@ -32,14 +32,14 @@ fn tracked_frames_equal_brute_force() {
     let (mut apart, mut meeting, mut entries) = (0, 0, 0);
     for (k, degrees) in [(0, 0.02), (1, 0.5), (2, 0.5), (3, 2.0), (4, 0.5), (5, 5.0), (6, 0.5)] {
         for other in [k, (k + 3) % 7] {
-            let (mut tracker, pair) = (MeshTracker::new(), (&meshes[k], &meshes[other]));
+            let (mut tracker, pair) = (PairTracker::new(), (&meshes[k], &meshes[other]));
             for pose in motion(120, degrees, 50, k as u64) {
                 match judge(&mut tracker, (&shapes[k], &shapes[other]), pair, &pose) {
                     Class::Separated => apart += 1,
                     _ => meeting += 1,
                 }
             }
-            entries += tracker.work().entries;
+            entries += tracker.work().trees.entries;
         }
     }
     assert!(
@@ -51,7 +51,7 @@ fn tracked_frames_equal_brute_force() {
 #[test]
 fn warm_equals_cold_over_many_frames() {
     let (a, b) = (mesh(&soups::rock(4, 1)), mesh(&soups::torus(60, 30, 0.3)));
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     for (k, pose) in motion(20_000, 0.5, 900, 3).iter().enumerate() {
         // Some frames are left out, some only asked for a bound.
         if k % 7 == 3 {
@@ -63,22 +63,22 @@ fn warm_equals_cold_over_many_frames() {
         }
         let warm = tracker.closest(&a, &b, &relative(pose));
         if k % 20 == 0 {
-            let cold = MeshTracker::new().closest(&a, &b, &relative(pose));
+            let cold = PairTracker::new().closest(&a, &b, &relative(pose));
             assert_eq!(warm.class, cold.class, "{k}");
             assert!((warm.distance - cold.distance).abs() < 1e-14, "{k}: {warm:?} {cold:?}");
         }
     }
     let work = tracker.work();
-    assert!(work.cuts * 10 < work.queries, "{work:?}");
+    assert!(work.trees.cuts * 10 < work.trees.queries, "{work:?}");
     // The answer of a front is cheaper than one without.
-    assert!(work.bounds < 150 * work.queries, "{work:?}");
+    assert!(work.trees.bounds < 150 * work.trees.queries, "{work:?}");
 }
 
 #[test]
 fn a_million_steps_of_rotation_stay_right() {
     let (a, b) = (soups::rock(1, 2), soups::gear(5));
     let (m, n) = (mesh(&a), mesh(&b));
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     let mut q = [0.0, 0.0, 0.0, 1.0];
     let step = quat(lab::pose::unit([0.3, 0.9, -0.2]), 0.01);
     for k in 0..1_000_000u32 {

@@ -6,14 +6,14 @@ use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lab::{Pose, brute};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshError, MeshTracker};
+use lin_canny::{Class, Mesh, MeshError, PairTracker};
 
 #[test]
 fn flush_plates_are_settled_high_in_the_trees() {
     let plate = soups::plate(16, [1.0, 1.0, 0.05]);
     let m = mesh(&plate);
     for (gap, tilt) in [(0.0, 0.0), (1e-9, 0.0), (0.0, 1e-6), (1e-3, 0.0), (1e-12, 0.0)] {
-        let mut tracker = MeshTracker::new();
+        let mut tracker = PairTracker::new();
         for k in 0..40 {
             let angle = 0.005 * f64::from(k);
             let q = lab::pose::quat_mul(quat([1.0, 0.0, 0.0], tilt), quat([0.0, 0.0, 1.0], angle));
@@ -26,13 +26,15 @@ fn flush_plates_are_settled_high_in_the_trees() {
                 assert!((found.distance - gap).abs() < 1e-14, "{gap} {found:?}");
             }
             if k % 20 == 7 {
-                judge(&mut MeshTracker::new(), (&plate, &plate), (&m, &m), &pose);
+                judge(&mut PairTracker::new(), (&plate, &plate), (&m, &m), &pose);
             }
         }
         let w = tracker.work();
         if tilt == 0.0 {
             assert!(
-                w.bounds < 200 * w.queries && w.measured < 5 * w.queries && tracker.front_len() < 64,
+                w.trees.bounds < 200 * w.trees.queries
+                    && w.trees.measured < 5 * w.trees.queries
+                    && tracker.front_len() < 64,
                 "{gap}: {w:?}"
             );
         }
@@ -55,11 +57,11 @@ fn gaps_down_to_nothing_equal_brute_force() {
         let target = 10f64.powi(-(k % 13));
         // Moved along the normal to the gap wanted.
         for _ in 0..3 {
-            let found = MeshTracker::new().closest(&m, &n, &relative(&pose));
+            let found = PairTracker::new().closest(&m, &n, &relative(&pose));
             let n = found.normal.into_inner();
             pose.t = add(pose.t, scale([n.x, n.y, n.z], target - found.distance));
         }
-        let class = judge(&mut MeshTracker::new(), (&a, &b), (&m, &n), &pose);
+        let class = judge(&mut PairTracker::new(), (&a, &b), (&m, &n), &pose);
         kinds[match class {
             Class::Separated => 0,
             Class::Touching => 1,
@@ -90,7 +92,7 @@ fn soups_and_slivers_are_surfaces_and_equal_brute_force() {
             t: scale(rng.unit(), rng.range(0.0, 3.0)),
         };
         let truth = brute::distance(&a, &b, &pose).0;
-        let found = MeshTracker::new().closest(&m, &n, &relative(&pose));
+        let found = PairTracker::new().closest(&m, &n, &relative(&pose));
         let noise = 2e-14 * size(&a, &b, &pose);
         assert_ne!(found.class, Class::Overlapping);
         assert!((found.distance - truth).abs() < noise, "{k}: {found:?} {truth}");
@@ -104,7 +106,7 @@ fn plates_that_slide_flush_need_no_finer_arithmetic_and_a_short_front() {
     // Vertices stand exactly in planes: they touch, and pierce nothing.
     let plate = soups::plate(19, [1.0, 1.0, 0.05]);
     let m = mesh(&plate);
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     for k in 0..120 {
         let angle = 0.5f64.to_radians() * f64::from(k);
         let pose = Pose {
@@ -115,8 +117,8 @@ fn plates_that_slide_flush_need_no_finer_arithmetic_and_a_short_front() {
         assert_eq!((found.class, found.lower), (Class::Touching, 0.0), "{k}");
     }
     let w = tracker.work();
-    assert_eq!(w.settled, 0, "{w:?}");
-    assert!(w.bounds < 150 * w.queries, "{w:?}");
+    assert_eq!(w.trees.settled, 0, "{w:?}");
+    assert!(w.trees.bounds < 150 * w.trees.queries, "{w:?}");
 }
 
 #[test]
@@ -135,14 +137,13 @@ fn powers_of_two_scale_the_answer() {
                 q: pose.q,
                 t: scale(pose.t, s),
             };
-            let o = MeshTracker::new().closest(&grown(&a), &grown(&b), &relative(&at));
+            let o = PairTracker::new().closest(&grown(&a), &grown(&b), &relative(&at));
             (
                 o.class,
                 o.distance / s,
                 o.lower / s,
                 o.upper / s,
-                o.on_a,
-                o.on_b,
+                o.on,
                 o.point_on_a.coords / s,
                 o.normal,
             )
@@ -166,7 +167,7 @@ fn far_and_unequal_bodies_are_answered() {
     ] {
         let b = soups::gear(12).map(|p| scale(p, grow));
         let n = mesh(&b);
-        let mut tracker = MeshTracker::new();
+        let mut tracker = PairTracker::new();
         for k in 0..20 {
             let q = quat([0.0, 1.0, 0.0], 0.01 * f64::from(k));
             let pose = Pose {
@@ -184,7 +185,7 @@ fn far_and_unequal_bodies_are_answered() {
             assert_eq!(found.class, Class::Separated);
         }
         let w = tracker.work();
-        assert!(w.measured < 200 * w.queries, "{grow} {far} {w:?}");
+        assert!(w.trees.measured < 200 * w.trees.queries, "{grow} {far} {w:?}");
     }
 }
 

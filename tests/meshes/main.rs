@@ -23,7 +23,7 @@ use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lab::{Pose, brute};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshKind, MeshTracker, RelativePose};
+use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
 
 pub(crate) fn mesh(soup: &Soup) -> Mesh {
     let points: Vec<Point3<f64>> = soup.points.iter().map(|p| Point3::from(*p)).collect();
@@ -53,13 +53,13 @@ pub(crate) fn shapes() -> Vec<Soup> {
 }
 
 /// Compares a query with brute force; returns its class.
-pub(crate) fn judge(tracker: &mut MeshTracker, soups: (&Soup, &Soup), meshes: (&Mesh, &Mesh), pose: &Pose) -> Class {
+pub(crate) fn judge(tracker: &mut PairTracker, soups: (&Soup, &Soup), meshes: (&Mesh, &Mesh), pose: &Pose) -> Class {
     judge_by_surfaces(tracker, soups, meshes, pose).0
 }
 
 /// Compares a query with brute force; returns its class and the distance of the surfaces.
 pub(crate) fn judge_by_surfaces(
-    tracker: &mut MeshTracker,
+    tracker: &mut PairTracker,
     (a, b): (&Soup, &Soup),
     (m, n): (&Mesh, &Mesh),
     pose: &Pose,
@@ -92,10 +92,14 @@ pub(crate) fn judge_by_surfaces(
     }
     if truth > noise {
         let separated = found.class == Class::Separated;
-        assert_eq!(tracker.intersects(m, n, &relative(pose)), !separated);
+        assert_eq!(tracker.intersects(m, n, &relative(pose)).is_yes(), !separated);
         if separated {
-            assert!(tracker.within(m, n, &relative(pose), found.upper));
-            assert!(!tracker.within(m, n, &relative(pose), truth * (1.0 - 1e-9) - noise));
+            assert!(tracker.within(m, n, &relative(pose), found.upper).is_yes());
+            assert!(
+                !tracker
+                    .within(m, n, &relative(pose), truth * (1.0 - 1e-9) - noise)
+                    .is_yes()
+            );
             let bound = tracker.lower_bound(m, n, &relative(pose));
             assert!(bound <= truth + noise, "{bound} {truth}");
         }
@@ -127,7 +131,7 @@ fn random_poses_equal_brute_force() {
             t: rng.unit().map(|x| x * rng.range(0.1, 3.0)),
         };
         let class = judge(
-            &mut MeshTracker::new(),
+            &mut PairTracker::new(),
             (&shapes[i], &shapes[j]),
             (&meshes[i], &meshes[j]),
             &pose,
@@ -135,7 +139,7 @@ fn random_poses_equal_brute_force() {
         tally[usize::from(class == Class::Separated)] += 1;
         if k % 4 == 0 {
             // B to A: the same class, and the same distance within the bounds.
-            let back = MeshTracker::new().closest(&meshes[j], &meshes[i], &relative(&pose).swapped());
+            let back = PairTracker::new().closest(&meshes[j], &meshes[i], &relative(&pose).swapped());
             assert_eq!(back.class, class);
         }
     }

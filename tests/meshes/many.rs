@@ -5,7 +5,7 @@ use lab::Pose;
 use lab::pose::{add, quat, quat_mul, scale, unit_quat};
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
-use lin_canny::{Class, MeshTracker};
+use lin_canny::{Class, PairTracker};
 
 /// How poses follow each other.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ fn family(a: &Soup, b: &Soup, motion: Motion, count: usize, seed: u64) -> [usize
     let mut rng = Rng::new(seed);
     let reach = a.radius() + b.radius();
     let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     let mut tally = [0; 4];
     for k in 0..count {
         let mut pose = match motion {
@@ -57,7 +57,7 @@ fn family(a: &Soup, b: &Soup, motion: Motion, count: usize, seed: u64) -> [usize
         if matches!(motion, Motion::Gaps) {
             let target = 10f64.powi(-((k % 13) as i32));
             for _ in 0..3 {
-                let found = MeshTracker::new().closest(&m, &n, &relative(&pose));
+                let found = PairTracker::new().closest(&m, &n, &relative(&pose));
                 let n = found.normal.into_inner();
                 pose.t = add(pose.t, scale([n.x, n.y, n.z], target - found.distance));
             }

@@ -9,12 +9,10 @@ use lab::soups::{self, Soup};
 use lab::{Pose, brute};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{
-    Class, Composite, CompositeTracker, Mesh, PartsRef, PenetrationBounds, Piece, RelativePose, Shape, ShapeTracker,
-};
+use lin_canny::{Class, Composite, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
 
-fn penetration(a: PartsRef, b: PartsRef, at: &RelativePose) -> PenetrationBounds {
-    CompositeTracker::new().penetration(&a, &b, at).expect("two solids")
+fn penetration(a: GeometryRef, b: GeometryRef, at: &RelativePose) -> PenetrationBounds {
+    PairTracker::new().penetration(&a, &b, at).expect("two solids")
 }
 
 #[test]
@@ -55,11 +53,11 @@ fn convex_meshes_and_shapes_of_every_kind_have_their_depth_between_the_bounds() 
             t: scale(rng.unit(), rng.range(0.2, 1.2)),
         };
         let of_shape = RelativePose::from_isometry(&(pose.isometry() * own.isometry())).unwrap();
-        let truth = ShapeTracker::new().closest(&Shape::from(body.clone()), shape, &of_shape);
+        let truth = PairTracker::new().closest(&Shape::from(body.clone()), shape, &of_shape);
         let (there, back) = (relative(&pose), relative(&pose).swapped());
         let both = [
-            penetration(PartsRef::from(&m), PartsRef::from(&pieces), &there),
-            penetration(PartsRef::from(&pieces), PartsRef::from(&m), &back),
+            penetration(GeometryRef::from(&m), GeometryRef::from(&pieces), &there),
+            penetration(GeometryRef::from(&pieces), GeometryRef::from(&m), &back),
         ];
         for found in both {
             if truth.class == Class::Separated {
@@ -129,13 +127,17 @@ fn bounds_of_a_mesh_and_pieces_hold_beside_a_grid_of_translations() {
             q: rng.quat(),
             t: scale(rng.unit(), rng.range(0.2, 0.7)),
         };
-        let found = penetration(PartsRef::from(&m), PartsRef::from(&cross), &relative(&pose));
+        let found = penetration(GeometryRef::from(&m), GeometryRef::from(&cross), &relative(&pose));
         assert_eq!(found.upper > 0.0, meets((base, &crossed), &pose), "{k} {found:?}");
         if found.upper == 0.0 {
             continue;
         }
         met += 1;
-        let back = penetration(PartsRef::from(&cross), PartsRef::from(&m), &relative(&pose).swapped());
+        let back = penetration(
+            GeometryRef::from(&cross),
+            GeometryRef::from(&m),
+            &relative(&pose).swapped(),
+        );
         for o in [found, back] {
             assert!(0.0 <= o.lower && o.lower <= o.upper, "{k} {o:?}");
         }
@@ -159,10 +161,10 @@ fn a_surface_has_no_depth_and_a_body_inside_has_the_way_out() {
     let mut open = soups::sphere(1);
     open.triangles.pop();
     let at = relative(&Pose::shift([0.0, 0.0, 0.3]));
-    assert_eq!(CompositeTracker::new().penetration(&mesh(&open), &ball, &at), None);
+    assert_eq!(PairTracker::new().penetration(&mesh(&open), &ball, &at), None);
     // A ball in a cube: the nearest face is 0.7 away from its middle.
     let cube = mesh(&soups::plate(2, [1.0, 1.0, 1.0]));
-    let found = penetration(PartsRef::from(&cube), PartsRef::from(&ball), &at);
+    let found = penetration(GeometryRef::from(&cube), GeometryRef::from(&ball), &at);
     assert!(found.lower > 0.8 - 1e-12 && found.lower <= 0.8, "{found:?}");
     assert!(found.upper >= 0.8 && found.upper < 0.801, "{found:?}");
 }

@@ -7,9 +7,7 @@ use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{
-    Class, Composite, CompositeTracker, ConvexPolyhedron, Mesh, MeshTracker, PartsRef, Piece, RelativePose, Shape,
-};
+use lin_canny::{Class, Composite, ConvexPolyhedron, GeometryRef, Mesh, PairTracker, Piece, RelativePose, Shape};
 
 /// A pyramid upright on z = 0, or on its side, or lying on its top.
 fn pyramid(k: usize) -> Soup {
@@ -24,20 +22,21 @@ fn at(t: [f64; 3]) -> RelativePose {
     relative(&Pose::shift(t))
 }
 
-/// Asks all queries for both orders, by two trackers, cold and warm.
+/// Asks all queries for both orders, cold and warm.
 fn each(a: &Mesh, b: &Mesh, pose: &RelativePose, check: impl Fn(&str, bool, bool), d: f64) {
     let back = pose.swapped();
-    let (mut meshes, mut parts) = (MeshTracker::new(), CompositeTracker::new());
-    let boxed = [PartsRef::from(a), PartsRef::from(b)];
+    let mut kept = PairTracker::new();
     for round in ["cold", "warm"] {
-        check(round, meshes.intersects(a, b, pose), meshes.within(a, b, pose, d));
-        let (a, b) = (&boxed[0], &boxed[1]);
-        check(round, parts.intersects(a, b, pose), parts.within(a, b, pose, d));
+        check(
+            round,
+            kept.intersects(a, b, pose).is_yes(),
+            kept.within(a, b, pose, d).is_yes(),
+        );
     }
     check(
         "turned",
-        MeshTracker::new().intersects(b, a, &back),
-        MeshTracker::new().within(b, a, &back, d),
+        PairTracker::new().intersects(b, a, &back).is_yes(),
+        PairTracker::new().within(b, a, &back, d).is_yes(),
     );
 }
 
@@ -122,12 +121,12 @@ fn solids_that_fill_the_height_of_a_hole_do_not_meet() {
 }
 
 fn classes(a: &Mesh, b: &Mesh, pose: &RelativePose) -> [Class; 4] {
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     [
         tracker.closest(a, b, pose).class,
         tracker.closest(a, b, pose).class,
-        MeshTracker::new().closest(b, a, &pose.swapped()).class,
-        CompositeTracker::new().closest(a, b, pose).class,
+        PairTracker::new().closest(b, a, &pose.swapped()).class,
+        PairTracker::new().closest(a, b, pose).class,
     ]
 }
 
@@ -148,7 +147,7 @@ fn bodies_in_one_place_overlap() {
         assert_eq!(classes(&m, &m, &relative(&turned)), [Class::Overlapping; 4], "{k}");
         // A fine part of the body on the body.
         let inner = mesh(&soup.clone().map(|p| scale(p, 0.5)));
-        let found = MeshTracker::new().closest(&m, &inner, &at([0.0; 3]));
+        let found = PairTracker::new().closest(&m, &inner, &at([0.0; 3]));
         assert_eq!(found.upper > 0.0, found.class == Class::Separated, "{k} {found:?}");
     }
 }
@@ -190,7 +189,7 @@ fn depths_of_bodies_that_hardly_touch_are_small() {
     for k in 0..3 {
         for gap in [1e-15, 1e-17, 0.0, -1e-17, -1e-15] {
             let pose = at([0.3, 0.2, gap]);
-            let found = MeshTracker::new()
+            let found = PairTracker::new()
                 .penetration(&plate, &mesh(&pyramid(k)), &pose)
                 .unwrap();
             assert!(found.lower <= 1e-14 && found.upper < 1e-10, "{k} {gap:e} {found:?}");
@@ -214,16 +213,14 @@ fn depths_of_convex_meshes_that_cross_are_proven() {
         };
         let depth = -lin_canny::Tracker::new().closest(&a, &b, &relative(&pose)).distance;
         let [m, n] = [&a, &b].map(|p| Mesh::from_convex(p).unwrap());
-        let found = MeshTracker::new().penetration(&m, &n, &relative(&pose)).unwrap();
+        let found = PairTracker::new().penetration(&m, &n, &relative(&pose)).unwrap();
         assert!(
             found.lower <= depth * (1.0 + 1e-12) && depth <= found.upper,
             "{found:?} {depth}"
         );
         assert!(found.lower > depth * (1.0 - 1e-9), "{k} {found:?} {depth}");
         let piece = Composite::from(Shape::from(b));
-        let found = CompositeTracker::new()
-            .penetration(&m, &piece, &relative(&pose))
-            .unwrap();
+        let found = PairTracker::new().penetration(&m, &piece, &relative(&pose)).unwrap();
         assert!(
             found.lower > depth * (1.0 - 1e-9) && depth <= found.upper,
             "{k} {found:?} {depth}"
@@ -244,16 +241,18 @@ fn points_at_their_own_origin_are_measured_in_both_orders() {
         for place in [[0.0; 3], [1e-3 * size, 0.0, 0.0]] {
             let point = point_body(place);
             let pose = at([0.6 * size + place[0], 0.0, 0.0]);
-            for other in [PartsRef::from(&body), PartsRef::from(&solid)] {
-                let this = PartsRef::from(&point);
-                let mut tracker = CompositeTracker::new();
+            for other in [GeometryRef::from(&body), GeometryRef::from(&solid)] {
+                let this = GeometryRef::from(&point);
+                let mut tracker = PairTracker::new();
                 for (x, y, pose) in [(&this, &other, pose), (&other, &this, pose.swapped())] {
                     let found = tracker.closest(x, y, &pose);
                     let truth = 0.1 * size;
                     assert_eq!(found.class, Class::Separated, "{size:e} {found:?}");
                     assert!(found.lower <= truth * (1.0 + 1e-12) && truth <= found.upper * (1.0 + 1e-12));
                     assert!(found.upper - found.lower < 1e-12 * size, "{size:e} {found:?}");
-                    assert!(!tracker.intersects(x, y, &pose) && !tracker.within(x, y, &pose, 0.05 * size));
+                    assert!(
+                        !tracker.intersects(x, y, &pose).is_yes() && !tracker.within(x, y, &pose, 0.05 * size).is_yes()
+                    );
                     assert!(tracker.lower_bound(x, y, &pose) <= truth * (1.0 + 1e-12));
                 }
             }
@@ -270,7 +269,7 @@ fn tiny_bodies_beside_huge_ones_are_measured_in_both_orders() {
     let turn = Isometry3::rotation(Vector3::new(0.0, 0.0, 0.3));
     let place = Isometry3::translation(0.0, 0.0, -3e40) * turn;
     let pose = RelativePose::from_isometry(&place).unwrap();
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     let ways = [
         (&small.0, &huge.0, pose, place),
         (&huge.0, &small.0, pose.swapped(), place.inverse()),
@@ -281,13 +280,13 @@ fn tiny_bodies_beside_huge_ones_are_measured_in_both_orders() {
         assert!(found.upper - found.lower < 1e28, "{found:?}");
         let apart = place * found.point_on_b - found.point_on_a;
         assert!((apart.norm() / 2e40 - 1.0).abs() < 1e-9 && apart.normalize().dot(&found.normal) > 0.999_999);
-        assert!(!tracker.within(a, b, &pose, 1.9e40) && tracker.within(a, b, &pose, 2.1e40));
+        assert!(!tracker.within(a, b, &pose, 1.9e40).is_yes() && tracker.within(a, b, &pose, 2.1e40).is_yes());
         assert!(tracker.lower_bound(a, b, &pose) < 2.1e40);
     }
-    let mut tracker = CompositeTracker::new();
+    let mut tracker = PairTracker::new();
     let found = tracker.closest(&small.1, &huge.1, &pose);
     assert!(found.lower > 1.99e40 && found.upper < 2.01e40, "{found:?}");
-    assert!(!tracker.intersects(&small.1, &huge.1, &pose));
+    assert!(!tracker.intersects(&small.1, &huge.1, &pose).is_yes());
 }
 
 #[test]
@@ -296,15 +295,15 @@ fn bodies_a_universe_away_are_apart() {
     let piece = Composite::new(vec![Piece::new(solids::octahedron(1.0).unwrap())]).unwrap();
     for far in [1e100, 1e150, 1e200, 1e300, 1e307, 1.6e308] {
         let pose = at([0.0, far, 0.0]);
-        let found = MeshTracker::new().closest(&m, &m, &pose);
+        let found = PairTracker::new().closest(&m, &m, &pose);
         assert_eq!(found.class, Class::Separated, "{far:e} {found:?}");
         assert!(
             found.lower <= far && far <= found.upper && found.upper.is_finite(),
             "{found:?}"
         );
-        assert!(!MeshTracker::new().intersects(&m, &m, &pose), "{far:e}");
-        assert!(!MeshTracker::new().within(&m, &m, &pose, far * (1.0 - 1e-12)));
-        assert!(!CompositeTracker::new().intersects(&piece, &m, &pose), "{far:e}");
+        assert!(!PairTracker::new().intersects(&m, &m, &pose).is_yes(), "{far:e}");
+        assert!(!PairTracker::new().within(&m, &m, &pose, far * (1.0 - 1e-12)).is_yes());
+        assert!(!PairTracker::new().intersects(&piece, &m, &pose).is_yes(), "{far:e}");
     }
 }
 

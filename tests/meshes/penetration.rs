@@ -7,9 +7,7 @@ use lab::rng::Rng;
 use lab::soups;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{
-    Class, Composite, CompositeTracker, Mesh, MeshTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker,
-};
+use lin_canny::{Class, Composite, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker};
 
 fn shifted(pose: &Pose, by: Vector3<f64>) -> RelativePose {
     relative(&Pose {
@@ -37,10 +35,8 @@ fn convex_meshes_have_the_depth_of_their_bodies_between_the_bounds() {
         };
         let at = relative(&pose);
         let truth = Tracker::new().closest(&bodies[i], &bodies[j], &at);
-        let found = MeshTracker::new().penetration(&meshes[i], &meshes[j], &at).unwrap();
-        let whole = CompositeTracker::new()
-            .penetration(&pieces[i], &pieces[j], &at)
-            .unwrap();
+        let found = PairTracker::new().penetration(&meshes[i], &meshes[j], &at).unwrap();
+        let whole = PairTracker::new().penetration(&pieces[i], &pieces[j], &at).unwrap();
         if truth.class != Class::Overlapping {
             assert_eq!((found.lower, found.upper), (0.0, 0.0));
             continue;
@@ -94,18 +90,18 @@ fn bounds_of_meshes_hold_and_meet_for_shallow_overlaps() {
             t: scale(at, 2.6),
         };
         for _ in 0..20 {
-            let d = MeshTracker::new().distance(m, n, &relative(&pose)).value;
+            let d = PairTracker::new().distance(m, n, &relative(&pose)).value;
             pose.t = add(pose.t, scale(at, -d));
         }
         pose.t = add(pose.t, scale(at, -[0.02, 0.1][k % 2]));
-        let found = MeshTracker::new().penetration(m, n, &relative(&pose)).unwrap();
+        let found = PairTracker::new().penetration(m, n, &relative(&pose)).unwrap();
         if found.upper == 0.0 {
             continue;
         }
         met += 1;
         tight += usize::from(found.lower > 0.5 * found.upper);
-        check(&found, &pose, &mut rng, |p| MeshTracker::new().closest(m, n, p).class);
-        let back = MeshTracker::new()
+        check(&found, &pose, &mut rng, |p| PairTracker::new().closest(m, n, p).class);
+        let back = PairTracker::new()
             .penetration(n, m, &relative(&pose).swapped())
             .unwrap();
         assert!(
@@ -132,13 +128,11 @@ fn bounds_of_pieces_hold_and_surfaces_have_none() {
             q: rng.quat(),
             t: scale(rng.unit(), rng.range(0.3, 1.0)),
         };
-        let found = CompositeTracker::new()
-            .penetration(&cross, body, &relative(&pose))
-            .unwrap();
+        let found = PairTracker::new().penetration(&cross, body, &relative(&pose)).unwrap();
         if found.upper > 0.0 {
             met += 1;
             check(&found, &pose, &mut rng, |p| {
-                CompositeTracker::new().closest(&cross, body, p).class
+                PairTracker::new().closest(&cross, body, p).class
             });
         }
     }
@@ -147,5 +141,5 @@ fn bounds_of_pieces_hold_and_surfaces_have_none() {
     open.triangles.pop();
     let (solid, surface) = (mesh(&soups::sphere(1)), mesh(&open));
     let at = relative(&Pose::shift([0.5, 0.0, 0.0]));
-    assert_eq!(MeshTracker::new().penetration(&solid, &surface, &at), None);
+    assert_eq!(PairTracker::new().penetration(&solid, &surface, &at), None);
 }

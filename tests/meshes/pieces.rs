@@ -7,7 +7,7 @@ use lab::soups::Soup;
 use lab::{Pose, brute};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, CompositeError, CompositeTracker, MeshTracker, Piece};
+use lin_canny::{Class, Composite, CompositeError, PairTracker, Piece};
 
 /// Boxes and hulls strung along a path.
 fn chain(count: usize, in_place: bool, seed: u64) -> Composite {
@@ -50,8 +50,7 @@ fn pieces_equal_brute_force() {
         let (a, b) = (chain(9, k % 2 == 0, k), chain(7, k % 4 < 2, 100 + k));
         let (s, t) = (soup(&a), soup(&b));
         let (m, n) = (mesh(&s), mesh(&t));
-        let (mut tracker, mut meshes, mut back) =
-            (CompositeTracker::new(), MeshTracker::new(), CompositeTracker::new());
+        let (mut tracker, mut meshes, mut back) = (PairTracker::new(), PairTracker::new(), PairTracker::new());
         let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
         for frame in 0..40 {
             q = unit_quat(quat_mul(quat(axis, 0.009), q));
@@ -70,20 +69,23 @@ fn pieces_equal_brute_force() {
                     found.lower <= truth + 1e-15 && truth <= found.upper + 1e-15,
                     "{found:?} {truth}"
                 );
-                assert!(!tracker.within(&a, &b, &relative(&pose), truth - 1e-12));
-                assert!(tracker.within(&a, &b, &relative(&pose), truth + 1e-12));
+                assert!(!tracker.within(&a, &b, &relative(&pose), truth - 1e-12).is_yes());
+                assert!(tracker.within(&a, &b, &relative(&pose), truth + 1e-12))
+                    .is_yes()
+                    .is_yes()
+                    .is_yes();
                 let on_b = pose.apply(found.point_on_b.into());
                 let apart = lab::pose::norm(lab::pose::sub(on_b, found.point_on_a.into()));
                 assert!((apart - truth).abs() < 1e-13);
             }
             assert_eq!(
-                tracker.intersects(&a, &b, &relative(&pose)),
+                tracker.intersects(&a, &b, &relative(&pose)).is_yes(),
                 found.class != Class::Separated
             );
             tally[usize::from(found.class == Class::Separated)] += 1;
         }
         let w = tracker.work();
-        assert!(w.measured < 40 * w.queries, "{w:?}");
+        assert!(w.trees.measured < 40 * w.trees.queries, "{w:?}");
     }
     assert!(tally.iter().all(|t| *t > 200), "{tally:?}");
 }

@@ -6,7 +6,7 @@ use lab::Pose;
 use lab::pose::{add, scale, sub};
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
-use lin_canny::{Class, ContactPatches, ContactTracker, Mesh, MeshTracker};
+use lin_canny::{Class, ContactPatches, Mesh, PairTracker};
 
 /// Solids of all kinds, stretched by up to a hundred along each axis.
 fn stretched(rng: &mut Rng) -> Vec<Soup> {
@@ -27,7 +27,7 @@ fn stretched(rng: &mut Rng) -> Vec<Soup> {
 fn entered(a: &Mesh, b: &Mesh, size: f64, rng: &mut Rng) -> Pose {
     let (q, way) = (rng.quat(), rng.unit());
     let mut pose = Pose { q, t: scale(way, 4.0) };
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     for _ in 0..60 {
         let gap = tracker.distance(a, b, &relative(&pose)).value;
         if gap < 1e-9 {
@@ -51,12 +51,12 @@ fn thin_bodies_a_little_way_in_have_a_contact() {
         let (a, b) = (&meshes[i], &meshes[j]);
         let pose = entered(a, b, shapes[i].radius() + shapes[j].radius(), &mut rng);
         let at = relative(&pose);
-        if MeshTracker::new().closest(a, b, &at).class != Class::Overlapping {
+        if PairTracker::new().closest(a, b, &at).class != Class::Overlapping {
             continue;
         }
         met += 1;
-        let found = ContactTracker::new()
-            .contacts(&parts[i], &parts[j], &at, &exact(0.0))
+        let found = PairTracker::new()
+            .contacts_between(&parts[i], &parts[j], &at, &exact(0.0))
             .to_vec();
         assert!(!found.is_empty(), "{k}: {i} {j} {pose:?}");
         let turn = pose.isometry().rotation;
@@ -77,7 +77,7 @@ fn thin_bodies_a_little_way_in_have_a_contact() {
             t: add(pose.t, out.into()),
             ..pose
         };
-        parted += usize::from(!MeshTracker::new().intersects(a, b, &relative(&moved)));
+        parted += usize::from(!PairTracker::new().intersects(a, b, &relative(&moved)).is_yes());
     }
     // The deepest contact of most overlaps is all that holds the bodies.
     assert!(met > 400 && parted * 100 > met * 99, "{met} {parted}");

@@ -7,9 +7,7 @@ use lab::soups::{self, Soup};
 use lab::{Pose, brute};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{
-    Class, Composite, CompositeTracker, ConvexPolyhedron, Mesh, MeshError, Piece, RelativePose, Shape, ShapeTracker,
-};
+use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
 
 fn kinds() -> Vec<Shape> {
     vec![
@@ -34,7 +32,7 @@ fn all_pairs(soup: &Soup, body: &Composite, pose: &Pose) -> f64 {
         let triangle = Shape::from(ConvexPolyhedron::polygon(&soup.corners(t).map(Point3::from)).unwrap());
         for piece in body.pieces() {
             let placed = RelativePose::from_isometry(&(pose.isometry() * piece.pose)).unwrap();
-            least = least.min(ShapeTracker::new().distance(&triangle, &piece.shape, &placed).value);
+            least = least.min(PairTracker::new().distance(&triangle, &piece.shape, &placed).value);
         }
     }
     least.max(0.0)
@@ -44,14 +42,14 @@ fn all_pairs(soup: &Soup, body: &Composite, pose: &Pose) -> f64 {
 fn tumble((soup, m): (&Soup, &Mesh), body: &Composite, seed: u64, tally: &mut [usize; 2]) {
     let mut rng = Rng::new(seed);
     let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
-    let (mut warm, mut back) = (CompositeTracker::new(), CompositeTracker::new());
+    let (mut warm, mut back) = (PairTracker::new(), PairTracker::new());
     for frame in 0..30 {
         q = unit_quat(quat_mul(quat(axis, 0.02), q));
         let t = scale(at, 0.9 + 0.8 * (0.25 * f64::from(frame)).sin());
         let pose = Pose { q, t };
         let at = relative(&pose);
         let found = warm.closest(m, body, &at);
-        let cold = CompositeTracker::new().closest(m, body, &at);
+        let cold = PairTracker::new().closest(m, body, &at);
         let other = back.closest(body, m, &at.swapped());
         assert_eq!((cold.class, other.class), (found.class, found.class), "{seed} {frame}");
         let truth = all_pairs(soup, body, &pose);
@@ -66,10 +64,12 @@ fn tumble((soup, m): (&Soup, &Mesh), body: &Composite, seed: u64, tally: &mut [u
             let apart = lab::pose::norm(lab::pose::sub(on_b, found.point_on_a.into()));
             assert!((apart - truth).abs() < 1e-9, "{seed} {frame} {apart} {truth}");
             assert!(warm.lower_bound(m, body, &at) <= truth + 1e-12);
-            assert!(warm.within(m, body, &at, truth + 1e-9) && !warm.within(m, body, &at, truth - 1e-9));
+            assert!(
+                warm.within(m, body, &at, truth + 1e-9).is_yes() && !warm.within(m, body, &at, truth - 1e-9).is_yes()
+            );
         } else {
             assert!(inside || truth < 1e-9, "{seed} {frame} {found:?} {truth}");
-            assert!(warm.intersects(m, body, &at));
+            assert!(warm.intersects(m, body, &at)).is_yes().is_yes().is_yes();
         }
         tally[usize::from(found.class == Class::Separated)] += 1;
     }
@@ -124,10 +124,13 @@ fn a_shape_inside_a_solid_overlaps_and_inside_a_surface_does_not() {
     for shape in kinds() {
         let body = Composite::from(shape);
         let at = relative(&Pose::shift([0.1, 0.0, 0.2]));
-        let found = CompositeTracker::new().closest(&solid, &body, &at);
+        let found = PairTracker::new().closest(&solid, &body, &at);
         assert_eq!((found.class, found.distance), (Class::Overlapping, 0.0));
-        assert!(CompositeTracker::new().intersects(&body, &solid, &at.swapped()));
-        let found = CompositeTracker::new().closest(&surface, &body, &at);
+        assert!(PairTracker::new().intersects(&body, &solid, &at.swapped()))
+            .is_yes()
+            .is_yes()
+            .is_yes();
+        let found = PairTracker::new().closest(&surface, &body, &at);
         assert_eq!(found.class, Class::Separated);
     }
 }
@@ -146,7 +149,7 @@ fn a_box_in_a_box_of_the_same_size_overlaps_and_beside_it_touches() {
         ([1.0, 0.5, 0.0], Class::Touching),
         ([1.0, 1.0, 1.0], Class::Touching),
     ] {
-        let found = CompositeTracker::new().closest(&m, &body, &relative(&Pose::shift(t)));
+        let found = PairTracker::new().closest(&m, &body, &relative(&Pose::shift(t)));
         assert_eq!((found.class, found.distance), (class, 0.0), "{t:?}");
     }
 }

@@ -6,7 +6,7 @@ use lab::Pose;
 use lab::rng::Rng;
 use lab::soups::Soup;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Composite, ContactPatches, ContactTracker, ConvexPolyhedron, PatchContacts, Piece, Shape};
+use lin_canny::{Composite, ContactPatches, ConvexPolyhedron, PairTracker, PatchContacts, Piece, Shape};
 
 const PREDICTION: f64 = 5e-3;
 
@@ -271,11 +271,13 @@ fn poses(name: &str, make: impl Fn(&Valley, &mut Rng) -> ContactPatches, kind: u
             .collect();
         let what = format!("{name} {kind} {k}");
         let at = relative(&pose);
-        let found = ContactTracker::new().contacts(&a, &b, &at, &exact(PREDICTION)).to_vec();
+        let found = PairTracker::new()
+            .contacts_between(&a, &b, &at, &exact(PREDICTION))
+            .to_vec();
         tally.judge(&valley, &found, (&placed, radius), &pose, &what);
         // The other order has the same contacts, but for rounding.
-        let back = ContactTracker::new()
-            .contacts(&b, &a, &at.swapped(), &exact(PREDICTION))
+        let back = PairTracker::new()
+            .contacts_between(&b, &a, &at.swapped(), &exact(PREDICTION))
             .to_vec();
         tally.expect(back.len() == found.len(), || {
             format!("{what}: swapped {found:?} {back:?}")
@@ -352,8 +354,8 @@ fn a_corner_beside_a_ridge_between_two_pieces_has_contacts_of_the_ridge() {
             .iter()
             .map(|p| (pose.isometry() * Point3::from(*p)).coords)
             .collect();
-        let found = ContactTracker::new()
-            .contacts(&a, &ContactPatches::from(shape), &relative(&pose), &exact(PREDICTION))
+        let found = PairTracker::new()
+            .contacts_between(&a, &ContactPatches::from(shape), &relative(&pose), &exact(PREDICTION))
             .to_vec();
         let (height, is_vertex) = ridge.lowest(side, (&placed, radius));
         let what = format!("{k} {kind} {side} {depth:e} {height:e} {is_vertex} {found:?}");

@@ -1,13 +1,12 @@
 //! Surfaces over time: closed forms, dense samples; nothing late, nothing missed.
 
 use lab::rng::Rng;
-use lin_canny::PairTracker;
 use lin_canny::impact::{Impact, Tolerance, cast, cast_within, free_until};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::patch::{Decision, Surface, SurfaceShapeTracker, SurfaceTracker};
+use lin_canny::patch::Surface;
 use lin_canny::separation::Separation;
-use lin_canny::{RelativePose, Shape, Velocity};
+use lin_canny::{Decision, PairTracker, RelativePose, Shape, Velocity};
 
 use crate::bodies::{bumpy, sphere};
 use crate::shapes::{kinds, sampled};
@@ -81,22 +80,10 @@ fn spheres_meet_on_time() {
             continue;
         }
         let truth = truth.filter(|t| *t < 1.0);
-        let is_hit = judge(
-            &mut SurfaceShapeTracker::new().over(&shell, &ball),
-            [&a, &b],
-            truth,
-            keep,
-        );
-        judge(
-            &mut PairTracker::new()
-                .over(&ball.clone().into(), &shell.clone().into())
-                .expect("they have a tracker"),
-            [&b, &a],
-            truth,
-            keep,
-        );
+        let is_hit = judge(&mut PairTracker::new().over(&shell, &ball), [&a, &b], truth, keep);
+        judge(&mut PairTracker::new().over(&ball, &shell), [&b, &a], truth, keep);
         if k % 4 == 1 {
-            judge(&mut SurfaceTracker::new().over(&shell, &other), [&a, &b], truth, keep);
+            judge(&mut PairTracker::new().over(&shell, &other), [&a, &b], truth, keep);
         }
         hits += u32::from(is_hit);
     }
@@ -110,7 +97,7 @@ fn hollows_are_no_matter() {
     let ball = Shape::ball(0.3).expect("a ball");
     let still = moving(Vector3::zeros(), Vector3::zeros(), Vector3::x());
     let fall = moving(Vector3::new(0.1, 0.0, 0.0), Vector3::new(1.0, 0.0, 0.0), Vector3::y());
-    let mut tracker = SurfaceShapeTracker::new();
+    let mut tracker = PairTracker::new();
     let mut pair = tracker.over(&shell, &ball);
     let found = cast(&mut pair, &still, &fall, (0.0, 2.0), Tolerance::Distance(1e-6)).expect("a cast");
     let Impact::Hit { safe, hit, .. } = found.impact else {
@@ -135,7 +122,7 @@ fn patches_meet_shapes_never_late() {
                 moving(Vector3::zeros(), Vector3::zeros(), Vector3::from(rng.unit())),
                 moving(from, aside - from * 1.5, Vector3::from(rng.unit()) * 2.0),
             );
-            let mut tracker = SurfaceShapeTracker::new();
+            let mut tracker = PairTracker::new();
             if tracker.within(&surface, shape, &at(&a, &b, 0.0), 1e-3) != Decision::No {
                 continue;
             }
@@ -178,7 +165,7 @@ fn patches_meet_patches_never_late() {
             moving(Vector3::zeros(), Vector3::zeros(), Vector3::from(rng.unit())),
             moving(from, aside - from, Vector3::from(rng.unit())),
         );
-        let mut tracker = SurfaceTracker::new();
+        let mut tracker = PairTracker::new();
         let mut pair = tracker.over(&a, &b);
         let found = cast(&mut pair, &x, &y, (0.0, 1.0), Tolerance::Distance(1e-4)).expect("a cast");
         let until = match found.impact {

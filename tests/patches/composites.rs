@@ -1,12 +1,11 @@
 //! Surfaces against bodies of convex pieces: piece by piece, over time, in both orders.
 
 use lab::rng::Rng;
-use lin_canny::PairTracker;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Decision, Surface, SurfaceCompositeTracker, SurfaceShapeTracker};
-use lin_canny::{Class, Composite, Piece, RelativePose, Velocity};
+use lin_canny::patch::Surface;
+use lin_canny::{Class, Composite, Decision, PairTracker, Piece, Question, RelativePose, Velocity};
 
 use crate::bodies::{bumpy, place, pose};
 use crate::shapes::{kinds, sampled};
@@ -36,17 +35,22 @@ fn the_closest_piece_is_found() {
     for k in 0..40 {
         let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
         let body = body(&mut rng, k);
-        let mut tracker = SurfaceCompositeTracker::new();
+        let mut tracker = PairTracker::new();
         for _ in 0..5 {
             let far = rng.range(0.3, 3.0);
             let at = place(&mut rng, far);
-            let found = tracker.closest(&surface, &body, &pose(&at), 1e-9);
+            let found = tracker.ask(&surface, &body, &pose(&at), &Question::new().width(1e-9));
             let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
             for piece in body.pieces() {
-                let o = SurfaceShapeTracker::new().closest(&surface, &piece.shape, &of_piece(&at, piece), 1e-9);
+                let o = PairTracker::new().ask(
+                    &surface,
+                    &piece.shape,
+                    &of_piece(&at, piece),
+                    &Question::new().width(1e-9),
+                );
                 (lower, upper) = (o.lower.min(lower), o.upper.min(upper));
             }
-            let o = &found.closest;
+            let o = &found;
             assert!(o.is_reached && o.upper - o.lower <= 1e-9, "{found:?}");
             assert!(
                 o.lower <= upper + 1e-13 && lower <= o.upper + 1e-13,
@@ -62,7 +66,7 @@ fn the_closest_piece_is_found() {
             let within = tracker.within(&surface, &body, &pose(&at), 0.5 * o.distance);
             assert!(is_overlap || within == Decision::No, "{within:?} {found:?}");
             (overlaps, apart) = (overlaps + u32::from(is_overlap), apart + u32::from(o.lower > 0.0));
-            of[found.piece as usize] += 1;
+            of[found.on[1].part as usize] += 1;
         }
     }
     assert!(
@@ -87,15 +91,14 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
         let flight = moving(from, velocity, Vector3::from(rng.unit()) * 2.0);
         let tolerance = Tolerance::Distance(1e-5);
         let found = cast(
-            &mut SurfaceCompositeTracker::new().over(&surface, &body),
+            &mut PairTracker::new().over(&surface, &body),
             &still,
             &flight,
             (0.0, 1.0),
             tolerance,
         );
-        let (first, second) = (body.clone().into(), surface.clone().into());
         let mut tracker = PairTracker::new();
-        let mut back = tracker.over(&first, &second).expect("they have a tracker");
+        let mut back = tracker.over(&body, &surface);
         let swapped = cast(&mut back, &flight, &still, (0.0, 1.0), tolerance).expect("a cast");
         let until = match (found.expect("a cast").impact, swapped.impact) {
             (
@@ -109,7 +112,7 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
                 assert!(safe <= other && again <= hit, "{k}: {safe} {hit} {again} {other}");
                 let (a, b) = (still.pose(hit), flight.pose(hit));
                 let at = RelativePose::new(&a, &b).expect("a pose");
-                let within = SurfaceCompositeTracker::new().within(&surface, &body, &at, 2e-5);
+                let within = PairTracker::new().within(&surface, &body, &at, 2e-5);
                 assert_eq!(within, Decision::Yes, "{k}");
                 hits += 1;
                 safe
@@ -138,11 +141,11 @@ fn far_bodies_have_bounds() {
     let mut rng = Rng::new(93);
     let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
     let body = body(&mut rng, 0);
-    let mut tracker = SurfaceCompositeTracker::new();
+    let mut tracker = PairTracker::new();
     for far in [1e3, 1e9, 1e30, 1e120, 1e200, 1e305, 10.0] {
         let at = Isometry3::translation(0.0, 0.0, far);
         for width in [1e-9, 0.0, -1.0, f64::NAN] {
-            let o = tracker.closest(&surface, &body, &pose(&at), width).closest;
+            let o = tracker.ask(&surface, &body, &pose(&at), &Question::new().width(width));
             assert!(o.lower <= o.distance && o.distance <= o.upper, "{far:e} {width}: {o:?}");
             assert!(o.lower <= far + 4.0 && far - 4.0 <= o.upper, "{far:e} {width}: {o:?}");
         }

@@ -2,16 +2,16 @@
 
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Patch, Surface, SurfaceOutcome, SurfaceTracker};
+use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Shape, ShapeTracker, Tracker};
+use lin_canny::{Answer, Class, PairTracker, Question, Shape, Tracker};
 
 use crate::bodies::{place, pose, sphere, tube};
 
 /// Circles of rational patches are round to this, times the radius.
 const ROUND: f64 = 1e-15;
 
-fn holds(o: &SurfaceOutcome, truth: f64, width: f64) {
+fn holds(o: &Answer, truth: f64, width: f64) {
     let slack = 4.0 * ROUND;
     assert!(o.lower <= truth + slack && truth <= o.upper + slack, "{truth:e}: {o:?}");
     assert!(o.is_reached && o.upper - o.lower <= width, "{truth:e}: {o:?}");
@@ -22,17 +22,25 @@ fn spheres_apart_and_one_in_the_other() {
     let mut rng = Rng::new(3);
     let (a, b) = (sphere(1.0), sphere(0.5));
     assert!(a.is_closed() && !tube(1.0, 1.0).is_closed());
-    let mut tracker = SurfaceTracker::new();
+    let mut tracker = PairTracker::new();
     for _ in 0..100 {
         let gap = rng.log_range(1e-9, 3.0);
         let at = place(&mut rng, 1.5 + gap);
         let apart = at.translation.vector.norm();
-        holds(&tracker.closest(&a, &b, &pose(&at), 1e-9), apart - 1.5, 1e-9);
+        holds(
+            &tracker.ask(&a, &b, &pose(&at), &Question::new().width(1e-9)),
+            apart - 1.5,
+            1e-9,
+        );
         // One in the hollow of the other, off the middle.
         let apart = rng.range(0.2, 0.45);
         let at = place(&mut rng, apart);
         let apart = at.translation.vector.norm();
-        holds(&tracker.closest(&a, &b, &pose(&at), 1e-7), 0.5 - apart, 1e-7);
+        holds(
+            &tracker.ask(&a, &b, &pose(&at), &Question::new().width(1e-7)),
+            0.5 - apart,
+            1e-7,
+        );
     }
 }
 
@@ -48,7 +56,7 @@ fn a_sphere_and_the_side_of_a_cylinder() {
         let truth = off.hypot(up) - 0.25;
         if truth > 1e-6 {
             holds(
-                &SurfaceTracker::new().closest(&side, &ball, &pose(&at), 1e-9),
+                &PairTracker::new().ask(&side, &ball, &pose(&at), &Question::new().width(1e-9)),
                 truth,
                 1e-9,
             );
@@ -71,20 +79,20 @@ fn flat_patches_are_polyhedra() {
     let ball = sphere(0.8);
     let round = Shape::ball(0.8).expect("a ball");
     let die_shape = Shape::from(die.clone());
-    let (mut warm, mut warm_ball) = (SurfaceTracker::new(), SurfaceTracker::new());
+    let (mut warm, mut warm_ball) = (PairTracker::new(), PairTracker::new());
     for _ in 0..60 {
         let apart = rng.range(1.2, 3.0);
         let at = place(&mut rng, apart);
         let truth = Tracker::new().closest(&die, &gem, &pose(&at));
-        let o = warm.closest(&a, &b, &pose(&at), 1e-9);
+        let o = warm.ask(&a, &b, &pose(&at), &Question::new().width(1e-9));
         if truth.class == Class::Separated {
             assert!(
                 o.is_reached && o.lower <= truth.upper && truth.lower <= o.upper,
                 "{truth:?} {o:?}"
             );
         }
-        let truth = ShapeTracker::new().closest(&die_shape, &round, &pose(&at));
-        let o = warm_ball.closest(&a, &ball, &pose(&at), 1e-9);
+        let truth = PairTracker::new().closest(&die_shape, &round, &pose(&at));
+        let o = warm_ball.ask(&a, &ball, &pose(&at), &Question::new().width(1e-9));
         if truth.class == Class::Separated {
             let slack = ROUND;
             assert!(
@@ -101,13 +109,13 @@ fn flush_faces_are_no_harder() {
     let a = Surface::from_convex(&die).expect("faces");
     for gap in [1e-12, 1e-6, 0.1] {
         let at = Isometry3::translation(0.2, 0.3, 1.0 + gap);
-        let mut tracker = SurfaceTracker::new();
-        let o = tracker.closest(&a, &a, &pose(&at), 1e-11);
+        let mut tracker = PairTracker::new();
+        let o = tracker.ask(&a, &a, &pose(&at), &Question::new().width(1e-11));
         assert!(
             o.is_reached && (o.distance - at.translation.z + 1.0).abs() < 1e-11,
             "{o:?}"
         );
-        assert!(tracker.work().splits < 1000, "{:?}", tracker.work());
+        assert!(tracker.work().surfaces.splits < 1000, "{:?}", tracker.work());
     }
 }
 
@@ -119,9 +127,9 @@ fn a_cylinder_lies_along_a_plane() {
     let lying = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
     for gap in [0.0, 1e-9, 1e-3] {
         let at = Isometry3::from_parts(Translation3::new(0.1, 0.2, 0.5 + gap), lying);
-        let mut tracker = SurfaceTracker::new();
-        let o = tracker.closest(&floor, &side, &pose(&at), 1e-9);
+        let mut tracker = PairTracker::new();
+        let o = tracker.ask(&floor, &side, &pose(&at), &Question::new().width(1e-9));
         holds(&o, at.translation.z - 0.5, 1e-9);
-        assert!(tracker.work().splits < 2000, "{:?}", tracker.work());
+        assert!(tracker.work().surfaces.splits < 2000, "{:?}", tracker.work());
     }
 }

@@ -2,8 +2,8 @@
 
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
-use lin_canny::patch::{Decision, Nurbs, Patch, PatchError, Surface, SurfaceTracker, revolution};
-use lin_canny::{Class, Mesh, MeshTracker, RelativePose};
+use lin_canny::patch::{Nurbs, Patch, PatchError, Surface, revolution};
+use lin_canny::{Class, Decision, Mesh, PairTracker, Question, RelativePose};
 
 use crate::bodies::{bumpy, place, pose, sphere, torus, tube, vase};
 use crate::truth::judge;
@@ -26,8 +26,8 @@ fn saddles_in_each_other() {
     for (gap, turn) in [(0.3, 0.0), (1e-3, 0.3), (0.05, 1.2)] {
         let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
         let at = Isometry3::from_parts(Vector3::new(0.05, -0.02, gap).into(), turned);
-        let mut tracker = SurfaceTracker::new();
-        let o = tracker.closest(&a, &a, &pose(&at), 1e-6);
+        let mut tracker = PairTracker::new();
+        let o = tracker.ask(&a, &a, &pose(&at), &Question::new().width(1e-6));
         judge(&a, &a, &at, &o, 1e-13);
         println!("{gap} {turn}: {} {} {:?}", o.lower, o.upper, tracker.work());
     }
@@ -52,14 +52,14 @@ fn hollows_and_saddles_cost_no_more_when_narrow() {
             let at = Isometry3::from_parts(Vector3::new(x, -0.5 * x, gap).into(), turned);
             let mut splits = Vec::new();
             for width in [1e-4, 1e-7, 1e-10] {
-                let mut tracker = SurfaceTracker::new();
-                let o = tracker.closest(a, b, &pose(&at), width);
+                let mut tracker = PairTracker::new();
+                let o = tracker.ask(a, b, &pose(&at), &Question::new().width(width));
                 judge(a, b, &at, &o, 1e-13);
                 assert!(o.is_reached || o.lower == 0.0, "{k} {gap}: {o:?}");
-                splits.push(tracker.work().splits);
+                splits.push(tracker.work().surfaces.splits);
                 // Warm, and the other way round.
-                let again = tracker.closest(a, b, &pose(&at), width);
-                let back = SurfaceTracker::new().closest(b, a, &pose(&at).swapped(), width);
+                let again = tracker.ask(a, b, &pose(&at), &Question::new().width(width));
+                let back = PairTracker::new().ask(b, a, &pose(&at).swapped(), &Question::new().width(width));
                 for other in [again, back] {
                     assert!(other.lower <= o.upper && o.lower <= other.upper, "{o:?} {other:?}");
                 }
@@ -89,7 +89,7 @@ fn a_border_that_stops_short_is_no_crossing() {
         let wall = wall(side);
         for (gap, meets) in [(1e-14, false), (5e-14, false), (-0.01, true)] {
             let at = pose(&Isometry3::translation(0.0, 0.0, gap));
-            let mut tracker = SurfaceTracker::new();
+            let mut tracker = PairTracker::new();
             for found in [
                 tracker.intersects(&floor, &wall, &at),
                 tracker.intersects(&wall, &floor, &at.swapped()),
@@ -97,7 +97,7 @@ fn a_border_that_stops_short_is_no_crossing() {
                 assert_eq!(found == Decision::Yes, meets, "{side} {gap:e}: {found:?}");
             }
             assert_eq!(
-                tracker.closest(&floor, &wall, &at, 1e-9).class == Class::Touching,
+                tracker.ask(&floor, &wall, &at, &Question::new().width(1e-9)).class == Class::Touching,
                 meets,
                 "{side} {gap:e}"
             );
@@ -120,8 +120,8 @@ fn poles_face_each_other() {
     for k in 0..20 {
         let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1e-4 * (k * k) as f64);
         let at = Isometry3::from_parts(Vector3::new(0.0, 1e-5 * k as f64, 2.01).into(), tilt);
-        let mut tracker = SurfaceTracker::new();
-        let o = tracker.closest(&a, &a, &pose(&at), 1e-9);
+        let mut tracker = PairTracker::new();
+        let o = tracker.ask(&a, &a, &pose(&at), &Question::new().width(1e-9));
         let truth = at.translation.vector.norm() - 2.0;
         assert!(
             o.is_reached && (o.distance - truth).abs() < 2e-9,
@@ -146,23 +146,28 @@ fn cusps_and_points() {
         for b in &bodies {
             for _ in 0..5 {
                 let at = place(&mut rng, 3.5);
-                let o = SurfaceTracker::new().closest(a, b, &pose(&at), 1e-9);
+                let o = PairTracker::new().ask(a, b, &pose(&at), &Question::new().width(1e-9));
                 assert!(o.is_reached && o.lower > 0.0, "{o:?}");
                 judge(a, b, &at, &o, 1e-13);
                 assert!((o.normal.norm() - 1.0).abs() < 1e-14);
             }
         }
     }
-    let share = SurfaceTracker::new().closest(&bodies[1], &bodies[1], &pose(&Isometry3::identity()), 1e-9);
+    let share = PairTracker::new().ask(
+        &bodies[1],
+        &bodies[1],
+        &pose(&Isometry3::identity()),
+        &Question::new().width(1e-9),
+    );
     assert!(share.is_reached && share.lower == 0.0 && share.class == Class::Undecided);
 }
 
 #[test]
 fn tangent_and_crossing_surfaces() {
     let a = sphere(1.0);
-    let mut tracker = SurfaceTracker::new();
+    let mut tracker = PairTracker::new();
     let at = |x: f64| pose(&Isometry3::translation(0.6 * x, 0.8 * x, 0.0));
-    let touching = tracker.closest(&a, &a, &at(2.0), 1e-9);
+    let touching = tracker.ask(&a, &a, &at(2.0), &Question::new().width(1e-9));
     assert!(
         touching.is_reached && touching.upper < 1e-9 && touching.class != Class::Separated,
         "{touching:?}"
@@ -173,7 +178,7 @@ fn tangent_and_crossing_surfaces() {
     for k in 0..40 {
         let cross = at(0.05 + 0.048 * k as f64);
         yes += u32::from(tracker.intersects(&a, &a, &cross).known() == Some(true));
-        let o = tracker.closest(&a, &a, &cross, 1e-9);
+        let o = tracker.ask(&a, &a, &cross, &Question::new().width(1e-9));
         assert!(o.is_reached && o.lower == 0.0 && o.upper < 1e-12, "{o:?}");
     }
     assert_eq!(yes, 40);
@@ -187,26 +192,27 @@ fn tangent_and_crossing_surfaces() {
     let flat = one([2, 2], &square(|_, _| 0.0));
     let dish = one([2, 2], &square(|x, y| x * x + y * y));
     let under = pose(&Isometry3::translation(0.0, 0.0, -1e-10));
-    assert_eq!(SurfaceTracker::new().intersects(&dish, &flat, &under), Decision::No);
+    assert_eq!(PairTracker::new().intersects(&dish, &flat, &under), Decision::No);
 }
 
 #[test]
 fn a_budget_ends_what_has_no_end() {
     // Two cylinders about one axis are equally far everywhere.
     let (a, b) = (tube(1.0, 1.0), tube(0.6, 1.0));
-    let mut tracker = SurfaceTracker::new().with_budget(500);
-    let o = tracker.closest(&a, &b, &pose(&Isometry3::identity()), 1e-9);
+    let mut tracker = PairTracker::new();
+    let few = Question::new().width(1e-9).splits(500);
+    let o = tracker.ask(&a, &b, &pose(&Isometry3::identity()), &few);
     assert!(
         !o.is_reached && o.lower <= 0.4 && o.upper >= 0.4 - 1e-15 && o.upper - o.lower < 0.1,
         "{o:?}"
     );
-    assert!(tracker.work().splits <= 500);
-    let coarse = SurfaceTracker::new().closest(&a, &b, &pose(&Isometry3::identity()), 0.01);
+    assert!(tracker.work().surfaces.splits <= 500);
+    let coarse = PairTracker::new().ask(&a, &b, &pose(&Isometry3::identity()), &Question::new().width(0.01));
     assert!(coarse.is_reached, "{coarse:?}");
     for width in [0.0, -1.0, f64::NAN] {
         let ball = sphere(1.0);
         let at = pose(&Isometry3::translation(2.5, 0.3, 0.1));
-        let o = SurfaceTracker::new().closest(&ball, &ball, &at, width);
+        let o = PairTracker::new().ask(&ball, &ball, &at, &Question::new().width(width));
         assert!(!o.is_reached && o.upper - o.lower < 1e-11, "{o:?}");
     }
 }
@@ -238,23 +244,26 @@ fn surfaces_that_are_level_end_soon() {
         let mut rng = Rng::of_case(71, k);
         let kind = k as usize % 5;
         let (a, b, at, truth) = level(&mut rng, kind);
-        let mut tracker = SurfaceTracker::new();
+        let mut tracker = PairTracker::new();
         for _ in 0..2 {
-            let before = tracker.work().splits;
-            let o = tracker.closest(&a, &b, &pose(&at), 1e-9);
+            let before = tracker.work().surfaces.splits;
+            let o = tracker.ask(&a, &b, &pose(&at), &Question::new().width(1e-9));
             assert!(
                 o.lower <= truth + 1e-14 && truth <= o.upper + 1e-14,
                 "{k} {truth}: {o:?}"
             );
             assert!(
-                tracker.work().splits - before <= 4_096,
+                tracker.work().surfaces.splits - before <= 4_096,
                 "{k} {truth}: {:?}",
                 tracker.work()
             );
             widest[kind] = widest[kind].max(o.upper - o.lower);
         }
         // A wide interval is no harder than elsewhere.
-        assert!(tracker.closest(&a, &b, &pose(&at), 0.3).is_reached, "{k}");
+        assert!(
+            tracker.ask(&a, &b, &pose(&at), &Question::new().width(0.3)).is_reached,
+            "{k}"
+        );
     }
     println!("widths {widest:?}");
     assert!(widest.iter().all(|w| *w < 0.3), "{widest:?}");
@@ -268,22 +277,26 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
         let degrees = [1 + rng.below(4), 2 + rng.below(3)];
         let patch = Surface::new(vec![bumpy(&mut rng, degrees, 0.7)]).expect("a surface");
         let up = rng.log_range(1e-8, 3e-6);
-        let mut tracker = SurfaceTracker::new();
+        let mut tracker = PairTracker::new();
         let found = tracker.intersects(&patch, &patch, &pose(&Isometry3::translation(0.0, 0.0, up)));
         assert!(found != Decision::Yes, "{k} {up:e}");
-        assert!(tracker.work().splits <= 4_096, "{k} {up:e}: {:?}", tracker.work());
+        assert!(
+            tracker.work().surfaces.splits <= 4_096,
+            "{k} {up:e}: {:?}",
+            tracker.work()
+        );
         let away = pose(&Isometry3::translation(0.0, 0.0, 2.0));
         assert_eq!(tracker.intersects(&patch, &patch, &away), Decision::No);
         // Farther up the query may be worth all of its budget, and no more.
         let up = rng.log_range(1e-5, 1e-3);
-        let before = tracker.work().splits;
+        let before = tracker.work().surfaces.splits;
         let found = tracker.intersects(&patch, &patch, &pose(&Isometry3::translation(0.0, 0.0, up)));
         let is_honest = match found {
             Decision::No => true,
             Decision::Undecided { lower, upper } => lower == 0.0 && 0.0 < upper && upper <= up,
             _ => false,
         };
-        let splits = tracker.work().splits - before;
+        let splits = tracker.work().surfaces.splits - before;
         assert!(is_honest && splits <= 20_000, "{k} {up:e}: {found:?} {splits}");
     }
 }
@@ -292,15 +305,15 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
 fn far_and_foreign() {
     let (a, b) = (sphere(1.0), vase());
     let far = RelativePose::from_isometry(&Isometry3::translation(1e200, 0.0, 0.0)).expect("a pose");
-    let o = SurfaceTracker::new().closest(&a, &a, &far, 1e-9);
+    let o = PairTracker::new().ask(&a, &a, &far, &Question::new().width(1e-9));
     assert!(o.lower <= 1e200 && o.upper >= 1e200 && o.lower > 0.9e200 && !o.is_reached);
     // A tracker of other surfaces.
-    let mut tracker = SurfaceTracker::new();
+    let mut tracker = PairTracker::new();
     let at = pose(&Isometry3::translation(3.0, 0.2, 0.1));
-    let first = tracker.closest(&a, &b, &at, 1e-9);
-    tracker.closest(&b, &a, &at, 1e-9);
-    tracker.closest(&b, &b, &at, 1e-9);
-    let again = tracker.closest(&a, &b, &at, 1e-9);
+    let first = tracker.ask(&a, &b, &at, &Question::new().width(1e-9));
+    tracker.ask(&b, &a, &at, &Question::new().width(1e-9));
+    tracker.ask(&b, &b, &at, &Question::new().width(1e-9));
+    let again = tracker.ask(&a, &b, &at, &Question::new().width(1e-9));
     assert!(first.lower <= again.upper && again.lower <= first.upper && again.is_reached);
     assert!(tracker.heap_bytes() > 0 && tracker.front_len() > 0);
     tracker.reset();
@@ -339,14 +352,14 @@ fn finer_meshes_come_closer() {
         Vector3::new(1.9, 0.8, 0.9),
         Vector3::new(0.4, 0.5, 0.6),
     ));
-    let exact = SurfaceTracker::new().closest(&a, &a, &at, 1e-11);
+    let exact = PairTracker::new().ask(&a, &a, &at, &Question::new().width(1e-11));
     let mut errors = Vec::new();
     for n in [8, 16, 32] {
         let mesh = globe(n);
-        let o = MeshTracker::new().closest(&mesh, &mesh, &at);
+        let o = PairTracker::new().closest(&mesh, &mesh, &at);
         assert!(o.lower >= exact.upper - 1e-11, "an inscribed mesh is farther");
         let flat = Surface::from_mesh(&mesh).expect("a surface");
-        let p = SurfaceTracker::new().closest(&flat, &flat, &at, 1e-9);
+        let p = PairTracker::new().ask(&flat, &flat, &at, &Question::new().width(1e-9));
         assert!(p.is_reached && p.lower <= o.upper && o.lower <= p.upper, "{o:?} {p:?}");
         errors.push(o.distance - exact.distance);
     }

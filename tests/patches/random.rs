@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use lab::curved::{KINDS as SHAPES, Kind};
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
-use lin_canny::patch::{Nurbs, Patch, Surface, SurfaceShapeTracker, SurfaceTracker, revolution};
+use lin_canny::patch::{Nurbs, Patch, Surface, revolution};
 use lin_canny::polyhedron::solids;
+use lin_canny::{PairTracker, Question};
 
 use crate::bodies::{grid, place, pose};
 use crate::truth::{Body, Sentence, judge, judge_shape};
@@ -244,8 +245,8 @@ fn surfaces(seed: u64, cases: u64) -> [u64; 5] {
         let spots = [spot(&mut rng, &a), spot(&mut rng, &b)];
         let at = placed(&mut rng, PLACES[how], spots);
         let width = *rng.pick(&WIDTHS);
-        let mut tracker = SurfaceTracker::new();
-        let o = tracker.closest(&a, &b, &pose(&at), width);
+        let mut tracker = PairTracker::new();
+        let o = tracker.ask(&a, &b, &pose(&at), &Question::new().width(width));
         let what = || {
             format!(
                 "case {k}: {} {} {} {width:e} {at:?}: {o:?}",
@@ -258,9 +259,9 @@ fn surfaces(seed: u64, cases: u64) -> [u64; 5] {
         // Back at the same pose by another way, and exchanged.
         let mut near = at;
         near.translation.vector += Vector3::from(rng.unit()) * rng.log_range(1e-6, 0.1);
-        tracker.closest(&a, &b, &pose(&near), width);
-        let again = tracker.closest(&a, &b, &pose(&at), width);
-        let back = SurfaceTracker::new().closest(&b, &a, &pose(&at).swapped(), width);
+        tracker.ask(&a, &b, &pose(&near), &Question::new().width(width));
+        let again = tracker.ask(&a, &b, &pose(&at), &Question::new().width(width));
+        let back = PairTracker::new().ask(&b, &a, &pose(&at).swapped(), &Question::new().width(width));
         for other in [again, back] {
             assert!(other.lower <= o.upper && o.lower <= other.upper, "{} {other:?}", what());
         }
@@ -305,8 +306,8 @@ fn shapes(seed: u64, cases: u64) -> [u64; 5] {
         let spots = [spot(&mut rng, &a), (b.top(&m), m)];
         let at = placed(&mut rng, PLACES[how], spots);
         let width = *rng.pick(&WIDTHS);
-        let mut tracker = SurfaceShapeTracker::new();
-        let o = tracker.closest(&a, &b.shape, &pose(&at), width);
+        let mut tracker = PairTracker::new();
+        let o = tracker.ask(&a, &b.shape, &pose(&at), &Question::new().width(width));
         let what = || {
             format!(
                 "case {k}: {} {} {round} {} {width:e} {at:?}: {o:?}",
@@ -317,8 +318,8 @@ fn shapes(seed: u64, cases: u64) -> [u64; 5] {
         let sentence = judge_shape(&a, &b, &at, &o, 2e-14 * (4.0 + at.translation.vector.norm()));
         let mut near = at;
         near.translation.vector += Vector3::from(rng.unit()) * rng.log_range(1e-6, 0.1);
-        tracker.closest(&a, &b.shape, &pose(&near), width);
-        let again = tracker.closest(&a, &b.shape, &pose(&at), width);
+        tracker.ask(&a, &b.shape, &pose(&near), &Question::new().width(width));
+        let again = tracker.ask(&a, &b.shape, &pose(&at), &Question::new().width(width));
         assert!(again.lower <= o.upper && o.lower <= again.upper, "{} {again:?}", what());
         let wide = !o.is_reached || !again.is_reached;
         if wide || sentence == Sentence::Open {
@@ -359,14 +360,17 @@ fn surroundings_of_the_closest_points_are_proven_at_once() {
         let mut one = || Surface::new(vec![bumpy(&mut rng, [3, 3], 0.5)]).expect("a surface");
         let (a, b) = (one(), one());
         let mut at = place(&mut rng, 3.0);
-        let mut tracker = SurfaceTracker::new();
+        let mut tracker = PairTracker::new();
         for _ in 0..20 {
-            let d = tracker.distance(&a, &b, &pose(&at), 1e-3).value;
+            let d = tracker.ask(&a, &b, &pose(&at), &Question::new().width(1e-3)).distance;
             at.translation.vector *= 1.0 + 0.3 * (0.2 - d);
         }
-        let mut cold = SurfaceTracker::new();
-        assert!(cold.closest(&a, &b, &pose(&at), 1e-9).is_reached);
-        (sum.regions, sum.splits) = (sum.regions + cold.work().regions, sum.splits + cold.work().splits);
+        let mut cold = PairTracker::new();
+        assert!(cold.ask(&a, &b, &pose(&at), &Question::new().width(1e-9)).is_reached);
+        (sum.regions, sum.splits) = (
+            sum.regions + cold.work().surfaces.regions,
+            sum.splits + cold.work().surfaces.splits,
+        );
     }
     println!("{} regions, {} splits", sum.regions, sum.splits);
     assert!(sum.regions > 110 && sum.splits < 128 * 40, "{sum:?}");
@@ -401,25 +405,25 @@ fn cost() {
             let (a, b) = (one(), one());
             let mut at = place(&mut rng, 3.0);
             let axis = Vector3::from(rng.unit()) * 0.5_f64.to_radians();
-            let mut tracker = SurfaceTracker::new();
+            let mut tracker = PairTracker::new();
             for _ in 0..40 {
                 at.rotation = UnitQuaternion::from_scaled_axis(axis) * at.rotation;
-                let d = tracker.distance(&a, &b, &pose(&at), 1e-3).value;
+                let d = tracker.ask(&a, &b, &pose(&at), &Question::new().width(1e-3)).distance;
                 at.translation.vector *= 1.0 + 0.3 * (0.2 - d);
             }
-            tracker = SurfaceTracker::new();
+            tracker = PairTracker::new();
             for _ in 0..40 {
                 at.rotation = UnitQuaternion::from_scaled_axis(axis) * at.rotation;
                 let began = std::time::Instant::now();
-                std::hint::black_box(tracker.closest(&a, &b, &pose(&at), width));
+                std::hint::black_box(tracker.ask(&a, &b, &pose(&at), &Question::new().width(width)));
                 warm.push(began.elapsed().as_nanos());
                 let began = std::time::Instant::now();
-                let mut fresh = SurfaceTracker::new();
-                std::hint::black_box(fresh.closest(&a, &b, &pose(&at), width));
+                let mut fresh = PairTracker::new();
+                std::hint::black_box(fresh.ask(&a, &b, &pose(&at), &Question::new().width(width)));
                 cold.push(began.elapsed().as_nanos());
-                add(0, fresh.work());
+                add(0, fresh.work().surfaces);
             }
-            add(1, tracker.work());
+            add(1, tracker.work().surfaces);
         }
         for (k, (name, times)) in [("cold", &mut cold), ("warm", &mut warm)].into_iter().enumerate() {
             times.sort_unstable();

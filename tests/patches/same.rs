@@ -2,7 +2,8 @@
 
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::patch::{Nurbs, Patch, Surface, SurfaceTracker};
+use lin_canny::patch::{Nurbs, Patch, Surface};
+use lin_canny::{PairTracker, Question, Spot};
 
 use crate::bodies::{bumpy, grid, place, pose};
 
@@ -10,8 +11,8 @@ const WIDTH: f64 = 1e-10;
 
 /// Asserts that two surfaces have one distance to a third.
 fn same(a: &Surface, other: &Surface, b: &Surface, at: &Isometry3<f64>, what: &str) {
-    let o = SurfaceTracker::new().closest(a, b, &pose(at), WIDTH);
-    let p = SurfaceTracker::new().closest(other, b, &pose(at), WIDTH);
+    let o = PairTracker::new().ask(a, b, &pose(at), &Question::new().width(WIDTH));
+    let p = PairTracker::new().ask(other, b, &pose(at), &Question::new().width(WIDTH));
     assert!(o.is_reached && p.is_reached, "{what}: {o:?} {p:?}");
     assert!(
         o.lower <= p.upper + 1e-14 && p.lower <= o.upper + 1e-14,
@@ -154,11 +155,7 @@ fn nurbs_are_taken_apart() {
     let surface = Surface::from_nurbs(&nurbs).expect("a surface");
     assert_eq!(surface.patches().len(), 6);
     for k in 0..600 {
-        let at = lin_canny::patch::SurfacePoint {
-            patch: k % 6,
-            u: rng.uniform(),
-            v: rng.uniform(),
-        };
+        let at = Spot::on_patch(k % 6, [rng.uniform(), rng.uniform()]);
         let [u, v] = surface.parameters(&at).expect("a patch");
         let (mut sum, mut weight) = (lin_canny::nalgebra::Vector3::zeros(), 0.0);
         for (n, p) in points.iter().enumerate() {

@@ -2,8 +2,8 @@
 
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::patch::{Decision, Patch, Surface, SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
-use lin_canny::{Composite, Piece, Shape};
+use lin_canny::patch::{Patch, Surface};
+use lin_canny::{Composite, Decision, PairTracker, Piece, Question, Shape};
 
 use crate::bodies::{place, pose, sphere};
 use crate::random::{KINDS, surface};
@@ -37,19 +37,23 @@ fn two(rng: &mut Rng) -> [Surface; 2] {
 
 #[test]
 fn surfaces_of_every_kind_share_a_tracker() {
-    let mut shared = SurfaceTracker::new();
+    let mut shared = PairTracker::new();
     for k in 0..40 {
         let mut rng = Rng::of_case(61, k);
         let ([a, c], [b, d]) = (two(&mut rng), two(&mut rng));
         let apart = rng.range(0.5, 3.5);
         let at = pose(&place(&mut rng, apart));
         for (x, y) in [(&a, &b), (&c, &d), (&a, &d), (&c, &b)] {
-            let o = shared.closest(x, y, &at, WIDTH);
-            assert_eq!(o, SurfaceTracker::new().closest(x, y, &at, WIDTH), "{k}");
+            let o = shared.ask(x, y, &at, &Question::new().width(WIDTH));
+            assert_eq!(
+                o,
+                PairTracker::new().ask(x, y, &at, &Question::new().width(WIDTH)),
+                "{k}"
+            );
             let within = shared.within(&d, &c, &at, o.distance);
-            assert_eq!(within, SurfaceTracker::new().within(&d, &c, &at, o.distance), "{k}");
+            assert_eq!(within, PairTracker::new().within(&d, &c, &at, o.distance), "{k}");
             let meets = shared.intersects(y, x, &at);
-            assert_eq!(meets, SurfaceTracker::new().intersects(y, x, &at), "{k}");
+            assert_eq!(meets, PairTracker::new().intersects(y, x, &at), "{k}");
         }
     }
 }
@@ -69,7 +73,7 @@ fn two_shapes(rng: &mut Rng) -> [Shape; 2] {
 
 #[test]
 fn surfaces_and_shapes_of_every_kind_share_a_tracker() {
-    let mut shared = SurfaceShapeTracker::new();
+    let mut shared = PairTracker::new();
     for k in 0..40 {
         let mut rng = Rng::of_case(62, k);
         let ([a, c], [b, d]) = (two(&mut rng), two_shapes(&mut rng));
@@ -77,12 +81,16 @@ fn surfaces_and_shapes_of_every_kind_share_a_tracker() {
         let at = pose(&place(&mut rng, apart));
         let pairs = [(&a, &b), (&c, &d), (&a, &d), (&c, &b)];
         for (n, (x, y)) in pairs.into_iter().enumerate() {
-            let o = shared.closest(x, y, &at, WIDTH);
-            assert_eq!(o, SurfaceShapeTracker::new().closest(x, y, &at, WIDTH), "{k}");
+            let o = shared.ask(x, y, &at, &Question::new().width(WIDTH));
+            assert_eq!(
+                o,
+                PairTracker::new().ask(x, y, &at, &Question::new().width(WIDTH)),
+                "{k}"
+            );
             // Neither this pair nor the next.
             let (z, w) = pairs[(n + 2) % 4];
             let within = shared.within(z, w, &at, o.distance);
-            let cold = SurfaceShapeTracker::new().within(z, w, &at, o.distance);
+            let cold = PairTracker::new().within(z, w, &at, o.distance);
             assert_eq!(within, cold, "{k}");
         }
     }
@@ -95,7 +103,7 @@ fn is_consistent(x: Decision, y: Decision) -> bool {
 /// Here a tracker asks the piece first that was closest before, so bounds may differ within their interval.
 #[test]
 fn surfaces_and_bodies_of_pieces_share_a_tracker() {
-    let mut shared = SurfaceCompositeTracker::new();
+    let mut shared = PairTracker::new();
     for k in 0..20 {
         let mut rng = Rng::of_case(63, k);
         let [a, c] = two(&mut rng);
@@ -111,12 +119,12 @@ fn surfaces_and_bodies_of_pieces_share_a_tracker() {
         let apart = rng.range(0.5, 3.5);
         let at = pose(&place(&mut rng, apart));
         for (x, y) in [(&a, b), (&c, d), (&a, d), (&c, b)] {
-            let o = shared.closest(x, y, &at, WIDTH).closest;
-            let cold = SurfaceCompositeTracker::new().closest(x, y, &at, WIDTH).closest;
+            let o = shared.ask(x, y, &at, &Question::new().width(WIDTH));
+            let cold = PairTracker::new().ask(x, y, &at, &Question::new().width(WIDTH));
             assert!(o.lower <= cold.upper && cold.lower <= o.upper, "{k}: {o:?} {cold:?}");
             assert!(o.is_reached && cold.is_reached, "{k}: {o:?} {cold:?}");
             let within = shared.within(&c, d, &at, o.distance);
-            let cold = SurfaceCompositeTracker::new().within(&c, d, &at, o.distance);
+            let cold = PairTracker::new().within(&c, d, &at, o.distance);
             assert!(is_consistent(within, cold), "{k}: {within:?} {cold:?}");
         }
     }
@@ -181,15 +189,23 @@ fn bodies_made_to_be_taken_for_each_other_are_told_apart() {
         for _ in 0..5 {
             let apart = rng.range(2.0, 12.0);
             let at = pose(&place(&mut rng, apart));
-            let mut shared = SurfaceTracker::new();
-            let mut of_eggs = SurfaceShapeTracker::new();
+            let mut shared = PairTracker::new();
+            let mut of_eggs = PairTracker::new();
             for roof in &roofs {
-                let o = shared.closest(&ball, roof, &at, WIDTH);
-                assert_eq!(o, SurfaceTracker::new().closest(&ball, roof, &at, WIDTH), "{k}");
+                let o = shared.ask(&ball, roof, &at, &Question::new().width(WIDTH));
+                assert_eq!(
+                    o,
+                    PairTracker::new().ask(&ball, roof, &at, &Question::new().width(WIDTH)),
+                    "{k}"
+                );
             }
             for egg in &eggs {
-                let o = of_eggs.closest(&ball, egg, &at, WIDTH);
-                assert_eq!(o, SurfaceShapeTracker::new().closest(&ball, egg, &at, WIDTH), "{k}");
+                let o = of_eggs.ask(&ball, egg, &at, &Question::new().width(WIDTH));
+                assert_eq!(
+                    o,
+                    PairTracker::new().ask(&ball, egg, &at, &Question::new().width(WIDTH)),
+                    "{k}"
+                );
             }
         }
     }

@@ -8,8 +8,8 @@ use std::cell::OnceCell;
 use std::rc::Rc;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::{Surface, SurfaceOutcome, SurfacePoint, SurfaceShapeOutcome};
-use lin_canny::{ConvexPolyhedron, RelativePose, Shape, ShapeTracker};
+use lin_canny::patch::Surface;
+use lin_canny::{Answer, ConvexPolyhedron, PairTracker, RelativePose, Shape, Spot};
 
 use lab::curved::{Kind, Triple, Wide, dot, matrix, norm, turned, turned_back, wide};
 
@@ -104,7 +104,7 @@ impl Part {
         surface.patches().iter().map(part).collect()
     }
 
-    fn point(&self, at: &SurfacePoint) -> Triple {
+    fn point(&self, at: &Spot) -> Triple {
         let q = self.degrees[1];
         let curve = |mut c: Vec<Homogeneous>, t: f64| {
             while c.len() > 1 {
@@ -112,8 +112,8 @@ impl Part {
             }
             c[0]
         };
-        let rows = self.net.chunks(q + 1).map(|row| curve(row.to_vec(), at.v));
-        place(&curve(rows.collect(), at.u))
+        let rows = self.net.chunks(q + 1).map(|row| curve(row.to_vec(), at.parameters[1]));
+        place(&curve(rows.collect(), at.parameters[0]))
     }
 
     /// The halves by the direction in which the net is longer.
@@ -176,10 +176,10 @@ fn is_apart(a: &Part, b: &Part, n: &Vector3<f64>, goal: f64) -> bool {
 }
 
 /// Judges an outcome; panics if a bound is wrong by more than `slack`.
-pub(crate) fn judge(a: &Surface, b: &Surface, pose: &Isometry3<f64>, o: &SurfaceOutcome, slack: f64) -> Sentence {
+pub(crate) fn judge(a: &Surface, b: &Surface, pose: &Isometry3<f64>, o: &Answer, slack: f64) -> Sentence {
     let (parts_a, parts_b) = (Part::all(a, &Isometry3::identity()), Part::all(b, pose));
-    let p = parts_a[o.on_a.patch as usize].point(&o.on_a);
-    let q = parts_b[o.on_b.patch as usize].point(&o.on_b);
+    let p = parts_a[o.on[0].part as usize].point(&o.on[0]);
+    let q = parts_b[o.on[1].part as usize].point(&o.on[1]);
     let between = norm(&less(&q, &p)).0;
     assert!(between <= o.upper, "witnesses are {between:e} apart: {o:?}");
     if o.lower == 0.0 {
@@ -228,7 +228,7 @@ impl Body {
     pub(crate) fn top(&self, n: &Vector3<f64>) -> Vector3<f64> {
         let point = ConvexPolyhedron::point(Point3::from(n * 100.0)).expect("a point");
         let at = RelativePose::from_isometry(&Isometry3::identity()).expect("a pose");
-        let found = ShapeTracker::new().closest(&Shape::from(point), &self.shape, &at);
+        let found = PairTracker::new().closest(&Shape::from(point), &self.shape, &at);
         found.point_on_b.coords
     }
 
@@ -239,7 +239,7 @@ impl Body {
     }
 
     /// Judges the upper bound and the witnesses.
-    fn judge_witnesses(&self, place: &Place, p: &Triple, o: &SurfaceShapeOutcome, slack: f64) {
+    fn judge_witnesses(&self, place: &Place, p: &Triple, o: &Answer, slack: f64) {
         let inward = turned_back(&place.rotation, &wide((*o.normal).into()));
         let q = wide(o.point_on_b.coords.into());
         let core = [0, 1, 2].map(|k| q[k] + inward[k] * Wide::from(self.round));
@@ -262,21 +262,15 @@ impl Body {
 
 /// Judges an outcome; panics if a bound is wrong by more than `slack`. Directions, and points that would
 /// refute a bound, are those of the tracker of shapes.
-pub(crate) fn judge_shape(
-    a: &Surface,
-    b: &Body,
-    pose: &Isometry3<f64>,
-    o: &SurfaceShapeOutcome,
-    slack: f64,
-) -> Sentence {
+pub(crate) fn judge_shape(a: &Surface, b: &Body, pose: &Isometry3<f64>, o: &Answer, slack: f64) -> Sentence {
     let (parts, place) = (Part::all(a, &Isometry3::identity()), Place::new(pose));
-    b.judge_witnesses(&place, &parts[o.on_a.patch as usize].point(&o.on_a), o, slack);
+    b.judge_witnesses(&place, &parts[o.on[0].part as usize].point(&o.on[0]), o, slack);
     if o.lower == 0.0 {
         return Sentence::Holds;
     }
     let goal = o.lower - slack;
     let point = Shape::from(ConvexPolyhedron::point(Point3::origin()).expect("a point"));
-    let mut tracker = ShapeTracker::new();
+    let mut tracker = PairTracker::new();
     let mut open = parts;
     let mut looks = 0;
     while let Some(x) = open.pop() {

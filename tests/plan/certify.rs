@@ -367,6 +367,5 @@ fn bad_input_is_named() {
     let patches = Surface::from_mesh(&mesh).expect("a surface");
     curved.robot_body("bracket", mesh);
     curved.obstacle("dome", patches, Isometry3::identity());
-    let refused = Checker::new(room.space(), curved).err();
-    assert!(matches!(refused, Some(PlanError::Unanswered { .. })), "{refused:?}");
+    assert!(Checker::new(room.space(), curved).is_ok());
 }

@@ -10,10 +10,10 @@ use crate::support::body;
 use lab::rng::Rng;
 use lab::shapes;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Patch, Surface, SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
+use lin_canny::patch::{Patch, Surface};
 use lin_canny::{
-    Composite, CompositeTracker, ContactPatches, ContactTracker, Distance, Geometry, HalfSpace, Manifold,
-    ManifoldOptions, Mesh, MeshTracker, PairTracker, Parts, Piece, RelativePose, Shape, ShapeTracker, Tracker,
+    Composite, ContactPatches, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh,
+    PairTracker, Piece, Question, RelativePose, Shape, Tracker, Until,
 };
 
 const CASES: u64 = 2;
@@ -203,7 +203,7 @@ fn geometries(scene: &mut Scene, rng: &mut Rng) {
     let mut tracker = PairTracker::new();
     for (a, b) in bodies.iter().flat_map(|a| bodies.iter().map(move |b| (a, b))) {
         let pose = scene.pose(rng, APART[0]);
-        let found = tracker.closest(a, b, &pose).unwrap();
+        let found = tracker.closest(a, b, &pose);
         scene.distance("closest", &Distance::from(&found));
         scene.lengths(
             "witnesses",
@@ -288,19 +288,22 @@ fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
     let options = ManifoldOptions::within(0.05 * scene.unit);
     for (k, a) in shapes.iter().enumerate() {
         let b = &shapes[(k + rng.below(shapes.len())) % shapes.len()];
-        let (mut warm, mut manifold) = (ShapeTracker::new(), Manifold::new());
+        let (mut warm, mut manifold) = (PairTracker::new(), Manifold::new());
         for apart in [1.2, 1.9, 2.6, 9.0] {
             let pose = scene.pose(rng, apart);
             let name = format!("{k} {apart}");
             scene.outcome(&name, &warm.closest(a, b, &pose));
-            scene.outcome(&name, &ShapeTracker::new().closest_with_local_depth(a, b, &pose));
+            scene.outcome(
+                &name,
+                &PairTracker::new().ask(a, b, &pose, &Question::new().until(Until::LocalDepth)),
+            );
             let d = warm.distance(a, b, &pose);
             scene.distance("distance", &d);
             scene.plain(&name, warm.intersects(a, b, &pose));
             for d in WITHIN {
                 scene.plain(&name, warm.within(a, b, &pose, d * scene.unit));
             }
-            warm.manifold(a, b, &pose, &options, &mut manifold);
+            warm.manifold(a, b, &pose, &options, &mut manifold).unwrap();
             scene.manifold(&name, &manifold);
         }
     }
@@ -317,14 +320,14 @@ fn dented(scene: &Scene, rng: &mut Rng) -> Mesh {
 
 fn meshes(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (dented(scene, rng), dented(scene, rng));
-    let mut warm = MeshTracker::new();
+    let mut warm = PairTracker::new();
     for apart in APART {
         let pose = scene.pose(rng, apart);
-        for tracker in [&mut warm, &mut MeshTracker::new()] {
+        for tracker in [&mut warm, &mut PairTracker::new()] {
             let o = tracker.closest(&a, &b, &pose);
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
-            scene.plain("closest", (o.class, o.on_a, o.on_b, o.normal));
+            scene.plain("closest", (o.class, o.on, o.normal));
             let d = tracker.distance(&a, &b, &pose);
             scene.distance("distance", &d);
             scene.plain("intersects", tracker.intersects(&a, &b, &pose));
@@ -344,11 +347,11 @@ fn patches(scene: &mut Scene, rng: &mut Rng) {
     let pieces = [composite(scene, rng), composite(scene, rng)].map(ContactPatches::of_pieces);
     let options = ManifoldOptions::within(0.2 * scene.unit);
     for [a, b] in [&bodies, &pieces] {
-        let mut warm = ContactTracker::new();
+        let mut warm = PairTracker::new();
         for apart in APART {
             let pose = scene.pose(rng, apart);
-            for tracker in [&mut warm, &mut ContactTracker::new()] {
-                let found = tracker.contacts(a, b, &pose, &options);
+            for tracker in [&mut warm, &mut PairTracker::new()] {
+                let found = tracker.contacts_between(a, b, &pose, &options);
                 let separations = found.iter().flat_map(|g| &g.contacts).map(|c| c.point.separation);
                 let (deepest, noise) = (separations.fold(9.0 * scene.unit, f64::min), 1e-12 * scene.unit);
                 scene.bounds("deepest", deepest - noise, deepest + noise);
@@ -373,7 +376,7 @@ fn superquadrics(scene: &mut Scene, rng: &mut Rng) {
         for apart in [0.9, 1.75, 9.0] {
             let pose = scene.pose(rng, apart);
             for b in [&shape, other] {
-                let mut tracker = ShapeTracker::new();
+                let mut tracker = PairTracker::new();
                 scene.outcome("superquadric", &tracker.closest(&shape, b, &pose));
                 scene.distance("distance", &tracker.distance(&shape, b, &pose));
             }
@@ -408,15 +411,16 @@ fn composites(scene: &mut Scene, rng: &mut Rng) {
     pieces(scene, rng, &a, &mesh);
 }
 
-fn pieces<A: Parts, B: Parts>(scene: &mut Scene, rng: &mut Rng, a: &A, b: &B) {
-    let mut warm = CompositeTracker::new();
+fn pieces<'g>(scene: &mut Scene, rng: &mut Rng, a: impl Into<GeometryRef<'g>>, b: impl Into<GeometryRef<'g>>) {
+    let (a, b): (GeometryRef, GeometryRef) = (a.into(), b.into());
+    let mut warm = PairTracker::new();
     for apart in APART {
         let pose = scene.pose(rng, apart);
-        for tracker in [&mut warm, &mut CompositeTracker::new()] {
+        for tracker in [&mut warm, &mut PairTracker::new()] {
             let o = tracker.closest(a, b, &pose);
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
-            scene.plain("closest", (o.class, o.pieces, o.features, o.normal));
+            scene.plain("closest", (o.class, o.on, o.normal));
             scene.plain("intersects", tracker.intersects(a, b, &pose));
             for d in WITHIN {
                 scene.plain("within", tracker.within(a, b, &pose, d * scene.unit));
@@ -438,13 +442,13 @@ fn bumpy(scene: &Scene, rng: &mut Rng) -> Surface {
 fn surfaces(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (bumpy(scene, rng), bumpy(scene, rng));
     let width = 1e-6 * scene.unit;
-    let mut warm = SurfaceTracker::new();
+    let mut warm = PairTracker::new();
     for apart in [2.6, 4.0, 9.0] {
         let pose = scene.pose(rng, apart);
-        let o = warm.closest(&a, &b, &pose, width);
+        let o = warm.ask(&a, &b, &pose, &Question::new().width(width));
         let witnesses = [&o.point_on_a, &o.point_on_b];
         scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
-        scene.plain("closest", (o.class, o.is_reached, o.on_a, o.on_b, o.normal));
+        scene.plain("closest", (o.class, o.is_reached, o.on, o.normal));
         scene.decision("intersects", warm.intersects(&a, &b, &pose));
         scene.decision("within", warm.within(&a, &b, &pose, 0.3 * scene.unit));
     }
@@ -456,16 +460,16 @@ fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
     for apart in [2.6, 9.0] {
         let pose = scene.pose(rng, apart);
         for shape in &shapes {
-            let mut tracker = SurfaceShapeTracker::new();
-            let o = tracker.closest(&a, shape, &pose, width);
+            let mut tracker = PairTracker::new();
+            let o = tracker.ask(&a, shape, &pose, &Question::new().width(width));
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("shape", [o.lower, o.upper], o.distance, witnesses);
-            scene.plain("shape", (o.class, o.is_reached, o.on_a, o.feature, o.normal));
+            scene.plain("shape", (o.class, o.is_reached, o.on, o.normal));
             scene.decision("within", tracker.within(&a, shape, &pose, 0.3 * scene.unit));
         }
-        let mut tracker = SurfaceCompositeTracker::new();
-        let d = tracker.distance(&a, &body, &pose, width);
-        scene.distance("composite", &d);
+        let mut tracker = PairTracker::new();
+        let d = tracker.ask(&a, &body, &pose, &Question::new().width(width));
+        scene.distance("composite", &Distance::from(&d));
         scene.decision("within", tracker.within(&a, &body, &pose, 0.3 * scene.unit));
     }
 }

@@ -1,10 +1,10 @@
 //! Bodies of every kind that a scene takes, and the distance of two of them without a scene.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::{Surface, SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker, revolution};
+use lin_canny::patch::{Surface, revolution};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, CompositeTracker, ConvexPolyhedron, Distance, Geometry, Mesh, PartsRef, Piece};
-use lin_canny::{RelativePose, Shape, ShapeTracker, Tracker};
+use lin_canny::{Class, Composite, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
+use lin_canny::{Question, RelativePose, Shape, Tracker};
 
 /// Bodies of which one is no sharp polyhedron, and whose bounds are as near to a threshold as this, may be either side of it.
 pub const TIE: f64 = 1e-7;
@@ -13,7 +13,7 @@ pub const TIE: f64 = 1e-7;
 #[allow(clippy::large_enum_variant)]
 pub enum Form {
     /// A sharp polyhedron, of which every predicate is exact.
-    Sharp(Shape, ConvexPolyhedron),
+    Sharp(ConvexPolyhedron),
     Convex(Shape),
     Pieces(Composite),
     Mesh(Mesh),
@@ -25,29 +25,19 @@ impl Form {
         matches!(self, Self::Sharp(..) | Self::Convex(_))
     }
 
-    fn shape(&self) -> Option<&Shape> {
+    fn lent(&self) -> GeometryRef<'_> {
         match self {
-            Self::Sharp(shape, _) | Self::Convex(shape) => Some(shape),
-            _ => None,
-        }
-    }
-
-    /// The body as a composite of one piece, if it is convex.
-    fn stand_in(&self) -> Option<Composite> {
-        self.shape().map(|shape| Composite::from(shape.clone()))
-    }
-
-    fn parts<'a>(&'a self, stand_in: &'a Option<Composite>) -> PartsRef<'a> {
-        match (self, stand_in) {
-            (Self::Pieces(body), _) | (_, Some(body)) => PartsRef::Pieces(body),
-            (Self::Mesh(mesh), _) => PartsRef::Mesh(mesh),
-            _ => unreachable!("surfaces have trackers of their own"),
+            Self::Sharp(body) => body.into(),
+            Self::Convex(shape) => shape.into(),
+            Self::Pieces(body) => body.into(),
+            Self::Mesh(mesh) => mesh.into(),
+            Self::Surface(surface) => surface.into(),
         }
     }
 }
 
 fn sharp(body: ConvexPolyhedron) -> (Geometry, Form) {
-    (body.clone().into(), Form::Sharp(body.clone().into(), body))
+    (body.clone().into(), Form::Sharp(body))
 }
 
 fn convex(shape: Shape) -> (Geometry, Form) {
@@ -110,29 +100,13 @@ pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
 
 /// The signed distance of two bodies by a tracker without a past.
 pub fn distance(a: &Form, b: &Form, pose: &RelativePose) -> Distance {
-    use Form::{Pieces, Surface};
-    if let (Some(x), Some(y)) = (a.shape(), b.shape()) {
-        return Distance::from(&ShapeTracker::new().closest(x, y, pose));
-    }
-    let width = 1e-9;
-    match (a, b) {
-        (Surface(x), Surface(y)) => SurfaceTracker::new().distance(x, y, pose, width),
-        (Surface(x), Pieces(y)) => SurfaceCompositeTracker::new().distance(x, y, pose, width),
-        (Surface(x), y) => {
-            let y = y.shape().expect("no mesh stands beside a surface");
-            SurfaceShapeTracker::new().distance(x, y, pose, width)
-        }
-        (_, Surface(_)) => distance(b, a, &pose.swapped()),
-        _ => {
-            let [x, y] = [a.stand_in(), b.stand_in()];
-            CompositeTracker::new().distance(&a.parts(&x), &b.parts(&y), pose)
-        }
-    }
+    let narrow = Question::new().width(1e-9);
+    Distance::from(&PairTracker::new().ask(a.lent(), b.lent(), pose, &narrow))
 }
 
 /// Whether two bodies are at most `d` apart; `None` if that is too close to call.
 pub fn within(a: &Form, b: &Form, pose: &RelativePose, d: f64) -> Option<bool> {
-    if let (Form::Sharp(_, x), Form::Sharp(_, y)) = (a, b) {
+    if let (Form::Sharp(x), Form::Sharp(y)) = (a, b) {
         return Some(Tracker::new().within(x, y, pose, d));
     }
     let found = distance(a, b, pose);

@@ -3,7 +3,7 @@
 use lin_canny::impact::{Impact, Tolerance, cast_within};
 use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{RelativePose, ShapeTracker};
+use lin_canny::{PairTracker, RelativePose};
 
 use super::number::{down, isometry, narrow, wide, wide_point};
 use super::parry::math::{Pose, Real, Vector};
@@ -71,7 +71,7 @@ fn steady(placed: &Placed, motion: &NonlinearRigidMotion) -> Option<Steady> {
 
 fn fly((a, b): (&Placed, &Placed), (x, y): (&Steady, &Steady), interval: (f64, f64), target: f64) -> Flown {
     use ShapeCastStatus::{Converged, OutOfIterations, PenetratingOrWithinTargetDist};
-    let mut tracker = ShapeTracker::new();
+    let mut tracker = PairTracker::new();
     let mut pair = tracker.over(&a.shape, &b.shape);
     let size = a.shape.bounding_ball().1 + b.shape.bounding_ball().1;
     let tolerance = Tolerance::Distance(TOLERANCE * size);
@@ -104,7 +104,7 @@ fn hit(
     (a, b): (&Placed, &Placed),
     (pose_a, pose_b): (&Isometry3<f64>, &Isometry3<f64>),
     time: f64,
-    tracker: &mut ShapeTracker,
+    tracker: &mut PairTracker,
 ) -> Option<ShapeCastHit> {
     let pose = RelativePose::new(pose_a, pose_b).ok()?;
     let outcome = tracker.closest(&a.shape, &b.shape, &pose);

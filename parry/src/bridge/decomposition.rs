@@ -48,7 +48,7 @@ pub enum DecompositionError {
 /// ```
 /// use lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny_parry::lin_canny::polyhedron::solids;
-/// use lin_canny_parry::lin_canny::{Composite, CompositeTracker, Piece, RelativePose};
+/// use lin_canny_parry::lin_canny::{Composite, PairTracker, Piece, RelativePose};
 /// use lin_canny_parry::single::{decompose, parry::transformation::vhacd::VHACDParameters};
 ///
 /// // A bracket of two beams, as one mesh.
@@ -61,8 +61,8 @@ pub enum DecompositionError {
 /// let pieces = decompose(mesh.clone(), &parameters)?;
 /// println!("{} pieces: {}", pieces.pieces().pieces().len(), pieces.fit());
 /// let at = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.5, 0.0))?;
-/// let found = pieces.distance(&mut CompositeTracker::new(), &mesh, &at);
-/// let exact = CompositeTracker::new().distance(&mesh, &mesh, &at);
+/// let found = pieces.distance(&mut PairTracker::new(), &mesh, &at);
+/// let exact = PairTracker::new().distance(&mesh, &mesh, &at);
 /// assert!(found.lower <= exact.value && exact.value <= found.upper);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

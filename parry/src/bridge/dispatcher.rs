@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lin_canny::nalgebra::{Point3, UnitQuaternion};
-use lin_canny::{Class, Outcome, RelativePose, ShapeTracker};
+use lin_canny::{Class, Outcome, PairTracker, RelativePose};
 
 use super::cast::{self, Flown};
 use super::guard::{self, Turning, margin, parrys};
@@ -122,11 +122,15 @@ struct PosedShapes {
 
 impl PosedShapes {
     fn closest(&self) -> Outcome {
-        ShapeTracker::new().closest(&self.a.shape, &self.b.shape, &self.pose)
+        PairTracker::new()
+            .closest(&self.a.shape, &self.b.shape, &self.pose)
+            .outcome
     }
 
     fn intersects(&self) -> bool {
-        ShapeTracker::new().intersects(&self.a.shape, &self.b.shape, &self.pose)
+        !PairTracker::new()
+            .intersects(&self.a.shape, &self.b.shape, &self.pose)
+            .is_no()
     }
 
     /// Returns the contact in the frames of the two shapes of the engine.

@@ -5,7 +5,7 @@ use lab::pose::scale;
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny_parry::lin_canny::nalgebra::Point3;
-use lin_canny_parry::lin_canny::{Class, CompositeTracker, Decomposition, Mesh, MeshTracker, RelativePose};
+use lin_canny_parry::lin_canny::{Class, Decomposition, Mesh, PairTracker, RelativePose};
 
 use super::engine::parry::transformation::vhacd::VHACDParameters;
 use super::engine::{DecompositionError, decompose};
@@ -25,7 +25,7 @@ fn coarse() -> VHACDParameters {
 /// Poses of a mesh about a decomposed one; returns how many are told apart.
 fn holds(pieces: &Decomposition, m: &Mesh, size: f64, rng: &mut Rng) -> usize {
     let mut apart = 0;
-    let (mut pair, mut exact) = (CompositeTracker::new(), MeshTracker::new());
+    let (mut pair, mut exact) = (PairTracker::new(), PairTracker::new());
     for k in 0..60 {
         let pose = Pose {
             q: rng.quat(),

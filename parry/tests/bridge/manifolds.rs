@@ -2,7 +2,7 @@
 
 use lab::rng::Rng;
 use lin_canny_parry::lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny_parry::lin_canny::{ConvexPolyhedron, Outcome, RelativePose, Shape, ShapeTracker};
+use lin_canny_parry::lin_canny::{ConvexPolyhedron, Outcome, PairTracker, RelativePose, Shape};
 
 use super::dispatch::random_pose;
 use super::engine::parry::math::{Pose, Real, Vector};
@@ -80,7 +80,7 @@ fn judged(rng: &mut Rng, size: Real) -> Vec<Judged> {
 
 fn truth(a: &Judged, b: &Judged, pos12: &Pose) -> Outcome {
     let pose = RelativePose::new(&Isometry3::identity(), &isometry(pos12)).expect("a pose");
-    ShapeTracker::new().closest(&a.truth, &b.truth, &pose)
+    PairTracker::new().closest(&a.truth, &b.truth, &pose).outcome
 }
 
 /// Checks a manifold by the closest points in `f64`. Returns whether it holds contacts.

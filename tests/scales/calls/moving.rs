@@ -3,10 +3,9 @@
 use super::{Scene, bumpy, composite, curved, dented};
 use lab::rng::Rng;
 use lin_canny::impact::{Tolerance, cast, cast_within, free_until, held_until};
-use lin_canny::patch::{SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceTracker};
 use lin_canny::plan::{Checker, TranslationSpace, World};
 use lin_canny::separation::Separation;
-use lin_canny::{CompositeTracker, MeshTracker, ShapeTracker, Tracker};
+use lin_canny::{PairTracker, Tracker};
 
 /// Every question about a pair of motions.
 fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation) {
@@ -39,38 +38,23 @@ pub(super) fn shape_casts(scene: &mut Scene, rng: &mut Rng) {
     let shapes = curved(scene);
     for (k, a) in shapes.iter().enumerate() {
         let b = &shapes[(k + rng.below(shapes.len())) % shapes.len()];
-        casts(scene, rng, &format!("shape {k}"), ShapeTracker::new().over(a, b));
+        casts(scene, rng, &format!("shape {k}"), PairTracker::new().over(a, b));
     }
 }
 
 pub(super) fn composite_casts(scene: &mut Scene, rng: &mut Rng) {
     let (a, b, mesh) = (composite(scene, rng), dented(scene, rng), dented(scene, rng));
-    casts(scene, rng, "meshes", MeshTracker::new().over(&b, &mesh));
-    casts(
-        scene,
-        rng,
-        "composite and mesh",
-        CompositeTracker::new().over(&a, &mesh),
-    );
+    casts(scene, rng, "meshes", PairTracker::new().over(&b, &mesh));
+    casts(scene, rng, "composite and mesh", PairTracker::new().over(&a, &mesh));
 }
 
 pub(super) fn surface_casts(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (bumpy(scene, rng), bumpy(scene, rng));
     let (shapes, body) = (curved(scene), composite(scene, rng));
-    casts(scene, rng, "surfaces", SurfaceTracker::new().over(&a, &b));
+    casts(scene, rng, "surfaces", PairTracker::new().over(&a, &b));
     let shape = rng.pick(&shapes).clone();
-    casts(
-        scene,
-        rng,
-        "surface and shape",
-        SurfaceShapeTracker::new().over(&a, &shape),
-    );
-    casts(
-        scene,
-        rng,
-        "surface and composite",
-        SurfaceCompositeTracker::new().over(&a, &body),
-    );
+    casts(scene, rng, "surface and shape", PairTracker::new().over(&a, &shape));
+    casts(scene, rng, "surface and composite", PairTracker::new().over(&a, &body));
 }
 
 /// A robot of one body among a few others, and configurations of it.

@@ -7,9 +7,8 @@ use lab::shapes;
 use lin_canny::impact::Impact;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use lin_canny::patch::Decision;
 use lin_canny::{
-    ContactPoint, ConvexPolyhedron, Distance, Manifold, Outcome, PenetrationBounds, RelativePose, Velocity,
+    ContactPoint, ConvexPolyhedron, Decision, Distance, Manifold, Outcome, PenetrationBounds, RelativePose, Velocity,
 };
 
 impl Scene {

@@ -1,0 +1,58 @@
+//! The distance of a mesh by the pieces that stand for it.
+
+use super::engine::AnyTracker;
+use super::over::Kinds;
+use super::pair::Asked;
+use super::tracker::PairTracker;
+use crate::composite::decomposition::Decomposition;
+use crate::composite::parts::PartsRef;
+use crate::geometry::GeometryRef;
+use crate::pair::outcome::Distance;
+use crate::pair::question::Question;
+use crate::pair::spot::Answer;
+use crate::pose::RelativePose;
+
+impl Decomposition {
+    /// Returns bounds of the distance of the mesh from another geometry, by the distance of the
+    /// pieces.
+    ///
+    /// If the bounds leave open whether the bodies meet, the class is
+    /// [`Class::Undecided`](crate::Class::Undecided); no depth is told. A surface of patches is
+    /// measured against the mesh.
+    pub fn distance<'g>(
+        &'g self,
+        tracker: &mut PairTracker,
+        other: impl Into<GeometryRef<'g>>,
+        mesh_from_other: &RelativePose,
+    ) -> Distance {
+        let other = other.into();
+        let pieces = GeometryRef::from(self.pieces());
+        if other.surface().is_some() {
+            return tracker.distance(self.mesh(), other, mesh_from_other);
+        }
+        tracker.distance_by_pieces(pieces, other, mesh_from_other, |found, other| {
+            self.bounds(found, other, mesh_from_other)
+        })
+    }
+}
+
+impl PairTracker {
+    /// Measures two bodies of parts, the first of which is a composite that stays one beside a mesh.
+    fn distance_by_pieces(
+        &mut self,
+        a: GeometryRef,
+        b: GeometryRef,
+        a_from_b: &RelativePose,
+        bounds: impl FnOnce(&Answer, &PartsRef) -> Distance,
+    ) -> Distance {
+        let pair = [a, b].map(|body| body.fingerprint().with(*b"pieces  ", 0.0));
+        let followed = self.kept(pair, || AnyTracker::of_pieces((a, b)));
+        match followed.tracker.over((a, b)) {
+            Kinds::Pieces(pair) => {
+                let found = pair.tracker.closest(&pair.a, &pair.b, a_from_b);
+                bounds(&found, &pair.b)
+            }
+            mut other => Distance::from(&other.answer(a_from_b, &Question::new())),
+        }
+    }
+}
