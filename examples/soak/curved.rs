@@ -302,7 +302,7 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> 
     if meets == is_apart && o.lower > nearly {
         return Some("intersects contradicts the class".into());
     }
-    if !pair.within(a, b, &pose, o.upper.max(0.0)).is_yes() {
+    if pair.within(a, b, &pose, o.upper.max(0.0)).is_no() {
         return Some("not within the upper bound".into());
     }
     // The predicate takes bounds of its own, and what they leave open counts as within.

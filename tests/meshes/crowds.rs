@@ -85,10 +85,7 @@ fn bodies_in_one_place_take_few_pairs() {
             measured.push((work.measured, k, i));
             if is_solid {
                 let mut tracker = PairTracker::new();
-                assert!(tracker.intersects(&m, n, &relative(&pose)), "{k} {i}")
-                    .is_yes()
-                    .is_yes()
-                    .is_yes();
+                assert!(tracker.intersects(&m, n, &relative(&pose)).is_yes(), "{k} {i}");
                 measured.push((tracker.work().trees.measured, k, i));
             }
         }
