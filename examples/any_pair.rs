@@ -1,16 +1,16 @@
-//! A hull, a cylinder, a mesh and a surface of patches: every pair in both orders by one type of tracker, the distance and the
-//! time of impact.
+//! A hull, a cylinder, a mesh and a surface of patches: every pair in both orders by one type of tracker, the distance, the time of
+//! impact, and the contacts then, if the two bear any.
 //!
 //! ```text
 //! cargo run --release --example any_pair
 //! ```
 
 use lin_canny::impact::{Impact, Tolerance, cast};
-use lin_canny::motion::Steady;
+use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::patch::revolution;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Geometry, Mesh, PairTracker, RelativePose, Shape, Velocity};
+use lin_canny::{Geometry, ManifoldOptions, Mesh, PairTracker, RelativePose, Shape, Velocity};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let half = 0.5_f64.sqrt();
@@ -32,11 +32,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let distance = tracker.distance(a, b, &pose);
             let tolerance = Tolerance::Distance(1e-6);
             let found = cast(&mut tracker.over(a, b), &rest, &flight, (0.0, 5.0), tolerance)?;
-            let when = match found.impact {
-                Impact::Hit { safe, hit, .. } => format!("they meet between {safe:.6} and {hit:.6}"),
-                other => format!("{other:?}"),
+            print!("{first:>8} and {second:<8} {:.6} apart; ", distance.value);
+            let Impact::Hit { safe, hit, .. } = found.impact else {
+                println!("{:?}", found.impact);
+                continue;
             };
-            println!("{first:>8} and {second:<8} {:.6} apart; {when}", distance.value);
+            let touching = RelativePose::new(&rest.pose(hit), &flight.pose(hit))?;
+            let contacts = match tracker.contacts(a, b, &touching, &ManifoldOptions::within(1e-3)) {
+                Ok(groups) => format!("{} contacts", groups.iter().map(|g| g.contacts.len()).sum::<usize>()),
+                Err(refused) => refused.to_string(),
+            };
+            println!("they meet between {safe:.6} and {hit:.6}: {contacts}");
         }
     }
     Ok(())

@@ -20,42 +20,30 @@ use crate::tolerance::BOX_TURNED;
 
 /// The shape of a body, shared by all bodies of this shape.
 ///
-/// Each pair of bodies is followed by the tracker of the kinds, and answers all effects but these:
+/// A [`PairTracker`](crate::PairTracker) follows any two. In a scene a pair answers all effects but
+/// these:
 ///
-/// | pair | tracker | refused |
-/// |---|---|---|
-/// | polyhedra | [`Tracker`](crate::Tracker) | none |
-/// | convex shapes | [`ShapeTracker`](crate::ShapeTracker) | none |
-/// | composite with composite or convex shape | [`CompositeTracker`] | depths |
-/// | mesh with mesh or composite of polyhedra | [`MeshTracker`] | depths |
-/// | mesh with convex shape or any other composite | [`CompositeTracker`] | depths |
-/// | surface with surface | [`SurfaceTracker`] | depths, `manifold` |
-/// | surface with convex shape | [`SurfaceShapeTracker`] | depths, `manifold` |
-/// | surface with composite | [`SurfaceCompositeTracker`] | depths, `manifold` |
-/// | surface with mesh | none | all but `boxes` |
+/// | pair | refused |
+/// |---|---|
+/// | two convex shapes, polyhedra among them | none |
+/// | a composite or a mesh, with one or a convex shape | depths |
+/// | a surface, with any other geometry | depths, `manifold` |
 ///
 /// Depths are the effects `depth` and `local_depth`. The effect `manifold` of a pair with a
-/// composite or mesh is answered by [`ContactTracker`](crate::ContactTracker), as
-/// [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts); overlaps of such a pair have the
-/// distance 0.
+/// composite or mesh is answered by [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts);
+/// overlaps of such a pair have the distance 0.
 ///
 /// A call that would make a pair with an effect that the pair cannot answer is refused with
 /// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered): insertion of a body, change of
 /// a group, call for an effect. Against a composite or a mesh a convex shape is a composite of one
-/// piece, a single leaf with its own support points: the pair makes that once, when the boxes meet.
-/// The patches for contacts are made once for each shape, in the step after they are called
-/// for.
+/// piece, a single leaf with its own support points; against a mesh a composite of polyhedra is the
+/// mesh of its surface; against a surface a mesh is its triangles as flat patches, and its inside if
+/// it is closed. The pair makes those once, when the boxes meet. The patches for contacts are made
+/// once for each shape, in the step after they are called for.
 ///
 /// Distances of surfaces of patches have bounds that are at most `2^-30` of the size of the pair
 /// apart; two that the bounds cannot tell from a threshold count as within. A surface has no
-/// inside: a body within a closed one does not overlap it. A mesh that is meant as its triangles
-/// alone stands against surfaces as [`Surface::from_mesh`].
-///
-/// [`SurfaceTracker`]: crate::patch::SurfaceTracker
-/// [`SurfaceShapeTracker`]: crate::patch::SurfaceShapeTracker
-/// [`SurfaceCompositeTracker`]: crate::patch::SurfaceCompositeTracker
-/// [`CompositeTracker`]: crate::CompositeTracker
-/// [`MeshTracker`]: crate::MeshTracker
+/// inside: a body within a closed one does not overlap it.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};

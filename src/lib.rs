@@ -57,16 +57,15 @@
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
 //! | When do they meet? | [`impact::cast`], [`impact::cast_within`] | a proven bracket or a proven miss |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
-//! | Meshes that are not convex? | [`MeshTracker`] on [`Mesh`]es | the same questions, [`MeshOutcome`]; inside a solid is an overlap |
-//! | Bodies of several convex pieces, or a convex body and a mesh? | [`CompositeTracker`] on [`Composite`]s and [`Mesh`]es | [`CompositeOutcome`] |
-//! | Any two of these, in either order? | [`PairTracker`] on [`Geometry`]s | [`Answer`], a [`patch::Decision`], [`OverTime`] for casts |
-//! | Which points hold meshes and bodies of pieces apart? | [`ContactTracker`] on [`ContactPatches`] | [`PatchContacts`]: points by direction, with names that last |
+//! | The same of any two geometries: rounded and curved [`Shape`]s, [`Composite`]s of convex pieces, [`Mesh`]es, [`patch::Surface`]s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
+//! | Which points hold any two solids apart? | [`PairTracker::contacts`] | [`PatchContacts`]: points by direction, with names that last |
+//! | How deep are two solids in each other that are not convex? | [`PairTracker::penetration`] | [`PenetrationBounds`]: an interval |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for; [`closest_pair`](scene::Scene::closest_pair) |
 //! | Is a motion of a robot free over its whole length; is there a path? | [`plan::Checker`] | [`plan::Verdict`], proven; [`plan::Plan`] |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
-//! | Balls, capsules, cylinders, cones, ellipsoids, anything rounded? | [`ShapeTracker`] on [`Shape`] | the same questions, [`Outcome`], [`Manifold`] |
+//! | A ball, capsule, cylinder, cone, ellipsoid, anything rounded? | [`Shape`] | a body for [`PairTracker`] |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
 //! | How much does the hull of a mesh add? | [`Mesh::hull_fit`] | [`HullFit`]: volumes and the largest gap |
@@ -86,8 +85,8 @@
 //!   to B and B to A, and distances agree within their bounds. Only among exact ties may features
 //!   follow the history. A tracker last used with other bodies costs time and nothing else. Meshes
 //!   and bodies of pieces keep bounds and predicates so; within `1e-13 L` of contact their class
-//!   may be one of two neighbours. For curved shapes, [`within`](ShapeTracker::within) may follow
-//!   the history if `d` lies between the bounds.
+//!   may be one of two neighbours. For curved shapes, [`within`](PairTracker::within) may follow the
+//!   history if `d` lies between the bounds.
 //! * **No absolute tolerance.** A scene scaled by a power of two gives the answer scaled bit for
 //!   bit, unless the scale puts the sizes of two bodies on both sides of 2^105, 2^-105 or another
 //!   border between units of storage: then class and bounds agree. Curved shapes and composites
@@ -130,14 +129,14 @@
 //!   be flat to the last bit, as the faces of hulls are, and at most four million pairs of edges
 //!   are examined, 65,536 of them exactly. Otherwise the bounds stay open and are returned as they
 //!   are.
-//! * Contacts of meshes and bodies of pieces ([`ContactTracker`]) are those of shallow overlap.
-//!   Their depth is an interval ([`MeshTracker::penetration`]) that may stay wide.
+//! * Contacts of meshes and bodies of pieces ([`PairTracker::contacts`]) are those of shallow
+//!   overlap. Their depth is an interval ([`PairTracker::penetration`]) that may stay wide.
 //! * Curved shapes ([`shape`]) have the same bounds, superquadrics twice as wide. Class and
 //!   predicates are exact for polyhedra, rounded or not; other shapes within `3e-14 L` of contact,
 //!   superquadrics within `1e-13 L`, count as touching or are undecided, and `intersects` and
 //!   `within` return true unless a search of their own proves the shapes apart. Depths of curved
 //!   shapes are searched to `2^-19 L` if no ball inside the shapes proves them, and may stay wider
-//!   about a common centre: see [`ShapeTracker::closest`].
+//!   about a common centre: see [`PairTracker`].
 //! * Surfaces of patches ([`patch`]) have an interval of a width asked for. If the interval holds
 //!   both answers, `intersects` and `within` are undecided, at one pose perhaps warm and not cold.
 //!   Surfaces that are equally far along a curve or over an area keep wide intervals. Coordinates
@@ -269,7 +268,7 @@
 //! | thesis | here |
 //! |---|---|
 //! | chapter 3, incremental distance computation | [`polyhedron`], [`Tracker`] |
-//! | chapter 4, curved bodies | [`shape`], [`ShapeTracker`]; curved surfaces: [`patch`] |
+//! | chapter 4, curved bodies | [`shape`], [`PairTracker`]; curved surfaces: [`patch`] |
 //! | chapter 4, non-convex bodies | [`composite`] |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time: [`impact`], [`schedule`] |
 //! | chapter 6, path planning | [`plan`] |

@@ -57,13 +57,13 @@ impl fmt::Display for DecompositionFit {
 /// that distances of the pieces are intervals that hold for the mesh.
 ///
 /// The pieces are the caller's, from any decomposition (V-HACD, CoACD, by hand). The mesh itself is
-/// exact, and often as fast: [`MeshTracker`](crate::MeshTracker).
+/// exact, and often as fast: [`PairTracker`](crate::PairTracker).
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;
-/// use lin_canny::{Composite, CompositeTracker, Decomposition};
-/// use lin_canny::{Mesh, Piece, RelativePose};
+/// use lin_canny::{Composite, Decomposition, Mesh};
+/// use lin_canny::{PairTracker, Piece, RelativePose};
 ///
 /// // A ball of 1,280 triangles, and a coarser one in its place.
 /// let mesh = Mesh::from_convex(&solids::geodesic_sphere(3, 1.0)?)?;
@@ -74,8 +74,8 @@ impl fmt::Display for DecompositionFit {
 /// assert!(fit.excess_upper < 0.01 && fit.shortfall_upper < 0.03);
 ///
 /// let at = RelativePose::from_isometry(&Isometry3::translation(2.5, 0.1, 0.2))?;
-/// let found = coarse.distance(&mut CompositeTracker::new(), &mesh, &at);
-/// let exact = CompositeTracker::new().distance(&mesh, &mesh, &at);
+/// let found = coarse.distance(&mut PairTracker::new(), &mesh, &at);
+/// let exact = PairTracker::new().distance(&mesh, &mesh, &at);
 /// assert!(found.lower <= exact.value && exact.value <= found.upper);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

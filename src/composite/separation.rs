@@ -76,7 +76,7 @@ impl Separation for CompositePair<'_> {
         Measure::from(&self.tracker.closest(&self.a, &self.b, a_from_b))
     }
 
-    /// By [`CompositeTracker::within`]: ties count as met.
+    /// By `CompositeTracker::within`: ties count as met.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
         self.tracker.within(&self.a, &self.b, a_from_b, distance)
     }
@@ -95,7 +95,7 @@ impl Separation for MeshPair<'_> {
         Measure::from(&self.tracker.closest(self.a, self.b, a_from_b))
     }
 
-    /// By [`MeshTracker::within`]: ties count as met.
+    /// By `MeshTracker::within`: ties count as met.
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
         self.tracker.within(self.a, self.b, a_from_b, distance)
     }

@@ -57,7 +57,7 @@ impl SurfaceCompositeTracker {
     }
 
     /// Returns the closest points with bounds of the distance that are at most `width` apart, as
-    /// [`SurfaceShapeTracker::closest`] does.
+    /// `SurfaceShapeTracker::closest` does.
     pub(crate) fn closest(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, width: f64) -> Answer {
         self.answer(a, b, a_from_b, NetGoal::Width(width))
     }

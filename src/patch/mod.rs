@@ -6,10 +6,11 @@
 //! far a node reaches along a direction), `bowl` (where no plane stands between), `frame` (a pair
 //! at a pose), `gap` (two nodes apart), `closest` (two points, by Newton's method), `region` (their
 //! surroundings, proven at once), `crossing` (a proof that surfaces meet), `front`, `search` and
-//! `state` (the proof of an answer), `tracker` ([`SurfaceTracker`], the queries); `side` (what the
+//! `state` (the proof of an answer), `tracker` (the queries of two surfaces); `side` (what the
 //! proof asks of a body), `solid` (a convex shape as such a body), `shape_tracker`
-//! ([`SurfaceShapeTracker`]), `composite_tracker` ([`SurfaceCompositeTracker`]); `separation` and
-//! `composite_pair` (pairs over time).
+//! and `composite_tracker` (a surface and a convex shape, or a body of them); `surface_pair` (two
+//! surfaces at a pose and over time; a mesh for which one stands), `separation` and `composite_pair`
+//! (the others over time).
 //!
 //! # The proof
 //!
@@ -35,20 +36,19 @@
 //!
 //! # Which pair
 //!
-//! | against | tracker |
-//! |---|---|
-//! | a surface | [`SurfaceTracker`] |
-//! | a [`Shape`](crate::Shape), curved, rounded or a polyhedron | [`SurfaceShapeTracker`]: the shape is solid and is not split |
-//! | a [`Mesh`](crate::Mesh) | [`SurfaceTracker`] and [`Surface::from_mesh`]: the triangles alone, without an inside |
-//! | a [`Composite`](crate::Composite) | [`SurfaceCompositeTracker`]: a tracker for each piece |
+//! [`PairTracker`](crate::PairTracker) answers a surface beside any other geometry. A
+//! [`Shape`](crate::Shape) is solid and is not split: its own support function bounds it. A
+//! [`Composite`](crate::Composite) has a tracker for each piece. A [`Mesh`](crate::Mesh) is its
+//! triangles as flat patches, and its inside, if it is closed; [`Surface::from_mesh`] makes a surface
+//! of the triangles alone.
 //!
 //! # What is missing
 //!
 //! Trimmed surfaces; insides of closed surfaces, so a body within a closed surface has a positive
 //! distance; depths and contact manifolds; looks over time along directions, so that a surface that
 //! slides along another is looked at often; a bowl for patches of a degree above three: there the
-//! number of splits grows with the logarithm of the width; scenes with meshes; no
-//! exact arithmetic decides touching surfaces.
+//! number of splits grows with the logarithm of the width; no exact
+//! arithmetic decides touching surfaces.
 //!
 //! # Sizes
 //!
@@ -73,7 +73,7 @@
 //! each other. If they would need several times the budget, 20,000 splits by default, the query
 //! ends there, with `is_reached` false or undecided. The interval of the pairs named is then some
 //! 1e-3 of the size L wide along a curve, and up to 4e-2 over an area. A larger budget makes it
-//! narrower: [`SurfaceTracker::with_budget`]. A query of a surface and a shape goes on until its
+//! narrower: [`Question::splits`](crate::Question::splits). A query of a surface and a shape goes on until its
 //! budget is used up.
 //!
 //! Of 10,000 random pairs of surfaces 7 end so or use up their budget, nearly all with the closest

@@ -23,10 +23,10 @@ use crate::tuning::patch::{KEPT, SPLITS};
 /// The front of the last answer for a surface and a convex [`Shape`], from which the next query
 /// starts, the nodes made so far, and counters.
 ///
-/// The counterpart of [`SurfaceTracker`](super::SurfaceTracker) for every kind of shape: the shape
+/// The counterpart of `SurfaceTracker` for every kind of shape: the shape
 /// is not split, and its own support function bounds it. The surface is A and the shape B; for the
 /// other order see [`RelativePose::swapped`]. The shape is solid: a surface inside it has the
-/// distance zero. Not saved to files, as [`SurfaceTracker`](super::SurfaceTracker).
+/// distance zero. Not saved to files, as `SurfaceTracker`.
 #[derive(Clone, Debug)]
 pub(crate) struct SurfaceShapeTracker {
     state: SurfaceMemory,

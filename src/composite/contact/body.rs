@@ -17,7 +17,8 @@ use crate::shape::Shape;
 /// A body as its contacts see it: convex patches of a mesh's surface, or the pieces of a
 /// [`Composite`].
 ///
-/// Built once for each body; [`ContactTracker`](crate::ContactTracker) finds the contacts of two.
+/// Built once for each body;
+/// [`PairTracker::contacts_between`](crate::PairTracker::contacts_between) finds the contacts of two.
 /// The patches of a mesh face outward, whether the mesh is closed or not: a body that touches an
 /// open mesh from behind has no contact.
 #[derive(Clone, Debug)]

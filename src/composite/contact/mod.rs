@@ -77,7 +77,7 @@ pub struct PatchContacts {
 /// Contacts are those of shallow overlap: a body that is wholly behind a face, or whose deepest
 /// point has left the mesh on another side, has no contact with that face. If solids overlap whose
 /// hulls of patches bear no contact at all, they have one along a translation that parts them,
-/// [`MeshTracker::penetration`](crate::MeshTracker::penetration), at its price; a solid that is
+/// that of a query of their depth, at its price; a solid that is
 /// deep inside another one, away from all patches, has none.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ContactTracker {

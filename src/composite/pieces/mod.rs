@@ -71,14 +71,14 @@ pub enum CompositeError {
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;
-/// use lin_canny::{Composite, CompositeTracker, Piece, RelativePose};
+/// use lin_canny::{Composite, PairTracker, Piece, RelativePose};
 ///
 /// let beam = solids::cuboid(Vector3::new(1.0, 0.1, 0.1))?;
 /// let mut upright = Piece::new(beam.clone());
 /// let quarter = Vector3::z() * std::f64::consts::FRAC_PI_2;
 /// upright.pose = Isometry3::new(Vector3::new(1.0, 0.9, 0.0), quarter);
 /// let bracket = Composite::new(vec![Piece::new(beam), upright])?;
-/// let mut pair = CompositeTracker::new();
+/// let mut pair = PairTracker::new();
 /// let pose = Isometry3::translation(0.0, 0.0, 0.5);
 /// let a_from_b = RelativePose::from_isometry(&pose)?;
 /// let found = pair.closest(&bracket, &bracket, &a_from_b);

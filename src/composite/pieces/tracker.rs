@@ -15,10 +15,10 @@ use crate::pose::RelativePose;
 use crate::tuning::composite::TRACKERS;
 
 /// The front of the last answer for one pair of bodies of convex parts, and a
-/// [`ShapeTracker`](crate::ShapeTracker) for each pair of parts that came near.
+/// `ShapeTracker` for each pair of parts that came near.
 ///
 /// Either body is a [`Composite`](crate::Composite) or a [`Mesh`](crate::Mesh); a
-/// [`MeshTracker`](crate::MeshTracker) is faster for two meshes. A convex body against a mesh is a
+/// `MeshTracker` is faster for two meshes. A convex body against a mesh is a
 /// composite of one piece, which is one leaf with its own support points.
 ///
 /// Owns no body. State changes time, never an answer. Saving a tracker (feature `serde`)
@@ -86,7 +86,7 @@ impl CompositeTracker {
 
     /// Returns whether the bodies are at most `d` apart: as exact as
     /// [`intersects`](Self::intersects), with the limits of
-    /// [`MeshTracker::within`](crate::MeshTracker::within). False for a negative `d` and NaN.
+    /// `MeshTracker::within`. False for a negative `d` and NaN.
     pub(crate) fn within<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
