@@ -9,46 +9,13 @@ const NONE: Effects = Effects::none();
 
 /// One trajectory, growing sets of effects.
 const SETS: [(&str, Effects); 7] = [
-    ("boxes", Effects { boxes: true, ..NONE }),
-    ("overlap", Effects { overlap: true, ..NONE }),
-    (
-        "within",
-        Effects {
-            within: Some(0.05),
-            ..NONE
-        },
-    ),
-    (
-        "distance",
-        Effects {
-            distance: Some(0.02),
-            ..NONE
-        },
-    ),
-    (
-        "features",
-        Effects {
-            distance: Some(0.02),
-            features: true,
-            ..NONE
-        },
-    ),
-    (
-        "depth",
-        Effects {
-            distance: Some(0.02),
-            features: true,
-            depth: true,
-            ..NONE
-        },
-    ),
-    (
-        "manifold",
-        Effects {
-            manifold: Some(ManifoldOptions::within(0.02)),
-            ..NONE
-        },
-    ),
+    ("boxes", NONE.boxes(true)),
+    ("overlap", NONE.overlap(true)),
+    ("within", NONE.within(0.05)),
+    ("distance", NONE.distance(0.02)),
+    ("features", NONE.distance(0.02).features(true)),
+    ("depth", NONE.distance(0.02).features(true).depth(true)),
+    ("manifold", NONE.manifold(ManifoldOptions::within(0.02))),
 ];
 
 /// A crowd in a scene, some steps after its beginning.

@@ -45,79 +45,38 @@ const SMOOTH: usize = 8;
 
 const NONE: Effects = Effects::none();
 
-const FULL: Effects = Effects {
-    boxes: true,
-    overlap: true,
-    within: Some(0.05),
-    distance: Some(0.1),
-    features: true,
-    depth: true,
-    manifold: Some(ManifoldOptions::within(0.02)),
-    ..NONE
-};
+const OVERLAP: Effects = NONE.boxes(true).overlap(true);
+
+const WITHIN: Effects = OVERLAP.within(0.05);
+
+const DISTANCE: Effects = WITHIN.distance(0.1);
+
+const DEPTH: Effects = DISTANCE.features(true).depth(true);
+
+const MANIFOLD: ManifoldOptions = ManifoldOptions::within(0.02);
+
+const FULL: Effects = DEPTH.manifold(MANIFOLD);
+
+/// The effects that a manifold includes.
+const MEASURED: Effects = NONE.features(true).depth(true).manifold(MANIFOLD);
 
 /// Growing sets, then the full one less one effect each. A manifold has features and depth, so it goes with either.
 const SETS: [(&str, Effects); 15] = [
     ("none", NONE),
-    ("boxes", Effects { boxes: true, ..NONE }),
-    (
-        "+overlap",
-        Effects {
-            boxes: true,
-            overlap: true,
-            ..NONE
-        },
-    ),
-    (
-        "+within",
-        Effects {
-            distance: None,
-            features: false,
-            depth: false,
-            manifold: None,
-            ..FULL
-        },
-    ),
-    (
-        "+distance",
-        Effects {
-            features: false,
-            depth: false,
-            manifold: None,
-            ..FULL
-        },
-    ),
-    (
-        "+features",
-        Effects {
-            depth: false,
-            manifold: None,
-            ..FULL
-        },
-    ),
-    ("+depth", Effects { manifold: None, ..FULL }),
+    ("boxes", NONE.boxes(true)),
+    ("+overlap", OVERLAP),
+    ("+within", WITHIN),
+    ("+distance", DISTANCE),
+    ("+features", DISTANCE.features(true)),
+    ("+depth", DEPTH),
     ("full", FULL),
-    ("full-boxes", Effects { boxes: false, ..FULL }),
-    ("full-overlap", Effects { overlap: false, ..FULL }),
-    ("full-within", Effects { within: None, ..FULL }),
-    ("full-distance", Effects { distance: None, ..FULL }),
-    (
-        "full-features",
-        Effects {
-            features: false,
-            manifold: None,
-            ..FULL
-        },
-    ),
-    (
-        "full-depth",
-        Effects {
-            depth: false,
-            manifold: None,
-            ..FULL
-        },
-    ),
-    ("full-manifold", Effects { manifold: None, ..FULL }),
+    ("full-boxes", FULL.boxes(false)),
+    ("full-overlap", FULL.overlap(false)),
+    ("full-within", MEASURED.boxes(true).overlap(true).distance(0.1)),
+    ("full-distance", MEASURED.boxes(true).overlap(true).within(0.05)),
+    ("full-features", DISTANCE.depth(true)),
+    ("full-depth", DISTANCE.features(true)),
+    ("full-manifold", DEPTH),
 ];
 
 /// The sets that are drawn: the growing ones but the first, which costs nothing.

@@ -4,7 +4,7 @@ use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let plate = solids::prism(24, 1.0, 0.2)?;
+    let plate = solids::prism(24, 0.2, 1.0)?;
     let part = solids::cuboid(Vector3::new(0.35, 0.25, 0.2))?;
     // One of each for a pair of bodies.
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());

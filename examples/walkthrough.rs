@@ -84,10 +84,7 @@ impl Field {
         // Eight cubic units a body.
         let half = 0.5 * (8.0 * bodies as f64 / HEIGHT).sqrt();
         let mut scene = Scene::new();
-        let near = Effects {
-            within: Some(CLEARANCE),
-            ..Effects::none()
-        };
+        let near = Effects::none().within(CLEARANCE);
         scene.call_for(PROBE, WORLD, near)?;
         let shapes = (0..12).map(|k| {
             let axes = [0; 3].map(|_| rng.range(0.2, 0.6));
@@ -124,7 +121,7 @@ struct Flight {
 
 fn fly(field: &mut Field, frames: usize) -> Result<Flight, Trouble> {
     let (scene, half) = (&mut field.scene, field.half);
-    let probe = Body::moving(solids::prism(16, 0.3, 0.6)?).group(PROBE);
+    let probe = Body::moving(solids::prism(16, 0.6, 0.3)?).group(PROBE);
     let probe = scene.insert(probe, path(0.0, half))?;
     let (mut flight, mut within) = (Flight::default(), BTreeSet::new());
     let progress = Progress::new("frames", frames as u64);

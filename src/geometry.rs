@@ -53,7 +53,7 @@ use crate::tolerance::BOX_TURNED;
 ///
 /// let all = Group::default();
 /// let mut scene = Scene::new();
-/// scene.call_for(all, all, Effects { distance: Some(10.0), ..Effects::none() })?;
+/// scene.call_for(all, all, Effects::none().distance(10.0))?;
 /// let die = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
 /// let bracket = Composite::new(vec![Piece::new(die.clone())])?;
 /// let part = Mesh::from_convex(&die)?;

@@ -224,7 +224,7 @@ impl Tracker {
 
     /// Returns the counters since the tracker was made or reset.
     #[must_use]
-    pub fn totals(&self) -> Totals {
+    pub fn work(&self) -> Totals {
         self.totals
     }
 

@@ -139,7 +139,7 @@ fn families() -> Vec<(String, Points)> {
     for n in [3usize, 64, 512] {
         let cone: Points = solids::cone(n, 1.0, 1.0).unwrap().vertex_points().collect();
         all.push((format!("cone {n}"), cone));
-        let prism: Points = solids::prism(n, 1.0, 1e-4).unwrap().vertex_points().collect();
+        let prism: Points = solids::prism(n, 1e-4, 1.0).unwrap().vertex_points().collect();
         all.push((format!("prism {n}"), prism));
     }
     all

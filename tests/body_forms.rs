@@ -10,7 +10,7 @@ fn bodies() -> Vec<ConvexPolyhedron> {
     let square = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]].map(Point3::from);
     vec![
         solids::cuboid(Vector3::new(0.3, 0.2, 0.1)).unwrap(),
-        solids::prism(30, 1.0, 0.2).unwrap(),
+        solids::prism(30, 0.2, 1.0).unwrap(),
         solids::random_hull(100, Vector3::new(1.0, 1.0, 0.1), 3).unwrap(),
         ConvexPolyhedron::polygon(&square).unwrap(),
         ConvexPolyhedron::segment(square[0], square[2]).unwrap(),

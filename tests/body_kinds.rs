@@ -271,7 +271,7 @@ fn solids_have_their_features_and_sizes() {
         features(&solids::cuboid(Vector3::new(1.0, 2.0, 3.0)).unwrap()),
         (8, 12, 6)
     );
-    assert_eq!(features(&solids::prism(7, 1.0, 2.0).unwrap()), (14, 21, 9));
+    assert_eq!(features(&solids::prism(7, 2.0, 1.0).unwrap()), (14, 21, 9));
     assert_eq!(features(&solids::cone(100, 1.0, 1.0).unwrap()), (101, 200, 101));
     assert_eq!(
         solids::random_hull(50, Vector3::repeat(1.0), 3).unwrap().vertex_count(),
@@ -285,7 +285,7 @@ fn solids_have_their_features_and_sizes() {
     for bad in [
         solids::cuboid(Vector3::new(1.0, 0.0, 1.0)),
         solids::prism(2, 1.0, 1.0),
-        solids::cone(8, f64::NAN, 1.0),
+        solids::cone(8, 1.0, f64::NAN),
         solids::icosahedron(-1.0),
         solids::geodesic_sphere(40, 1.0),
         solids::random_hull(3, Vector3::repeat(1.0), 0),

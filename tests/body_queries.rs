@@ -184,7 +184,7 @@ fn a_point_is_as_exact_far_from_its_own_origin_as_in_it() {
 /// Kind and index lead back to a feature of the body, and to nothing else.
 #[test]
 fn features_are_named_by_kind_and_index() {
-    let body = solids::prism(5, 1.0, 0.5).unwrap();
+    let body = solids::prism(5, 0.5, 1.0).unwrap();
     let all = body.vertices().map(Feature::Vertex);
     let all = all
         .chain(body.edges().map(Feature::Edge))

@@ -92,7 +92,7 @@ fn heights_and_contacts_are_those_of_a_scan() {
 #[test]
 fn coins_stand_on_points_all_round() {
     for sides in [3, 4, 5, 6, 8, 12, 32, 48, 128] {
-        let coin = solids::prism(sides, 1.0, 0.06).expect("a coin");
+        let coin = solids::prism(sides, 0.06, 1.0).expect("a coin");
         for turned in [0.0, 0.4] {
             let floor = HalfSpace::new(Vector3::z(), 0.25).expect("a half-space");
             let pose = Pose::turn([0.0, 0.0, 1.0], turned, [3.0, -2.0, 0.25 + 0.06 - 1e-4]);

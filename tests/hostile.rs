@@ -130,28 +130,12 @@ fn small_scene() -> (Scene, Vec<BodyId>) {
     let group = |k| Group::new(k).unwrap();
     let none = Effects::none();
     let mut scene = Scene::new();
-    let near = Effects {
-        overlap: true,
-        distance: Some(0.5),
-        features: true,
-        ..none
-    };
-    let contacts = Effects {
-        manifold: Some(ManifoldOptions::within(0.1)),
-        within: Some(0.2),
-        ..none
-    };
+    let near = none.overlap(true).distance(0.5).features(true);
+    let contacts = none.manifold(ManifoldOptions::within(0.1)).within(0.2);
     scene.call_for(group(0), group(0), near).unwrap();
     scene.call_for(group(0), group(1), contacts).unwrap();
     scene
-        .call_for(
-            group(2),
-            group(2),
-            Effects {
-                distance: Some(f64::INFINITY),
-                ..none
-            },
-        )
+        .call_for(group(2), group(2), none.distance(f64::INFINITY))
         .unwrap();
     let cube = Arc::new(solids::cuboid(Vector3::repeat(0.5)).unwrap());
     let at = |k: usize| Isometry3::translation(0.9 * k as f64, 0.1 * k as f64, 0.0);
@@ -192,7 +176,7 @@ fn use_scene(mut scene: Scene) {
 fn numbers_changed_in_a_file_do_no_harm() {
     let checks = std::panic::catch_unwind(|| std::hint::black_box(u8::MAX) + std::hint::black_box(1));
     assert!(checks.is_err(), "this test is worth little without overflow checks");
-    let (a, b) = (solids::icosahedron(1.0).unwrap(), solids::cone(7, 0.3, 0.55).unwrap());
+    let (a, b) = (solids::icosahedron(1.0).unwrap(), solids::cone(7, 0.55, 0.3).unwrap());
     let (apart, deep) = ([2.0, 0.5, -1.0], [0.1, 0.2, 0.3]);
     let pose = |[x, y, z]: [f64; 3]| RelativePose::from_isometry(&Isometry3::translation(x, y, z)).unwrap();
     for (t, seed) in [(apart, 82), (deep, 83)] {
@@ -201,8 +185,8 @@ fn numbers_changed_in_a_file_do_no_harm() {
         pair.intersects(&a, &b, &pose(t));
         let read = survives(&pair, 1500, seed, |mut pair, _| {
             bytes::query(&a, &b, &pose(t), &mut pair, 0.5);
-            let mut sum = pair.totals();
-            sum += pair.totals();
+            let mut sum = pair.work();
+            sum += pair.work();
         });
         assert!(read > 500, "{read}");
     }
@@ -278,7 +262,7 @@ fn counters_and_generations_at_their_end_do_no_harm() {
             pair.intersects(&a, &a, &pose);
             pair.intersects(&a, &a, &pose);
         }
-        assert!(way != "queries" || pair.totals().queries == u64::MAX);
+        assert!(way != "queries" || pair.work().queries == u64::MAX);
     }
     counters_at_their_end(&pose);
     let text = serde_json::to_value(small_scene().0).unwrap();

@@ -113,7 +113,7 @@ fn steps_are_few_along_smooth_motions() {
         frames
             .iter()
             .for_each(|f| assert_eq!(t.closest(&a, &b, &relative(f)).class, Class::Separated));
-        let totals = t.totals();
+        let totals = t.work();
         let steps = totals.steps as f64 / totals.queries as f64;
         // Measured in the prototype of the walk: 1 + 0.085 sqrt(n) for half a degree.
         assert!(
@@ -144,7 +144,7 @@ fn a_foreign_tracker_costs_time_only() {
         same(&strange, &Tracker::new().closest(a, b, &relative(&f)), "foreign");
         assert_eq!(t.intersects(a, b, &relative(&f)), strange.class != Class::Separated);
     }
-    assert!(t.totals().warm > 100, "{:?}", t.totals());
+    assert!(t.work().warm > 100, "{:?}", t.work());
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn flat_bodies_are_bodies() {
     let flat = flat_bodies();
     let solid = [
         solids::cuboid(Vector3::new(0.5, 0.5, 0.5)),
-        solids::cone(9, 0.8, 0.5),
+        solids::cone(9, 0.5, 0.8),
         solids::icosahedron(0.7),
     ];
     let solid = solid.map(|b| b.expect("a solid"));

@@ -93,7 +93,7 @@ fn degenerate(shape: &Shape, trials: usize, seed: u64) -> Totals {
         });
     }
     assert!(judged * 60 > trials, "{judged} poses judged by the oracle");
-    pair.totals()
+    pair.work()
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn warm_is_cold_along_coherent_motion() {
                 let o = warm.closest(&a, &a, &pose);
                 let mut fresh = Tracker::new();
                 let c = fresh.closest(&a, &a, &pose);
-                cold += fresh.totals();
+                cold += fresh.work();
                 let what = format!("{} frame {i}, {degrees} degrees", shape.name);
                 certified(&o, 10.0, &what);
                 certified(&c, 10.0, &what);
@@ -158,7 +158,7 @@ fn warm_is_cold_along_coherent_motion() {
                 assert!(o.lower <= c.upper && c.lower <= o.upper, "{what}: {o:?} {c:?}");
                 assert!((o.distance - c.distance).abs() <= 1e-14 * 10.0, "{what}: {o:?} {c:?}");
             }
-            let totals = warm.totals();
+            let totals = warm.work();
             println!(
                 "coherence, {}, {degrees} degrees: {:.2} steps a query warm, {:.2} cold, fallback share {:.5} warm, {:.5} cold",
                 shape.name,

@@ -120,50 +120,25 @@ const D: f64 = 0.15;
 fn ladder() -> [Effects; 9] {
     [
         NONE,
-        Effects { boxes: true, ..NONE },
-        Effects { overlap: true, ..NONE },
-        Effects {
-            within: Some(D),
-            ..NONE
-        },
-        Effects {
-            overlap: true,
-            within: Some(D),
-            boxes: true,
-            ..NONE
-        },
-        Effects {
-            overlap: true,
-            within: Some(D),
-            distance: Some(0.3),
-            ..NONE
-        },
-        Effects {
-            overlap: true,
-            within: Some(D),
-            distance: Some(0.3),
-            features: true,
-            ..NONE
-        },
-        Effects {
-            overlap: true,
-            within: Some(D),
-            distance: Some(0.3),
-            features: true,
-            depth: true,
-            boxes: true,
-            ..NONE
-        },
-        Effects {
-            overlap: true,
-            within: Some(D),
-            distance: Some(0.3),
-            features: true,
-            depth: true,
-            boxes: true,
-            manifold: Some(ManifoldOptions::within(D)),
-            ..NONE
-        },
+        NONE.boxes(true),
+        NONE.overlap(true),
+        NONE.within(D),
+        NONE.overlap(true).within(D).boxes(true),
+        NONE.overlap(true).within(D).distance(0.3),
+        NONE.overlap(true).within(D).distance(0.3).features(true),
+        NONE.overlap(true)
+            .within(D)
+            .distance(0.3)
+            .features(true)
+            .depth(true)
+            .boxes(true),
+        NONE.overlap(true)
+            .within(D)
+            .distance(0.3)
+            .features(true)
+            .depth(true)
+            .boxes(true)
+            .manifold(ManifoldOptions::within(D)),
     ]
 }
 
@@ -242,11 +217,7 @@ fn check_answers(
 #[test]
 fn an_infinite_range_means_all_pairs_of_two_groups() {
     let (a, b) = (Group::new(3).unwrap(), Group::new(9).unwrap());
-    let everywhere = Effects {
-        distance: Some(f64::INFINITY),
-        overlap: true,
-        ..NONE
-    };
+    let everywhere = NONE.distance(f64::INFINITY).overlap(true);
     let mut play = Play::in_groups(
         Kind::Sparse,
         30,
@@ -269,7 +240,7 @@ fn an_infinite_range_means_all_pairs_of_two_groups() {
         assert_eq!(found, 15 * 15 - 25);
     }
     // Back to boxes and out again: overlaps go on without an event.
-    let near = Effects { overlap: true, ..NONE };
+    let near = NONE.overlap(true);
     let mut replay = Replay::default();
     for k in 0..30 {
         play.scene
@@ -423,34 +394,16 @@ fn most_separated_pairs_are_answered_by_the_budget() {
 /// A local depth in a scene bounds the depth, under contacts too, and neither effect changes who overlaps.
 #[test]
 fn local_depths_bound_the_depths() {
-    let near = Effects {
-        distance: Some(0.3),
-        features: true,
-        ..NONE
-    };
+    let near = NONE.distance(0.3).features(true);
     let mut options = ManifoldOptions::within(D);
     options.local_depth = true;
     let asked = [
-        Effects { depth: true, ..near },
-        Effects {
-            local_depth: true,
-            ..near
-        },
-        Effects {
-            manifold: Some(options),
-            ..near
-        },
+        near.depth(true),
+        near.local_depth(true),
+        near.manifold(options),
         // What calls for the depth gets the depth.
-        Effects {
-            manifold: Some(options),
-            depth: true,
-            ..near
-        },
-        Effects {
-            manifold: Some(ManifoldOptions::within(D)),
-            local_depth: true,
-            ..near
-        },
+        near.manifold(options).depth(true),
+        near.manifold(ManifoldOptions::within(D)).local_depth(true),
     ];
     let (mut overlaps, mut wide) = (0, [0; 5]);
     let mut plays = asked.map(|effects| Play::new(Kind::Pile, 60, effects));

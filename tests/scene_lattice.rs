@@ -32,10 +32,7 @@ impl World {
     fn wall(size: i32, gap: i32) -> Self {
         let cube = Arc::new(solids::cuboid(Vector3::repeat(0.5)).expect("a cube"));
         let mut scene = Scene::new();
-        let effects = Effects {
-            overlap: true,
-            ..Effects::none()
-        };
+        let effects = Effects::none().overlap(true);
         scene.call_for(GROUP, GROUP, effects).expect("finite effects");
         let mut world = Self {
             scene,

@@ -10,37 +10,12 @@ const KINDS: [Kind; 2] = [Kind::Sparse, Kind::Pile];
 fn sets() -> [Effects; 6] {
     let none = Effects::none();
     [
-        Effects {
-            overlap: true,
-            boxes: true,
-            ..none
-        },
-        Effects {
-            within: Some(0.1),
-            ..none
-        },
-        Effects {
-            distance: Some(0.2),
-            overlap: true,
-            ..none
-        },
-        Effects {
-            distance: Some(0.2),
-            features: true,
-            depth: true,
-            overlap: true,
-            ..none
-        },
-        Effects {
-            manifold: Some(ManifoldOptions::within(0.05)),
-            ..none
-        },
-        Effects {
-            features: true,
-            local_depth: true,
-            overlap: true,
-            ..none
-        },
+        none.overlap(true).boxes(true),
+        none.within(0.1),
+        none.distance(0.2).overlap(true),
+        none.distance(0.2).features(true).depth(true).overlap(true),
+        none.manifold(ManifoldOptions::within(0.05)),
+        none.features(true).local_depth(true).overlap(true),
     ]
 }
 
@@ -160,10 +135,7 @@ fn a_scene_goes_on_from_a_file_bit_for_bit() {
                     one.report()
                 }
                 2 => {
-                    let all = Effects {
-                        distance: Some(f64::INFINITY),
-                        ..sets()[k / 5 % 5]
-                    };
+                    let all = sets()[k / 5 % 5].distance(f64::INFINITY);
                     one.call_for(Group::default(), Group::default(), all).unwrap();
                     one.report()
                 }

@@ -6,10 +6,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
 use lin_canny::{Class, Outcome, RelativePose, Tracker};
 
-const BOXES: Effects = Effects {
-    boxes: true,
-    ..Effects::none()
-};
+const BOXES: Effects = Effects::none().boxes(true);
 
 fn group(k: u8) -> Group {
     Group::new(k).unwrap()
@@ -65,14 +62,8 @@ fn brute(scene: &Scene, these: Group, those: Group) -> Option<(BodyId, BodyId, O
 #[test]
 fn the_closest_pair_is_the_closest_of_all() {
     let mut rng = Rng::new(41);
-    let far = Effects {
-        distance: Some(f64::INFINITY),
-        ..BOXES
-    };
-    let within = Effects {
-        within: Some(0.3),
-        ..BOXES
-    };
+    let far = BOXES.distance(f64::INFINITY);
+    let within = BOXES.within(0.3);
     let (mut classes, mut none) = ([0; 2], 0);
     for round in 0..120 {
         let room = *rng.pick(&[1.0, 4.0, 15.0]);
@@ -104,7 +95,7 @@ fn the_closest_pair_is_the_closest_of_all() {
 
 #[test]
 fn ignored_pairs_end_and_begin_again() {
-    let mut scene = Scene::with_effects(Effects { overlap: true, ..BOXES }).unwrap();
+    let mut scene = Scene::with_effects(BOXES.overlap(true)).unwrap();
     let cube = solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).unwrap();
     let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     let [a, b, c] = [0.0, 0.9, 1.8].map(|x| scene.insert(Body::moving(cube.clone()), at(x)).unwrap());
@@ -179,7 +170,7 @@ fn a_scene_without_effects_is_not_silent() {
 #[test]
 fn ignored_pairs_and_user_data_survive_a_file() {
     let mut rng = Rng::new(5);
-    let mut scene = crowd(&mut rng, Effects { overlap: true, ..BOXES }, [8, 8], 0.5);
+    let mut scene = crowd(&mut rng, BOXES.overlap(true), [8, 8], 0.5);
     let ids: Vec<_> = scene.bodies().collect();
     scene.ignore_pair(ids[0], ids[9]).unwrap();
     scene.ignore_pair(ids[3], ids[2]).unwrap();

@@ -6,10 +6,7 @@ use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions, PoseError, Velocity};
 use std::sync::Arc;
 
-const OVERLAP: Effects = Effects {
-    overlap: true,
-    ..Effects::none()
-};
+const OVERLAP: Effects = Effects::none().overlap(true);
 
 fn cube() -> Arc<ConvexPolyhedron> {
     Arc::new(solids::cuboid(Vector3::repeat(0.5)).unwrap())
@@ -122,18 +119,9 @@ fn distances_and_options_that_are_none_are_refused() {
     let (scene, g) = (&mut stage.scene, stage.group);
     let none = Effects::none();
     for d in [f64::NAN, -0.1, 1e38, f64::INFINITY] {
-        let within = Effects {
-            within: Some(d),
-            ..none
-        };
-        let distance = Effects {
-            distance: Some(d),
-            ..none
-        };
-        let manifold = Effects {
-            manifold: Some(ManifoldOptions::within(d)),
-            ..none
-        };
+        let within = none.within(d);
+        let distance = none.distance(d);
+        let manifold = none.manifold(ManifoldOptions::within(d));
         for effects in [within, manifold, distance] {
             // A distance may be called for however far bodies are.
             if d != f64::INFINITY || effects.distance.is_none() {
@@ -149,10 +137,7 @@ fn distances_and_options_that_are_none_are_refused() {
     for fault in faults {
         let mut options = ManifoldOptions::within(0.1);
         fault(&mut options);
-        let manifold = Effects {
-            manifold: Some(options),
-            ..none
-        };
+        let manifold = none.manifold(options);
         assert_eq!(scene.call_for(g, g, manifold), Err(SceneError::ManifoldOptions));
     }
     stage.assert_unchanged();

@@ -218,34 +218,16 @@ fn through_text(scene: &Scene) -> Scene {
 }
 
 fn predicates() -> Effects {
-    Effects {
-        overlap: true,
-        within: Some(D),
-        ..NONE
-    }
+    NONE.overlap(true).within(D)
 }
 
 fn measured() -> Effects {
-    Effects {
-        distance: Some(0.3),
-        features: true,
-        ..predicates()
-    }
+    predicates().distance(0.3).features(true)
 }
 
 #[test]
 fn convex_shapes_of_every_kind_equal_brute_force() {
-    for (seed, effects) in [
-        (1, predicates()),
-        (2, measured()),
-        (
-            3,
-            Effects {
-                depth: true,
-                ..measured()
-            },
-        ),
-    ] {
+    for (seed, effects) in [(1, predicates()), (2, measured()), (3, measured().depth(true))] {
         let mut rng = Rng::new(100 + seed);
         let bodies = (0..18).map(|k| {
             let shape = convex(k, &mut rng);
@@ -306,10 +288,7 @@ fn a_pair_of_polyhedra_is_as_the_tracker_has_it_whatever_else_is_there() {
 #[test]
 fn manifolds_of_convex_shapes_are_those_of_their_tracker() {
     let options = ManifoldOptions::within(0.01);
-    let effects = Effects {
-        manifold: Some(options),
-        ..NONE
-    };
+    let effects = NONE.manifold(options);
     let mut scene = Scene::new();
     scene.call_for(ALL, ALL, effects).unwrap();
     let plate = Shape::cuboid(Vector3::new(9.0, 9.0, 0.5)).unwrap();
@@ -357,17 +336,7 @@ fn manifolds_of_convex_shapes_are_those_of_their_tracker() {
 #[test]
 fn pieces_and_features_are_named() {
     let mut scene = Scene::new();
-    scene
-        .call_for(
-            ALL,
-            ALL,
-            Effects {
-                distance: Some(5.0),
-                features: true,
-                ..NONE
-            },
-        )
-        .unwrap();
+    scene.call_for(ALL, ALL, NONE.distance(5.0).features(true)).unwrap();
     let a = scene.insert(Body::fixed(bracket()), Isometry3::identity()).unwrap();
     let ball = solids::octahedron(0.1).unwrap();
     let b = scene
@@ -414,8 +383,7 @@ fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
 fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
     let options = ManifoldOptions::within(0.01);
     let mut scene = Scene::new();
-    let manifold = Some(options);
-    scene.call_for(ALL, ALL, Effects { manifold, ..NONE }).unwrap();
+    scene.call_for(ALL, ALL, NONE.manifold(options)).unwrap();
     let half = Vector3::new(4.0, 4.0, 0.5);
     let tile = |x: f64| Piece {
         pose: Isometry3::translation(x, 0.0, 0.0),
@@ -489,17 +457,14 @@ fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
 #[test]
 fn effects_that_kinds_cannot_answer_are_refused_by_name() {
     let other = Group::new(1).unwrap();
-    let near = Effects {
-        within: Some(0.1),
-        ..NONE
-    };
+    let near = NONE.within(0.1);
     let mesh = || Mesh::from_convex(&solids::octahedron(1.0).unwrap()).unwrap();
     let refusal = |effect: &'static str, these, those| SceneError::Unanswered { effect, these, those };
     let at = Isometry3::identity();
 
     // When the body comes.
     let mut scene = Scene::new();
-    scene.call_for(ALL, other, Effects { depth: true, ..near }).unwrap();
+    scene.call_for(ALL, other, near.depth(true)).unwrap();
     scene.insert(Body::moving(mesh()).group(other), at).unwrap();
     let refused = scene.insert(Body::moving(bracket()), at).unwrap_err();
     assert_eq!(refused, refusal("depth", ShapeKind::Composite, ShapeKind::Mesh));
@@ -512,7 +477,7 @@ fn effects_that_kinds_cannot_answer_are_refused_by_name() {
     // When the effect comes; pairs within a group need two bodies that are not fixed.
     let cylinder = || Shape::cylinder(1.0, 1.0).unwrap();
     let mut scene = Scene::new();
-    let deep = Effects { depth: true, ..near };
+    let deep = near.depth(true);
     let id = scene.insert(Body::moving(mesh()), at).unwrap();
     scene.call_for(ALL, ALL, deep).unwrap();
     let refused = scene.insert(Body::moving(mesh()), at).unwrap_err();
@@ -520,10 +485,7 @@ fn effects_that_kinds_cannot_answer_are_refused_by_name() {
     scene.insert(Body::moving(cylinder()).group(other), at).unwrap();
     let refused = scene.call_for(ALL, other, deep).unwrap_err();
     assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Curved));
-    let local = Effects {
-        local_depth: true,
-        ..near
-    };
+    let local = near.local_depth(true);
     let refused = scene.call_for(ALL, other, local).unwrap_err();
     assert_eq!(refused, refusal("local_depth", ShapeKind::Mesh, ShapeKind::Curved));
     assert_eq!(scene.effects(ALL, other), NONE, "a refused call changes nothing");

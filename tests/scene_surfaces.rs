@@ -95,13 +95,7 @@ impl Seen {
 fn a_scene_of_shells_and_balls_is_that_of_brute_force() {
     let mut rng = Rng::new(51);
     let mut scene = Scene::new();
-    let effects = Effects {
-        overlap: true,
-        within: Some(D),
-        distance: Some(FAR),
-        features: true,
-        ..NONE
-    };
+    let effects = NONE.overlap(true).within(D).distance(FAR).features(true);
     scene.call_for(ALL, ALL, effects).unwrap();
     let bodies = round_bodies(&mut scene, &mut rng, 24);
     let mut seen = Seen::default();
@@ -138,13 +132,7 @@ fn next(scene: &Scene, id: BodyId, tick: usize) -> Velocity {
 #[test]
 fn shells_fall_and_rest_and_are_read_back_in_the_middle_of_a_tick() {
     let mut scenes: Vec<Scene> = (0..3).map(|_| Scene::new()).collect();
-    let effects = Effects {
-        overlap: true,
-        within: Some(D),
-        distance: Some(FAR),
-        features: true,
-        ..NONE
-    };
+    let effects = NONE.overlap(true).within(D).distance(FAR).features(true);
     let mut bodies = Vec::new();
     for (k, scene) in scenes.iter_mut().enumerate() {
         scene.call_for(ALL, ALL, effects).unwrap();
@@ -186,10 +174,7 @@ fn shells_fall_and_rest_and_are_read_back_in_the_middle_of_a_tick() {
 #[test]
 fn impacts_of_surfaces_are_found() {
     let mut scene = Scene::new();
-    let effects = Effects {
-        impact: Some(lin_canny::impact::Tolerance::Distance(1e-5)),
-        ..NONE
-    };
+    let effects = NONE.impact(lin_canny::impact::Tolerance::Distance(1e-5));
     scene.call_for(ALL, ALL, effects).unwrap();
     let wall = scene.insert(Body::moving(sphere(0.5)), Isometry3::identity()).unwrap();
     let shapes: [Geometry; 2] = [sphere(0.25).into(), Shape::ball(0.25).unwrap().into()];
@@ -238,8 +223,7 @@ fn bodies_of_pieces_stand_beside_surfaces() {
         (scene, ids)
     };
     for is_first in [true, false] {
-        let distance = Some(10.0);
-        let (mut scene, ids) = made(Effects { distance, ..NONE }, is_first);
+        let (mut scene, ids) = made(NONE.distance(10.0), is_first);
         scene.step();
         let pair = scene.pair(ids[0], ids[1]).expect("a pair");
         let distance = pair.distance.expect("a distance");
@@ -247,8 +231,8 @@ fn bodies_of_pieces_stand_beside_surfaces() {
             (distance.value - 1.25).abs() < 1e-8 && distance.lower <= 1.25,
             "{distance:?}"
         );
-        let impact = Some(lin_canny::impact::Tolerance::Distance(1e-5));
-        let (mut scene, ids) = made(Effects { impact, ..NONE }, is_first);
+        let impact = lin_canny::impact::Tolerance::Distance(1e-5);
+        let (mut scene, ids) = made(NONE.impact(impact), is_first);
         let flight = Velocity::new(Vector3::new(-30.0, 0.0, 0.0), Vector3::zeros());
         scene.set_velocity(ids[usize::from(!is_first)], flight).unwrap();
         scene.advance(0.1).unwrap();
@@ -275,14 +259,11 @@ fn what_no_tracker_answers_is_refused() {
         })
     };
     let die = || solids::cuboid(Vector3::repeat(0.5)).unwrap();
-    let mut scene = call(Effects {
-        within: Some(D),
-        ..NONE
-    });
+    let mut scene = call(NONE.within(D));
     let mesh = Mesh::from_convex(&die()).unwrap();
     scene.insert(Body::moving(mesh.clone()), at).unwrap();
     scene.insert(Body::moving(die()), at).unwrap();
-    let mut scene = call(Effects { depth: true, ..NONE });
+    let mut scene = call(NONE.depth(true));
     assert_eq!(
         scene.insert(Body::moving(die()), at),
         refusal("depth", ShapeKind::Polyhedron)
@@ -293,10 +274,7 @@ fn what_no_tracker_answers_is_refused() {
         refused.unwrap_err().to_string(),
         "no depth is computed between a surface of patches and a surface of patches"
     );
-    let mut scene = call(Effects {
-        local_depth: true,
-        ..NONE
-    });
+    let mut scene = call(NONE.local_depth(true));
     let bodies = [
         (Body::moving(mesh), ShapeKind::Mesh),
         (Body::moving(die()), ShapeKind::Polyhedron),

@@ -40,18 +40,9 @@ impl Gas {
     fn new(n: usize, fill: f64, tick: f64, policy: Policy) -> Self {
         let mut rng = Rng::new(19);
         let mut scene = Scene::new();
-        let impact = (policy == Policy::Continuous).then_some(Tolerance::Distance(1e-6));
-        scene
-            .call_for(
-                ALL,
-                ALL,
-                Effects {
-                    overlap: true,
-                    impact,
-                    ..NONE
-                },
-            )
-            .unwrap();
+        let mut effects = NONE.overlap(true);
+        effects.impact = (policy == Policy::Continuous).then_some(Tolerance::Distance(1e-6));
+        scene.call_for(ALL, ALL, effects).unwrap();
         scene.set_budget(policy != Policy::Boxes);
         scene.set_schedule(matches!(policy, Policy::Schedule | Policy::Continuous));
         let ball = 4.0 / 3.0 * std::f64::consts::PI;
@@ -331,15 +322,11 @@ fn fly(shapes: Vec<(Geometry, Composite)>, effects: Effects, seed: u64) -> Mix {
 
 #[test]
 fn nothing_passes_through_unseen() {
-    let impact = Some(Tolerance::Distance(1e-7));
+    let impact = NONE.impact(Tolerance::Distance(1e-7));
     let other = Composite::new(vec![Piece::new(solids::octahedron(1.0).unwrap())]).unwrap();
     let (mut impacts, mut grazed) = (0, 0);
     for seed in 0..6 {
-        let effects = Effects {
-            impact,
-            overlap: seed % 2 == 0,
-            ..NONE
-        };
+        let effects = impact.overlap(seed % 2 == 0);
         let mut rng = Rng::new(seed);
         let solid = fly((0..10).map(|k| thin(k, &mut rng)).collect(), effects, seed);
         let curved = fly(
@@ -371,11 +358,7 @@ fn schedules_survive_every_kind_of_disturbance() {
         let mut rng = Rng::new(seed);
         let shape = Arc::new(solids::random_hull(16, Vector3::new(1.0, 0.6, 0.3), seed + 1).unwrap());
         let mut scenes: Vec<Scene> = (0..3).map(|_| Scene::new()).collect();
-        let effects = Effects {
-            overlap: true,
-            within: Some(0.2),
-            ..NONE
-        };
+        let effects = NONE.overlap(true).within(0.2);
         for (k, scene) in scenes.iter_mut().enumerate() {
             scene.call_for(ALL, ALL, effects).unwrap();
             scene.set_schedule(k != 0);
@@ -445,24 +428,12 @@ fn a_step_sees_one_tick_where_impacts_are_called_for() {
     let mut scene = Scene::new();
     scene.advance(1.0).unwrap();
     scene.advance(1.0).unwrap();
-    scene
-        .call_for(
-            ALL,
-            ALL,
-            Effects {
-                impact: Some(Tolerance::Distance(0.0)),
-                ..NONE
-            },
-        )
-        .unwrap();
+    scene.call_for(ALL, ALL, NONE.impact(Tolerance::Distance(0.0))).unwrap();
     assert_eq!(scene.advance(1.0), Err(SceneError::StepDue));
     scene.step();
     scene.advance(1.0).unwrap();
     assert_eq!(scene.advance(1.0), Err(SceneError::StepDue));
-    let wrong = Effects {
-        impact: Some(Tolerance::Time(f64::NAN)),
-        ..NONE
-    };
+    let wrong = NONE.impact(Tolerance::Time(f64::NAN));
     assert!(matches!(scene.call_for(ALL, ALL, wrong), Err(SceneError::Range { .. })));
 }
 

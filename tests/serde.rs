@@ -21,7 +21,7 @@ fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(val
 fn query() -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
     let (a, b) = (
         solids::icosahedron(1.0).expect("a body"),
-        solids::cone(7, 0.3, 0.55).expect("a body"),
+        solids::cone(7, 0.55, 0.3).expect("a body"),
     );
     let pose = lab::Pose::turn([0.6, 0.0, 0.8], 0.7, [1.9, 0.3, -0.4]);
     (a, b, RelativePose::from_isometry(&pose.isometry()).expect("a pose"))
@@ -119,7 +119,7 @@ fn what_is_infinite_comes_back() {
 /// Faces of more than 24 corners know of a corner only whether it is on them, and beside rounding it may not be.
 #[test]
 fn a_manifold_of_large_faces_comes_back() {
-    let disc = solids::prism(26, 1.0, 0.2).expect("a body");
+    let disc = solids::prism(26, 0.2, 1.0).expect("a body");
     for k in 0..26 {
         // Corner upon corner.
         let angle = std::f64::consts::TAU * f64::from(k) / 26.0;
@@ -137,11 +137,11 @@ fn a_tracker_goes_on_where_it_was() {
     let (a, b, pose) = query();
     let mut t = Tracker::new();
     t.closest(&a, &b, &pose);
-    round_trip(&t.totals());
+    round_trip(&t.work());
     let mut back = round_trip(&t);
     let (x, y) = (t.closest(&a, &b, &pose), back.closest(&a, &b, &pose));
     assert_eq!(x, y);
-    assert_eq!(back.totals().warm, 1);
+    assert_eq!(back.work().warm, 1);
 }
 
 #[test]

@@ -199,11 +199,7 @@ fn a_scene_of_such_points_finds_them_within() {
         let (t, d) = near_points(&mut rng);
         let Some(truth) = is_within(t, d) else { continue };
         let mut scene = Scene::new();
-        let within = Some(d);
-        let effects = Effects {
-            within,
-            ..Effects::none()
-        };
+        let effects = Effects::none().within(d);
         scene.call_for(group, group, effects).unwrap();
         let at = |t: [f64; 3]| Isometry3::translation(t[0], t[1], t[2]);
         let a = scene.insert(Body::moving(point.clone()), at([0.0; 3])).unwrap();

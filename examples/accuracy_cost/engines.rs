@@ -134,7 +134,7 @@ pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> A
 pub(crate) fn answers(case: Case, pair: &Pair) -> (Vec<Answer>, Totals) {
     let mut state = State::default();
     let list = (0..pair.frames.len()).map(|f| ask(case, pair, f, &mut state)).collect();
-    (list, state.tracker.totals())
+    (list, state.tracker.work())
 }
 
 /// Nanoseconds a query over the first frames of a motion, as many as fit into some milliseconds.

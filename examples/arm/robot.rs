@@ -34,7 +34,7 @@ const NAMES: [&str; 7] = [
 /// Name, link and shape of each body.
 pub(crate) fn pieces() -> Result<Vec<(&'static str, usize, ConvexPolyhedron)>, Trouble> {
     let tube = |link: usize, radius: f64, length: f64, height: f64| {
-        let solid = solids::prism(48, radius, 0.5 * length)?;
+        let solid = solids::prism(48, 0.5 * length, radius)?;
         let placed = solid.transformed(&Isometry3::translation(0.0, 0.0, height))?;
         Ok::<_, Trouble>((NAMES[link], link, placed))
     };

@@ -34,7 +34,7 @@ fn built_in() -> Result<Vec<Thing>, Trouble> {
         block("table", [0.65, 0.75, 0.02], [0.40, 0.0, -0.02])?,
         block("fence", [0.22, 0.01, 0.10], [0.62, 0.0, 0.10])?,
         block("lamp", [0.03, 0.55, 0.03], [0.10, 0.0, 1.02])?,
-        ("post".into(), solids::prism(24, 0.035, 0.45)?, at(0.20, 0.68, 0.45)),
+        ("post".into(), solids::prism(24, 0.45, 0.035)?, at(0.20, 0.68, 0.45)),
     ];
     for (name, y) in [("left bin", -0.38), ("right bin", 0.38)] {
         for side in [-1.0, 1.0] {

@@ -88,10 +88,7 @@ impl Stage {
     fn new(robot: Robot, cell: Vec<cell::Thing>, start: &[f64]) -> Result<Self, Trouble> {
         let mut scene = Scene::new();
         // Boxes alone: the closest pair is asked for in each frame, nothing else is computed.
-        let boxes = Effects {
-            boxes: true,
-            ..Effects::none()
-        };
+        let boxes = Effects::none().boxes(true);
         scene.call_for(ARM, CELL, boxes)?;
         scene.call_for(ARM, ARM, boxes)?;
         let mut parts = Vec::new();

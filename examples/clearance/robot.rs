@@ -146,7 +146,7 @@ fn pose(origin: &urdf_rs::Pose) -> Isometry3<f64> {
 fn piece(geometry: &Geometry, folder: &Path) -> Result<ConvexPolyhedron, Trouble> {
     Ok(match geometry {
         Geometry::Box { size } => solids::cuboid(Vector3::from(**size) * 0.5)?,
-        Geometry::Cylinder { radius, length } => solids::prism(CIRCLE, *radius, 0.5 * length)?,
+        Geometry::Cylinder { radius, length } => solids::prism(CIRCLE, 0.5 * length, *radius)?,
         Geometry::Sphere { radius } => solids::geodesic_sphere(3, *radius)?,
         Geometry::Capsule { radius, length } => {
             let ball = solids::geodesic_sphere(2, *radius)?;

@@ -21,7 +21,7 @@ fn face(body: &ConvexPolyhedron, feature: Feature, pose: &Isometry3<f64>, panel:
 }
 
 pub(crate) fn picture() -> Result<String, Trouble> {
-    let plate = solids::prism(24, 1.0, 0.2)?;
+    let plate = solids::prism(24, 0.2, 1.0)?;
     let part = solids::cuboid(Vector3::new(0.35, 0.25, 0.2))?;
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
     let options = ManifoldOptions::within(0.01);

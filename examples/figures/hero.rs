@@ -211,7 +211,7 @@ fn looks(n: usize, degrees: f64) -> Result<f64, Trouble> {
         let o = tracker.closest(&a, &b, &RelativePose::new(&f.a.isometry(), &f.b.isometry())?);
         assert_eq!(o.class, Class::Separated);
     }
-    Ok(tracker.totals().steps as f64 / tracker.totals().queries as f64)
+    Ok(tracker.work().steps as f64 / tracker.work().queries as f64)
 }
 
 fn cost() -> Result<String, Trouble> {

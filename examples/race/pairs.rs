@@ -199,7 +199,7 @@ fn time(
     }
     let last = pass();
     let mut totals = Totals::default();
-    last.1.iter().for_each(|s| totals += s.tracker.totals());
+    last.1.iter().for_each(|s| totals += s.tracker.work());
     (last.0.as_nanos() as f64 / (frames * pairs.len()) as f64, totals)
 }
 

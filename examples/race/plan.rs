@@ -203,10 +203,7 @@ fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seed
     let [start, goal] = &ends;
     for seed in 0..seeds {
         let mut checker = Checker::new(space.clone(), room.world()).expect("a room");
-        let options = PlanOptions {
-            seed,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().seed(seed);
         let began = ThreadTime::now();
         let mut stop = || began.elapsed() > LIMIT;
         let plan = checker.plan_until(start, goal, &options, &mut stop).expect("free ends");

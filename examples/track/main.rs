@@ -134,7 +134,7 @@ fn word(outcome: &Outcome) -> String {
 }
 
 fn summary(run: &Run) {
-    let (totals, frames) = (run.tracker.totals(), run.outcomes.len());
+    let (totals, frames) = (run.tracker.work(), run.outcomes.len());
     let closest = run
         .outcomes
         .iter()

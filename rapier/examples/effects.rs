@@ -46,14 +46,8 @@ const NOTHING: scene::Effects = scene::Effects::none();
 /// The sets of effects, each with one more than the one before.
 fn sets() -> Vec<(&'static str, Effects, scene::Effects)> {
     let near = ManifoldOptions::within(0.02);
-    let overlap = scene::Effects {
-        overlap: true,
-        ..NOTHING
-    };
-    let contacts = scene::Effects {
-        manifold: Some(near),
-        ..overlap
-    };
+    let overlap = NOTHING.overlap(true);
+    let contacts = overlap.manifold(near);
     let mut e = Effects::none();
     let mut list = vec![("motion on lines", e, NOTHING)];
     e.rotation = true;

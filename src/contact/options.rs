@@ -65,6 +65,41 @@ impl ManifoldOptions {
         }
     }
 
+    /// Returns the options with another number of points.
+    #[must_use]
+    pub const fn max_points(mut self, max_points: usize) -> Self {
+        self.max_points = max_points;
+        self
+    }
+
+    /// Returns the options with another sine.
+    #[must_use]
+    pub const fn sine(mut self, sine: f64) -> Self {
+        self.sine = sine;
+        self
+    }
+
+    /// Returns the options with another drift.
+    #[must_use]
+    pub const fn drift(mut self, drift: f64) -> Self {
+        self.drift = drift;
+        self
+    }
+
+    /// Returns the options with another motion before points are chosen again.
+    #[must_use]
+    pub const fn choice(mut self, choice: f64) -> Self {
+        self.choice = choice;
+        self
+    }
+
+    /// Returns the options with or without a local depth.
+    #[must_use]
+    pub const fn local_depth(mut self, local_depth: bool) -> Self {
+        self.local_depth = local_depth;
+        self
+    }
+
     /// Returns what the contacts need of an overlap.
     pub(crate) fn until(&self) -> Until {
         Until::of_depth(true, self.local_depth)

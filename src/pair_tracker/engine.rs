@@ -295,7 +295,7 @@ impl AnyTracker {
     /// Returns the work of all queries so far.
     pub(super) fn work(&self) -> PairWork {
         match self {
-            Self::Polyhedra(tracker) => PairWork::of_convex(tracker.totals()),
+            Self::Polyhedra(tracker) => PairWork::of_convex(tracker.work()),
             Self::Mixed(tracker) => tracker.work(),
         }
     }

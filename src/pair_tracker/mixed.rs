@@ -174,7 +174,7 @@ impl TrackedKinds {
 
     fn work(&self) -> PairWork {
         match self {
-            Self::Convex(tracked) => PairWork::of_convex(tracked.tracker.totals()),
+            Self::Convex(tracked) => PairWork::of_convex(tracked.tracker.work()),
             Self::Pieces(tracked) => PairWork::of_trees(tracked.tracker.work()),
             Self::Triangles(tracked) => PairWork::of_trees(tracked.tracker.work()),
             Self::Surfaces(tracked) => PairWork::of_surfaces(tracked.tracker.work()),
@@ -367,10 +367,10 @@ impl PairEngine for MixedTracker {
     ) -> Contacted {
         let ContactAsk { options, patches, .. } = ask;
         if let Some((tracker, [x, y])) = self.convex(a, b) {
-            let queries = tracker.totals().queries;
+            let queries = tracker.work().queries;
             tracker.manifold(x, y, pose, options, stored.get_or_insert_default());
             // A manifold is rebuilt from a query.
-            return if tracker.totals().queries > queries {
+            return if tracker.work().queries > queries {
                 Contacted::Renewed
             } else {
                 Contacted::Kept

@@ -13,6 +13,7 @@ use crate::tuning::plan::{LONGEST, SHORTEST};
 
 /// The budget of a search, and its seed.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct PlanOptions {
     /// The seed of the random slices: the same seed gives the same answer.
     pub seed: u64,
@@ -33,6 +34,36 @@ impl Default for PlanOptions {
             queries: u64::MAX,
             enough: None,
         }
+    }
+}
+
+impl PlanOptions {
+    /// Returns the options with another seed.
+    #[must_use]
+    pub const fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Returns the options with another budget of random slices.
+    #[must_use]
+    pub const fn slices(mut self, slices: u64) -> Self {
+        self.slices = slices;
+        self
+    }
+
+    /// Returns the options with another budget of distance queries.
+    #[must_use]
+    pub const fn queries(mut self, queries: u64) -> Self {
+        self.queries = queries;
+        self
+    }
+
+    /// Returns the options with a clearance that is enough.
+    #[must_use]
+    pub const fn enough(mut self, enough: f64) -> Self {
+        self.enough = Some(enough);
+        self
     }
 }
 

@@ -206,8 +206,8 @@ mod tests {
             bodies.push(solids::random_hull(300, Vector3::new(1.0, 0.7, z), seed as u64).unwrap());
             bodies.push(solids::random_hull(40, Vector3::new(1.0, z, z), seed as u64).unwrap());
         }
-        bodies.push(solids::prism(100, 3.0, 0.1).unwrap());
-        bodies.push(solids::cone(64, 1.0, 5e-10).unwrap());
+        bodies.push(solids::prism(100, 0.1, 3.0).unwrap());
+        bodies.push(solids::cone(64, 5e-10, 1.0).unwrap());
         bodies.push(solids::dodecahedron(2.0).unwrap());
         for body in &bodies {
             for plane in &body.planes {

@@ -69,9 +69,9 @@ fn circle(n: usize, radius: f64, z: f64) -> impl Iterator<Item = Point3<f64>> {
 ///
 /// Fewer than three vertices, or a size outside 1e-100..1e100.
 #[doc(alias = "cylinder")]
-pub fn prism(n: usize, radius: f64, half_height: f64) -> Result<ConvexPolyhedron, BuildError> {
+pub fn prism(n: usize, half_height: f64, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     check_count("vertices around the axis", n, 3, COUNT_MAX)?;
-    let (radius, half_height) = (size("radius", radius)?, size("half height", half_height)?);
+    let (half_height, radius) = (size("half height", half_height)?, size("radius", radius)?);
     let points: Vec<_> = circle(n, radius, -half_height)
         .chain(circle(n, radius, half_height))
         .collect();
@@ -85,9 +85,9 @@ pub fn prism(n: usize, radius: f64, half_height: f64) -> Result<ConvexPolyhedron
 ///
 /// Fewer than three vertices, or a size outside 1e-100..1e100.
 #[doc(alias = "pyramid")]
-pub fn cone(n: usize, radius: f64, half_height: f64) -> Result<ConvexPolyhedron, BuildError> {
+pub fn cone(n: usize, half_height: f64, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     check_count("vertices around the axis", n, 3, COUNT_MAX)?;
-    let (radius, half_height) = (size("radius", radius)?, size("half height", half_height)?);
+    let (half_height, radius) = (size("half height", half_height)?, size("radius", radius)?);
     let apex = Point3::new(0.0, 0.0, half_height);
     let points: Vec<_> = circle(n, radius, -half_height).chain([apex]).collect();
     ConvexPolyhedron::from_points(&points)

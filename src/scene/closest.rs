@@ -55,7 +55,7 @@ impl Scene {
     /// const ARM: Group = Group::new(2).unwrap();
     ///
     /// let mut scene = Scene::new();
-    /// let boxes = Effects { boxes: true, ..Effects::none() };
+    /// let boxes = Effects::none().boxes(true);
     /// scene.call_for(ARM, CELL, boxes)?;
     /// let cube = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
     /// for k in 0..9 {
@@ -214,10 +214,7 @@ mod tests {
     fn cell(numbers: &mut Numbers, room: f64) -> (Scene, [Group; 2]) {
         let groups = [1, 2].map(|g| Group::new(g).unwrap());
         let mut scene = Scene::new();
-        let boxes = Effects {
-            boxes: true,
-            ..Effects::none()
-        };
+        let boxes = Effects::none().boxes(true);
         scene.call_for(groups[0], groups[1], boxes).unwrap();
         for _ in 0..300 {
             let half = numbers.vector(0.1).map(|x| 0.02 + x.abs());
@@ -226,7 +223,7 @@ mod tests {
             scene.insert(Body::fixed(shape).group(groups[1]), pose).unwrap();
         }
         for k in 0..6 {
-            let link = solids::prism(12, 0.06, 0.2).unwrap();
+            let link = solids::prism(12, 0.2, 0.06).unwrap();
             let pose = Isometry3::new(numbers.vector(0.3), Vector3::new(0.0, 0.4 * f64::from(k), 0.0));
             scene.insert(Body::moving(link).group(groups[0]), pose).unwrap();
         }

@@ -87,12 +87,12 @@ impl From<Group> for u8 {
 /// ```
 /// use lin_canny::scene::Effects;
 ///
-/// let near = Effects { within: Some(0.05), ..Effects::none() };
-/// let all = Some(f64::INFINITY);
-/// let full = Effects { distance: all, features: true, depth: true, ..near };
+/// let near = Effects::none().within(0.05);
+/// let full = near.distance(f64::INFINITY).features(true).depth(true);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
 pub struct Effects {
     /// Events when the boxes of two bodies begin and cease to overlap. The boxes are grown for the
     /// distances called for below.
@@ -147,6 +147,69 @@ impl Effects {
             manifold: None,
             impact: None,
         }
+    }
+
+    /// Returns the effects with or without [`boxes`](field@Self::boxes).
+    #[must_use]
+    pub const fn boxes(mut self, boxes: bool) -> Self {
+        self.boxes = boxes;
+        self
+    }
+
+    /// Returns the effects with or without [`overlap`](field@Self::overlap).
+    #[must_use]
+    pub const fn overlap(mut self, overlap: bool) -> Self {
+        self.overlap = overlap;
+        self
+    }
+
+    /// Returns the effects with [`within`](field@Self::within) a distance.
+    #[must_use]
+    pub const fn within(mut self, within: f64) -> Self {
+        self.within = Some(within);
+        self
+    }
+
+    /// Returns the effects with the [`distance`](field@Self::distance) up to this one.
+    #[must_use]
+    pub const fn distance(mut self, distance: f64) -> Self {
+        self.distance = Some(distance);
+        self
+    }
+
+    /// Returns the effects with or without [`features`](field@Self::features).
+    #[must_use]
+    pub const fn features(mut self, features: bool) -> Self {
+        self.features = features;
+        self
+    }
+
+    /// Returns the effects with or without the [`depth`](field@Self::depth).
+    #[must_use]
+    pub const fn depth(mut self, depth: bool) -> Self {
+        self.depth = depth;
+        self
+    }
+
+    /// Returns the effects with or without a [`local_depth`](field@Self::local_depth).
+    #[must_use]
+    pub const fn local_depth(mut self, local_depth: bool) -> Self {
+        self.local_depth = local_depth;
+        self
+    }
+
+    /// Returns the effects with a [`manifold`](field@Self::manifold).
+    #[must_use]
+    pub const fn manifold(mut self, manifold: ManifoldOptions) -> Self {
+        self.manifold = Some(manifold);
+        self
+    }
+
+    /// Returns the effects with [`impact`](field@Self::impact)s in a bracket of this width.
+    #[must_use]
+    pub const fn impact(mut self, impact: Tolerance) -> Self {
+        self.impact = Some(impact);
+        self
     }
 
     /// Refuses distances and manifold options that are not numbers: a file could not hold them.

@@ -60,7 +60,7 @@ impl Scene {
     /// use lin_canny::polyhedron::solids;
     /// use lin_canny::scene::{Body, Effects, Scene};
     ///
-    /// let overlaps = Effects { overlap: true, ..Effects::none() };
+    /// let overlaps = Effects::none().overlap(true);
     /// let mut scene = Scene::with_effects(overlaps)?;
     /// let link = solids::cuboid(Vector3::new(0.1, 0.1, 0.5))?;
     /// let mut links = Vec::new();

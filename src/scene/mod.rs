@@ -13,7 +13,7 @@
 //! // Shared by all bodies of this shape.
 //! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
 //! let mut scene = Scene::new();
-//! scene.call_for(ROBOT, CELL, Effects { within: Some(0.05), ..Effects::none() })?;
+//! scene.call_for(ROBOT, CELL, Effects::none().within(0.05))?;
 //! let wall = Body::fixed(block.clone()).group(CELL);
 //! scene.insert(wall, Isometry3::translation(3.005, 0.0, 0.0))?;
 //! let arm = Body::moving(block).group(ROBOT);
@@ -78,9 +78,9 @@
 //! let mut scene = Scene::new();
 //! let none = Effects::none();
 //! let effects =
-//!     Effects { distance: Some(0.5), features: true, depth: true, ..none };
+//!     none.distance(0.5).features(true).depth(true);
 //! scene.call_for(ROBOT, CELL, effects)?;
-//! let post = solids::prism(24, 0.1, 1.0)?;
+//! let post = solids::prism(24, 1.0, 0.1)?;
 //! let post = Body::fixed(post).group(CELL);
 //! scene.insert(post, Isometry3::translation(1.0, 0.0, 0.0))?;
 //! let link = solids::cuboid(Vector3::new(0.3, 0.05, 0.05))?;

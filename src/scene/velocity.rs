@@ -96,8 +96,8 @@ impl Scene {
     ///
     /// let all = Group::default();
     /// let mut scene = Scene::new();
-    /// let impact = Some(Tolerance::Time(1e-9));
-    /// scene.call_for(all, all, Effects { impact, ..Effects::none() })?;
+    /// let impact = Tolerance::Time(1e-9);
+    /// scene.call_for(all, all, Effects::none().impact(impact))?;
     /// let pane = solids::cuboid(Vector3::new(0.001, 1.0, 1.0))?;
     /// scene.insert(Body::fixed(pane), Isometry3::translation(2.0, 0.0, 0.0))?;
     /// let bullet = Body::moving(Shape::ball(0.01)?);

@@ -120,9 +120,9 @@ impl ShapeTracker {
 
     /// Returns what has been done so far.
     #[must_use]
-    pub(crate) fn totals(&self) -> Totals {
+    pub(crate) fn work(&self) -> Totals {
         let mut totals = self.totals;
-        totals += self.polyhedral.totals();
+        totals += self.polyhedral.work();
         totals
     }
 

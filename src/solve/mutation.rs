@@ -115,7 +115,7 @@ fn bodies() -> Vec<ConvexPolyhedron> {
         solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap(),
         solids::icosahedron(1.0).unwrap(),
         solids::random_hull(40, Vector3::new(1.0, 0.8, 1e-4), 3).unwrap(),
-        solids::cone(64, 1.0, 0.25).unwrap(),
+        solids::cone(64, 0.25, 1.0).unwrap(),
     ]
 }
 

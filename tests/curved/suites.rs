@@ -124,7 +124,7 @@ fn a_cylinder_lies_between_its_prisms() {
     for n in [8, 64, 512] {
         let outer = 1.0 / (std::f64::consts::PI / n as f64).cos();
         let [inside, around] =
-            [1.0, outer * (1.0 + 1e-15)].map(|r| Shape::from(solids::prism(n, r, 0.5).expect("a prism")));
+            [1.0, outer * (1.0 + 1e-15)].map(|r| Shape::from(solids::prism(n, 0.5, r).expect("a prism")));
         let cylinder = Shape::cylinder(0.5, 1.0).expect("a cylinder");
         for k in 0..60 {
             let kind = Kind::random(KINDS[k % KINDS.len()], &mut rng, 3.0);

@@ -42,7 +42,7 @@ fn thousands_of_equal_depths_about_an_apex() {
     for (n, limit) in [(40, 2.0), (300, 2.0), (6000, 4.0)] {
         // Its base in the plane z = 0.
         let up = lin_canny::nalgebra::Isometry3::translation(0.0, 0.0, 0.5);
-        let cone = solids::cone(n, 1.0, 0.5).unwrap().transformed(&up).unwrap();
+        let cone = solids::cone(n, 0.5, 1.0).unwrap().transformed(&up).unwrap();
         for body in [&wedge, &needle] {
             let began = std::time::Instant::now();
             let o = judge(&cone, body, &here, &format!("cone {n}"));

@@ -171,8 +171,8 @@ fn a_depth_is_searched_for_on_request_only() {
         assert!(pair.within(&cube, &cube, &pose, 0.1));
         assert!(pair.propose(&cube, &cube, &pose).work.depths == 0);
     }
-    assert_eq!(pair.totals().depths, 0);
+    assert_eq!(pair.work().depths, 0);
     let o = pair.closest(&cube, &cube, &support::shifted([1.5, 0.3, 0.2]));
-    assert_eq!((o.work.depths, pair.totals().depths), (1, 1));
+    assert_eq!((o.work.depths, pair.work().depths), (1, 1));
     assert_eq!((o.distance, o.normal.into_inner().into()), (-0.5, [1.0, 0.0, 0.0]));
 }

@@ -53,10 +53,7 @@ fn window(height: f64, seeds: u64) -> (u64, Duration) {
     for seed in 0..seeds {
         let mut checker = checker(height);
         let [start, goal] = [0.2, 0.6].map(motion::carry);
-        let options = PlanOptions {
-            seed,
-            ..PlanOptions::default()
-        };
+        let options = PlanOptions::default().seed(seed);
         let began = ThreadTime::now();
         let limit = Duration::from_secs(10);
         let plan = checker

@@ -34,10 +34,7 @@ fn judge(path: &[Vec<f64>], robot: &ConvexPolyhedron, obstacles: &[Placed], step
 }
 
 fn options(seed: u64) -> PlanOptions {
-    PlanOptions {
-        seed,
-        ..PlanOptions::default()
-    }
+    PlanOptions::default().seed(seed)
 }
 
 /// A plank that must turn to pass a hole, and comes turned wrongly: how many seeds find a way within a limit of processor time.
@@ -94,10 +91,7 @@ fn a_blocked_world_has_no_path() {
         for seed in 0..3 {
             let space = RigidSpace::new(bounds, 0.3, 1).expect("a space");
             let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
-            let few = PlanOptions {
-                slices: 12,
-                ..options(seed)
-            };
+            let few = options(seed).slices(12);
             let plan = checker.plan(&at(-2.0), &at(2.0), &few).expect("free ends");
             assert_eq!(plan.path, None);
             assert!(plan.work.slices == 12 && plan.work.freeways > 0, "{:?}", plan.work);
@@ -121,15 +115,9 @@ fn searches_repeat_and_end() {
             .plan(&at(-1.8, -1.0), &at(1.8, 1.0), options)
             .expect("free ends")
     };
-    let few = PlanOptions {
-        slices: 3,
-        ..options(9)
-    };
+    let few = options(9).slices(3);
     assert_eq!(run(&few), run(&few));
-    let none = PlanOptions {
-        queries: 1,
-        ..options(9)
-    };
+    let none = options(9).queries(1);
     let ended = run(&none);
     assert!(ended.path.is_none() && ended.work.slices == 0, "{:?}", ended.work);
 }
@@ -186,10 +174,7 @@ fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
             rng.range(-1.9, 1.9),
             std::f64::consts::PI - turned,
         ];
-        let few = PlanOptions {
-            slices: 20,
-            ..options(seed)
-        };
+        let few = options(seed).slices(20);
         // Some ends are in contact.
         let Ok(Some(path)) = checker.plan(&start, &goal, &few).map(|plan| plan.path) else {
             continue;

@@ -62,7 +62,7 @@ fn questions_on_top_equal_brute_force() {
     let (g, h) = (group(0), group(1));
     let mut scene = Scene::new();
     for (x, y) in [(g, g), (g, h)] {
-        scene.call_for(x, y, Effects { boxes: true, ..NONE }).unwrap();
+        scene.call_for(x, y, NONE.boxes(true)).unwrap();
     }
     let shapes = [body(&shapes::icosahedron()), body(&shapes::cuboid([0.9, 0.3, 0.1]))].map(Arc::new);
     for k in 0..60 {
@@ -153,7 +153,7 @@ fn odd_scales_and_places_lose_nothing() {
     for (size, offset) in [(1e-60, 0.0), (1e-3, 1e5), (1e30, 0.0)] {
         let g = Group::default();
         let mut scene = Scene::new();
-        scene.call_for(g, g, Effects { overlap: true, ..NONE }).unwrap();
+        scene.call_for(g, g, NONE.overlap(true)).unwrap();
         let shape = Arc::new(solids::cuboid(Vector3::repeat(0.5 * size)).unwrap());
         let at = |x: f64| Isometry3::translation(offset + x * size, offset, 0.0);
         scene.insert(Body::fixed(shape.clone()), at(0.0)).unwrap();
@@ -197,11 +197,7 @@ fn spinning_bodies_are_looked_at_in_time() {
         for gap in [0.001, 0.01, 0.1, 0.5] {
             for rate in [1e-4, 0.003, 0.05, 0.7] {
                 let mut scene = Scene::new();
-                let effects = Effects {
-                    overlap: k != 1,
-                    within: Some(0.02),
-                    ..NONE
-                };
+                let effects = NONE.overlap(k != 1).within(0.02);
                 scene.call_for(g, g, effects).unwrap();
                 scene.insert(Body::fixed(wall.clone()), frame).unwrap();
                 let at = frame * Isometry3::translation(0.0, 0.51 + gap, 0.0);
@@ -253,7 +249,7 @@ fn a_jump_wakes_a_pair_whatever_velocities_were_set() {
         (Some(0), 10),
     ] {
         for (is_late, is_scheduled) in [(true, true), (false, true), (true, false)] {
-            let (mut scene, ids) = pair_of_cubes(Effects { overlap: true, ..NONE });
+            let (mut scene, ids) = pair_of_cubes(NONE.overlap(true));
             scene.set_schedule(is_scheduled);
             let mut events = Vec::new();
             for frame in 0..60 {
@@ -282,13 +278,8 @@ fn a_jump_wakes_a_pair_whatever_velocities_were_set() {
 
 #[test]
 fn a_tick_in_which_all_bodies_rest_ends_with_its_step() {
-    let impact = Some(Tolerance::Distance(1e-6));
+    let effects = NONE.boxes(true).impact(Tolerance::Distance(1e-6));
     for rest in 0..4 {
-        let effects = Effects {
-            impact,
-            boxes: true,
-            ..NONE
-        };
         let (mut scene, ids) = pair_of_cubes(effects);
         let away = Velocity::new(Vector3::new(3.0, 3.0, 0.0), Vector3::zeros());
         let mut met = 0;
@@ -317,12 +308,9 @@ fn a_tick_in_which_all_bodies_rest_ends_with_its_step() {
 fn a_scene_read_back_within_a_tick_goes_on_alike() {
     let impact = Some(Tolerance::Distance(1e-6));
     for (is_thrown, is_swept) in [(false, true), (true, true), (false, false), (true, false)] {
-        let impact = impact.filter(|_| is_swept);
-        let (mut scene, ids) = pair_of_cubes(Effects {
-            impact,
-            boxes: true,
-            ..NONE
-        });
+        let mut effects = NONE.boxes(true);
+        effects.impact = impact.filter(|_| is_swept);
+        let (mut scene, ids) = pair_of_cubes(effects);
         if is_thrown {
             let speed = Velocity::new(Vector3::x(), Vector3::zeros());
             scene.set_velocity(ids[2], speed).unwrap();
@@ -355,11 +343,9 @@ fn no_speed_spoils_a_scene() {
         (3.0, 1e120, 1e-120),
     ] {
         for impact in [impact, None] {
-            let (mut scene, ids) = pair_of_cubes(Effects {
-                overlap: true,
-                impact,
-                ..NONE
-            });
+            let mut effects = NONE.overlap(true);
+            effects.impact = impact;
+            let (mut scene, ids) = pair_of_cubes(effects);
             let velocity = Velocity::new(Vector3::x() * speed, Vector3::z() * spin);
             scene.set_velocity(ids[1], velocity).unwrap();
             for _ in 0..3 {
@@ -387,8 +373,8 @@ fn no_speed_spoils_a_scene() {
 fn contacts_end_when_they_are_no_longer_called_for() {
     let g = group(0);
     let mut scene = Scene::new();
-    let manifold = Some(ManifoldOptions::within(0.1));
-    scene.call_for(g, g, Effects { manifold, ..NONE }).unwrap();
+    let manifold = ManifoldOptions::within(0.1);
+    scene.call_for(g, g, NONE.manifold(manifold)).unwrap();
     let mesh = Mesh::from_convex(&solids::icosahedron(0.6).unwrap()).unwrap();
     let cube = solids::cuboid(Vector3::repeat(0.5)).unwrap();
     let a = scene.insert(Body::moving(mesh), Isometry3::identity()).unwrap();
@@ -397,16 +383,9 @@ fn contacts_end_when_they_are_no_longer_called_for() {
     scene.step();
     assert!(scene.pair(a, b).unwrap().contacts.is_some());
     for effects in [
-        Effects {
-            distance: Some(f64::INFINITY),
-            ..NONE
-        },
-        Effects {
-            features: true,
-            distance: Some(f64::INFINITY),
-            ..NONE
-        },
-        Effects { overlap: true, ..NONE },
+        NONE.distance(f64::INFINITY),
+        NONE.features(true).distance(f64::INFINITY),
+        NONE.overlap(true),
     ] {
         scene.call_for(g, g, effects).unwrap();
         scene.step();

@@ -60,10 +60,10 @@ pub(crate) fn shipped() -> Vec<ConvexPolyhedron> {
         solids::octahedron(1.0),
         solids::icosahedron(1.0),
         solids::dodecahedron(1.0),
-        solids::prism(3, 0.8, 0.5),
-        solids::prism(16, 0.8, 0.4),
-        solids::cone(5, 0.7, 0.5),
-        solids::cone(24, 0.9, 0.3),
+        solids::prism(3, 0.5, 0.8),
+        solids::prism(16, 0.4, 0.8),
+        solids::cone(5, 0.5, 0.7),
+        solids::cone(24, 0.3, 0.9),
         solids::geodesic_sphere(1, 1.0),
     ];
     all.into_iter().map(|b| b.expect("a shipped solid")).collect()

@@ -132,17 +132,12 @@ impl Bytes<'_> {
         let d = DISTANCES[self.below(4)];
         let of = |bit: u16| calls & 1 << bit != 0;
         let rare = |bit: u16| of(bit) && of(bit + 1);
-        Effects {
-            boxes: of(0),
-            overlap: of(1) || of(2),
-            within: rare(3).then_some(0.1),
-            distance: rare(5).then_some(if of(4) { f64::INFINITY } else { d }),
-            features: rare(6),
-            depth: rare(7),
-            local_depth: rare(8),
-            manifold: (rare(9) && of(4)).then_some(ManifoldOptions::within(d)),
-            impact: rare(11).then_some(Tolerance::Distance(1e-6)),
-        }
+        let mut effects = Effects::none().boxes(of(0)).overlap(of(1) || of(2));
+        effects.within = rare(3).then_some(0.1);
+        effects.distance = rare(5).then_some(if of(4) { f64::INFINITY } else { d });
+        effects.manifold = (rare(9) && of(4)).then_some(ManifoldOptions::within(d));
+        effects.impact = rare(11).then_some(Tolerance::Distance(1e-6));
+        effects.features(rare(6)).depth(rare(7)).local_depth(rare(8))
     }
 }
 
@@ -189,7 +184,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         };
         world.mix.worlds = 1;
         for (g, h) in [(0, 0), (0, 1), (1, 1)] {
-            let events = Effects { overlap: true, ..NONE };
+            let events = NONE.overlap(true);
             let effects = if bytes.chance(40) { bytes.effects() } else { events };
             world.call_for(g, h, effects);
         }

@@ -44,14 +44,9 @@ impl Ours {
     fn new(name: &'static str, crowd: &Crowd) -> Self {
         let shapes = crowd.hulls();
         let mut scene = Scene::new();
-        let effects = Effects {
-            overlap: true,
-            distance: Some(RANGE),
-            features: true,
-            depth: name != "ours",
-            manifold: (name == "ours-manifold").then_some(ManifoldOptions::within(RANGE)),
-            ..Effects::none()
-        };
+        let mut effects = Effects::none().overlap(true).distance(RANGE).features(true);
+        effects.depth = name != "ours";
+        effects.manifold = (name == "ours-manifold").then_some(ManifoldOptions::within(RANGE));
         let all = Group::default();
         scene.call_for(all, all, effects).expect("a range");
         let insert = |(shape, pose): (&usize, &Pose)| {

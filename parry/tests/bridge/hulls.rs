@@ -100,7 +100,7 @@ fn boxes_and_balls_hold_the_vertices() {
 #[test]
 fn support_faces_hold_the_deepest_vertex_and_are_spread() {
     for sides in [3, 4, 6, 7, 16, 100] {
-        let hull = Hull::new(solids::prism(sides, 1.0, 0.2).expect("a solid"));
+        let hull = Hull::new(solids::prism(sides, 0.2, 1.0).expect("a solid"));
         for k in 0..200 {
             let lean = 0.02 * f64::from(k % 5);
             let (s, c) = (TAU * f64::from(k) / 200.0).sin_cos();

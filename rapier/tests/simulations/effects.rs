@@ -66,11 +66,9 @@ fn without_response_no_engine_is_built_and_bodies_pass() {
 
 #[test]
 fn what_is_observed_is_told_without_response() {
-    let observe = scene::Effects {
-        overlap: true,
-        manifold: Some(ManifoldOptions::within(0.05)),
-        ..scene::Effects::none()
-    };
+    let observe = scene::Effects::none()
+        .overlap(true)
+        .manifold(ManifoldOptions::within(0.05));
     let settings = Settings {
         observe,
         ..Settings::default()

@@ -55,23 +55,18 @@ const PARTS: Group = Group::new(1).expect("a group");
 /// Bodies of every kind in one scene: first put elsewhere frame by frame, then carried by velocities.
 pub(super) fn scenes(scene: &mut Scene, rng: &mut Rng) {
     let mut world = scene::Scene::new();
-    let effects = Effects {
-        boxes: true,
-        overlap: true,
-        within: Some(0.1 * scene.unit),
-        distance: Some(0.5 * scene.unit),
-        features: true,
-        depth: true,
-        manifold: Some(ManifoldOptions::within(0.1 * scene.unit)),
-        impact: Some(Tolerance::Distance(1e-4 * scene.unit)),
-        ..Effects::none()
-    };
+    let effects = Effects::none()
+        .boxes(true)
+        .overlap(true)
+        .within(0.1 * scene.unit)
+        .distance(0.5 * scene.unit)
+        .features(true)
+        .depth(true)
+        .manifold(ManifoldOptions::within(0.1 * scene.unit))
+        .impact(Tolerance::Distance(1e-4 * scene.unit));
     world.call_for(CONVEX, CONVEX, effects).expect("effects");
     // Bodies of parts have no depth in a scene.
-    let effects = Effects {
-        depth: false,
-        ..effects
-    };
+    let effects = effects.depth(false);
     world.call_for(PARTS, CONVEX, effects).expect("effects");
     world.call_for(PARTS, PARTS, effects).expect("effects");
     let mut shapes: Vec<Geometry> = curved(scene).into_iter().map(Geometry::from).collect();
