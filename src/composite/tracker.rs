@@ -83,14 +83,9 @@ impl MeshTracker {
         self.state.kept.heap_bytes()
     }
 
-    /// Returns the closest points with bounds of the distance: for bodies apart no wider than
-    /// `1e-13 L`, with `L` the sum of both radii about the bodies' own origins and the distance of
-    /// the origins.
-    ///
-    /// Takes time in proportion to the pairs of triangles that are as close as the closest ones, up
-    /// to rounding: a few for most bodies, six for each triangle of a dome 1e-9 above a copy of
-    /// itself. Bodies in contact end the search early: surfaces at the first pair in contact,
-    /// solids after 128 of them if inner points of both are found.
+    /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`.
+    /// Bodies in contact end the search early: surfaces at the first pair in contact, solids after
+    /// 128 of them if inner points of both are found.
     pub(crate) fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Answer {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
@@ -104,18 +99,8 @@ impl MeshTracker {
         answered(a, b, &answer)
     }
 
-    /// Returns whether the bodies are at most `d` apart. Exact with the feature `exact`; without it
-    /// ties count as within. False for a negative `d` and for NaN.
-    ///
-    /// With the feature, too, two kinds of ties count as within: a connected part of one solid of
-    /// which four vertices, the farthest from each other, are all nearer than `1e-13 L` to the
-    /// surface of the other (and, of a solid of one part, the middles of up to 256 triangles all
-    /// over it), and bodies 1e58 times as far apart as they are large or more.
-    ///
-    /// Every pair of triangles that is nearer to `d` than rounding takes an exact query of its own,
-    /// some 10 us: flush faces, and surfaces that lie on each other at a gap below `1e-13 L`, have
-    /// three to twelve such pairs for each triangle, and no budget cuts them short. Solids that
-    /// certainly share inner points are told after 128.
+    /// Returns whether the bodies are at most `d` apart, as told at `PairTracker::within`. Exact with
+    /// the feature `exact`; without it ties count as within. False for a negative `d` and for NaN.
     pub(crate) fn within(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;

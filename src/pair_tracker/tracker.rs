@@ -33,9 +33,18 @@ use crate::pose::RelativePose;
 /// | composites with placed pieces | `1.5e-13 L` apart | ties count as within |
 /// | a surface of patches | as asked for, `2^-30 L` if nothing is | may be undecided |
 ///
-/// Curved shapes within rounding of contact may be [`Undecided`](crate::Class::Undecided), and
-/// superquadrics with exponents near 0 or 2 may take some hundred times as long as usual. A mesh that
-/// is not closed and a surface of patches have no inside: a body within is apart from them.
+/// The class of curved shapes may be [`Undecided`](crate::Class::Undecided), with the feature `exact`
+/// too, if the bounds straddle zero and are farther apart than a contact leaves them: a few in a
+/// hundred poses of superquadrics close to contact. Superquadrics with exponents near 0 or 2 may also
+/// take some hundred times as long as usual, in about one pose of a hundred at any distance: they are
+/// answered in double-double arithmetic, by up to some 450 directions, and within `1e-10 L` of contact
+/// by up to some 1,300; the median is 14. Depths of curved shapes are as close as distances if balls
+/// inside the cores prove them, and for cylinders and cones about parallel axes; about a common
+/// centre, if many directions are nearly as deep, the interval may stay wider than `2^-19 L`. Both
+/// bounds hold in all cases.
+///
+/// A mesh that is not closed and a surface of patches have no inside: a body within is apart from
+/// them.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};

@@ -13,23 +13,8 @@ use crate::smooth;
 use crate::tolerance::STAY;
 
 impl ShapeTracker {
-    /// Computes the contact points of two shapes within `options.prediction`, in `manifold`, which
-    /// keeps ids and order of the contacts of the previous query: one manifold for each pair,
-    /// passed in every frame.
-    ///
-    /// The counterpart of [`Tracker::manifold`](crate::Tracker::manifold) for every kind of shape.
-    /// Rounded polyhedra have the contacts of their cores, moved out by the radii along the normal.
-    /// Curved shapes bear contacts by their flat round faces and straight generators within
-    /// `options.sine` of the normal; an ellipsoid, a superquadric, or a rim or apex without such a
-    /// face has one contact, the witnesses.
-    ///
-    /// Contacts of a flat round face are eight points of its rim at multiples of 45 degrees, as far
-    /// as they are over the other shape, and the crossings of the rim with the boundary of the
-    /// other face. They stand still on a shape that trembles: if the shapes are tilted by less than
-    /// some 2e-4, the deepest contact may be shallower than [`closest`](Self::closest) by `2^-16`
-    /// times the radius of the smaller shape. As features, the points of the upper rim of a
-    /// cylinder are vertices 0 to 7, of the lower rim 8 to 15, and of the rim of a cone 1 to 8; the
-    /// second crossing of an edge with a rim is named by the face instead of the rim.
+    /// Computes the contact points of two shapes within `options.prediction`, in `manifold`, as told
+    /// at `PairTracker::manifold`.
     pub(crate) fn manifold(
         &mut self,
         a: &Shape,

@@ -32,26 +32,12 @@ impl ShapeTracker {
         Self::default()
     }
 
-    /// Returns the closest points of two shapes, their signed distance and its bounds.
+    /// Returns the closest points of two shapes, their signed distance and its bounds, as told at
+    /// `PairTracker::closest`. Features are those of the cores.
     ///
-    /// Witnesses lie on the rounded surfaces, opposite each other along the normal at the distance
-    /// returned, whether the shapes are apart, touch or overlap. If one of them is a cylinder, cone
-    /// or ellipsoid, to 1e-9 times the size of the pair, and at flush faces or common axes now and
-    /// then only to 3e-8; if one is a superquadric, to 1e-7; if only an interval of the depth is
-    /// known, to 1e-6. Features are those of the cores.
-    ///
-    /// The bounds of curved shapes apart are no wider than `1e-13 L`, of superquadrics `2e-13 L`.
-    /// Depths are as close if balls inside the cores prove them, and for cylinders and cones about
-    /// parallel axes. Other depths are searched to an interval of `2^-19 L`, by a limited number of
-    /// support points: about a common centre, if many directions are nearly as deep, the interval
-    /// may stay wider. Both bounds hold in all cases.
-    ///
-    /// The class is [`Undecided`](crate::Class::Undecided), with the feature `exact` too, if the
-    /// bounds straddle zero and are farther apart than a contact leaves them: a few in a hundred
-    /// poses of superquadrics close to contact. Superquadrics with exponents near 0 or 2 may also
-    /// take some hundred times as long as usual, in about one pose of a hundred at any distance:
-    /// they are answered in double-double arithmetic, by up to some 450 directions, and within
-    /// `1e-10 L` of contact by up to some 1,300. The median is 14.
+    /// Depths are searched to an interval of `2^-19 L` by a limited number of support points, unless
+    /// balls inside the cores prove them, or cylinders and cones have parallel axes: about a common
+    /// centre, if many directions are nearly as deep, the interval may stay wider.
     pub(crate) fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         self.measure(a, b, a_from_b, Until::Depth)
     }

@@ -241,15 +241,8 @@ fn bounds<A: Parted, B: Parted>(
 }
 
 impl MeshTracker {
-    /// Returns bounds of the penetration depth of two solids: an interval by a name of its own, no
-    /// [`distance`](Self::distance). `None` if a mesh is a surface.
-    ///
-    /// Below stands the depth of the deepest of some thousand vertices inside the other body, or of
-    /// convex parts of both bodies where they overlap; above a translation that parts the bodies.
-    /// The interval may be wide: bodies that hold each other at several places are deeper than at
-    /// any one of them, and slots lead the search astray. Takes at most 35 queries and 13 looks at
-    /// up to 2,048 vertices of each body: milliseconds to tens of them for meshes of thousands of
-    /// triangles.
+    /// Returns bounds of the penetration depth of two solids, as told at `PairTracker::penetration`;
+    /// `None` if a mesh is a surface.
     pub(crate) fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
         let (found, windings) = bounds((a, b), a_from_b, |pose| {
             let found = self.closest(a, b, pose);
@@ -261,14 +254,8 @@ impl MeshTracker {
 }
 
 impl CompositeTracker {
-    /// Returns bounds of the penetration depth of two solids, meshes or bodies of pieces: an
-    /// interval by a name of its own, no [`distance`](Self::distance). `None` if a mesh is a
-    /// surface.
-    ///
-    /// Below stands the depth of the deepest pair of pieces, or, if one body is a mesh, of the
-    /// deepest of some thousand points, or of a piece and a convex part of the mesh where they
-    /// overlap; above a translation that parts the bodies. Every pair of pieces is measured, or
-    /// every piece against the points, then dozens of queries.
+    /// Returns bounds of the penetration depth of two solids, meshes or bodies of pieces, as told at
+    /// `PairTracker::penetration`; `None` if a mesh is a surface.
     pub(crate) fn penetration<A: Parted, B: Parted>(
         &mut self,
         a: &A,

@@ -63,10 +63,9 @@ impl CompositeTracker {
         self.state.kept.heap_bytes()
     }
 
-    /// Returns the closest points with bounds of the distance: for polyhedra apart no wider than
-    /// `1e-13 L`, with `L` the sum of both radii about the bodies' own origins and the distance of
-    /// the origins; half as much more if pieces have poses of their own. Curved pieces add the
-    /// width of their own bounds.
+    /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`:
+    /// half as wide again if pieces have poses of their own. Curved pieces add the width of their own
+    /// bounds.
     pub(crate) fn closest<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> Answer {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
