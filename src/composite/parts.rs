@@ -147,106 +147,42 @@ impl Parted for Mesh {
     }
 }
 
+macro_rules! either {
+    ($parts:expr, $body:ident => $result:expr) => {
+        match *$parts {
+            PartsRef::Mesh($body) => $result,
+            PartsRef::Pieces($body) => $result,
+        }
+    };
+}
+
+macro_rules! forward {
+    ($(fn $name:ident(&self $(, $argument:ident: $kind:ty)*) -> $result:ty;)*) => {$(
+        fn $name(&self $(, $argument: $kind)*) -> $result {
+            either!(self, body => Parted::$name(body $(, $argument)*))
+        }
+    )*};
+}
+
 impl Parted for PartsRef<'_> {
     fn by_kind(&self) -> PartsRef<'_> {
         *self
     }
 
-    fn side(&self) -> TreeSide<'_> {
-        match self {
-            Self::Mesh(x) => Parted::side(*x),
-            Self::Pieces(x) => Parted::side(*x),
-        }
-    }
-
-    fn fingerprint(&self) -> Fingerprint {
-        match self {
-            Self::Mesh(x) => Parted::fingerprint(*x),
-            Self::Pieces(x) => Parted::fingerprint(*x),
-        }
-    }
-
-    fn stored_unit(&self) -> f64 {
-        match self {
-            Self::Mesh(x) => Parted::stored_unit(*x),
-            Self::Pieces(x) => Parted::stored_unit(*x),
-        }
-    }
-
-    fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>) {
-        match self {
-            Self::Mesh(x) => Parted::corners_of_box(*x),
-            Self::Pieces(x) => Parted::corners_of_box(*x),
-        }
-    }
-
-    fn is_in_place(&self) -> bool {
-        match self {
-            Self::Mesh(x) => Parted::is_in_place(*x),
-            Self::Pieces(x) => Parted::is_in_place(*x),
-        }
-    }
-
-    fn highest(&self, item: u32, n: &Vector3<f64>) -> f64 {
-        match self {
-            Self::Mesh(x) => Parted::highest(*x, item, n),
-            Self::Pieces(x) => Parted::highest(*x, item, n),
-        }
-    }
-
-    fn number(&self, item: u32) -> u32 {
-        match self {
-            Self::Mesh(x) => Parted::number(*x, item),
-            Self::Pieces(x) => Parted::number(*x, item),
-        }
-    }
-
-    fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
-        match self {
-            Self::Mesh(x) => Parted::part(*x, item),
-            Self::Pieces(x) => Parted::part(*x, item),
-        }
-    }
-
-    fn is_solid(&self) -> bool {
-        match self {
-            Self::Mesh(x) => Parted::is_solid(*x),
-            Self::Pieces(x) => Parted::is_solid(*x),
-        }
-    }
-
-    fn may_hold(&self) -> bool {
-        match self {
-            Self::Mesh(x) => Parted::may_hold(*x),
-            Self::Pieces(x) => Parted::may_hold(*x),
-        }
-    }
-
-    fn probe_count(&self) -> usize {
-        match self {
-            Self::Mesh(x) => Parted::probe_count(*x),
-            Self::Pieces(x) => Parted::probe_count(*x),
-        }
-    }
-
-    fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
-        match self {
-            Self::Mesh(x) => Parted::probe(*x, k),
-            Self::Pieces(x) => Parted::probe(*x, k),
-        }
-    }
-
-    fn further_probe(&self, k: usize) -> Option<Vector3<f64>> {
-        match self {
-            Self::Mesh(x) => Parted::further_probe(*x, k),
-            Self::Pieces(x) => Parted::further_probe(*x, k),
-        }
-    }
-
-    fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
-        match self {
-            Self::Mesh(x) => Parted::holds(*x, point, doubt),
-            Self::Pieces(x) => Parted::holds(*x, point, doubt),
-        }
+    forward! {
+        fn side(&self) -> TreeSide<'_>;
+        fn fingerprint(&self) -> Fingerprint;
+        fn stored_unit(&self) -> f64;
+        fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
+        fn is_in_place(&self) -> bool;
+        fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
+        fn number(&self, item: u32) -> u32;
+        fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
+        fn is_solid(&self) -> bool;
+        fn may_hold(&self) -> bool;
+        fn probe_count(&self) -> usize;
+        fn probe(&self, k: usize) -> [Vector3<f64>; 4];
+        fn further_probe(&self, k: usize) -> Option<Vector3<f64>>;
+        fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool>;
     }
 }

@@ -1,7 +1,7 @@
 //! The distance of a mesh by the pieces that stand for it.
 
 use super::engine::AnyTracker;
-use super::over::Kinds;
+use super::over::{Kinds, OverTime};
 use super::pair::Asked;
 use super::tracker::PairTracker;
 use crate::composite::decomposition::Decomposition;
@@ -47,12 +47,12 @@ impl PairTracker {
     ) -> Distance {
         let pair = [a, b].map(|body| body.fingerprint().with(*b"pieces  ", 0.0));
         let followed = self.kept(pair, || AnyTracker::of_pieces((a, b)));
-        match followed.tracker.over((a, b)) {
+        match followed.tracker.over((a, b)).0 {
             Kinds::Pieces(pair) => {
                 let found = pair.tracker.closest(&pair.a, &pair.b, a_from_b);
                 bounds(&found, &pair.b)
             }
-            mut other => Distance::from(&other.answer(a_from_b, &Question::new())),
+            other => Distance::from(&OverTime(other).answer(a_from_b, &Question::new())),
         }
     }
 }

@@ -4,7 +4,7 @@
 use alloc::boxed::Box;
 
 use super::mixed::MixedTracker;
-use super::over::Kinds;
+use super::over::{Kinds, OverTime};
 use super::pair::BallPair;
 use super::work::PairWork;
 use crate::composite::contact::{ContactPatches, PatchContacts};
@@ -229,12 +229,12 @@ impl AnyTracker {
     }
 
     /// Returns the pair and the tracker.
-    pub(crate) fn over<'p>(&'p mut self, (a, b): BodyShapes<'p>) -> Kinds<'p> {
+    pub(crate) fn over<'p>(&'p mut self, (a, b): BodyShapes<'p>) -> OverTime<'p> {
         match self {
-            Self::Polyhedra(tracker) => match polyhedra(a, b) {
+            Self::Polyhedra(tracker) => OverTime(match polyhedra(a, b) {
                 Some((x, y)) => Kinds::Polyhedra(PolyhedronPair::new(x, y, tracker)),
                 None => Kinds::Balls(BallPair::new(a, b)),
-            },
+            }),
             Self::Mixed(tracker) => tracker.over(a, b),
         }
     }

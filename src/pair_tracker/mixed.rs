@@ -6,7 +6,7 @@ use alloc::sync::Arc;
 
 use super::contacts::FoundContacts;
 use super::engine::{BodyShapes, ContactAsk, Contacted, PairEngine};
-use super::over::Kinds;
+use super::over::{Kinds, OverTime};
 use super::pair::{Asked, BallPair, measured};
 use super::work::PairWork;
 use crate::composite::contact::{ContactPatches, PatchContacts};
@@ -20,8 +20,7 @@ use crate::geometry::{Geometry, GeometryRef, Lent};
 use crate::pair::outcome::{Class, Outcome, Until};
 use crate::pair::question::Question;
 use crate::patch::{
-    Surface, SurfaceCompositePair, SurfaceCompositeTracker, SurfacePair, SurfaceShapePair, SurfaceShapeTracker,
-    SurfaceTracker,
+    Surface, SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair, SurfaceTracker,
 };
 use crate::pose::{Operand, RelativePose};
 use crate::replay::Replay;
@@ -153,16 +152,16 @@ impl TrackedKinds {
                 let (surface, other, order) = surface_first(a, b)?;
                 let [x, y] = &tracked.stand_ins;
                 let shape = other.shape().or(x.as_deref()).or(y.as_deref())?;
-                Kinds::SurfaceAndShape(SurfaceShapePair {
+                Kinds::SurfaceAndShape(SurfaceSolidPair {
                     surface,
-                    shape,
+                    body: shape,
                     order,
                     tracker: &mut tracked.tracker,
                 })
             }
             Self::SurfaceAndPieces(tracked) => {
                 let (surface, other, order) = surface_first(a, b)?;
-                Kinds::SurfaceAndPieces(SurfaceCompositePair {
+                Kinds::SurfaceAndPieces(SurfaceSolidPair {
                     surface,
                     body: other.composite()?,
                     order,
@@ -251,9 +250,9 @@ impl MixedTracker {
     }
 
     /// Returns the pair and the tracker.
-    pub(super) fn over<'p>(&'p mut self, a: GeometryRef<'p>, b: GeometryRef<'p>) -> Kinds<'p> {
+    pub(super) fn over<'p>(&'p mut self, a: GeometryRef<'p>, b: GeometryRef<'p>) -> OverTime<'p> {
         let balls = || Kinds::Balls(BallPair::new(a, b));
-        self.kinds.over(a, b).unwrap_or_else(balls)
+        OverTime(self.kinds.over(a, b).unwrap_or_else(balls))
     }
 
     pub(super) fn work(&self) -> PairWork {

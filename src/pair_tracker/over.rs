@@ -10,7 +10,7 @@ use crate::composite::separation::{CompositePair, MeshPair};
 use crate::pair::outcome::Decision;
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
-use crate::patch::{SurfaceCompositePair, SurfacePair, SurfaceShapePair};
+use crate::patch::{SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
 use crate::polyhedron::ConvexPolyhedron;
 use crate::pose::{Operand, RelativePose};
 use crate::separation::{Flight, Free, Measure, PolyhedronPair, Separation, ShapePair, SupportPoint};
@@ -23,15 +23,15 @@ pub struct OverTime<'p>(pub(super) Kinds<'p>);
 
 #[derive(Debug)]
 #[allow(clippy::large_enum_variant, reason = "polyhedra, the usual pair, stay in place")]
-pub(crate) enum Kinds<'p> {
+pub(super) enum Kinds<'p> {
     Polyhedra(PolyhedronPair<'p>),
     Balls(BallPair),
     Convex(ShapePair<'p>),
     Pieces(CompositePair<'p>),
     Triangles(MeshPair<'p>),
     Surfaces(SurfacePair<'p>),
-    SurfaceAndShape(SurfaceShapePair<'p>),
-    SurfaceAndPieces(SurfaceCompositePair<'p>),
+    SurfaceAndShape(SurfaceSolidPair<'p, SurfaceShapeTracker>),
+    SurfaceAndPieces(SurfaceSolidPair<'p, SurfaceCompositeTracker>),
 }
 
 macro_rules! each {
@@ -51,67 +51,45 @@ macro_rules! each {
 
 impl Separation for OverTime<'_> {
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
-        self.0.ball(of)
+        each!(&self.0, pair => pair.ball(of))
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        self.0.measure(a_from_b)
+        each!(&mut self.0, pair => pair.measure(a_from_b))
     }
 
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
-        self.0.meets(a_from_b, distance, seen)
+        each!(&mut self.0, pair => pair.meets(a_from_b, distance, seen))
     }
 
     fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
-        self.0.support(of, direction)
+        each!(&mut self.0, pair => pair.support(of, direction))
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
-        self.0.free_for(seen, flight)
+        each!(&mut self.0, pair => pair.free_for(seen, flight))
     }
 }
 
-impl Separation for Kinds<'_> {
-    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
-        each!(self, pair => pair.ball(of))
-    }
-
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        each!(self, pair => pair.measure(a_from_b))
-    }
-
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
-        each!(self, pair => pair.meets(a_from_b, distance, seen))
-    }
-
-    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
-        each!(self, pair => pair.support(of, direction))
-    }
-
-    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
-        each!(self, pair => pair.free_for(seen, flight))
-    }
-}
-
-impl Asked for Kinds<'_> {
+impl Asked for OverTime<'_> {
     fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
-        each!(self, pair => pair.answer(pose, question))
+        each!(&mut self.0, pair => pair.answer(pose, question))
     }
 
     fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        each!(self, pair => pair.within(pose, d, question))
+        each!(&mut self.0, pair => pair.within(pose, d, question))
     }
 
     fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
-        each!(self, pair => pair.lower_bound(pose))
+        each!(&mut self.0, pair => pair.lower_bound(pose))
     }
 
     fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
-        each!(self, pair => pair.penetration(pose))
+        each!(&mut self.0, pair => pair.penetration(pose))
     }
 
     fn check(&self, pose: &RelativePose) -> Result<(), String> {
-        each!(self, pair => pair.check(pose))
+        each!(&self.0, pair => pair.check(pose))
     }
 }
 

@@ -11,7 +11,7 @@ use crate::geometry::GeometryRef;
 use crate::pair::outcome::{Class, Decision, Outcome, Until};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
-use crate::patch::{SurfaceCompositePair, SurfacePair, SurfaceShapePair, far, from_surface, in_order};
+use crate::patch::{BesideSurface, SurfacePair, SurfaceSolidPair, far};
 use crate::polyhedron::FeaturePair;
 use crate::pose::{Operand, RelativePose};
 use crate::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair};
@@ -256,34 +256,15 @@ impl Asked for SurfacePair<'_> {
     }
 }
 
-impl Asked for SurfaceShapePair<'_> {
+impl<T: BesideSurface> Asked for SurfaceSolidPair<'_, T> {
     fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
         let width = self.width(question);
-        let pose = from_surface(self.order, pose);
-        self.tracker.allow(question.splits);
-        let found = self.tracker.closest(self.surface, self.shape, &pose, width);
-        of_sets(in_order(self.order, found, &pose))
+        self.allow(question.splits);
+        of_sets(self.closest(pose, width))
     }
 
     fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        self.tracker.allow(question.splits);
-        let pose = from_surface(self.order, pose);
-        self.tracker.within(self.surface, self.shape, &pose, d)
-    }
-}
-
-impl Asked for SurfaceCompositePair<'_> {
-    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
-        let width = self.width(question);
-        let pose = from_surface(self.order, pose);
-        self.tracker.allow(question.splits);
-        let found = self.tracker.closest(self.surface, self.body, &pose, width);
-        of_sets(in_order(self.order, found, &pose))
-    }
-
-    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        self.tracker.allow(question.splits);
-        let pose = from_surface(self.order, pose);
-        self.tracker.within(self.surface, self.body, &pose, d)
+        self.allow(question.splits);
+        self.is_within(pose, d)
     }
 }

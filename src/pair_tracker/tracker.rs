@@ -4,7 +4,7 @@ use alloc::boxed::Box;
 
 use super::contacts::ConvexContacts;
 use super::engine::AnyTracker;
-use super::over::{Kinds, OverTime};
+use super::over::OverTime;
 use super::pair::Asked;
 use super::work::PairWork;
 use crate::composite::contact::ContactTracker;
@@ -133,7 +133,7 @@ impl PairTracker {
         self.followed.insert(followed)
     }
 
-    pub(super) fn pair<'p>(&'p mut self, a: GeometryRef<'p>, b: GeometryRef<'p>) -> Kinds<'p> {
+    pub(super) fn pair<'p>(&'p mut self, a: GeometryRef<'p>, b: GeometryRef<'p>) -> OverTime<'p> {
         self.of(a, b).tracker.over((a, b))
     }
 
@@ -305,7 +305,7 @@ impl PairTracker {
     /// ```
     #[must_use]
     pub fn over<'p>(&'p mut self, a: impl Into<GeometryRef<'p>>, b: impl Into<GeometryRef<'p>>) -> OverTime<'p> {
-        OverTime(self.pair(a.into(), b.into()))
+        self.pair(a.into(), b.into())
     }
 
     /// Forgets everything that is kept, counters too.

@@ -1,10 +1,11 @@
 //! The state of a surface and a body of convex pieces, and the queries: a tracker for each piece.
 
 use alloc::vec::Vec;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Point3};
 
 use super::outcome::SurfaceWork;
 use super::search::NetGoal;
+use super::separation::BesideSurface;
 use super::shape_tracker::{SurfaceShapeTracker, far_apart, lower_to};
 use super::surface::Surface;
 use crate::composite::parts::Parted;
@@ -12,7 +13,6 @@ use crate::composite::pieces::{Composite, Piece};
 use crate::composite::placed::Placed;
 use crate::composite::separation::ball_about;
 use crate::num::scalar::sqrt;
-use crate::pair::outcome::Decision;
 use crate::pair::spot::Answer;
 use crate::pose::RelativePose;
 use crate::tolerance::{CERTIFICATE, UNIT};
@@ -31,11 +31,6 @@ pub(crate) struct SurfaceCompositeTracker {
 }
 
 impl SurfaceCompositeTracker {
-    /// Sets the number of nodes that a query of one piece may split; `None` for the usual budget.
-    pub(crate) fn allow(&mut self, splits: Option<usize>) {
-        self.splits = splits;
-    }
-
     /// Returns the work of all queries so far.
     pub(crate) fn work(&self) -> SurfaceWork {
         self.pieces.iter().fold(SurfaceWork::default(), |mut sum, piece| {
@@ -55,25 +50,21 @@ impl SurfaceCompositeTracker {
         let own = self.pieces.capacity() * size_of::<SurfaceShapeTracker>();
         own + self.pieces.iter().map(SurfaceShapeTracker::heap_bytes).sum::<usize>()
     }
+}
 
-    /// Returns the closest points with bounds of the distance that are at most `width` apart, as
-    /// `SurfaceShapeTracker::closest` does.
-    pub(crate) fn closest(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, width: f64) -> Answer {
-        self.answer(a, b, a_from_b, NetGoal::Width(width))
+impl BesideSurface for SurfaceCompositeTracker {
+    type Body = Composite;
+
+    fn ball(body: &Composite) -> (Point3<f64>, f64) {
+        ball_about(body.aabb())
     }
 
-    /// Decides whether the distance is at most `d`, a length in the caller's unit. Undecided only
-    /// if `d` is within rounding of the distance, or a budget is used up.
-    pub(crate) fn within(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, d: f64) -> Decision {
-        if !(d >= 0.0) {
-            return Decision::No;
-        }
-        let found = self.answer(a, b, a_from_b, NetGoal::Within(d));
-        Decision::by(found.lower, found.upper, d)
+    fn allow(&mut self, splits: Option<usize>) {
+        self.splits = splits;
     }
 
     /// Returns the closest points of all pieces with bounds as close as a goal asks for.
-    pub(super) fn answer(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+    fn answer(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
         let pieces = b.pieces();
         self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);
         let placed = Placed::new(a_from_b, b.is_in_place());

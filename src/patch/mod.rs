@@ -9,8 +9,7 @@
 //! `state` (the proof of an answer), `tracker` (the queries of two surfaces); `side` (what the
 //! proof asks of a body), `solid` (a convex shape as such a body), `shape_tracker`
 //! and `composite_tracker` (a surface and a convex shape, or a body of them); `surface_pair` (two
-//! surfaces at a pose and over time; a mesh for which one stands), `separation` and `composite_pair`
-//! (the others over time).
+//! surfaces at a pose and over time; a mesh for which one stands), `separation` (the others).
 //!
 //! # The proof
 //!
@@ -83,7 +82,6 @@
 mod bezier;
 mod bowl;
 mod closest;
-mod composite_pair;
 mod composite_tracker;
 mod crossing;
 mod cut;
@@ -110,7 +108,6 @@ mod surface_pair;
 mod tracker;
 mod tree;
 
-pub(crate) use composite_pair::SurfaceCompositePair;
 pub(crate) use composite_tracker::SurfaceCompositeTracker;
 pub use error::PatchError;
 pub(crate) use frame::far;
@@ -118,7 +115,7 @@ pub use net::Patch;
 pub use nurbs::Nurbs;
 pub use outcome::{SurfacePart, SurfaceWork};
 pub use revolution::revolution;
-pub(crate) use separation::{SurfaceShapePair, from_surface, in_order};
+pub(crate) use separation::{BesideSurface, SurfaceSolidPair};
 pub(crate) use shape_tracker::SurfaceShapeTracker;
 pub use surface::Surface;
 pub(crate) use surface_pair::SurfacePair;

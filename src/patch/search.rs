@@ -49,7 +49,7 @@ impl Ord for OpenNodePair {
 
 /// What a search is for.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum NetGoal {
+pub(crate) enum NetGoal {
     /// An interval of the distance no wider than this.
     Width(f64),
     /// An interval no wider than this part of the distance.

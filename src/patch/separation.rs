@@ -9,28 +9,74 @@
 use nalgebra::Point3;
 
 use super::search::NetGoal;
-use super::shape_tracker::SurfaceShapeTracker;
 use super::surface::Surface;
 use crate::pair::answer::unit;
-use crate::pair::outcome::Outcome;
+use crate::pair::outcome::{Decision, Outcome};
 use crate::pair::spot::Answer;
 use crate::pose::{Operand, RelativePose};
 use crate::separation::{Flight, Free, Measure, Proof, Separation};
-use crate::shape::Shape;
 use crate::tuning::patch::{HOPE, MEASURED, NARROWER};
 
-/// A surface and a convex shape that can be measured over time.
+/// The tracker of a surface, as A, and a body of another kind.
+pub(crate) trait BesideSurface {
+    /// The other body.
+    type Body;
+
+    /// Returns a ball that contains the other body: centre and radius.
+    fn ball(body: &Self::Body) -> (Point3<f64>, f64);
+
+    /// Returns the closest points with bounds as close as a goal asks for.
+    fn answer(&mut self, a: &Surface, b: &Self::Body, a_from_b: &RelativePose, goal: NetGoal) -> Answer;
+
+    /// Sets the number of nodes that a query may split; `None` for the usual budget.
+    fn allow(&mut self, splits: Option<usize>);
+}
+
+/// A surface and a solid of convex shapes that can be measured over time, in either order.
 #[derive(Debug)]
-pub(crate) struct SurfaceShapePair<'a> {
+pub(crate) struct SurfaceSolidPair<'a, T: BesideSurface> {
     pub(crate) surface: &'a Surface,
-    pub(crate) shape: &'a Shape,
+    pub(crate) body: &'a T::Body,
     /// Which of the two is the surface.
     pub(crate) order: Operand,
-    pub(crate) tracker: &'a mut SurfaceShapeTracker,
+    pub(crate) tracker: &'a mut T,
+}
+
+impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
+    /// Sets the number of nodes that a query may split; `None` for the usual budget.
+    pub(crate) fn allow(&mut self, splits: Option<usize>) {
+        self.tracker.allow(splits);
+    }
+
+    /// Returns the closest points, of which the bounds are at most `width` apart.
+    pub(crate) fn closest(&mut self, a_from_b: &RelativePose, width: f64) -> Answer {
+        self.answer(a_from_b, NetGoal::Width(width))
+    }
+
+    /// Returns whether the distance is at most `d`. Undecided only if `d` is within rounding of the
+    /// distance, or a budget is used up: pairs that merely touch stay undecided for zero.
+    pub(crate) fn is_within(&mut self, a_from_b: &RelativePose, d: f64) -> Decision {
+        if !(d >= 0.0) {
+            return Decision::No;
+        }
+        let pose = from_surface(self.order, a_from_b);
+        let found = self.tracker.answer(self.surface, self.body, &pose, NetGoal::Within(d));
+        Decision::by(found.lower, found.upper, d)
+    }
+
+    fn answer(&mut self, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+        let pose = from_surface(self.order, a_from_b);
+        let found = self.tracker.answer(self.surface, self.body, &pose, goal);
+        if self.order == Operand::A {
+            found
+        } else {
+            exchanged(found, &pose)
+        }
+    }
 }
 
 /// Returns the pose of the other body in the frame of a surface that is A or B.
-pub(crate) fn from_surface(order: Operand, a_from_b: &RelativePose) -> RelativePose {
+fn from_surface(order: Operand, a_from_b: &RelativePose) -> RelativePose {
     if order == Operand::A {
         *a_from_b
     } else {
@@ -38,17 +84,8 @@ pub(crate) fn from_surface(order: Operand, a_from_b: &RelativePose) -> RelativeP
     }
 }
 
-/// Returns an answer with the surface as A as that of the pair, for the pose of the answer.
-pub(crate) fn in_order(order: Operand, found: Answer, pose: &RelativePose) -> Answer {
-    if order == Operand::A {
-        found
-    } else {
-        exchanged(found, pose)
-    }
-}
-
 /// Returns the answer of B and A as that of A and B, for the pose of B and A.
-pub(crate) fn exchanged(found: Answer, pose: &RelativePose) -> Answer {
+fn exchanged(found: Answer, pose: &RelativePose) -> Answer {
     let normal = unit(&-pose.rotation().tr_mul(&found.normal));
     let o = found.outcome;
     Answer {
@@ -90,31 +127,24 @@ pub(super) fn held<S: Separation>(
     Free { span, proof }
 }
 
-impl Separation for SurfaceShapePair<'_> {
+impl<T: BesideSurface> Separation for SurfaceSolidPair<'_, T> {
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
         if of == self.order {
             self.surface.bounding_ball()
         } else {
-            self.shape.bounding_ball()
+            T::ball(self.body)
         }
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        let pose = from_surface(self.order, a_from_b);
-        let goal = NetGoal::Part(MEASURED);
-        let found = self.tracker.answer(self.surface, self.shape, &pose, goal);
-        Measure::from(&in_order(self.order, found, &pose))
+        Measure::from(&self.answer(a_from_b, NetGoal::Part(MEASURED)))
     }
 
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
-        let pose = from_surface(self.order, a_from_b);
-        self.tracker.within(self.surface, self.shape, &pose, distance).is_yes()
+        self.is_within(a_from_b, distance).is_yes()
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
-        held(self, seen, flight, |pair, a_from_b, width| {
-            let pose = from_surface(pair.order, a_from_b);
-            pair.tracker.closest(pair.surface, pair.shape, &pose, width).lower
-        })
+        held(self, seen, flight, |pair, pose, width| pair.closest(pose, width).lower)
     }
 }

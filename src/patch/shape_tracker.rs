@@ -6,12 +6,13 @@ use super::frame::{NetFrame, far};
 use super::gap::{SearchCounts, Trees};
 use super::outcome::SurfaceWork;
 use super::search::NetGoal;
+use super::separation::BesideSurface;
 use super::solid::{Feet, ShapeNode};
 use super::state::SurfaceMemory;
 use super::surface::Surface;
 use super::tree::{Grown, Nodes};
 use crate::num::scalar::sqrt;
-use crate::pair::outcome::{Class, Decision, Outcome};
+use crate::pair::outcome::{Class, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
 use crate::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::pose::RelativePose;
@@ -55,11 +56,6 @@ impl SurfaceShapeTracker {
         Self::default()
     }
 
-    /// Sets the number of pairs of nodes that one query may split; `None` for the usual budget.
-    pub(crate) fn allow(&mut self, splits: Option<usize>) {
-        self.state.allow(splits.unwrap_or(SPLITS));
-    }
-
     /// Returns the work of all queries so far.
     #[must_use]
     pub(crate) fn work(&self) -> SurfaceWork {
@@ -76,29 +72,6 @@ impl SurfaceShapeTracker {
     #[must_use]
     pub(crate) fn heap_bytes(&self) -> usize {
         self.grown.heap_bytes() + self.state.heap_bytes()
-    }
-
-    /// Returns the closest points with bounds of the distance that are at most `width` apart, a
-    /// length in the caller's unit. A width that is no number, or that is below
-    /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size L (the farthest points of both
-    /// bodies from their origins, and the distance of the origins), is taken as that limit.
-    pub(crate) fn closest(&mut self, a: &Surface, b: &Shape, a_from_b: &RelativePose, width: f64) -> Answer {
-        self.answer(a, b, a_from_b, NetGoal::Width(width))
-    }
-
-    /// Decides whether the distance is at most `d`, a length in the caller's unit. Undecided only
-    /// if `d` is within rounding of the distance, or the budget is too small.
-    pub(crate) fn within(&mut self, a: &Surface, b: &Shape, a_from_b: &RelativePose, d: f64) -> Decision {
-        if !(d >= 0.0) {
-            return Decision::No;
-        }
-        let found = self.answer(a, b, a_from_b, NetGoal::Within(d));
-        Decision::by(found.lower, found.upper, d)
-    }
-
-    /// Returns the closest points with bounds as close as a goal asks for.
-    pub(super) fn answer(&mut self, a: &Surface, b: &Shape, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
-        self.answer_placed(a, b, a_from_b, goal, 0.0)
     }
 
     /// Returns the closest points at a pose that puts points of B up to `placing` aside.
@@ -149,6 +122,22 @@ impl SurfaceShapeTracker {
             }
             None => far_apart(a, b, a_from_b),
         }
+    }
+}
+
+impl BesideSurface for SurfaceShapeTracker {
+    type Body = Shape;
+
+    fn ball(body: &Shape) -> (Point3<f64>, f64) {
+        body.bounding_ball()
+    }
+
+    fn answer(&mut self, a: &Surface, b: &Shape, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+        self.answer_placed(a, b, a_from_b, goal, 0.0)
+    }
+
+    fn allow(&mut self, splits: Option<usize>) {
+        self.state.allow(splits.unwrap_or(SPLITS));
     }
 }
 
