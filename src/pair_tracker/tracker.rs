@@ -117,20 +117,14 @@ impl PairTracker {
 
     /// Returns the state of a pair by its fingerprints; that of another pair is dropped.
     pub(super) fn kept(&mut self, pair: [Fingerprint; 2], new: impl FnOnce() -> AnyTracker) -> &mut Followed {
-        let followed = match self.followed.take() {
-            Some(followed) if followed.pair == pair => followed,
-            other => {
-                if let Some(other) = other {
-                    self.work += other.tracker.work();
-                }
-                Followed {
-                    pair,
-                    tracker: new(),
-                    contacts: None,
-                }
-            }
-        };
-        self.followed.insert(followed)
+        if let Some(other) = self.followed.take_if(|f| f.pair != pair) {
+            self.work += other.tracker.work();
+        }
+        self.followed.get_or_insert_with(|| Followed {
+            pair,
+            tracker: new(),
+            contacts: None,
+        })
     }
 
     pub(super) fn pair<'p>(&'p mut self, a: GeometryRef<'p>, b: GeometryRef<'p>) -> OverTime<'p> {
