@@ -37,9 +37,9 @@ use crate::tolerance::BOX_TURNED;
 /// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered): insertion of a body, change of
 /// a group, call for an effect. Against a composite or a mesh a convex shape is a composite of one
 /// piece, a single leaf with its own support points; against a mesh a composite of polyhedra is the
-/// mesh of its surface; against a surface a mesh is its triangles as flat patches, and its inside if
-/// it is closed. The pair makes those once, when the boxes meet. The patches for contacts are made
-/// once for each shape, in the step after they are called for.
+/// mesh of its surface; against a surface a mesh is its triangles as flat patches, and its inside
+/// if it is closed. The pair makes those once, when the boxes meet. The patches for contacts are
+/// made once for each shape, in the step after they are called for.
 ///
 /// Distances of surfaces of patches have bounds that are at most `2^-30` of the size of the pair
 /// apart; two that the bounds cannot tell from a threshold count as within. A surface has no

@@ -85,8 +85,8 @@
 //!   to B and B to A, and distances agree within their bounds. Only among exact ties may features
 //!   follow the history. A tracker last used with other bodies costs time and nothing else. Meshes
 //!   and bodies of pieces keep bounds and predicates so; within `1e-13 L` of contact their class
-//!   may be one of two neighbours. For curved shapes, [`within`](PairTracker::within) may follow the
-//!   history if `d` lies between the bounds.
+//!   may be one of two neighbours. For curved shapes, [`within`](PairTracker::within) may follow
+//!   the history if `d` lies between the bounds.
 //! * **No absolute tolerance.** A scene scaled by a power of two gives the answer scaled bit for
 //!   bit, unless the scale puts the sizes of two bodies on both sides of 2^105, 2^-105 or another
 //!   border between units of storage: then class and bounds agree. Curved shapes and composites

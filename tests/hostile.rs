@@ -290,7 +290,8 @@ fn at_their_end<T: serde::Serialize + DeserializeOwned>(value: &T) -> T {
                 // The work of a single answer has no `windings`.
                 let is_work = |key: &str, v: &Value| key == "work" && v.get("windings").is_some();
                 for (key, v) in map {
-                    set(v, is_counter || key == "totals" || key == "counts" || is_work(key, v));
+                    let is_named = ["totals", "counts", "convex", "trees", "surfaces"].contains(&key.as_str());
+                    set(v, is_counter || is_named || is_work(key, v));
                     if key == "ticks" {
                         v["now"] = json!(u64::MAX);
                     }

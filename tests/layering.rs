@@ -317,7 +317,6 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "patch",
         ],
     ),
-    // Boxes and ids only.
     // A shape of any kind.
     (
         "geometry",
@@ -344,6 +343,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "pair",
             "contact",
             "shape",
+            "replay",
             "tracker",
             "shape_tracker",
             "separation",

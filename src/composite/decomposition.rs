@@ -134,8 +134,8 @@ impl Decomposition {
         &self.fit
     }
 
-    /// Returns bounds of the distance of the mesh from another body, by the answer of the pieces and
-    /// that body.
+    /// Returns bounds of the distance of the mesh from another body, by the answer of the pieces
+    /// and that body.
     pub(crate) fn bounds(&self, found: &Answer, other: &PartsRef, mesh_from_other: &RelativePose) -> Distance {
         let fit = &self.fit;
         if found.class != Class::Separated {

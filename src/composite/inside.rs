@@ -90,9 +90,9 @@ impl Mesh {
         })
     }
 
-    /// Returns whether a point that may be off its place by `doubt`, both in stored units, is inside a
-    /// solid; `None` if the surface is as near as the doubt, or if every segment to the outside met an
-    /// edge.
+    /// Returns whether a point that may be off its place by `doubt`, both in stored units, is
+    /// inside a solid; `None` if the surface is as near as the doubt, or if every segment to the
+    /// outside met an edge.
     pub(crate) fn holds_point(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
         if !self.is_solid() {
             return Some(false);

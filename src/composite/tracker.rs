@@ -99,8 +99,9 @@ impl MeshTracker {
         answered(a, b, &answer)
     }
 
-    /// Returns whether the bodies are at most `d` apart, as told at `PairTracker::within`. Exact with
-    /// the feature `exact`; without it ties count as within. False for a negative `d` and for NaN.
+    /// Returns whether the bodies are at most `d` apart, as told at `PairTracker::within`. Exact
+    /// with the feature `exact`; without it ties count as within. False for a negative `d` and for
+    /// NaN.
     pub(crate) fn within(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;

@@ -75,8 +75,8 @@ pub enum Until {
     /// An overlap is proven; the penetration depth stays open.
     Class,
     /// The penetration depth of an overlap of two polyhedra, rounded or not, is bounded from above,
-    /// by the height of a facet that is nearest in its neighbourhood, at about three times the price
-    /// of a walk
+    /// by the height of a facet that is nearest in its neighbourhood, at about three times the
+    /// price of a walk
     /// ([`Tracker::closest_with_local_depth`](crate::Tracker::closest_with_local_depth)). Other
     /// shapes get the depth.
     LocalDepth,

@@ -19,11 +19,11 @@ pub struct Question {
     /// Where a query of two convex geometries that overlap may stop. The depths of other geometries
     /// are never searched here.
     pub until: Until,
-    /// How far the bounds of a pair with a surface of patches may be apart, a length in the caller's
-    /// unit; `None` for `2^-30` of the size of the pair. A width that is no number, or that is below
-    /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size L (the farthest control points
-    /// or points of both geometries from their origins, and the distance of the origins), is taken
-    /// as that limit.
+    /// How far the bounds of a pair with a surface of patches may be apart, a length in the
+    /// caller's unit; `None` for `2^-30` of the size of the pair. A width that is no number, or
+    /// that is below [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size L (the farthest
+    /// control points or points of both geometries from their origins, and the distance of the
+    /// origins), is taken as that limit.
     pub width: Option<f64>,
     /// The number of pairs of nodes that a query of a surface of patches may split, at most `2^22`;
     /// `None` for 20,000. A query that uses up its budget returns wider bounds; so does one of two

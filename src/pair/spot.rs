@@ -18,8 +18,8 @@ pub struct Spot {
     pub part: u32,
     /// The feature that holds the witness: of a polyhedron, of the core of a convex shape, or of
     /// the piece. Of two meshes, a vertex has the number of its point, an edge that of the point at
-    /// which the edge of the triangle begins, a face that of its triangle; beside another geometry a
-    /// triangle is a polygon of three vertices. A patch is a face, with the number of the patch.
+    /// which the edge of the triangle begins, a face that of its triangle; beside another geometry
+    /// a triangle is a polygon of three vertices. A patch is a face, with the number of the patch.
     pub feature: Feature,
     /// The parameters u and v of the patch; zero for other geometries.
     pub parameters: [f64; 2],
@@ -50,10 +50,10 @@ impl Spot {
 /// The closest points of two geometries of any kinds, with proof: an [`Outcome`], to which the
 /// answer dereferences, and the places of the witnesses.
 ///
-/// The distance is that of the geometries as sets of points: positive if they are apart, negative by
-/// the penetration depth if two convex geometries overlap, zero if other geometries do. The depth of
-/// those is bounded by [`PairTracker::penetration`](crate::PairTracker::penetration); here the lower
-/// bound of their overlap is minus infinity.
+/// The distance is that of the geometries as sets of points: positive if they are apart, negative
+/// by the penetration depth if two convex geometries overlap, zero if other geometries do. The
+/// depth of those is bounded by [`PairTracker::penetration`](crate::PairTracker::penetration); here
+/// the lower bound of their overlap is minus infinity.
 ///
 /// [`Outcome::features`] are those of the two spots. [`Outcome::solver`] and [`Outcome::work`] tell
 /// of two convex geometries; the work for others is counted by
@@ -69,8 +69,8 @@ pub struct Answer {
     /// Whether the bounds are no farther apart than was asked for: always true unless a geometry is
     /// a surface of patches. If false, the budget of splits was used up or is too small by far (see
     /// [`patch`](crate::patch)), or the width is below
-    /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size of the pair; the bounds hold all
-    /// the same.
+    /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size of the pair; the bounds hold
+    /// all the same.
     pub is_reached: bool,
 }
 

@@ -20,8 +20,8 @@ pub(super) struct FoundContacts {
 }
 
 impl FoundContacts {
-    /// Returns the contacts of two bodies at a pose; `None` if one of both can have none. The patches
-    /// of bodies without are made here, once.
+    /// Returns the contacts of two bodies at a pose; `None` if one of both can have none. The
+    /// patches of bodies without are made here, once.
     pub(super) fn find(
         &mut self,
         bodies: BodyShapes<'_>,
@@ -97,8 +97,8 @@ pub struct PairError {
 }
 
 impl PairTracker {
-    /// Returns the contact points within `options.prediction`, in groups of one direction, the group
-    /// of the deepest contact first.
+    /// Returns the contact points within `options.prediction`, in groups of one direction, the
+    /// group of the deepest contact first.
     ///
     /// Two convex geometries have one group, the points of their [`manifold`](Self::manifold); else
     /// the groups are those of the patches of meshes and the pieces of composites, as of
@@ -147,15 +147,15 @@ impl PairTracker {
     }
 
     /// Returns the contact points of two bodies whose patches the caller has made, as
-    /// [`contacts`](Self::contacts) does: for bodies of many pairs, which share their patches, and for
-    /// patches with a tolerance of their own.
+    /// [`contacts`](Self::contacts) does: for bodies of many pairs, which share their patches, and
+    /// for patches with a tolerance of their own.
     ///
-    /// `options.sine` and `options.drift` are those of the manifold of two patches. Contacts are those
-    /// of shallow overlap: a body that is wholly behind a face, or whose deepest point has left the
-    /// mesh on another side, has no contact with that face. If solids overlap whose hulls of patches
-    /// bear no contact at all, they have one along a translation that parts them, that of
-    /// [`penetration`](Self::penetration), at its price; a solid that is deep inside another one, away
-    /// from all patches, has none.
+    /// `options.sine` and `options.drift` are those of the manifold of two patches. Contacts are
+    /// those of shallow overlap: a body that is wholly behind a face, or whose deepest point has
+    /// left the mesh on another side, has no contact with that face. If solids overlap whose hulls
+    /// of patches bear no contact at all, they have one along a translation that parts them, that
+    /// of [`penetration`](Self::penetration), at its price; a solid that is deep inside another
+    /// one, away from all patches, has none.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -187,8 +187,9 @@ impl PairTracker {
     }
 
     /// Computes the contact points of two convex geometries within `options.prediction`, in
-    /// `manifold`, which keeps ids and order of the contacts of the previous query: one manifold for
-    /// each pair, passed in every frame. [`contacts`](Self::contacts) returns them for all kinds.
+    /// `manifold`, which keeps ids and order of the contacts of the previous query: one manifold
+    /// for each pair, passed in every frame. [`contacts`](Self::contacts) returns them for all
+    /// kinds.
     ///
     /// Rounded polyhedra have the contacts of their cores, moved out by the radii along the normal.
     /// Curved shapes bear contacts by their flat round faces and straight generators within
@@ -237,19 +238,19 @@ impl PairTracker {
         }
     }
 
-    /// Returns bounds of the penetration depth of two solids, the length of the shortest translation
-    /// of B after which they share no inner point. `None` if one of both has no inside: a mesh that is
-    /// not closed, or a surface of patches.
+    /// Returns bounds of the penetration depth of two solids, the length of the shortest
+    /// translation of B after which they share no inner point. `None` if one of both has no inside:
+    /// a mesh that is not closed, or a surface of patches.
     ///
-    /// Below stands the depth of the deepest of some thousand vertices inside the other body, of the
-    /// deepest pair of pieces, or of convex parts of both bodies where they overlap; above a
+    /// Below stands the depth of the deepest of some thousand vertices inside the other body, of
+    /// the deepest pair of pieces, or of convex parts of both bodies where they overlap; above a
     /// translation that parts the bodies. The interval may be wide: bodies that hold each other at
     /// several places are deeper than at any one of them, and slots lead the search astray. Of two
     /// convex geometries [`closest`](Self::closest) tells the depth itself.
     ///
     /// Two meshes take at most 35 queries and 13 looks at up to 2,048 vertices of each body:
-    /// milliseconds to tens of them for meshes of thousands of triangles. Of composites every pair of
-    /// pieces is measured, or every piece against the points of a mesh, then dozens of queries.
+    /// milliseconds to tens of them for meshes of thousands of triangles. Of composites every pair
+    /// of pieces is measured, or every piece against the points of a mesh, then dozens of queries.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};

@@ -37,7 +37,8 @@ impl Decomposition {
 }
 
 impl PairTracker {
-    /// Measures two bodies of parts, the first of which is a composite that stays one beside a mesh.
+    /// Measures two bodies of parts, the first of which is a composite that stays one beside a
+    /// mesh.
     fn distance_by_pieces(
         &mut self,
         a: GeometryRef,

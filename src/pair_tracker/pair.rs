@@ -1,4 +1,5 @@
-//! A pair of two geometries of known kinds and their tracker: the questions that every pair answers.
+//! A pair of two geometries of known kinds and their tracker: the questions that every pair
+//! answers.
 
 use alloc::string::{String, ToString};
 

@@ -14,8 +14,8 @@ use crate::replay::Replay;
 
 impl PairTracker {
     /// Returns a query of two convex geometries as a text that rebuilds the query bit for bit, as
-    /// [`Tracker::replay`](crate::Tracker::replay): call this before the query. `None` unless both are
-    /// polyhedra, rounded or not.
+    /// [`Tracker::replay`](crate::Tracker::replay): call this before the query. `None` unless both
+    /// are polyhedra, rounded or not.
     #[must_use]
     pub fn replay<'g>(
         &mut self,
@@ -37,17 +37,17 @@ impl PairTracker {
         work
     }
 
-    /// Returns the number of entries of the front that is kept: pairs of parts of both geometries that
-    /// are proven farther apart than the distance, under which every pair of triangles, pieces or
-    /// patches lies. Zero for convex geometries, which have none.
+    /// Returns the number of entries of the front that is kept: pairs of parts of both geometries
+    /// that are proven farther apart than the distance, under which every pair of triangles, pieces
+    /// or patches lies. Zero for convex geometries, which have none.
     #[must_use]
     pub fn front_len(&self) -> usize {
         self.followed.as_ref().map_or(0, |f| f.tracker.front_len())
     }
 
     /// Returns the front that is kept of two meshes: pairs of nodes of the trees of A and of B that
-    /// are proven farther apart than the distance. [`Mesh::node_box`](crate::Mesh::node_box) returns
-    /// their boxes. Empty for other geometries.
+    /// are proven farther apart than the distance. [`Mesh::node_box`](crate::Mesh::node_box)
+    /// returns their boxes. Empty for other geometries.
     pub fn mesh_front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         let tracker = self.followed.as_ref().and_then(|f| f.tracker.meshes());
         tracker.into_iter().flat_map(MeshTracker::front)
@@ -61,15 +61,16 @@ impl PairTracker {
         tracker.map(|t| t.front(a, b).collect()).unwrap_or_default()
     }
 
-    /// Returns the bytes that the tracker keeps on the heap, without those of stand-ins and contacts.
+    /// Returns the bytes that the tracker keeps on the heap, without those of stand-ins and
+    /// contacts.
     #[must_use]
     pub fn heap_bytes(&self) -> usize {
         self.followed.as_ref().map_or(0, |f| f.tracker.heap_bytes())
     }
 
-    /// Returns the first broken invariant of what is kept: a tool of tests and fuzzing. The front of
-    /// two meshes is compared with all vertices, at the pose of the last [`closest`](Self::closest), in
-    /// time that is entries times triangles.
+    /// Returns the first broken invariant of what is kept: a tool of tests and fuzzing. The front
+    /// of two meshes is compared with all vertices, at the pose of the last
+    /// [`closest`](Self::closest), in time that is entries times triangles.
     ///
     /// # Errors
     /// A text that names the broken invariant.

@@ -17,12 +17,12 @@ use crate::pose::RelativePose;
 
 /// Follows a pair of geometries of any two kinds, in either order.
 ///
-/// A geometry is given as a reference to a [`Geometry`](crate::Geometry) or to a body of any kind. The
-/// tracker keeps the state of the pair that was asked last, by its fingerprints. Other geometries, or
-/// the same in the other order, begin anew: keep a tracker for each pair. What the state may change
-/// stands on the [front page](crate), as for every tracker. For two geometries that are known to be
-/// polyhedra [`Tracker`](crate::Tracker) is the faster one: it compares no geometries and chooses no
-/// kind.
+/// A geometry is given as a reference to a [`Geometry`](crate::Geometry) or to a body of any kind.
+/// The tracker keeps the state of the pair that was asked last, by its fingerprints. Other
+/// geometries, or the same in the other order, begin anew: keep a tracker for each pair. What the
+/// state may change stands on the [front page](crate), as for every tracker. For two geometries
+/// that are known to be polyhedra [`Tracker`](crate::Tracker) is the faster one: it compares no
+/// geometries and chooses no kind.
 ///
 /// | geometries | bounds of `closest`, of the size L of the pair | `intersects` and `within` |
 /// |---|---|---|
@@ -33,15 +33,15 @@ use crate::pose::RelativePose;
 /// | composites with placed pieces | `1.5e-13 L` apart | ties count as within |
 /// | a surface of patches | as asked for, `2^-30 L` if nothing is | may be undecided |
 ///
-/// The class of curved shapes may be [`Undecided`](crate::Class::Undecided), with the feature `exact`
-/// too, if the bounds straddle zero and are farther apart than a contact leaves them: a few in a
-/// hundred poses of superquadrics close to contact. Superquadrics with exponents near 0 or 2 may also
-/// take some hundred times as long as usual, in about one pose of a hundred at any distance: they are
-/// answered in double-double arithmetic, by up to some 450 directions, and within `1e-10 L` of contact
-/// by up to some 1,300; the median is 14. Depths of curved shapes are as close as distances if balls
-/// inside the cores prove them, and for cylinders and cones about parallel axes; about a common
-/// centre, if many directions are nearly as deep, the interval may stay wider than `2^-19 L`. Both
-/// bounds hold in all cases.
+/// The class of curved shapes may be [`Undecided`](crate::Class::Undecided), with the feature
+/// `exact` too, if the bounds straddle zero and are farther apart than a contact leaves them: a few
+/// in a hundred poses of superquadrics close to contact. Superquadrics with exponents near 0 or 2
+/// may also take some hundred times as long as usual, in about one pose of a hundred at any
+/// distance: they are answered in double-double arithmetic, by up to some 450 directions, and
+/// within `1e-10 L` of contact by up to some 1,300; the median is 14. Depths of curved shapes are
+/// as close as distances if balls inside the cores prove them, and for cylinders and cones about
+/// parallel axes; about a common centre, if many directions are nearly as deep, the interval may
+/// stay wider than `2^-19 L`. Both bounds hold in all cases.
 ///
 /// A mesh that is not closed and a surface of patches have no inside: a body within is apart from
 /// them.
@@ -134,24 +134,25 @@ impl PairTracker {
     /// Returns the closest points with bounds of the signed distance. Two convex geometries that
     /// overlap have their penetration depth as a negative distance.
     ///
-    /// Witnesses of convex shapes lie on the rounded surfaces, opposite each other along the normal at
-    /// the distance returned, whether the shapes are apart, touch or overlap. If one of them is a
-    /// cylinder, cone or ellipsoid, to 1e-9 times the size of the pair, and at flush faces or common
-    /// axes now and then only to 3e-8; if one is a superquadric, to 1e-7; if only an interval of the
-    /// depth is known, to 1e-6. Those of meshes are as far apart as the upper bound, up to rounding of
-    /// their places, `1e-12 L`. If one body is inside the other, the witness is a point of the inner
-    /// one; if several parts overlap, the witnesses need not coincide.
+    /// Witnesses of convex shapes lie on the rounded surfaces, opposite each other along the normal
+    /// at the distance returned, whether the shapes are apart, touch or overlap. If one of them is
+    /// a cylinder, cone or ellipsoid, to 1e-9 times the size of the pair, and at flush faces or
+    /// common axes now and then only to 3e-8; if one is a superquadric, to 1e-7; if only an
+    /// interval of the depth is known, to 1e-6. Those of meshes are as far apart as the upper
+    /// bound, up to rounding of their places, `1e-12 L`. If one body is inside the other, the
+    /// witness is a point of the inner one; if several parts overlap, the witnesses need not
+    /// coincide.
     ///
     /// Solids whose surfaces touch and do not certainly cross overlap if an inner point of both is
     /// found: by up to 128 of the pairs of triangles in contact, by 32 triangles from all over each
     /// mesh, and by points of each connected part. If all of these miss an overlap, the class is
-    /// [`Class::Touching`](crate::Class::Touching); the bounds, both zero, hold all the same. Within
-    /// `1e-13 L` of contact the class of such a pair may differ between warm and cold trackers, and
-    /// between A to B and B to A.
+    /// [`Class::Touching`](crate::Class::Touching); the bounds, both zero, hold all the same.
+    /// Within `1e-13 L` of contact the class of such a pair may differ between warm and cold
+    /// trackers, and between A to B and B to A.
     ///
-    /// A query of meshes takes time in proportion to the pairs of triangles that are as close as the
-    /// closest ones, up to rounding: a few for most bodies, six for each triangle of a dome 1e-9 above
-    /// a copy of itself.
+    /// A query of meshes takes time in proportion to the pairs of triangles that are as close as
+    /// the closest ones, up to rounding: a few for most bodies, six for each triangle of a dome
+    /// 1e-9 above a copy of itself.
     pub fn closest<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -161,7 +162,8 @@ impl PairTracker {
         self.ask(a, b, a_from_b, &Question::new())
     }
 
-    /// Returns the closest points as [`closest`](Self::closest) does, with the options of a question.
+    /// Returns the closest points as [`closest`](Self::closest) does, with the options of a
+    /// question.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Point3};
@@ -231,19 +233,19 @@ impl PairTracker {
     }
 
     /// Returns whether the geometries are at most `d` apart, `d` in the caller's unit; no for a
-    /// negative `d` and NaN. Only pairs with a surface of patches may be undecided: if `d` is within
-    /// rounding of the distance, or a budget is used up; so may be two surfaces that touch, for a `d`
-    /// of zero. For curved shapes, a distance that the bounds cannot tell from `d` counts as within,
-    /// and for such a `d` the answer may depend on the last query.
+    /// negative `d` and NaN. Only pairs with a surface of patches may be undecided: if `d` is
+    /// within rounding of the distance, or a budget is used up; so may be two surfaces that touch,
+    /// for a `d` of zero. For curved shapes, a distance that the bounds cannot tell from `d` counts
+    /// as within, and for such a `d` the answer may depend on the last query.
     ///
-    /// Of two meshes or composites, two kinds of ties count as within: a connected part of one solid
-    /// of which four vertices, the farthest from each other, are all nearer than `1e-13 L` to the
-    /// surface of the other (and, of a solid of one part, the middles of up to 256 triangles all over
-    /// it), and bodies 1e58 times as far apart as they are large or more. Every pair of triangles
-    /// that is nearer to `d` than rounding takes an exact query of its own, some 10 us: flush faces,
-    /// and surfaces that lie on each other at a gap below `1e-13 L`, have three to twelve such pairs
-    /// for each triangle, and no budget cuts them short. Solids that certainly share inner points are
-    /// told after 128.
+    /// Of two meshes or composites, two kinds of ties count as within: a connected part of one
+    /// solid of which four vertices, the farthest from each other, are all nearer than `1e-13 L` to
+    /// the surface of the other (and, of a solid of one part, the middles of up to 256 triangles
+    /// all over it), and bodies 1e58 times as far apart as they are large or more. Every pair of
+    /// triangles that is nearer to `d` than rounding takes an exact query of its own, some 10 us:
+    /// flush faces, and surfaces that lie on each other at a gap below `1e-13 L`, have three to
+    /// twelve such pairs for each triangle, and no budget cuts them short. Solids that certainly
+    /// share inner points are told after 128.
     pub fn within<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -271,9 +273,9 @@ impl PairTracker {
     /// [`impact::cast`](crate::impact::cast) takes.
     ///
     /// A measure of a pair with a surface of patches has bounds that are at most a quarter of the
-    /// distance apart. A hit of two surfaces is proven by a crossing, so a tolerance must leave room
-    /// for one: from some `1e-8` of the size on; that of a surface and a solid by a point of the
-    /// surface within the solid.
+    /// distance apart. A hit of two surfaces is proven by a crossing, so a tolerance must leave
+    /// room for one: from some `1e-8` of the size on; that of a surface and a solid by a point of
+    /// the surface within the solid.
     ///
     /// ```
     /// use lin_canny::impact::{Impact, Tolerance, cast};

@@ -38,8 +38,8 @@
 //! [`PairTracker`](crate::PairTracker) answers a surface beside any other geometry. A
 //! [`Shape`](crate::Shape) is solid and is not split: its own support function bounds it. A
 //! [`Composite`](crate::Composite) has a tracker for each piece. A [`Mesh`](crate::Mesh) is its
-//! triangles as flat patches, and its inside, if it is closed; [`Surface::from_mesh`] makes a surface
-//! of the triangles alone.
+//! triangles as flat patches, and its inside, if it is closed; [`Surface::from_mesh`] makes a
+//! surface of the triangles alone.
 //!
 //! # What is missing
 //!
@@ -72,8 +72,8 @@
 //! each other. If they would need several times the budget, 20,000 splits by default, the query
 //! ends there, with `is_reached` false or undecided. The interval of the pairs named is then some
 //! 1e-3 of the size L wide along a curve, and up to 4e-2 over an area. A larger budget makes it
-//! narrower: [`Question::splits`](crate::Question::splits). A query of a surface and a shape goes on until its
-//! budget is used up.
+//! narrower: [`Question::splits`](crate::Question::splits). A query of a surface and a shape goes
+//! on until its budget is used up.
 //!
 //! Of 10,000 random pairs of surfaces 7 end so or use up their budget, nearly all with the closest
 //! point at a pole, and of 10,000 surfaces and shapes 14, all within some 1e-6 of the rim of a

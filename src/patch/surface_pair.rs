@@ -101,8 +101,8 @@ impl SurfacePair<'_> {
         answer
     }
 
-    /// Returns where the surface lies beside the mesh: a patch that does not meet the triangles lies
-    /// on one side of them, so one point of each patch tells.
+    /// Returns where the surface lies beside the mesh: a patch that does not meet the triangles
+    /// lies on one side of them, so one point of each patch tells.
     fn side(&self, pose: &RelativePose) -> Side {
         let Some((operand, mesh)) = self.mesh.filter(|(_, mesh)| mesh.is_solid()) else {
             return Side::Outside;

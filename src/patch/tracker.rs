@@ -107,9 +107,9 @@ impl SurfaceTracker {
     /// Decides whether the distance of the surfaces is at most `d`, a length in the caller's unit.
     /// Undecided only if `d` is within rounding of the distance, or the budget is too small.
     ///
-    /// That surfaces share a point is proven where one runs through the other inside two patches, by
-    /// an existence theorem; for a `d` of zero surfaces that merely touch stay undecided, and those
-    /// that are close all over an area and for which the budget is too small.
+    /// That surfaces share a point is proven where one runs through the other inside two patches,
+    /// by an existence theorem; for a `d` of zero surfaces that merely touch stay undecided, and
+    /// those that are close all over an area and for which the budget is too small.
     pub(crate) fn within(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, d: f64) -> Decision {
         if !(d >= 0.0) {
             return Decision::No;

@@ -13,8 +13,8 @@ use crate::smooth;
 use crate::tolerance::STAY;
 
 impl ShapeTracker {
-    /// Computes the contact points of two shapes within `options.prediction`, in `manifold`, as told
-    /// at `PairTracker::manifold`.
+    /// Computes the contact points of two shapes within `options.prediction`, in `manifold`, as
+    /// told at `PairTracker::manifold`.
     pub(crate) fn manifold(
         &mut self,
         a: &Shape,

@@ -35,9 +35,9 @@ impl ShapeTracker {
     /// Returns the closest points of two shapes, their signed distance and its bounds, as told at
     /// `PairTracker::closest`. Features are those of the cores.
     ///
-    /// Depths are searched to an interval of `2^-19 L` by a limited number of support points, unless
-    /// balls inside the cores prove them, or cylinders and cones have parallel axes: about a common
-    /// centre, if many directions are nearly as deep, the interval may stay wider.
+    /// Depths are searched to an interval of `2^-19 L` by a limited number of support points,
+    /// unless balls inside the cores prove them, or cylinders and cones have parallel axes: about a
+    /// common centre, if many directions are nearly as deep, the interval may stay wider.
     pub(crate) fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         self.measure(a, b, a_from_b, Until::Depth)
     }

@@ -18,9 +18,9 @@ use crate::shape::Shape;
 /// [`Composite`].
 ///
 /// Built once for each body;
-/// [`PairTracker::contacts_between`](crate::PairTracker::contacts_between) finds the contacts of two.
-/// The patches of a mesh face outward, whether the mesh is closed or not: a body that touches an
-/// open mesh from behind has no contact.
+/// [`PairTracker::contacts_between`](crate::PairTracker::contacts_between) finds the contacts of
+/// two. The patches of a mesh face outward, whether the mesh is closed or not: a body that touches
+/// an open mesh from behind has no contact.
 #[derive(Clone, Debug)]
 pub struct ContactPatches(PatchedBody, Fingerprint);
 

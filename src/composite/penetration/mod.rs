@@ -241,8 +241,8 @@ fn bounds<A: Parted, B: Parted>(
 }
 
 impl MeshTracker {
-    /// Returns bounds of the penetration depth of two solids, as told at `PairTracker::penetration`;
-    /// `None` if a mesh is a surface.
+    /// Returns bounds of the penetration depth of two solids, as told at
+    /// `PairTracker::penetration`; `None` if a mesh is a surface.
     pub(crate) fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
         let (found, windings) = bounds((a, b), a_from_b, |pose| {
             let found = self.closest(a, b, pose);
@@ -254,8 +254,8 @@ impl MeshTracker {
 }
 
 impl CompositeTracker {
-    /// Returns bounds of the penetration depth of two solids, meshes or bodies of pieces, as told at
-    /// `PairTracker::penetration`; `None` if a mesh is a surface.
+    /// Returns bounds of the penetration depth of two solids, meshes or bodies of pieces, as told
+    /// at `PairTracker::penetration`; `None` if a mesh is a surface.
     pub(crate) fn penetration<A: Parted, B: Parted>(
         &mut self,
         a: &A,

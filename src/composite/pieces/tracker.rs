@@ -64,8 +64,8 @@ impl CompositeTracker {
     }
 
     /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`:
-    /// half as wide again if pieces have poses of their own. Curved pieces add the width of their own
-    /// bounds.
+    /// half as wide again if pieces have poses of their own. Curved pieces add the width of their
+    /// own bounds.
     pub(crate) fn closest<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> Answer {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
