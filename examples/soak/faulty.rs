@@ -83,7 +83,7 @@ fn poses(seed: u64) -> Result<Mix, String> {
         let meets = contained || truth == 0.0;
         let found = tracker.closest(&m, &n, &relative);
         let is_right = if meets {
-            found.class != Class::Separated && found.lower == 0.0
+            found.class != Class::Separated && found.lower <= 0.0
         } else {
             found.class == Class::Separated && found.lower <= truth + noise && truth <= found.upper + noise
         };

@@ -51,7 +51,7 @@ fn the_closest_piece_is_found() {
                 (lower, upper) = (o.lower.min(lower), o.upper.min(upper));
             }
             let o = &found;
-            assert!(o.is_reached && o.upper - o.lower <= 1e-9, "{found:?}");
+            assert!(o.is_reached && o.upper - o.lower.max(0.0) <= 1e-9, "{found:?}");
             assert!(
                 o.lower <= upper + 1e-13 && lower <= o.upper + 1e-13,
                 "{lower} {upper} {found:?}"

@@ -221,7 +221,7 @@ fn print<const N: usize>(rows: &Rows<N>, names: [&str; N]) -> [u64; 5] {
 }
 
 fn class(lower: f64) -> [bool; 3] {
-    [lower > 0.01, lower > 0.0 && lower <= 0.01, lower == 0.0]
+    [lower > 0.01, lower > 0.0 && lower <= 0.01, lower <= 0.0]
 }
 
 /// Runs cases on two threads.

@@ -87,7 +87,7 @@ fn a_surface_through_or_within_a_shape_shares_points() {
             let o = tracker.ask(&shell, &shape, &pose(&at), &Question::new().width(1e-9));
             assert_eq!(
                 (o.class, o.lower, o.upper, o.distance),
-                (Class::Overlapping, 0.0, 0.0, 0.0),
+                (Class::Overlapping, f64::NEG_INFINITY, 0.0, 0.0),
                 "{o:?}"
             );
             assert_eq!(tracker.intersects(&shell, &shape, &pose(&at)), Decision::Yes);

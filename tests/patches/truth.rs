@@ -182,7 +182,7 @@ pub(crate) fn judge(a: &Surface, b: &Surface, pose: &Isometry3<f64>, o: &Answer,
     let q = parts_b[o.on[1].part as usize].point(&o.on[1]);
     let between = norm(&less(&q, &p)).0;
     assert!(between <= o.upper, "witnesses are {between:e} apart: {o:?}");
-    if o.lower == 0.0 {
+    if o.lower <= 0.0 {
         return Sentence::Holds;
     }
     let goal = o.lower - slack;
@@ -265,7 +265,7 @@ impl Body {
 pub(crate) fn judge_shape(a: &Surface, b: &Body, pose: &Isometry3<f64>, o: &Answer, slack: f64) -> Sentence {
     let (parts, place) = (Part::all(a, &Isometry3::identity()), Place::new(pose));
     b.judge_witnesses(&place, &parts[o.on[0].part as usize].point(&o.on[0]), o, slack);
-    if o.lower == 0.0 {
+    if o.lower <= 0.0 {
         return Sentence::Holds;
     }
     let goal = o.lower - slack;

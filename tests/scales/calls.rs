@@ -211,6 +211,12 @@ fn geometries(scene: &mut Scene, rng: &mut Rng) {
         );
         scene.plain("intersects", tracker.intersects(a, b, &pose));
         scene.plain("within", tracker.within(a, b, &pose, WITHIN[1] * unit));
+        let few = Question::new().splits(100);
+        let decision = tracker.ask_within(a, b, &pose, WITHIN[1] * unit, &few);
+        scene.plain("within, few splits", decision);
+        let near = ManifoldOptions::within(0.2 * unit);
+        let found = tracker.contacts(a, b, &pose, &near).expect("solids");
+        scene.plain("contacts", found.iter().map(|g| g.contacts.len()).collect::<Vec<_>>());
     }
 }
 

@@ -3,7 +3,7 @@
 use lin_canny::impact::{Impact, Tolerance, cast_within};
 use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{PairTracker, RelativePose};
+use lin_canny::{Class, PairTracker, RelativePose};
 
 use super::number::{down, isometry, narrow, wide, wide_point};
 use super::parry::math::{Pose, Real, Vector};
@@ -82,7 +82,8 @@ fn fly((a, b): (&Placed, &Placed), (x, y): (&Steady, &Steady), interval: (f64, f
     let (found, status) = match cast.impact {
         Impact::Miss => return Flown::Free,
         Impact::Start { seen } => {
-            let is_touching = seen.distance >= target;
+            // An overlap of two polyhedra is measured without a depth.
+            let is_touching = seen.class != Class::Overlapping && seen.distance >= target;
             let status = if is_touching {
                 Converged
             } else {

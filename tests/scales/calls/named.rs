@@ -1,7 +1,7 @@
 //! No public query is left out of the rows: their names are read from the source.
 
 /// Functions that take a pose and return no length: of a cached front, of a walk's record, of a text.
-const NOT_ASKED: [&str; 4] = ["audit", "trace", "replay", "in_world"];
+const NOT_ASKED: [&str; 4] = ["check", "trace", "replay", "in_world"];
 
 /// The names of the public functions of a file that take a relative pose.
 fn asked_by_pose(text: &str) -> impl Iterator<Item = &str> {
