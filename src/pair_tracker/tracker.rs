@@ -24,14 +24,14 @@ use crate::pose::RelativePose;
 /// that are known to be polyhedra [`Tracker`](crate::Tracker) is the faster one: it compares no
 /// geometries and chooses no kind.
 ///
-/// | geometries | bounds of `closest`, of the size L of the pair | `intersects` and `within` |
+/// | geometries | width of the bounds | `intersects`, `within` |
 /// |---|---|---|
-/// | two polyhedra | `1e-13 L`, on both sides of contact | exact (feature `exact`) |
-/// | polyhedra, one rounded at least | `1e-13 L` apart, on both sides of contact | exact (feature `exact`) |
-/// | cylinder, cone, ellipsoid, superquadric | `1e-13 L` apart, `2e-13 L` of superquadrics; depths to `2^-19 L` | a distance that the bounds cannot tell from `d` counts as within |
-/// | meshes, composites in place | `1e-13 L` apart | exact (feature `exact`) |
-/// | composites with placed pieces | `1.5e-13 L` apart | ties count as within |
-/// | a surface of patches | as asked for, `2^-30 L` if nothing is | may be undecided |
+/// | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) |
+/// | cylinder, cone, ellipsoid | `1e-13 L`; depths `2^-19 L` | ties count as within |
+/// | superquadric | `2e-13 L`; depths `2^-19 L` | ties count as within |
+/// | meshes, composites in place | `1e-13 L` | exact (feature `exact`) |
+/// | composites with placed pieces | `1.5e-13 L` | ties count as within |
+/// | a surface of patches | as asked for, else `2^-30 L` | may be undecided |
 ///
 /// The class of curved shapes may be [`Undecided`](crate::Class::Undecided), with the feature
 /// `exact` too, if the bounds straddle zero and are farther apart than a contact leaves them: a few
