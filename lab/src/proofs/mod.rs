@@ -6,7 +6,7 @@
 //! |---|---|
 //! | `f64`, `f32` | what the crate computes, bit for bit |
 //! | [`Majorant`] | a bound of its rounding and of what underflow takes, for all inputs |
-//! | [`Reach`] | the largest number on the way |
+//! | [`Reach`] | the largest number and the finest grid on the way |
 //! | [`Traced`] | the rounding of one input, for the search of large ones |
 //! | [`Factor`] | the same as a majorant for chains of positive numbers, with quotients and roots |
 //!
@@ -16,6 +16,7 @@
 //! The standard model is assumed: binary64 or binary32, to nearest, each operation rounded once.
 
 pub mod bounds;
+pub mod climb;
 pub mod factor;
 pub mod kernels;
 pub mod majorant;
