@@ -320,6 +320,9 @@ pub mod patch;
 pub mod plan;
 pub mod polyhedron;
 mod pose;
+#[cfg(feature = "proofs")]
+#[doc(hidden)]
+pub mod proofs;
 mod replay;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]

@@ -103,9 +103,9 @@ pub const DIRECTION: f64 = 16.0 * UNIT;
 
 /// A point over the plane of a face has its foot in the face if the point is inside every side
 /// plane by more than this times L. For an edge `u` of the face boundary the side `(n x u) . (x -
-/// to)`, over `|u|`, errs by `5.1 UNIT` (the stored normal 1.1, the edge 1, the cross product 3),
+/// to)`, over `|u|`, errs by `5.3 UNIT` (the stored normal 1.1, the edge 1, the cross product 3.2),
 /// `UNIT` (the difference) and `3 UNIT` (the product), all times `|x - to| <= L`; the foot itself,
-/// `x - n h`, by `4 UNIT L` within the plane. Sum: 13.1.
+/// `x - n h`, by `2 UNIT L` within the plane, and by the tilt of the normal, 1.1. Sum: 12.4.
 pub const FOOT: f64 = 16.0 * UNIT;
 
 /// Witnesses closer than this times L are no ground for a direction; the more precise solvers take
@@ -218,12 +218,13 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// 2. Its matrix: 5 u relative to the absolute sums of its entries, whose Frobenius norm is below
 ///    3.8, and the last rounding of each entry: 19 u with the factor's own roundings, 3 u, counted
 ///    in. With 1, a vertex of B is turned wrong by at most 71 u rB.
-/// 3. The relative translation: the difference of the translations, `u |t|`; the two cross products
-///    and their sum, 6.5 u, doubled; the factor `2 / |q|^2`, 6 u, doubled; the last sum: together
-///    at most 28 u |t|.
-/// 4. A vertex of B in A's frame: 71 u rB + 28 u |t|, and 6 u rB for the product. A vertex of A in
-///    B's: 71 u and 6 u of `|t| + rA`, the difference from the translation and its own error, 29 u
-///    |t|: 77 u rA + 106 u |t|. Sums: u L.
+/// 3. The relative translation: the difference of the translations, which turns with it, `u |t|`;
+///    the two cross products, `2.5 u` each, the product with the scalar part and the sum: 8.5 u of
+///    at most `|t|`, doubled by the factor; the factor `2 / |q|^2`, 4 u, and the product with it, 1
+///    u, of at most `2 |t|`; the last sum: together at most 31 u |t|.
+/// 4. A vertex of B in A's frame: 71 u rB + 31 u |t|, and 6 u rB for the product. A vertex of A in
+///    B's: 71 u and 6 u of `|t| + rA`, the difference from the translation and its own error, 32 u
+///    |t|: 77 u rA + 109 u |t|. Sums: u L.
 /// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of
 ///    that body's radius. Heights along a direction: 3 u of rA, rB and |t|, once more if the
 ///    maximum of several is taken; the sums, 2 u L. Of two edges each extreme perpendicular to the
@@ -237,8 +238,8 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 ///    of a normal: 3 u L.
 ///
 /// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the
-/// body that is posed, 106 + 3 + 6 = 115 u for |t|, 40 u for the other radius; for two edges 77 +
-/// 40 + 3 + 6 = 126 u, 115 u and 68 u. Second-order terms are below 1 u. In double-double the sum
+/// body that is posed, 109 + 3 + 6 = 118 u for |t|, 40 u for the other radius; for two edges 77 +
+/// 40 + 3 + 6 = 126 u, 118 u and 68 u. Second-order terms are below 1 u. In double-double the sum
 /// holds with two matrices of 40 instead of a single matrix, 16 for their product, and 2 times 46
 /// for the translation with the origins of the bodies added to L; sums and products err by 10
 /// UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The largest violation ever seen of
@@ -249,9 +250,9 @@ pub const CERTIFICATE: f64 = 128.0;
 /// distance `|c|` of its ball's middle from its own origin, and of the distance of the origins
 /// `|t|` at either pose (u = UNIT, errors as in [`CERTIFICATE`]): a rotation errs by `71 u` in
 /// norm, so the Frobenius norm of the difference of two by `2 sqrt(3) 71 u`, over the root of 2
-/// `174 u r`; the posed middle at each pose by `77 u |c| + 106 u |t|` at most; the norms and their
+/// `174 u r`; the posed middle at each pose by `77 u |c| + 109 u |t|` at most; the norms and their
 /// sum by 4 u of their value, at most `2 (r + |c|)` and both `|t|`. Together at most `182 u r + 162
-/// u |c| + 110 u |t|`. Underflow: used only for sizes above [`NEAR`], whose share of the error is
+/// u |c| + 113 u |t|`. Underflow: used only for sizes above [`NEAR`], whose share of the error is
 /// above `2^-345`; roots lose less than `2^-536`.
 pub const DISPLACEMENT: f64 = 256.0 * UNIT;
 
@@ -304,9 +305,11 @@ pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 /// first order: `m = alpha nL + beta nR` has two roundings a coordinate, 2 UNIT as a vector of
 /// length at most `alpha + beta`; `s m` one more. Each of the two products of the sum of offsets
 /// passes four roundings (weight, sum, `s`, and the sum of all). The rest `n - s m` is
-/// perpendicular to `n`, so no longer than `s m`, and passes five: the difference, two sums of its
-/// 1-norm, the sum with the weights and the product with the radius. Sum: 12; the thirteenth
-/// covers the second order.
+/// perpendicular to `n`, so no longer than `s m`, and passes four: the difference, the sum with the
+/// weights, the product with the radius and the sum of all. The two sums of its 1-norm cost
+/// nothing: a rounded sum is no less than its largest term, so either the 1-norm is longer than the
+/// length by what they lose, or the largest term is the length, up to `8 UNIT^2`. Sum: 11, and the
+/// second order.
 pub const EDGE_BOUND: f64 = 13.0 * UNIT;
 
 /// A pivot of a small system below this times its diagonal may be rounding alone: products and sums
@@ -453,9 +456,9 @@ pub const DEPTH_GOAL: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// The axis of B is at most this much farther off that of A than the matrix of the rotation says,
 /// as a chord of the unit circle. The matrix is off a rotation by 19 UNIT, and turns a vertex of B
-/// wrong by 71 UNIT rB and 28 UNIT |t| (see [`CERTIFICATE`]); the normals of edges are rounded by 4
+/// wrong by 71 UNIT rB and 31 UNIT |t| (see [`CERTIFICATE`]); the normals of edges are rounded by 4
 /// UNIT, which counts by L; a height along a normal errs by 12 UNIT for the turned direction and by
-/// 6 and 3 for products and sums. With 38 UNIT rB, twice the 19, these are at most 138 UNIT L;
+/// 6 and 3 for products and sums. With 38 UNIT rB, twice the 19, these are at most 141 UNIT L;
 /// twice this term, 64 UNIT rB, and [`CERTIFICATE`] are more.
 pub(crate) const PARALLEL_AXES: f64 = 32.0 * UNIT;
 

@@ -399,6 +399,20 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "plan",
         ],
     ),
+    // Kernels of every layer for the tests of their error bounds (feature `proofs`).
+    (
+        "proofs",
+        &[
+            "tolerance",
+            "num",
+            "pose",
+            "polyhedron",
+            "pair",
+            "depth",
+            "separation",
+            "patch",
+        ],
+    ),
 ];
 
 /// The layers in the first column of the table of ARCHITECTURE.md.

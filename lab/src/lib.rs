@@ -52,6 +52,7 @@ pub mod parry_f32;
 pub mod plot;
 pub mod pose;
 pub mod progress;
+pub mod proofs;
 pub mod rational;
 pub mod record;
 #[path = "../../tests/support/rng.rs"]

@@ -7,7 +7,7 @@
 use crate::{Point, Pose};
 use dashu::base::{Abs, BitTest, DivRem, Gcd, SquareRoot};
 use dashu::integer::{IBig, UBig};
-use dashu::rational::RBig;
+pub use dashu::rational::RBig;
 
 /// A vector of integers.
 pub type IntVec = [IBig; 3];

@@ -171,10 +171,31 @@ impl Pyramid {
     /// edge begins in the plane of the facet.
     #[inline(always)]
     fn is_behind(&mut self, from: PackedVec3, to: PackedVec3) -> bool {
-        let (u, v) = (from - to, self.apex - to);
-        let n = u.cross(v);
-        let low = n.dot(to) - self.noise * (u.norm_squared() + v.norm_squared());
+        let PyramidSide { n, height, squares } = PyramidSide::new(self.apex, from, to);
+        let low = height - self.noise * squares;
         self.nearest_squared = self.nearest_squared.min(low * low / n.norm_squared());
         low > 0.0 && self.normal.dot(from) >= self.least_height
+    }
+}
+
+/// A side of a pyramid.
+pub(crate) struct PyramidSide {
+    pub(crate) n: PackedVec3,
+    /// Depth of the origin behind the side, times the length of `n`.
+    pub(crate) height: f64,
+    /// The sum of the squares of both edges.
+    pub(crate) squares: f64,
+}
+
+impl PyramidSide {
+    #[inline(always)]
+    pub(crate) fn new(apex: PackedVec3, from: PackedVec3, to: PackedVec3) -> Self {
+        let (u, v) = (from - to, apex - to);
+        let n = u.cross(v);
+        Self {
+            n,
+            height: n.dot(to),
+            squares: u.norm_squared() + v.norm_squared(),
+        }
     }
 }

@@ -37,7 +37,7 @@ mod exhaustive;
 mod facet;
 mod facet_disc;
 mod foot;
-mod local;
+pub(crate) mod local;
 mod memory;
 mod nearest;
 mod pyramid;

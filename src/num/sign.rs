@@ -41,9 +41,15 @@ pub(crate) fn projection(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -
 /// difference of two stored points.
 #[inline]
 pub(crate) fn edge_sign(n: &Vector3<f64>, e: &Vector3<f64>) -> i32 {
-    let (x, y, z) = (n.x * e.x, n.y * e.y, n.z * e.z);
-    let (value, bound) = (x + y + z, EDGE_SIGN * (x.abs() + y.abs() + z.abs()) + LEAST_RISE);
+    let (value, bound) = rise(n, e);
     i32::from(value > bound) - i32::from(value < -bound)
+}
+
+/// Returns `n . e`, and the bound of its error.
+#[inline(always)]
+pub(crate) fn rise(n: &Vector3<f64>, e: &Vector3<f64>) -> (f64, f64) {
+    let (x, y, z) = (n.x * e.x, n.y * e.y, n.z * e.z);
+    (x + y + z, EDGE_SIGN * (x.abs() + y.abs() + z.abs()) + LEAST_RISE)
 }
 
 /// Returns the sign of a number: -1, 0 or 1.

@@ -118,13 +118,26 @@ impl ConvexPolyhedron {
         (alpha, beta): (f64, f64),
         squared: f64,
     ) -> f64 {
-        let (alpha, beta) = (alpha.max(0.0), beta.max(0.0));
-        let m = PackedVec3::new(&left.normal) * alpha + PackedVec3::new(&right.normal) * beta;
-        let s = squared / m.dot(n);
-        let rest = n - m * s;
-        let weights = s * (alpha + beta) * EDGE_BOUND;
-        let bound = s * (alpha * left.offset + beta * right.offset) + (rest.one_norm() + weights) * self.radius;
-        // A zero m or a negative s proves nothing; the comparison is false for NaN.
-        if s >= 0.0 { bound } else { f64::INFINITY }
+        let weights = (alpha.max(0.0), beta.max(0.0));
+        two_planes_bound(n, [left, right], weights, squared, self.radius)
     }
+}
+
+/// The bound of [`edge_bound`](ConvexPolyhedron::edge_bound) for weights that are not negative and
+/// a body of this radius.
+#[inline(always)]
+pub(crate) fn two_planes_bound(
+    n: PackedVec3,
+    [left, right]: [&Plane; 2],
+    (alpha, beta): (f64, f64),
+    squared: f64,
+    radius: f64,
+) -> f64 {
+    let m = PackedVec3::new(&left.normal) * alpha + PackedVec3::new(&right.normal) * beta;
+    let s = squared / m.dot(n);
+    let rest = n - m * s;
+    let weights = s * (alpha + beta) * EDGE_BOUND;
+    let bound = s * (alpha * left.offset + beta * right.offset) + (rest.one_norm() + weights) * radius;
+    // A zero m or a negative s proves nothing; the comparison is false for NaN.
+    if s >= 0.0 { bound } else { f64::INFINITY }
 }

@@ -5,7 +5,7 @@
 //! ([`PATCH_POINT`](crate::tolerance::PATCH_POINT)).
 
 /// Most control points along one direction.
-pub(super) const ORDER: usize = 8;
+pub(crate) const ORDER: usize = 8;
 
 /// Most control points of a patch.
 pub(super) const NET: usize = ORDER * ORDER;
@@ -96,7 +96,7 @@ pub(super) fn jet<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: 
 
 /// Returns the value alone of a patch, as [`jet`] does.
 #[inline(always)]
-pub(super) fn value<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: [f64; 2]) -> [f64; K] {
+pub(crate) fn value<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: [f64; 2]) -> [f64; K] {
     let mut column = [[0.0; K]; ORDER];
     let mut row = [[0.0; K]; ORDER];
     let end = |points: &mut [[f64; K]], t: f64| {
@@ -116,7 +116,7 @@ pub(super) fn value<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]
 
 /// Splits one coordinate of a net in the middle of a direction, 0 for u and 1 for v.
 #[inline(always)]
-pub(super) fn halves(net: &[f64], [p, q]: [usize; 2], direction: u8, low: &mut [f64], high: &mut [f64]) {
+pub(crate) fn halves(net: &[f64], [p, q]: [usize; 2], direction: u8, low: &mut [f64], high: &mut [f64]) {
     high.copy_from_slice(net);
     let width = q + 1;
     if direction == 0 {

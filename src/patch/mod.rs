@@ -79,7 +79,7 @@
 //! point at a pole, and of 10,000 surfaces and shapes 14, all within some 1e-6 of the rim of a
 //! cylinder or cone.
 
-mod bezier;
+pub(crate) mod bezier;
 mod bowl;
 mod closest;
 mod composite_tracker;
@@ -89,9 +89,9 @@ mod error;
 mod frame;
 mod front;
 mod gap;
-mod height;
-mod net;
-mod nurbs;
+pub(crate) mod height;
+pub(crate) mod net;
+pub(crate) mod nurbs;
 mod outcome;
 #[cfg(feature = "serde")]
 mod persist;

@@ -272,7 +272,7 @@ pub(super) fn reach(points: &[Point3<f64>]) -> f64 {
 }
 
 /// Raises the degree of a curve from n to n + 1.
-fn raise(row: &mut [[f64; 4]; ORDER], n: usize) {
+pub(crate) fn raise(row: &mut [[f64; 4]; ORDER], n: usize) {
     let m = (n + 1) as f64;
     row[n + 1] = row[n];
     for j in (1..=n).rev() {

@@ -31,9 +31,9 @@ pub struct Nurbs<'a> {
 }
 
 /// A patch between knots: the number of the first knot of the span, and the ends.
-struct Span {
-    knot: usize,
-    ends: [f64; 2],
+pub(crate) struct Span {
+    pub(crate) knot: usize,
+    pub(crate) ends: [f64; 2],
 }
 
 /// A Bezier patch of a NURBS surface with the knots between which it lies, in u and v.
@@ -144,7 +144,7 @@ impl Nurbs<'_> {
 
 /// Returns the value of the blossom at the lower end of a span, `degree - upper` times, and the
 /// upper end, `upper` times.
-fn blossom(points: &[[f64; 4]], knots: &[f64], span: &Span, upper: usize) -> [f64; 4] {
+pub(crate) fn blossom(points: &[[f64; 4]], knots: &[f64], span: &Span, upper: usize) -> [f64; 4] {
     let degree = points.len() - 1;
     let mut d = [[0.0; 4]; ORDER];
     d[..=degree].copy_from_slice(points);

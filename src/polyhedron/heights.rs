@@ -116,12 +116,19 @@ impl Upward for Direction<'_> {
 /// Returns the sign of `(n . e) (m . f) - (n . f) (m . e)`, if the arithmetic is certain.
 #[inline]
 fn certain<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> Option<i32> {
+    let (value, bound) = slopes(n, m, e, f);
+    let is_zero = || (is_level(n, e) || is_level(m, f)) && (is_level(n, f) || is_level(m, e));
+    (value.abs() > bound || is_zero()).then(|| sign(value))
+}
+
+/// Returns `(n . e) (m . f) - (n . f) (m . e)`, and the bound of its error.
+#[inline(always)]
+pub(crate) fn slopes<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) -> (f64, f64) {
     let ((ne, s_ne), (mf, s_mf)) = (dot_and_size(n, e), dot_and_size(m, f));
     let ((nf, s_nf), (me, s_me)) = (dot_and_size(n, f), dot_and_size(m, e));
     let (value, size) = ((ne * mf - nf * me).value(), s_ne * s_mf + s_nf * s_me);
     let bound = STEEPER / UNIT * T::UNIT * size + LEAST_RISE * (1.0 + s_ne + s_mf + s_nf + s_me);
-    let is_zero = || (is_level(n, e) || is_level(m, f)) && (is_level(n, f) || is_level(m, e));
-    (value.abs() > bound || is_zero()).then(|| sign(value))
+    (value, bound)
 }
 
 /// Returns the sign of `(n . e) (m . f) - (n . f) (m . e)`, if f64 is certain. `n` may be rounded,

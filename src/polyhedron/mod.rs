@@ -28,7 +28,7 @@ pub(crate) mod heights;
 pub(crate) mod highest;
 mod mass;
 mod plane;
-mod query;
+pub(crate) mod query;
 pub mod solids;
 pub(crate) mod support;
 pub(crate) mod topology;

@@ -133,10 +133,17 @@ impl ConvexPolyhedron {
             let e = self.topology.half_edge(h);
             let from = self.points[self.topology.from(h).index()];
             let (edge, to) = (self.points[e.to.index()] - from, p - from);
-            edge.cross(&to).dot(&n) > FOOT * sqrt(edge.norm_squared() * to.norm_squared())
+            over_side(&n, &edge, &to) > FOOT * sqrt(edge.norm_squared() * to.norm_squared())
         });
         inside.then(|| p - n * height)
     }
+}
+
+/// Returns how far a point is inside the side of a face with a normal `n`, times the edge's length;
+/// `to` leads from the edge to the point.
+#[inline(always)]
+pub(crate) fn over_side(n: &Vector3<f64>, edge: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
+    edge.cross(to).dot(n)
 }
 
 fn on_segment(a: &Vector3<f64>, b: &Vector3<f64>, p: &Vector3<f64>) -> Vector3<f64> {

@@ -53,7 +53,7 @@ fn hull_until(c: &[f64; 4]) -> f64 {
 
 /// The coefficients over [x, 1] (de Casteljau).
 #[inline]
-fn rest(c: &[f64; 4], x: f64) -> [f64; 4] {
+pub(crate) fn rest(c: &[f64; 4], x: f64) -> [f64; 4] {
     let y = 1.0 - x;
     let (p, q, r) = (y * c[0] + x * c[1], y * c[1] + x * c[2], y * c[2] + x * c[3]);
     let (s, t) = (y * p + x * q, y * q + x * r);

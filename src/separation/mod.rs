@@ -11,9 +11,9 @@
 //! [`Tracker::over`](crate::Tracker::over) of two polyhedra.
 
 mod balls;
-mod bernstein;
+pub(crate) mod bernstein;
 mod plane;
-mod polyhedra;
+pub(crate) mod polyhedra;
 mod shapes;
 mod straight;
 

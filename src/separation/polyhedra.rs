@@ -59,7 +59,7 @@ impl<'a> BoundedHull<'a> {
         let highest = self.highest(direction);
         self.hint = highest.vertex;
         let length = one_norm(direction);
-        let height = highest.value - direction.dot(&self.middle) + HEIGHT * length * self.shape.radius;
+        let height = over_middle(highest.value, direction, &self.middle) + HEIGHT * length * self.shape.radius;
         let unit = self.shape.unit();
         SupportPoint {
             height: height * unit,
@@ -251,6 +251,12 @@ impl Separation for PolyhedronPair<'_> {
         let body = if of == Operand::A { &mut self.a } else { &mut self.b };
         body.support(direction)
     }
+}
+
+/// Returns a height along a direction, over the middle of the body.
+#[inline(always)]
+pub(crate) fn over_middle(height: f64, direction: &Vector3<f64>, middle: &Vector3<f64>) -> f64 {
+    height - direction.dot(middle)
 }
 
 /// The sum of the absolute coordinates: no less than the length.

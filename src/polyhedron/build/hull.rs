@@ -141,7 +141,7 @@ impl Hull<'_> {
     fn create(&mut self, v: [u32; 3], adjacent: [u32; 3]) -> u32 {
         let [a, b, c] = v.map(|i| self.points[i as usize]);
         let (u, w) = (b - a, c - a);
-        let guard = SIDE_ERROR * products(&u, &w).dot(&self.sides) * (1.0 + SIDE_ERROR) + f64::MIN_POSITIVE;
+        let guard = guard(&u, &w, &self.sides);
         let facet = HullFacet {
             triangle: HullTriangle { v, adjacent },
             base: a,
@@ -170,7 +170,7 @@ impl Hull<'_> {
     #[inline]
     fn height(&self, facet: u32, p: u32) -> f64 {
         let f = &self.facets[facet as usize];
-        let height = f.normal.dot(&(self.points[p as usize] - f.base));
+        let height = side_height(&f.normal, &f.base, &self.points[p as usize]);
         if height.abs() > f.guard {
             height
         } else {
@@ -319,6 +319,19 @@ impl Hull<'_> {
             touching,
         }
     }
+}
+
+/// Returns the height of `p` over a triangle with a corner `base`, times twice the triangle's area.
+#[inline(always)]
+pub(crate) fn side_height(normal: &Vector3<f64>, base: &Vector3<f64>, p: &Vector3<f64>) -> f64 {
+    normal.dot(&(p - base))
+}
+
+/// Returns the bound of the error of such heights over a triangle with edges `u` and `w`, for
+/// points in a box with these sides.
+#[inline(always)]
+pub(crate) fn guard(u: &Vector3<f64>, w: &Vector3<f64>, sides: &Vector3<f64>) -> f64 {
+    SIDE_ERROR * products(u, w).dot(sides) * (1.0 + SIDE_ERROR) + f64::MIN_POSITIVE
 }
 
 /// Returns, coordinate by coordinate, the sum of the magnitudes of the two products in `u x v`.

@@ -5,7 +5,7 @@ pub(crate) mod error;
 mod faces;
 mod facets;
 mod flat;
-mod hull;
+pub(crate) mod hull;
 #[cfg(feature = "serde")]
 mod persist;
 mod rebuild;

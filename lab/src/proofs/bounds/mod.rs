@@ -1,0 +1,88 @@
+//! What each constant of the crate has to cover, proved from the transcribed kernels.
+
+mod double;
+mod patches;
+mod places;
+mod poses;
+mod roots;
+mod signs;
+
+pub use poses::{product as turned_by_matrix, rotation};
+
+use super::majorant::{rounding, unit};
+use super::norm::root_above;
+use super::polynomial::Polynomial;
+use dashu::rational::RBig;
+
+/// A bound that was proved.
+pub struct Bound {
+    /// The constant of `tolerance`.
+    pub constant: &'static str,
+    /// The part of its derivation; empty for all of it.
+    pub part: &'static str,
+    /// The kernel whose rounding it is.
+    pub kernel: &'static str,
+    /// What is proved, in roundings of the format: UNIT, `UNIT_SINGLE`, or UNIT^2 for double-double.
+    pub proved: RBig,
+    /// What the derivation of the constant allows for this part; `None` for the constant itself.
+    pub allowed: Option<f64>,
+}
+
+impl Bound {
+    /// All of a constant.
+    fn whole(constant: &'static str, kernel: &'static str, error: RBig) -> Self {
+        Self {
+            constant,
+            part: "",
+            kernel,
+            proved: error / unit(),
+            allowed: None,
+        }
+    }
+
+    /// A part of the derivation of a constant.
+    fn part(self, part: &'static str, allowed: f64) -> Self {
+        Self {
+            part,
+            allowed: Some(allowed),
+            ..self
+        }
+    }
+}
+
+/// All bounds.
+pub fn all() -> Vec<Bound> {
+    [
+        signs::bounds(),
+        poses::bounds(),
+        places::bounds(),
+        patches::bounds(),
+        double::bounds(),
+        roots::bounds(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}
+
+/// One rounding.
+fn once() -> RBig {
+    rounding(53)
+}
+
+/// A number of roundings to first order.
+fn units(count: f64) -> RBig {
+    crate::rational::exact(count) * unit()
+}
+
+/// The root of a whole number, rounded up.
+fn root(square: u32) -> RBig {
+    root_above(&RBig::from(square))
+}
+
+/// The absolute terms of a dot product.
+fn terms(a: char, b: char) -> Polynomial {
+    (0..3).fold(Polynomial::default(), |sum, k| {
+        sum.plus(&Polynomial::variable(a, k).times(&Polynomial::variable(b, k)))
+    })
+}

@@ -1,0 +1,7 @@
+//! The kernels, in the crate's own order of operations.
+
+pub mod double;
+pub mod patches;
+pub mod places;
+pub mod poses;
+pub mod signs;

@@ -1,0 +1,34 @@
+//! The error bounds of the crate, proved by exact arithmetic.
+//!
+//! Each kernel that carries a bound is transcribed once in [`kernels`], over a [`Number`]:
+//!
+//! | number | what a kernel yields with it |
+//! |---|---|
+//! | `f64`, `f32` | what the crate computes, bit for bit |
+//! | [`Majorant`] | a bound of its rounding and of what underflow takes, for all inputs |
+//! | [`Reach`] | the largest number and the finest grid on the way |
+//! | [`Traced`] | the rounding of one input, for the search of large ones |
+//! | [`Factor`] | the same as a majorant for chains of positive numbers, with quotients and roots |
+//!
+//! [`bounds`] says for each constant of the crate what it has to cover; `tests/proofs` compares all of this with the
+//! crate.
+//!
+//! The standard model is assumed: binary64 or binary32, to nearest, each operation rounded once.
+
+pub mod bounds;
+pub mod climb;
+pub mod factor;
+pub mod kernels;
+pub mod majorant;
+pub mod norm;
+pub mod number;
+pub mod polynomial;
+pub mod reach;
+pub mod traced;
+
+pub use factor::{Factor, Positive};
+pub use majorant::Majorant;
+pub use number::{Number, Vector};
+pub use polynomial::Polynomial;
+pub use reach::Reach;
+pub use traced::Traced;

@@ -1,0 +1,169 @@
+//! Kernels and constants for the tests of the error bounds (`tests/proofs`). No part of the
+//! interface: a function may change or vanish in any version.
+
+#![allow(missing_docs)]
+
+use alloc::vec::Vec;
+
+use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
+
+use crate::depth::local::PyramidSide;
+use crate::num::double_double::DoubleDouble;
+use crate::num::packed::{PackedRotation, PackedVec3};
+use crate::num::{scalar, sign};
+use crate::pair::star;
+use crate::patch::{bezier, net, nurbs};
+use crate::polyhedron::build::hull;
+use crate::polyhedron::{Plane, heights, query};
+use crate::pose::{self, RelativePose};
+use crate::separation::{bernstein, polyhedra};
+use crate::tolerance;
+
+type Triple = [f64; 3];
+
+fn packed(v: Triple) -> PackedVec3 {
+    PackedVec3::new(&v.into())
+}
+
+pub fn rise(n: Triple, e: Triple) -> (f64, f64) {
+    sign::rise(&n.into(), &e.into())
+}
+
+pub fn edge_sign(n: Triple, e: Triple) -> i32 {
+    sign::edge_sign(&n.into(), &e.into())
+}
+
+pub fn slopes(n: Triple, m: Triple, e: Triple, f: Triple) -> (f64, f64) {
+    heights::slopes(&n, &m, &e, &f)
+}
+
+pub fn steeper(n: Triple, m: Triple, e: Triple, f: Triple) -> Option<i32> {
+    let [n, m, e, f] = [n, m, e, f].map(Vector3::from);
+    heights::steeper(&n, &m, &e, &f)
+}
+
+pub fn side_height(u: Triple, w: Triple, base: Triple, p: Triple) -> f64 {
+    let [u, w, base, p] = [u, w, base, p].map(Vector3::from);
+    hull::side_height(&u.cross(&w), &base, &p)
+}
+
+pub fn guard(u: Triple, w: Triple, sides: Triple) -> f64 {
+    hull::guard(&u.into(), &w.into(), &sides.into())
+}
+
+pub fn volume(a: Triple, b: Triple, c: Triple) -> f64 {
+    scalar::dot(&a, &scalar::cross(&b, &c))
+}
+
+pub fn pyramid_side(from: Triple, to: Triple, apex: Triple) -> [f64; 5] {
+    let side = PyramidSide::new(packed(apex), packed(from), packed(to));
+    let n = side.n.vector();
+    [n.x, n.y, n.z, side.height, side.squares]
+}
+
+pub fn over_side(n: Triple, edge: Triple, to: Triple) -> f64 {
+    query::over_side(&n.into(), &edge.into(), &to.into())
+}
+
+pub fn over_middle(n: Triple, p: Triple, middle: Triple) -> f64 {
+    let [n, p, middle] = [n, p, middle].map(Vector3::from);
+    polyhedra::over_middle(n.dot(&p), &n, &middle)
+}
+
+pub fn two_planes_bound(n: Triple, planes: [(Triple, f64); 2], weights: [f64; 2], radius: f64) -> f64 {
+    let [left, right] = planes.map(|(normal, offset)| Plane {
+        normal: normal.into(),
+        offset,
+    });
+    let n = packed(n);
+    star::two_planes_bound(n, [&left, &right], weights.into(), n.norm_squared(), radius)
+}
+
+fn isometry([x, y, z, w]: [f64; 4], t: Triple) -> Isometry3<f64> {
+    let q = UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
+    Isometry3::from_parts(Vector3::from(t).into(), q)
+}
+
+/// The rows of the rotation, and the translation; `None` for poses that are refused.
+pub fn relative_pose(a: ([f64; 4], Triple), b: ([f64; 4], Triple)) -> Option<([Triple; 3], Triple)> {
+    let both = RelativePose::new(&isometry(a.0, a.1), &isometry(b.0, b.1)).ok()?;
+    let m = both.rotation();
+    let rows = [0, 1, 2].map(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]]);
+    Some((rows, both.translation().into()))
+}
+
+pub fn rotation_matrix(q: [f64; 4], s: f64) -> [Triple; 3] {
+    let m = pose::rotation_matrix(&q, s);
+    [0, 1, 2].map(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]])
+}
+
+pub fn product(m: [Triple; 3], v: Triple) -> Triple {
+    let m = nalgebra::Matrix3::from_fn(|i, j| m[i][j]);
+    PackedRotation::new(&m).times(packed(v)).vector().into()
+}
+
+pub fn turned(q: [f64; 4], v: Triple) -> Triple {
+    (isometry(q, [0.0; 3]).rotation * Vector3::from(v)).into()
+}
+
+pub fn rest(c: [f64; 4], x: f64) -> [f64; 4] {
+    bernstein::rest(&c, x)
+}
+
+pub fn patch_value(net: &[f64], degrees: [usize; 2], at: [f64; 2]) -> f64 {
+    let net: Vec<[f64; 1]> = net.iter().map(|x| [*x]).collect();
+    bezier::value(&net, degrees, at)[0]
+}
+
+pub fn blossom(points: &[[f64; 4]], knots: &[f64], knot: usize, ends: [f64; 2], upper: usize) -> [f64; 4] {
+    nurbs::blossom(points, knots, &nurbs::Span { knot, ends }, upper)
+}
+
+pub fn raise(points: &[[f64; 4]]) -> Vec<[f64; 4]> {
+    let mut row = [[0.0; 4]; bezier::ORDER];
+    row[..points.len()].copy_from_slice(points);
+    net::raise(&mut row, points.len() - 1);
+    row[..=points.len()].to_vec()
+}
+
+fn double([hi, lo]: [f64; 2]) -> DoubleDouble {
+    DoubleDouble { hi, lo }
+}
+
+pub fn double_sum(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    let DoubleDouble { hi, lo } = double(a) + double(b);
+    [hi, lo]
+}
+
+pub fn double_product(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    let DoubleDouble { hi, lo } = double(a) * double(b);
+    [hi, lo]
+}
+
+pub fn double_quotient(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    let DoubleDouble { hi, lo } = double(a) / double(b);
+    [hi, lo]
+}
+
+/// The constants of `tolerance` by name, each in the roundings that the constant counts.
+pub fn constants() -> Vec<(&'static str, f64)> {
+    macro_rules! by {
+        ($unit:expr, $($name:ident)*) => { [$((stringify!($name), tolerance::$name / $unit)),*].to_vec() };
+    }
+    let unit = tolerance::UNIT;
+    let mut all: Vec<(&'static str, f64)> = by!(unit,
+        EDGE_SIGN STEEPER SIDE_ERROR ORIENTATION FOOT CELL HEIGHT EDGE_BOUND EXACT_FILTER BOX CENTRE PLACED_PIVOT
+        PLACED_CENTRE BERNSTEIN ROOT PATCH_POINT KNOTS RAISED NET NET_STEP NET_CUT COEFFICIENT SLAB_HEIGHT TILT
+        NORMAL_ERROR);
+    all.extend(by!(1.0, VOLUME CERTIFICATE LEAST_RISE LEAST_SQUARE));
+    all.extend(by!(unit * unit, UNIT_DOUBLE_DOUBLE));
+    let raised = [("ROUND_UP", tolerance::ROUND_UP), ("RADIUS_UP", tolerance::RADIUS_UP)];
+    all.extend(raised.map(|(name, factor)| (name, (factor - 1.0) / unit)));
+    let lowered = [
+        ("ROUND_DOWN", tolerance::ROUND_DOWN),
+        ("BOX_DISTANCE_DOWN", tolerance::BOX_DISTANCE_DOWN),
+    ];
+    all.extend(lowered.map(|(name, factor)| (name, (1.0 - factor) / unit)));
+    all.extend(by!(tolerance::UNIT_SINGLE, BOXES));
+    all
+}

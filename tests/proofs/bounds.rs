@@ -1,0 +1,24 @@
+//! What is proved against the constants.
+
+use lab::proofs::bounds::{self, Bound};
+use lin_canny::proofs::constants;
+
+/// What the constant, or its derivation, allows.
+fn allowed(bound: &Bound) -> f64 {
+    let constant = constants().into_iter().find(|(name, _)| *name == bound.constant);
+    let (_, constant) = constant.unwrap_or_else(|| panic!("no constant {}", bound.constant));
+    bound.allowed.unwrap_or(constant)
+}
+
+#[test]
+fn every_constant_covers_what_is_proved() {
+    let mut short = Vec::new();
+    for bound in bounds::all() {
+        let (proved, allowed) = (bound.proved.to_f64().value(), allowed(&bound));
+        println!("{:18} {:26} {proved:9.4} of {allowed:9.4}", bound.constant, bound.part);
+        if bound.proved > lab::rational::exact(allowed) {
+            short.push(format!("{} {}: {proved} of {allowed}", bound.constant, bound.part));
+        }
+    }
+    assert!(short.is_empty(), "not covered:\n  {}", short.join("\n  "));
+}

@@ -1,0 +1,11 @@
+//! Promise: every error bound is proved for the code as it stands.
+//!
+//! The kernels are transcribed in `lab::proofs`. A transcription is the crate's kernel bit for bit (`transcribed`), and
+//! the error that exact arithmetic derives from the transcription is at most the constant (`bounds`), with what underflow takes
+//! (`underflow`).
+#![cfg(feature = "proofs")]
+
+mod bounds;
+mod inputs;
+mod transcribed;
+mod underflow;
