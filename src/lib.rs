@@ -78,7 +78,7 @@
 //!
 //! * **Bounds hold.** The true signed distance lies in `lower..=upper`, for the bits given: a
 //!   vertex v at the pose (q, t) is at `R(q) v / |q|^2 + t`, over the rationals. Every constant
-//!   stands with its derivation in [`tolerance`].
+//!   has its derivation, by the rules of the page [`tolerance`].
 //! * **One decision through contact.** Separated, touching and overlapping are one continuous
 //!   quantity with one normal and the same features; no second algorithm can disagree at contact.
 //! * **State changes time, never the answer.** Class and predicates are the same warm and cold, A

@@ -1,11 +1,12 @@
-//! Bounds of rounding errors and limits of range, each with its derivation. Thresholds that only
-//! steer work change no answer, and are not public.
+//! Bounds of rounding errors and limits of range. Each is a constant of this module with its
+//! derivation beside it, in the source; this page tells what they have in common. Thresholds that
+//! only steer work change no answer, and stand elsewhere.
 //!
 //! Derivations count relative roundings, as they are of normal numbers. Errors by underflow are
 //! absolute, and fall under one of five cases:
 //!
 //! * **S, stored lengths** (the rule, if a derivation names no case). Bodies are stored with a
-//!   radius of `2^-105` or more (`EXPONENT_FREE`), and pairs of L up to [`NEAR`], possible for
+//!   radius of `2^-105` or more (`EXPONENT_FREE`), and pairs of L up to `NEAR`, possible for
 //!   two points only, go to `solve::out_of_range`. A sum or product loses at most `2^-1075`, a
 //!   product of three lengths at most `2^-1070`, the root of a sum of squares at most `2^-536`. The
 //!   least error terms, `UNIT_DOUBLE_DOUBLE` times L, L^2 and L^3, are above `2^-402`, `2^-702` and
@@ -15,12 +16,12 @@
 //! * **P, poses**: products of coordinates of a quaternion lose at most `2^-1075` beside a norm of
 //!   one.
 //! * **D, directions** of length one and edges, for signs: stored coordinates are multiples of
-//!   `2^-357` (`FLUSH_EXPONENT`), directions are of length one or longer than [`ON_BOUNDARY`] times
+//!   `2^-357` (`FLUSH_EXPONENT`), directions are of length one or longer than `ON_BOUNDARY` times
 //!   L. If the product of the direction's largest coordinate with the edge is not zero, it is above
 //!   `2^-513`, and underflow of the remaining products is negligible; if the product is zero, the
 //!   other two may be of any size, and underflow may leave either sign. Such a rise is certain
 //!   above `LEAST_RISE` only.
-//! * **G, guarded**: numbers of the caller of any size. Squares are guarded by [`LEAST_SQUARE`], or
+//! * **G, guarded**: numbers of the caller of any size. Squares are guarded by `LEAST_SQUARE`, or
 //!   numbers are scaled first.
 //! * **U, the caller's unit**: bounds leave the stored unit in one function,
 //!   `tracker::to_user_units`, and are rounded outward there.
@@ -29,22 +30,22 @@
 //!
 //! A product of `d` lengths is of degree `d`. Stored radii are from `2^-105` to `2^105`, so lengths
 //! between points of two bodies that meet stay below `2^107`; lengths between bodies apart stay
-//! below `2^301` ([`FAR`]). Each bound, with the largest product that a comparison with the bound
+//! below `2^301` (`FAR`). Each bound, with the largest product that a comparison with the bound
 //! makes, and the cases above for the smallest:
 //!
 //! | bound | degree | largest product | smallest |
 //! |---|---|---|---|
-//! | heights along unit directions: [`CERTIFICATE`], [`AGREE`], [`FOOT`], [`DIRECTION`], [`DIFFERENCE`], [`PLATEAU`] | 1, squares 2 | `2^602` | S |
-//! | [`EDGE_SIGN`] | 2: a direction, up to `2^301`, and an edge | `2^409` | D |
-//! | [`STEEPER`] | 5: the same, an axis that is a sum of products of two lengths, and an edge | `2^740`, of directions scaled to `2^400` in double-double `2^840` | D |
-//! | [`VOLUME`] | 3 | `2^903` | S |
+//! | heights along unit directions: `CERTIFICATE`, `AGREE`, `FOOT`, `DIRECTION`, `DIFFERENCE`, `PLATEAU` | 1, squares 2 | `2^602` | S |
+//! | `EDGE_SIGN` | 2: a direction, up to `2^301`, and an edge | `2^409` | D |
+//! | `STEEPER` | 5: the same, an axis that is a sum of products of two lengths, and an edge | `2^740`, of directions scaled to `2^400` in double-double `2^840` | D |
+//! | `VOLUME` | 3 | `2^903` | S |
 //! | weights of a triangle of a simplex | 4: three edges, one length between bodies | `2^630` | S |
-//! | [`ORIENTATION`] | 3; the square of the height of a side as a quotient, 6 over 4 | `2^645` | S: a side that counts is higher than `2^-44 L`, and the root of the quotient is above `2^-150` |
+//! | `ORIENTATION` | 3; the square of the height of a side as a quotient, 6 over 4 | `2^645` | S: a side that counts is higher than `2^-44 L`, and the root of the quotient is above `2^-150` |
 //! | `SIDE_ERROR` and the exact predicates of the hull | 3, of one body | `2^324` | `FLUSH_EXPONENT` |
-//! | [`LEAST_SQUARE`], [`ODOMETER`], [`WAY`]: scenes, in the caller's unit | 2 | `2^250` ([`SCENE_REACH`]) | G |
+//! | `LEAST_SQUARE`, `ODOMETER`, `WAY`: scenes, in the caller's unit | 2 | `2^250` (`SCENE_REACH`) | G |
 //! | curved pairs | 5, as lengths from `2^-200` to `2^200` (`SMALL_PAIR`) allow | `2^1000` | S |
 //! | `BALLS`: casts | 4, of lengths and velocities scaled to less than 4 a coordinate | `2^8` | G: what is lost is far below `BALLS` |
-//! | [`PATCH_POINT`] and the other bounds of points and heights of patches, of control points up to `2^200` (`PATCH_MAX`) | 1, squares 2; weights up to one and down to `2^-40` | `2^602` | S |
+//! | `PATCH_POINT` and the other bounds of points and heights of patches, of control points up to `2^200` (`PATCH_MAX`) | 1, squares 2; weights up to one and down to `2^-40` | `2^602` | S |
 //! | normals of patches: products of two derivatives, up to `2^247` (42 R over the least weight), squared | 4 | `2^992` | a square that is not normal counts as no normal |
 //! | `PATCH_SLOPE`: determinants of three derivatives | 3; entries of the inverse 2 over 3 | `2^744` | a determinant of zero proves nothing |
 //!
@@ -56,85 +57,85 @@ mod signs;
 
 pub(crate) use motions::*;
 pub(crate) use patches::*;
-pub use patches::{PATCH_LIMIT, PATCH_POINT};
-pub use signs::{EDGE_SIGN, EXACT_FILTER, ORIENTATION, STEEPER, VOLUME};
+pub(crate) use patches::{PATCH_LIMIT, PATCH_POINT};
+pub(crate) use signs::{EDGE_SIGN, EXACT_FILTER, ORIENTATION, STEEPER, VOLUME};
 pub(crate) use signs::{FLANK, LEAST_RISE, SIDE_ERROR, SLANT};
 
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
-pub const UNIT: f64 = f64::EPSILON / 2.0;
+pub(crate) const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// Unit roundoff of f32.
-pub const UNIT_SINGLE: f64 = f32::EPSILON as f64 / 2.0;
+pub(crate) const UNIT_SINGLE: f64 = f32::EPSILON as f64 / 2.0;
 
 /// Bound of the relative error of one double-double operation: at most 10 UNIT^2 for sum and
 /// product (Joldes, Muller, Popescu 2017, "Tight and rigorous error bounds for basic building
 /// blocks of double-word arithmetic"; Muller and Rideau 2022, "Formalization of double-word
 /// arithmetic", correct some of the proofs), 5 UNIT^2 for the quotient (derived at
 /// `double_double`). Underflow: a low part below the least f64 is lost; case S.
-pub const UNIT_DOUBLE_DOUBLE: f64 = 16.0 * UNIT * UNIT;
+pub(crate) const UNIT_DOUBLE_DOUBLE: f64 = 16.0 * UNIT * UNIT;
 
 /// Largest deviation of the squared norm of a pose's quaternion from 1: the error that repeated
 /// composition of f64 rotations accumulates over thousands of products. A relative pose divides by
 /// the squared norm, so the value does not limit accuracy.
-pub const POSE_UNIT: f64 = 1e-12;
+pub(crate) const POSE_UNIT: f64 = 1e-12;
 
 /// The sum of the coordinates of the relative translation stays below this, so that neither a
 /// distance nor an upper bound leaves f64: bodies themselves reach to 1e116 at most.
-pub const REACH: f64 = f64::MAX * (1.0 - 1.0 / (1u64 << 40) as f64);
+pub(crate) const REACH: f64 = f64::MAX * (1.0 - 1.0 / (1u64 << 40) as f64);
 
 /// Pairs whose size L (in the stored units of the larger body) is beyond this are answered by their
 /// separation alone: their radii are below the rounding of L, and cubes of lengths (determinants of
 /// a simplex) would leave the range.
-pub const FAR: f64 = f64::from_bits((1023 + 300) << 52);
+pub(crate) const FAR: f64 = f64::from_bits((1023 + 300) << 52);
 
 /// Pairs whose size L is below this are answered by their separation alone, as beyond [`FAR`]; only
 /// two points can be so close, as every body with an extent is stored at radius 2^-105 or more.
-pub const NEAR: f64 = f64::from_bits((1023 - 300) << 52);
+pub(crate) const NEAR: f64 = f64::from_bits((1023 - 300) << 52);
 
 /// Noise of a difference of two posed points, in units of the pair's size L: each coordinate of a
 /// posed point carries a few roundings of numbers up to L. A direction made from such a difference
 /// leaves a vertex or a plane only if the descent exceeds this noise; a smaller descent is left to
 /// the certificate. Not a matter of soundness.
-pub const DIFFERENCE: f64 = 8.0 * UNIT;
+pub(crate) const DIFFERENCE: f64 = 8.0 * UNIT;
 
 /// Noise, times L, of a height along a direction of unit length that is not a difference of points
 /// (a face normal, an edge turned by a pose).
-pub const DIRECTION: f64 = 16.0 * UNIT;
+pub(crate) const DIRECTION: f64 = 16.0 * UNIT;
 
 /// A point over the plane of a face has its foot in the face if the point is inside every side
 /// plane by more than this times L. For an edge `u` of the face boundary the side `(n x u) . (x -
 /// to)`, over `|u|`, errs by `5.3 UNIT` (the stored normal 1.1, the edge 1, the cross product 3.2),
 /// `UNIT` (the difference) and `3 UNIT` (the product), all times `|x - to| <= L`; the foot itself,
 /// `x - n h`, by `2 UNIT L` within the plane, and by the tilt of the normal, 1.1. Sum: 12.4.
-pub const FOOT: f64 = 16.0 * UNIT;
+pub(crate) const FOOT: f64 = 16.0 * UNIT;
 
 /// Witnesses closer than this times L are no ground for a direction; the more precise solvers take
 /// over. Not a matter of soundness.
-pub const ON_BOUNDARY: f64 = 16.0 * UNIT;
+pub(crate) const ON_BOUNDARY: f64 = 16.0 * UNIT;
 
 /// Two edges with a squared sine below this have their cross product orthogonalised once more
 /// before use: the error perpendicular to the cross product is `UNIT / sine`.
-pub const NEARLY_PARALLEL: f64 = 1.0 / 16.0;
+pub(crate) const NEARLY_PARALLEL: f64 = 1.0 / 16.0;
 
 /// Two edges with a squared sine below this are taken as parallel: the cross product is rounding
 /// alone.
-pub const PARALLEL: f64 = 256.0 * UNIT * UNIT;
+pub(crate) const PARALLEL: f64 = 256.0 * UNIT * UNIT;
 
 /// The walk's answer is accepted if witnesses and supporting planes agree within this times L: the
 /// error of the distance, should the pair be wrong, is below `1e-14 L`, 90 UNIT. Measured on right
 /// answers: at most 11 UNIT L by the supports, and some tens by the planes of two faces if the two
 /// planes of a sharp edge are used instead.
-pub const AGREE: f64 = 64.0 * UNIT;
+pub(crate) const AGREE: f64 = 64.0 * UNIT;
 
 /// A depth is proven if the height along the best normal and the nearest triangle agree within this
 /// times L: the rounding of both is a few UNIT L each (see [`CERTIFICATE`]), the height of an edge
 /// proven by the planes of two faces may be half of this tolerance above the edge, and the rest
 /// must stay below `1e-14 L`, 90 UNIT.
-pub const AGREE_DEPTH: f64 = 32.0 * UNIT;
+pub(crate) const AGREE_DEPTH: f64 = 32.0 * UNIT;
 
 /// Deepest points that are off their expected position by more than this times L are searched again
 /// in double-double: well below the `1e-13 L` to which an answer is bounded.
-pub const AGREE_WITNESS: f64 = 512.0 * UNIT;
+pub(crate) const AGREE_WITNESS: f64 = 512.0 * UNIT;
 
 /// Squared lengths from this to the inverse of this are normalised without scaling; a product of
 /// two such squares, and the square of each coordinate that is not negligible, is far inside the
@@ -144,29 +145,29 @@ pub(crate) const SQUARE_MIN: f64 = 1e-200;
 /// A triangle of the Minkowski difference that its support exceeds by less than this times L,
 /// `2^-16`, may lie in the boundary: the normals of the bodies' features are tried. Not a matter of
 /// soundness.
-pub const ALMOST_FLAT: f64 = 1.0 / 65_536.0;
+pub(crate) const ALMOST_FLAT: f64 = 1.0 / 65_536.0;
 
 /// Noise of a position perpendicular to the normal of a contact, times L: a vertex in the body's
 /// frame less the witness, 2 UNIT of each coordinate, two products with axes that are right within
 /// [`DIRECTION`], and the witness itself within as much. The common region of two faces is closed:
 /// vertices this far outside belong to the region. Not a matter of soundness.
-pub const ACROSS: f64 = 64.0 * UNIT;
+pub(crate) const ACROSS: f64 = 64.0 * UNIT;
 
 /// Twice the rounding of the height of a point along a direction of length one, times the distance
 /// of the point from the origin: three products and two sums, each off by one UNIT at most of what
 /// is less than 1.8 times that distance.
-pub const CELL: f64 = 16.0 * UNIT;
+pub(crate) const CELL: f64 = 16.0 * UNIT;
 
 /// Faces whose normals differ by less than this, `2^-46`, bear a contact as a single face: a flat
 /// face whose vertices were rounded comes as several, with normals apart by a few UNIT times the
 /// size of the face over the width of the parts. A point attributed to the wrong part is off by no
 /// more than this times L.
-pub const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
+pub(crate) const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 
 /// A face bears no contact if the cosine of its angle to the normal is below this: heights over a
 /// position err by the position's noise times the tangent, at most `64 ACROSS L`. Not a matter of
 /// soundness.
-pub const STEEP: f64 = 1.0 / 64.0;
+pub(crate) const STEEP: f64 = 1.0 / 64.0;
 
 /// The radius of the disc that a facet must contain to replace triangles below the target
 /// (`depth::facet_disc`) is raised by this factor. The products, quotient and roots err by 10 UNIT
@@ -180,7 +181,7 @@ pub(crate) const DISC_MOST: f64 = 1.0 / 4.0;
 
 /// A contact of a manifold stays while the contact is no worse than this times its replacement. Not
 /// a matter of soundness.
-pub const STAY: f64 = 1.25;
+pub(crate) const STAY: f64 = 1.25;
 
 /// If the origin lies on the boundary of the tetrahedron that a search for the depth would begin
 /// with, the search begins about a point shifted by this many L: the search succeeds for depths of
@@ -188,7 +189,7 @@ pub const STAY: f64 = 1.25;
 /// are tried on both sides: if the origin is nearer to the boundary than the shift, one of the two
 /// points lies outside, and the direction to the boundary from this point gives a height below the
 /// shift.
-pub const ORIGIN_SHIFTS: [f64; 8] = [
+pub(crate) const ORIGIN_SHIFTS: [f64; 8] = [
     0.0,
     1.0 / (1u64 << 10) as f64,
     1.0 / (1u64 << 24) as f64,
@@ -200,11 +201,11 @@ pub const ORIGIN_SHIFTS: [f64; 8] = [
 ];
 
 /// The direction of the shift: off the planes and axes of lattices, and of length at most 1 (0.98).
-pub const SHIFT_DIRECTION: [f64; 3] = [0.613, -0.365, 0.677];
+pub(crate) const SHIFT_DIRECTION: [f64; 3] = [0.613, -0.365, 0.677];
 
 /// Heights along a direction `n` that are within this times `|n|_1 L` of each other may be equal:
 /// three roundings of each of two dot products and of the direction itself.
-pub const PLATEAU: f64 = 16.0 * UNIT;
+pub(crate) const PLATEAU: f64 = 16.0 * UNIT;
 
 /// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are
 /// Euclidean, `t` the relative translation; a cross product errs by `2.5 u |a| |b|`, a product with
@@ -244,7 +245,7 @@ pub const PLATEAU: f64 = 16.0 * UNIT;
 /// for the translation with the origins of the bodies added to L; sums and products err by 10
 /// UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The largest violation ever seen of
 /// the bounds without their error term is 11 u L.
-pub const CERTIFICATE: f64 = 128.0;
+pub(crate) const CERTIFICATE: f64 = 128.0;
 
 /// Error of the displacement of a body between two poses, in units of its radius `r`, of the
 /// distance `|c|` of its ball's middle from its own origin, and of the distance of the origins
@@ -254,18 +255,18 @@ pub const CERTIFICATE: f64 = 128.0;
 /// sum by 4 u of their value, at most `2 (r + |c|)` and both `|t|`. Together at most `182 u r + 162
 /// u |c| + 113 u |t|`. Underflow: used only for sizes above [`NEAR`], whose share of the error is
 /// above `2^-345`; roots lose less than `2^-536`.
-pub const DISPLACEMENT: f64 = 256.0 * UNIT;
+pub(crate) const DISPLACEMENT: f64 = 256.0 * UNIT;
 
 /// Least extent (longest side of the bounding box) of a body, in the caller's unit: cubes of
 /// lengths, as volumes are, stay above the least f64.
-pub const EXTENT_MIN: f64 = 1e-100;
+pub(crate) const EXTENT_MIN: f64 = 1e-100;
 
 /// Largest extent of a body: cubes of lengths stay finite.
-pub const EXTENT_MAX: f64 = 1e100;
+pub(crate) const EXTENT_MAX: f64 = 1e100;
 
 /// Largest coordinate of a vertex: no body of an extent up to [`EXTENT_MAX`] has a larger
 /// coordinate and a neighbouring double within its extent; points have the equal limit.
-pub const PLACE_MAX: f64 = 1e116;
+pub(crate) const PLACE_MAX: f64 = 1e116;
 
 /// Bodies are stored with a radius from `2^-105` to `2^105`, scaled by a multiple of `2^210` if
 /// needed: most bodies are stored as given, and bodies of similar size share a unit.
@@ -290,7 +291,7 @@ pub(crate) const NORMAL_ERROR: f64 = 1.0625 * UNIT;
 /// Faces given by the caller may leave their plane by this times the diagonal of the body's box:
 /// the vertices of a polygon computed by a rotation and a shift err by a few UNIT each, and the
 /// plane through three vertices, extrapolated, by some tens.
-pub const PLANARITY: f64 = 64.0 * UNIT;
+pub(crate) const PLANARITY: f64 = 64.0 * UNIT;
 
 /// A point of the body exactly in the plane of a face satisfies `n . p >= offset - NEAR_PLANE
 /// radius` in rounded arithmetic: `n . p` errs by 4 UNIT radius at most, the tilt of the stored
@@ -310,7 +311,7 @@ pub(crate) const FAR_POINT: f64 = (1u64 << 60) as f64;
 /// nothing: a rounded sum is no less than its largest term, so either the 1-norm is longer than the
 /// length by what they lose, or the largest term is the length, up to `8 UNIT^2`. Sum: 11, and the
 /// second order.
-pub const EDGE_BOUND: f64 = 13.0 * UNIT;
+pub(crate) const EDGE_BOUND: f64 = 13.0 * UNIT;
 
 /// A pivot of a small system below this times its diagonal may be rounding alone: products and sums
 /// of up to four terms, and room. Not a matter of soundness.
@@ -320,7 +321,7 @@ pub(crate) const PIVOT: f64 = 4096.0 * UNIT;
 /// its middle: the matrix errs by at most 20 UNIT a row, a product with the matrix by 3 and the sum
 /// by 1. Underflow: cases P and S in stored units; in the caller's, a box is rounded outward to
 /// f32, whose least number is far above the loss.
-pub const BOX: f64 = 32.0 * UNIT;
+pub(crate) const BOX: f64 = 32.0 * UNIT;
 
 /// Outward rounding of a posed box about the box of a body, in units of the sum of the body's
 /// farthest coordinates and of the distance of its middle: the matrix errs by at most 20 UNIT a
@@ -331,31 +332,31 @@ pub(crate) const BOX_TURNED: f64 = 64.0 * UNIT;
 /// Outward rounding of a box found by a scan in f32, in units of the radius: one rounding of each
 /// coordinate and of the matrix, three of their products and sums, of numbers whose absolute sum is
 /// at most the radius.
-pub const BOX_SCANNED: f64 = 8.0 / 16_777_216.0;
+pub(crate) const BOX_SCANNED: f64 = 8.0 / 16_777_216.0;
 
 /// Columns of the broad phase: a mean box is taken for no smaller than this part of the world, so
 /// that spreads in units of the mean box stay finite if all boxes are points. Costs time only.
-pub const LEAST_MEAN: f64 = 1e-9;
+pub(crate) const LEAST_MEAN: f64 = 1e-9;
 
 /// Columns are no narrower than this: the quotient of the world and the width stays finite. Costs
 /// time only.
-pub const LEAST_WIDTH: f64 = 1e-30;
+pub(crate) const LEAST_WIDTH: f64 = 1e-30;
 
 /// The search for a width starts at no less than this part of the world, for boxes that are points.
 /// Costs time only.
-pub const LEAST_START: f64 = 1e-6;
+pub(crate) const LEAST_START: f64 = 1e-6;
 
 /// Relative excess of a step of an odometer. Poses may be off unit norm by [`POSE_UNIT`] in the
 /// square, so rotations are farther apart than their quaternions by half as much, to first order;
 /// the difference of two quaternions and the sums and roots of the difference err by some 8 UNIT,
 /// far less. Underflow: case G.
-pub const WAY: f64 = 2.0 * POSE_UNIT;
+pub(crate) const WAY: f64 = 2.0 * POSE_UNIT;
 
 /// More than a sum of three squares, or a product of two numbers, can lose below the normal numbers
 /// (2^-1072), by a factor of 2^82: added to squares of displacements before the root, so that no
 /// displacement vanishes, and to the side of a comparison of squares that must not win by the loss.
 /// Case G.
-pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
+pub(crate) const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
 
 /// Error of the posed centre `q c + t` of a body's ball: less than this times `|c|_1 + |t|_1`. The
 /// quaternion is divided by its length: 2.5 UNIT common to its coordinates, which turn and stretch
@@ -363,17 +364,17 @@ pub const LEAST_SQUARE: f64 = f64::MIN_POSITIVE * (1u64 << 32) as f64;
 /// [`CERTIFICATE`], 1): 14.5 UNIT. The product of quaternion and vector, two cross products and
 /// their sums, errs by 15.5 as a vector, and the last sum by 1: 31. No error if c is zero.
 /// Underflow: c is the centre of a body, so of `1e-100` or more against a loss of `2^-1073`.
-pub const CENTRE: f64 = 32.0 * UNIT;
+pub(crate) const CENTRE: f64 = 32.0 * UNIT;
 
 /// A sum of odometers, or the sum at which a pair wakes, has a relative error below this: one
 /// rounding for the sum of two odometers, one for a budget added, one for each later sum, and each
 /// odometer is rounded up at every step ([`WAY`] covers the step, 4 UNIT the sum). Eight cover
 /// them. Underflow: sums lose nothing, and each way is `2^-495` or more (case G).
-pub const ODOMETER: f64 = 8.0 * UNIT;
+pub(crate) const ODOMETER: f64 = 8.0 * UNIT;
 
 /// Coordinates, radii and ranges of a scene stay below this, so that boxes grown by a range stay
 /// below 1e38, the clamp of `f32` boxes, and no distance or odometer leaves f64.
-pub const SCENE_REACH: f64 = 1e37;
+pub(crate) const SCENE_REACH: f64 = 1e37;
 
 /// Factor that rounds up a length made by a root of three squares, or a sum or product of two
 /// numbers that are not negative: three squares and two sums err by 3 UNIT, half as much under the
@@ -431,12 +432,12 @@ pub(crate) const COLUMN_REACH: f32 = 1.000_01;
 /// s)` has three roundings and a dot that errs by 11 UNIT (see [`CERTIFICATE`]); the support point
 /// lies off the surface by as much relative to itself, and the normal there off `n` by 8 UNIT
 /// relative to each coordinate, which counts by its square.
-pub const INNER: f64 = 1.0 - 64.0 * UNIT;
+pub(crate) const INNER: f64 = 1.0 - 64.0 * UNIT;
 
 /// Bounds of a curved pair agree if apart by at most this times L before their error terms: the
 /// largest measured violation of either bound is 3.6 UNIT L, and a direction in f64 closes the
 /// bounds to a few UNIT L unless a core is flat or the direction is the direction of a rim.
-pub const AGREE_CURVED: f64 = 16.0 * UNIT;
+pub(crate) const AGREE_CURVED: f64 = 16.0 * UNIT;
 
 /// Witnesses of bodies apart are opposite each other if their vector is off the normal by at most
 /// this times L, `2^-31`: bounds that agree leave the square root of twice [`AGREE_CURVED`] times
@@ -452,7 +453,7 @@ pub(crate) const LN2_REST: f64 = 2.319_046_813_846_299_6e-17;
 
 /// A depth of curved cores without a proof by inner balls is searched to this times L, `2^-20`, in
 /// each bound.
-pub const DEPTH_GOAL: f64 = 1.0 / (1u64 << 20) as f64;
+pub(crate) const DEPTH_GOAL: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// The axis of B is at most this much farther off that of A than the matrix of the rotation says,
 /// as a chord of the unit circle. The matrix is off a rotation by 19 UNIT, and turns a vertex of B

@@ -69,7 +69,7 @@ pub struct Answer {
     /// Whether the bounds are no farther apart than was asked for: always true unless a geometry is
     /// a surface of patches. If false, the budget of splits was used up or is too small by far (see
     /// [`patch`](crate::patch)), or the width is below
-    /// [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size of the pair; the bounds hold
+    /// `2^-42` times the size of the pair; the bounds hold
     /// all the same.
     pub is_reached: bool,
 }

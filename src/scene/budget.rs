@@ -22,7 +22,7 @@
 //!
 //! At contact the budget of an overlap event is zero, so the pair is tested in every step in which
 //! one of the two bodies moves. Sums are rounded towards waking: an odometer is rounded up at each
-//! step, and a sleep ends early by [`ODOMETER`] times the odometers. Long displacements thus cost a
+//! step, and a sleep ends early by `ODOMETER` times the odometers. Long displacements thus cost a
 //! little sleep, but never an event.
 //!
 //! An effect that is not called for sets no threshold, so the fewer effects, the longer the sleep.

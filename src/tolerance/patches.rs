@@ -18,7 +18,7 @@ pub(crate) const WEIGHT_RATIO: f64 = 1.0 / (1u64 << 40) as f64;
 /// Error of a point at given parameters, times R. A step of de Casteljau, `(1 - t) a + t b`, has
 /// three roundings a term, and a patch of degrees up to 7 has up to 14 steps: 42 UNIT, doubled by
 /// the division: 84; the product of weight and coordinate, doubled, and the division: 3 more.
-pub const PATCH_POINT: f64 = 96.0 * UNIT;
+pub(crate) const PATCH_POINT: f64 = 96.0 * UNIT;
 
 /// Error of a control point of a node, times R, beside [`NET_STEP`]: the product of weight and
 /// coordinate, doubled, and the division 3 UNIT, and room.
@@ -109,7 +109,7 @@ pub(crate) const CARRIED: f64 = 256.0 * UNIT;
 /// errors of both bounds are about [`CERTIFICATE`](super::CERTIFICATE) UNIT L each, those of points
 /// 256 UNIT L at most, those of nodes split forty times as much, and those of second derivatives
 /// some 1,000 UNIT times the size of a node.
-pub const PATCH_LIMIT: f64 = 1.0 / (1u64 << 42) as f64;
+pub(crate) const PATCH_LIMIT: f64 = 1.0 / (1u64 << 42) as f64;
 
 /// Error of a first derivative of a patch, times its bound `3 d R omega` (`patch::crossing`): the
 /// differences of control points and up to 14 steps of three roundings are 45 UNIT, each of

@@ -7,14 +7,14 @@ use super::UNIT;
 /// each product and two additions, to first order `(1 + 1 + 2) UNIT`; 8 leaves room for a direction
 /// that is rounded itself, for the second order and for the rounding of the bound. Underflow: case
 /// D.
-pub const EDGE_SIGN: f64 = 8.0 * UNIT;
+pub(crate) const EDGE_SIGN: f64 = 8.0 * UNIT;
 
 /// The sign of `(n . e) (m . f) - (n . f) (m . e)` is certain above this times the sum of the
 /// products of the sums of the absolute terms: each dot errs by 5 UNIT as above, each product by
 /// two dots and one rounding more, the difference by one: 12; 16 leaves room. Underflow: an error
 /// of a rise is multiplied by another rise, so `LEAST_RISE` is multiplied by the sums too, and
 /// added once for the products.
-pub const STEEPER: f64 = 16.0 * UNIT;
+pub(crate) const STEEPER: f64 = 16.0 * UNIT;
 
 /// A rise below this is certain of no sign (case D). An exact direction that is rounded to f64 may
 /// be off by `2^-900` of its largest coordinate beside the roundings (`exact::integer::direction`).
@@ -34,21 +34,21 @@ pub(crate) const LEAST_RISE: f64 = f64::from_bits((1023 - 768) << 52);
 /// (128 UNIT times the origins), changes the determinant by no more than the product of this
 /// displacement with the triangle's normal `u x v`, whose own displacement is below twice D times
 /// the edges and D.
-pub const VOLUME: f64 = 512.0;
+pub(crate) const VOLUME: f64 = 512.0;
 
 /// A triangle `w0 w1 w2` of the Minkowski difference is certainly counter-clockwise from outside if
 /// every `n . w` exceeds this times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT,
 /// the cross product by 2.5 UNIT more, and the dot by 3. Taken off one `n . w`, with `|e1|^2 +
 /// |e2|^2` for the product, this bound leaves less than the `n . w` of any vertex, and room for the
 /// rounding of `|n|`.
-pub const ORIENTATION: f64 = 16.0 * UNIT;
+pub(crate) const ORIENTATION: f64 = 16.0 * UNIT;
 
 /// Whether a direction `v` of the other body's frame rises along a unit normal is uncertain below
 /// this times `|v|_1`: the direction is turned by a matrix that errs by 71 UNIT (see
 /// `CERTIFICATE`), by a product with the matrix that errs by 6 and two roundings; the product
 /// with the normal adds 3: 82 in all. Underflow: case S, and a direction too short to decide is
 /// uncertain.
-pub const EXACT_FILTER: f64 = 128.0 * UNIT;
+pub(crate) const EXACT_FILTER: f64 = 128.0 * UNIT;
 
 /// The signs of the weights of `n = u x w` over the faces adjacent to two edges, `w . n'` and `u' .
 /// n'` for face normals `n'` and the edges turned by a pose, are certain above this times the

@@ -199,12 +199,19 @@ fn edge_bound(x: &[f64]) -> f64 {
         let h = signs::rise(traced(*plane), traced(vertex)).0;
         (h.value + h.error).next_up()
     };
-    let planes = [(traced(left), settle(offset(&left))), (traced(right), settle(offset(&right)))];
+    let planes = [
+        (traced(left), settle(offset(&left))),
+        (traced(right), settle(offset(&right))),
+    ];
     let parts = signs::two_planes(traced(n), planes, weights.map(settle), settle(scale));
     let bound = signs::two_planes_bound(&parts, 0.0, settle(radius));
     let truth = signs::rise(traced(n), traced(vertex)).0;
     let short = (truth.value - bound.value) + truth.error;
-    if scale > 0.0 { short / (scale * (weights[0] + weights[1]) * radius) / UNIT } else { 0.0 }
+    if scale > 0.0 {
+        short / (scale * (weights[0] + weights[1]) * radius) / UNIT
+    } else {
+        0.0
+    }
 }
 
 fn number_dot(a: Vector<f64>, b: Vector<f64>) -> f64 {
@@ -319,7 +326,11 @@ fn of_double(result: [f64; 2], parts: &[f64]) -> f64 {
     let exact = |x: &f64| crate::rational::exact(*x);
     let truth = parts.iter().fold(crate::rational::RBig::ZERO, |s, x| s + exact(x));
     let off = exact(&result[0]) + exact(&result[1]) - &truth;
-    if truth.is_zero() { 0.0 } else { ((off / truth).to_f64().value() / (UNIT * UNIT)).abs() }
+    if truth.is_zero() {
+        0.0
+    } else {
+        ((off / truth).to_f64().value() / (UNIT * UNIT)).abs()
+    }
 }
 
 fn double_sum(x: &[f64]) -> f64 {
@@ -333,7 +344,6 @@ fn double_product(x: &[f64]) -> f64 {
     let parts: Vec<f64> = products.iter().flat_map(|(p, e)| [*p, *e]).collect();
     of_double(double::mul(a, b), &parts)
 }
-
 
 #[cfg(test)]
 mod tests {
