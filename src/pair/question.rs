@@ -21,7 +21,7 @@ pub struct Question {
     pub until: Until,
     /// How far the bounds of a pair with a surface of patches may be apart, a length in the
     /// caller's unit; `None` for `2^-30` of the size of the pair. A width that is no number, or
-    /// that is below [`PATCH_LIMIT`](crate::tolerance::PATCH_LIMIT) times the size L (the farthest
+    /// that is below `2^-42` times the size L (the farthest
     /// control points or points of both geometries from their origins, and the distance of the
     /// origins), is taken as that limit.
     pub width: Option<f64>,
