@@ -154,7 +154,7 @@ pub fn constants() -> Vec<(&'static str, f64)> {
     let mut all: Vec<(&'static str, f64)> = by!(unit,
         EDGE_SIGN STEEPER SIDE_ERROR ORIENTATION FOOT CELL HEIGHT EDGE_BOUND EXACT_FILTER BOX CENTRE PLACED_PIVOT
         PLACED_CENTRE BERNSTEIN ROOT PATCH_POINT KNOTS RAISED NET NET_STEP NET_CUT COEFFICIENT SLAB_HEIGHT TILT
-        NORMAL_ERROR);
+        NORMAL_ERROR BOX_TURNED DISPLACEMENT FLANK SLANT ARM_VALUE);
     all.extend(by!(1.0, VOLUME CERTIFICATE LEAST_RISE LEAST_SQUARE));
     all.extend(by!(unit * unit, UNIT_DOUBLE_DOUBLE));
     let raised = [("ROUND_UP", tolerance::ROUND_UP), ("RADIUS_UP", tolerance::RADIUS_UP)];
@@ -164,6 +164,6 @@ pub fn constants() -> Vec<(&'static str, f64)> {
         ("BOX_DISTANCE_DOWN", tolerance::BOX_DISTANCE_DOWN),
     ];
     all.extend(lowered.map(|(name, factor)| (name, (1.0 - factor) / unit)));
-    all.extend(by!(tolerance::UNIT_SINGLE, BOXES));
+    all.extend(by!(tolerance::UNIT_SINGLE, BOX_SCANNED BOXES));
     all
 }

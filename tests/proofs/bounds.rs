@@ -4,7 +4,7 @@ use lab::proofs::bounds::{self, Bound};
 use lin_canny::proofs::constants;
 
 /// What the constant, or its derivation, allows.
-fn allowed(bound: &Bound) -> f64 {
+pub(crate) fn allowed(bound: &Bound) -> f64 {
     let constant = constants().into_iter().find(|(name, _)| *name == bound.constant);
     let (_, constant) = constant.unwrap_or_else(|| panic!("no constant {}", bound.constant));
     bound.allowed.unwrap_or(constant)

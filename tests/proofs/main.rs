@@ -6,6 +6,8 @@
 #![cfg(feature = "proofs")]
 
 mod bounds;
+mod gappa;
 mod inputs;
+mod table;
 mod transcribed;
 mod underflow;

@@ -59,11 +59,11 @@ impl Climb {
     pub fn run(&self, seed: u64, tries: u64) -> (f64, Vec<f64>) {
         let mut rng = Rng::new(seed);
         let mut best = (0.0, vec![0.0; self.inputs]);
-        let mut at = (-1.0, Vec::new());
+        let mut at = (f64::NEG_INFINITY, Vec::new());
         let mut stale = 0;
         for _ in 0..tries {
             if stale > 400 || at.1.is_empty() {
-                at = (-1.0, (0..self.inputs).map(|_| any(&mut rng)).collect());
+                at = (f64::NEG_INFINITY, (0..self.inputs).map(|_| any(&mut rng)).collect());
                 stale = 0;
             }
             let next = moved(&at.1, &mut rng);
@@ -177,27 +177,38 @@ fn height(x: &[f64]) -> f64 {
 
 /// What the bound of the code without its error term is below the true one, in the term's weights.
 fn edge_bound(x: &[f64]) -> f64 {
-    let [n, left, right]: [Vector<f64>; 3] = [unit(x), unit(&x[3..]), unit(&x[6..])];
-    let right = if x[13] > 0.0 {
+    let [mut n, mut left, mut right]: [Vector<f64>; 3] = [unit(x), unit(&x[3..]), unit(&x[6..])];
+    if x[13] > 0.0 {
+        // A thin body.
         let thin = 2f64.powi((-30.0 * x[12].abs()) as i32);
-        unit(&[0, 1, 2].map(|k| thin * right[k] - left[k]))
-    } else {
-        right
-    };
+        right = unit(&[0, 1, 2].map(|k| thin * right[k] - left[k]));
+    }
+    if x[12] > 0.0 {
+        // The rest along an axis: its 1-norm is its length.
+        n = unit(&[0.0, n[1], n[2]]);
+        left = unit(&[left[0], n[1] * left[1].abs(), n[2] * left[1].abs()]);
+    }
     let weights = [x[9].abs(), if x[10] > 0.0 { x[10] } else { 0.0 }];
-    let dot = |a: &Vector<f64>, b: &Vector<f64>| number_dot(*a, *b);
     let m = [0, 1, 2].map(|k| left[k] * weights[0] + right[k] * weights[1]);
-    let scale = dot(&n, &n) / dot(&m, &n);
+    let scale = dot(n, n) / dot(m, n);
     let traced = |v: Vector<f64>| Traced::vector::<3>(&v);
     let settle = Traced::input;
     // A vertex along the rest, and offsets just above its heights.
     let rest = [0, 1, 2].map(|k| n[k] - m[k] * scale);
     let size = rest.iter().map(|x| x * x).sum::<f64>().sqrt();
     let vertex = rest.map(|r| r / size * (1.0 + x[11].abs()));
-    let radius = vertex.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let square = dot(traced(vertex), traced(vertex));
+    let near = square.truth().sqrt();
+    let excess = Traced::input(near) * Traced::input(near) - square;
+    let radius = if excess.truth() < 0.0 { near.next_up() } else { near };
     let offset = |plane: &Vector<f64>| {
         let h = signs::rise(traced(*plane), traced(vertex)).0;
-        (h.value + h.error).next_up()
+        let near = h.truth();
+        if (h.value - near) + h.error > 0.0 {
+            near.next_up()
+        } else {
+            near
+        }
     };
     let planes = [
         (traced(left), settle(offset(&left))),
@@ -212,10 +223,6 @@ fn edge_bound(x: &[f64]) -> f64 {
     } else {
         0.0
     }
-}
-
-fn number_dot(a: Vector<f64>, b: Vector<f64>) -> f64 {
-    dot(a, b)
 }
 
 fn quaternion(x: &[f64]) -> f64 {

@@ -9,7 +9,7 @@ mod signs;
 
 pub use poses::{product as turned_by_matrix, rotation};
 
-use super::majorant::{rounding, unit};
+use super::majorant::{SINGLE, rounding, unit, unit_of};
 use super::norm::root_above;
 use super::polynomial::Polynomial;
 use dashu::rational::RBig;
@@ -29,6 +29,14 @@ pub struct Bound {
 }
 
 impl Bound {
+    /// All of a constant of single precision.
+    fn single(constant: &'static str, kernel: &'static str, error: RBig) -> Self {
+        Self {
+            proved: error / unit_of(SINGLE),
+            ..Self::whole(constant, kernel, RBig::ZERO)
+        }
+    }
+
     /// All of a constant.
     fn whole(constant: &'static str, kernel: &'static str, error: RBig) -> Self {
         Self {

@@ -10,6 +10,7 @@ pub(super) fn bounds() -> Vec<Bound> {
     vec![
         Bound::whole("PLACED_CENTRE", "motion::steady::pose", pivot()),
         Bound::whole("BERNSTEIN", "separation::bernstein::rest", cuts()),
+        Bound::whole("ARM_VALUE", "plan", between()),
         Bound::whole("ROOT", "separation::bernstein::crossing", crossing()).part("one crossing", 8.0),
     ]
 }
@@ -33,6 +34,12 @@ fn cuts() -> RBig {
         c = places::rest(c, x, y);
     }
     c.map(Majorant::relative).into_iter().max().expect("four coefficients")
+}
+
+/// A value between two, at a time up to one, over the greater of the two.
+fn between() -> RBig {
+    let (a, b) = (exactly('a'), exactly('b'));
+    (a + (b - a) * exactly('t')).error().at(|_| RBig::ONE)
 }
 
 /// `(i + k p / (p - q)) / 3` of coefficients of either sign, with p not negative and q negative.

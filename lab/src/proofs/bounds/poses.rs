@@ -2,10 +2,10 @@
 
 use super::{Bound, once, root, units};
 use crate::proofs::factor::{Factor, Positive};
-use crate::proofs::kernels::{poses, signs};
-use crate::proofs::majorant::{Majorant, power, unit};
+use crate::proofs::kernels::poses;
+use crate::proofs::majorant::{Majorant, SINGLE, power, rounding, unit};
 use crate::proofs::norm::length;
-use crate::proofs::number::{Number, Vector, named, sum};
+use crate::proofs::number::{Number, Vector, cross, dot, named, sum};
 use crate::proofs::polynomial::{Polynomial, Symbol};
 use crate::rational::exact;
 use dashu::rational::RBig;
@@ -54,6 +54,11 @@ pub(super) fn bounds() -> Vec<Bound> {
             "scene::ball::at",
             exact(4.0) * units(2.51) + root(20) * unit() + turned() + unit(),
         ),
+        whole("BOX_TURNED", "polyhedron::bounds", boxed() + units(24.0)),
+        Bound::single("BOX_SCANNED", "polyhedron::bounds::Scan", scanned()),
+        whole("DISPLACEMENT", "motion::way", displacement_by_radius()).part("per radius", 256.0),
+        whole("DISPLACEMENT", "motion::way", displacement_by_middle()).part("per middle", 256.0),
+        whole("DISPLACEMENT", "motion::way", displacement_by_distance()).part("per distance", 256.0),
         whole("SLAB_HEIGHT", "composite::placed", along_axis()),
         whole("TILT", "separation::plane", tilt()),
     ]
@@ -153,9 +158,33 @@ fn boxed() -> RBig {
     RBig::from(2) * units(4.01) + entries() + product() + units(2.0)
 }
 
+/// A row of a matrix and a vertex, both rounded to single precision, relative to the absolute terms, which sum up to no
+/// more than the radius; the matrix in double precision is off by far less than a tenth of a rounding.
+fn scanned() -> RBig {
+    let off = rounding(SINGLE);
+    let vector = |c| [0, 1, 2].map(|k| Majorant::input_in(SINGLE, c, k, &off));
+    dot(vector('m'), vector('v')).relative() + units(64.0)
+}
+
+/// The difference of two rotations by the Frobenius norm, over the root of two; norms and sums err by four of twice
+/// the value.
+fn displacement_by_radius() -> RBig {
+    root(6) * rotation() + units(8.0)
+}
+
+/// A posed middle at each of two poses.
+fn displacement_by_middle() -> RBig {
+    RBig::from(2) * (rotation() + product() + unit()) + units(8.0)
+}
+
+/// The distance of the origins at one of the poses.
+fn displacement_by_distance() -> RBig {
+    rotation() + product() + translation() + units(6.0)
+}
+
 /// A height along a rounded axis that may be longer than one by four roundings, and twice that: a point of three.
 fn along_axis() -> RBig {
-    let height = crate::proofs::number::dot(exactly('n'), exactly('p'));
+    let height = dot(exactly('n'), exactly('p'));
     let longer = RBig::ONE + units(4.0);
     length(&[height.error()], &[]) * &longer + units(4.0) + power(-100)
 }
@@ -164,7 +193,6 @@ fn along_axis() -> RBig {
 fn tilt() -> RBig {
     let difference = sum(exactly('w'), exactly('v'));
     let difference = named('d', difference);
-    let c: Vector<Majorant> = named('c', crate::proofs::number::cross(exactly('n'), difference));
-    let _ = signs::rise::<f64>;
+    let c: Vector<Majorant> = named('c', cross(exactly('n'), difference));
     size(&c, &[('w', RBig::ONE), ('v', RBig::ONE)]) + units(4.0)
 }

@@ -2,10 +2,11 @@
 
 use super::poses::{product, rotation};
 use super::{Bound, once, terms, units};
+use crate::proofs::factor::{Factor, Positive};
 use crate::proofs::kernels::signs;
 use crate::proofs::majorant::{Majorant, unit};
 use crate::proofs::norm::length;
-use crate::proofs::number::{Number, Vector, dot};
+use crate::proofs::number::{Number, Vector, cross, dot, named};
 use crate::proofs::polynomial::{Polynomial, Symbol};
 use dashu::rational::RBig;
 
@@ -18,7 +19,15 @@ pub(super) fn bounds() -> Vec<Bound> {
     let mut all = vec![edge_sign(), steeper(), side_error(), orientation()];
     all.extend(volume());
     all.extend(foot());
-    all.extend([cell(), height(), edge_bound(), exact_filter()]);
+    all.extend([
+        cell(),
+        height(),
+        edge_bound(),
+        exact_filter(),
+        flank_on_a(),
+        flank_on_b(),
+        slant(),
+    ]);
     all
 }
 
@@ -158,4 +167,46 @@ fn exact_filter() -> Bound {
     let height = dot(exactly('n'), exactly('v'));
     let error = edge + length(&[height.error()], &[]) + normal_error();
     Bound::whole("EXACT_FILTER", "depth::exhaustive::may_be_perpendicular", error)
+}
+
+/// Relative to the turned edge: the edge, its product with the normal, which errs by as much as it is off, the cross
+/// product, once more if it is made perpendicular, and the dot.
+fn flank_on_a() -> Bound {
+    let w = cross_product() + units(4.0);
+    let along = length(&[dot(exactly('n'), exactly('v')).error()], &[]);
+    let error = RBig::from(2) * unit() + w + along + normal_error();
+    Bound::whole("FLANK", "pair::star::falls_into_both_faces", error).part("on A", 13.0)
+}
+
+/// A matrix that is off by `rotation` turns a cross product into that of the turned vectors within three times as much,
+/// and keeps a right angle within twice.
+fn flank_on_b() -> Bound {
+    let edges = RBig::from(2) * (product() + unit());
+    let along = length(&[dot(exactly('n'), exactly('v')).error()], &[]);
+    let second_order = units(1.0);
+    let error = RBig::from(5) * rotation() + edges + cross_product() + units(4.0) + along + normal_error();
+    Bound::whole("FLANK", "pair::star::falls_into_both_faces", error + second_order).part("on B", 512.0)
+}
+
+/// A cross product of vectors of length one.
+fn cross_product() -> RBig {
+    let c = named('c', cross(exactly('u'), exactly('v')));
+    length(&c.each_ref().map(|x| x.error()), &[])
+}
+
+/// Two slants `(g . u)^2 / u^2` and their difference, for `|g| <= 3/4`; a coordinate of u has two roundings.
+fn slant() -> Bound {
+    let g = RBig::from_parts(3.into(), 4u8.into());
+    let two = (RBig::ONE + once()).pow(2) - RBig::ONE;
+    let height = dot(exactly('g'), held('u', &two));
+    let off = length(&[height.error()], &[('g', g.clone())]);
+    let square = &g * &g;
+    let coordinate = || Factor::off(&two).squared();
+    let norm = coordinate() + coordinate() + coordinate();
+    // What is relative to the slant: the square's own rounding, the norm and the quotient.
+    let relative = (Factor::off(&once()) / norm).error();
+    let above = RBig::from(2) * &g * &off + &off * &off;
+    let one = above * (RBig::ONE + &relative) + &square * relative;
+    let error = RBig::from(2) * one + square * once();
+    Bound::whole("SLANT", "polyhedron::flat", error)
 }

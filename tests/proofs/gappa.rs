@@ -1,0 +1,71 @@
+//! The scripts of `lab/proofs`: roots, quotients and chains of scalars once more, by another prover (Gappa, Daumas and
+//! Melquiond 2010).
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+fn scripts() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("lab/proofs");
+    let entries = std::fs::read_dir(folder).expect("lab/proofs is there");
+    let mut paths: Vec<PathBuf> = entries.map(|e| e.expect("an entry").path()).collect();
+    paths.retain(|p| p.extension().is_some_and(|e| e == "gappa"));
+    paths.sort();
+    paths
+}
+
+fn text(path: &Path) -> String {
+    std::fs::read_to_string(path).expect("text")
+}
+
+/// The definition of a constant as the source writes it.
+fn definition(name: &str) -> Option<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let files = [
+        "tolerance.rs",
+        "tolerance/motions.rs",
+        "tolerance/patches.rs",
+        "tolerance/signs.rs",
+    ];
+    let start = format!("const {name}: f64 = ");
+    files.iter().find_map(|file| {
+        let source = text(&root.join(file));
+        let (_, rest) = source.split_once(&start)?;
+        Some(rest.split(';').next()?.to_owned())
+    })
+}
+
+#[test]
+fn scripts_speak_of_the_source() {
+    let mut constants = 0;
+    for path in scripts() {
+        let script = text(&path);
+        for line in script.lines().filter_map(|l| l.strip_prefix("# constant: ")) {
+            let (name, value) = line.split_once(" = ").expect("a name and a value");
+            assert_eq!(definition(name).as_deref(), Some(value), "{}: {name}", path.display());
+            constants += 1;
+        }
+        for line in script.lines().filter_map(|l| l.strip_prefix("# code: ")) {
+            let (file, function) = line.split_once(' ').expect("a file and a function");
+            let code = text(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file));
+            assert!(code.contains(&format!("fn {function}")), "{}: {line}", path.display());
+        }
+    }
+    assert!(constants >= 6, "only {constants} constants");
+}
+
+#[test]
+fn scripts_are_proved_where_gappa_is_installed() {
+    if Command::new("gappa").arg("--version").output().is_err() {
+        println!("gappa is not installed: {} scripts are not run", scripts().len());
+        return;
+    }
+    for path in scripts() {
+        let run = Command::new("gappa").arg(&path).output().expect("gappa runs");
+        assert!(
+            run.status.success(),
+            "{}: {}",
+            path.display(),
+            String::from_utf8_lossy(&run.stderr)
+        );
+    }
+}

@@ -1,0 +1,203 @@
+//! The table of constants in the documentation of `tolerance`, and a word for every constant.
+
+use super::bounds::allowed;
+use lab::proofs::bounds::{self, Bound};
+use lab::proofs::climb;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+/// Tries of the search for large errors, of each kernel.
+const TRIES: u64 = 20_000;
+
+/// Set to a number of tries: prints what a longer search finds.
+const LONGER: &str = "LIN_CANNY_CLIMB";
+
+/// Set to anything: the table is written instead of compared.
+const WRITE: &str = "LIN_CANNY_WRITE";
+
+/// Constants that no bound rests on: another value changes the time of a query, or which of two right answers is told.
+const STEERS: &[&str] = &[
+    "ACROSS",
+    "AGREE_WITNESS",
+    "ALMOST_FLAT",
+    "ASIDE",
+    "COPLANAR",
+    "DEPTH_GOAL",
+    "DIFFERENCE",
+    "DIRECTION",
+    "DISC_MOST",
+    "LEAST_MEAN",
+    "LEAST_START",
+    "LEAST_WIDTH",
+    "NEARLY_PARALLEL",
+    "ON_BOUNDARY",
+    "ORIGIN_SHIFTS",
+    "PARALLEL",
+    "PATCH_LIMIT",
+    "PIVOT",
+    "PLATEAU",
+    "SEAM",
+    "SHIFT_DIRECTION",
+    "SPECK",
+    "STAY",
+    "STEEP",
+    "TIP",
+    "UNIT_LENGTH",
+    "WITNESS_CHECK",
+];
+
+/// Limits of what is accepted, units, and widths that are asked for: no roundings are counted.
+const LIMITS: &[&str] = &[
+    "AGREE",
+    "AGREE_CURVED",
+    "AGREE_DEPTH",
+    "EXPONENT_FREE",
+    "EXTENT_MAX",
+    "EXTENT_MIN",
+    "FAR",
+    "FAR_POINT",
+    "FLUSH_EXPONENT",
+    "LN2_REST",
+    "NEAR",
+    "PATCH_MAX",
+    "PLACE_MAX",
+    "PLANARITY",
+    "POSE_UNIT",
+    "REACH",
+    "SCENE_REACH",
+    "SHORT_OF",
+    "SLOPE",
+    "SMALL_PAIR",
+    "SQUARE_MIN",
+    "UNIT",
+    "UNIT_SINGLE",
+    "WEIGHT_RATIO",
+];
+
+/// Constants whose derivation is prose alone.
+const PROSE: &[&str] = &[
+    "ARM_PLACE",
+    "ARM_TURN",
+    "BALLS",
+    "BENT",
+    "BENT_POSE",
+    "BOXES",
+    "BOX_EXTENT",
+    "CARRIED",
+    "COLUMN_MOVE",
+    "COLUMN_REACH",
+    "COLUMN_SEARCH",
+    "COLUMN_SUM",
+    "CROSS_CANCELLED",
+    "CURVATURE",
+    "DISC",
+    "INNER",
+    "NEAR_PLANE",
+    "NORMALISED",
+    "NORMAL_ERROR",
+    "ODOMETER",
+    "PARALLEL_AXES",
+    "PATCH_SLOPE",
+    "PLANE",
+    "PLANE_OFFSET",
+    "REGION",
+    "SHAPE_POINT",
+    "SURFACE_POINT",
+    "TAYLOR",
+    "TICK",
+    "TURN",
+    "WAY",
+];
+
+/// Constants whose bound is a matter of underflow, see `underflow`.
+const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];
+
+fn source(path: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(path)
+}
+
+/// The names of all constants.
+fn names() -> Vec<String> {
+    let files = [
+        "tolerance.rs",
+        "tolerance/motions.rs",
+        "tolerance/patches.rs",
+        "tolerance/signs.rs",
+    ];
+    let mut names = Vec::new();
+    for file in files {
+        let text = std::fs::read_to_string(source(file)).expect("the source is text");
+        let of_line = |line: &str| {
+            let (_, rest) = line.split_once("const ")?;
+            let is_code = line.starts_with("pub");
+            is_code.then(|| rest.split(':').next().unwrap_or("").to_owned())
+        };
+        names.extend(text.lines().filter_map(of_line));
+    }
+    names
+}
+
+#[test]
+fn every_constant_is_proved_or_named() {
+    let proved = bounds::all();
+    for name in names() {
+        let lists = [STEERS, LIMITS, PROSE, UNDERFLOW].map(|list| usize::from(list.contains(&&name[..])));
+        let count = lists.iter().sum::<usize>() + usize::from(proved.iter().any(|b| b.constant == name));
+        assert_eq!(count, 1, "{name} stands in {count} lists");
+    }
+    let known = names();
+    let gone = [STEERS, LIMITS, PROSE, UNDERFLOW].concat();
+    let gone: Vec<_> = gone.iter().filter(|n| !known.contains(&(**n).to_owned())).collect();
+    assert!(gone.is_empty(), "no constants: {gone:?}");
+}
+
+/// The largest error that the search finds, in the constant's roundings.
+fn observed(constant: &str, part: &str, tries: u64) -> Option<f64> {
+    let climb = climb::ALL.iter().find(|c| c.constant == constant && c.part == part)?;
+    Some(climb.run(1, tries).0)
+}
+
+fn table(tries: u64) -> String {
+    let mut text = String::from("| constant | part | allowed | proved | found |\n|---|---|---|---|---|\n");
+    let mut row = |name: &str, part: &str, [allowed, proved, found]: [Option<f64>; 3]| {
+        let number = |x: Option<f64>, digits: usize| x.map_or(String::new(), |x| format!("{x:.digits$}"));
+        let (proved, found) = (number(proved.map(|x| (x * 100.0).ceil() / 100.0), 2), number(found, 1));
+        let allowed = allowed.map_or(String::new(), |x| format!("{}", (x * 1e3).round() / 1e3));
+        writeln!(text, "| `{name}` | {part} | {allowed} | {proved} | {found} |").expect("text grows");
+    };
+    for bound in bounds::all() {
+        let Bound { constant, part, .. } = bound;
+        let (allowed, proved) = (allowed(&bound), bound.proved.to_f64().value());
+        let found = observed(constant, part, tries);
+        if let Some(found) = found {
+            assert!(found <= proved, "{constant} {part}: {found} found, {proved} proved");
+            assert!(tries < TRIES || found > 0.0, "{constant} {part}: nothing found");
+        }
+        row(constant, part, [Some(allowed), Some(proved), found]);
+    }
+    let sum = observed("UNIT_DOUBLE_DOUBLE", "sum", tries);
+    row(
+        "UNIT_DOUBLE_DOUBLE",
+        "sum, by Muller and Rideau 2022",
+        [Some(10.0), None, sum],
+    );
+    let list = |names: &[&str]| names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
+    write!(text, "\nUnderflow by machine: {}.\n", list(UNDERFLOW)).expect("text grows");
+    write!(text, "\nBy prose alone: {}.\n", list(PROSE)).expect("text grows");
+    write!(text, "\nLimits and widths, without roundings: {}.\n", list(LIMITS)).expect("text grows");
+    write!(text, "\nConstants that only steer work: {}.\n", list(STEERS)).expect("text grows");
+    text
+}
+
+#[test]
+fn the_table_is_that_of_the_documentation() {
+    if let Ok(tries) = std::env::var(LONGER) {
+        println!("{}", table(tries.parse().expect("a number of tries")));
+    }
+    let (text, path) = (table(TRIES), source("tolerance/proved.md"));
+    if std::env::var(WRITE).is_ok() {
+        std::fs::write(&path, &text).expect("the table is written");
+    }
+    let told = std::fs::read_to_string(&path).expect("the table is text");
+    assert!(told == text, "set {WRITE} to write the table anew:\n{text}");
+}
