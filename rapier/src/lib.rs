@@ -15,7 +15,7 @@
 //! let mut simulation = Simulation::new(effects, Settings { size: 0.02, ..Settings::default() })?;
 //! let table = Hull::new(solids::cuboid(Vector3::new(1.0, 0.1, 1.0))?);
 //! simulation.insert(&table, Body::fixed(Isometry3::translation(0.0, -0.1, 0.0)))?;
-//! let coin = Hull::new(solids::prism(32, 0.01, 0.001)?);
+//! let coin = Hull::new(solids::prism(32, 0.001, 0.01)?);
 //! let lying = Isometry3::rotation(Vector3::x() * std::f64::consts::FRAC_PI_2);
 //! let pose = Isometry3::translation(0.0, 0.001, 0.0) * lying;
 //! let id = simulation.insert(&coin, Body::moving(pose, 8000.0))?;
