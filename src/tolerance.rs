@@ -50,6 +50,21 @@
 //! | `PATCH_SLOPE`: determinants of three derivatives | 3; entries of the inverse 2 over 3 | `2^744` | a determinant of zero proves nothing |
 //!
 //! A comparison of a higher degree is rearranged, as a quotient or a root, before it is made.
+//!
+//! # What is proved by machine
+//!
+//! The kernels are transcribed once more in `lab/src/proofs`, over any kind of number. With f64 a
+//! transcription agrees with the crate bit for bit; with polynomials of errors in exact rationals
+//! it yields a bound for all inputs, told below beside what the constant, or a part of its
+//! derivation, allows, and the largest error that a search of some seconds finds. All are in
+//! roundings of the format: `UNIT`, `UNIT_SINGLE` or the square of `UNIT`. `tests/proofs`
+//! compares all of it with the code, and proves the cases S, P, D and G for signs, volumes,
+//! heights, poses and squares. The underflow of `ORIENTATION`, `FOOT`, curved shapes and
+//! patches, and case U, are prose. So are three lemmas: what an error of a quaternion does to its
+//! matrix (step 1 of `CERTIFICATE`), how its steps 5 and 6 add up, and how the parts of a bound
+//! that are told "per" something do.
+//!
+#![doc = include_str!("tolerance/proved.md")]
 
 mod motions;
 mod patches;
@@ -99,7 +114,7 @@ pub(crate) const NEAR: f64 = f64::from_bits((1023 - 300) << 52);
 pub(crate) const DIFFERENCE: f64 = 8.0 * UNIT;
 
 /// Noise, times L, of a height along a direction of unit length that is not a difference of points
-/// (a face normal, an edge turned by a pose).
+/// (a face normal, an edge turned by a pose). Not a matter of soundness.
 pub(crate) const DIRECTION: f64 = 16.0 * UNIT;
 
 /// A point over the plane of a face has its foot in the face if the point is inside every side
@@ -118,7 +133,7 @@ pub(crate) const ON_BOUNDARY: f64 = 16.0 * UNIT;
 pub(crate) const NEARLY_PARALLEL: f64 = 1.0 / 16.0;
 
 /// Two edges with a squared sine below this are taken as parallel: the cross product is rounding
-/// alone.
+/// alone. Not a matter of soundness.
 pub(crate) const PARALLEL: f64 = 256.0 * UNIT * UNIT;
 
 /// The walk's answer is accepted if witnesses and supporting planes agree within this times L: the

@@ -18,27 +18,17 @@ const WRITE: &str = "LIN_CANNY_WRITE";
 /// Constants that no bound rests on: another value changes the time of a query, or which of two right answers is told.
 const STEERS: &[&str] = &[
     "ACROSS",
-    "AGREE_WITNESS",
     "ALMOST_FLAT",
     "ASIDE",
-    "COPLANAR",
-    "DEPTH_GOAL",
     "DIFFERENCE",
     "DIRECTION",
-    "DISC_MOST",
     "LEAST_MEAN",
     "LEAST_START",
     "LEAST_WIDTH",
-    "NEARLY_PARALLEL",
     "ON_BOUNDARY",
-    "ORIGIN_SHIFTS",
     "PARALLEL",
-    "PATCH_LIMIT",
     "PIVOT",
-    "PLATEAU",
     "SEAM",
-    "SHIFT_DIRECTION",
-    "SPECK",
     "STAY",
     "STEEP",
     "TIP",
@@ -46,11 +36,14 @@ const STEERS: &[&str] = &[
     "WITNESS_CHECK",
 ];
 
-/// Limits of what is accepted, units, and widths that are asked for: no roundings are counted.
+/// Limits of what is accepted, units, widths that are asked for, and premises of derivations: no roundings are counted.
 const LIMITS: &[&str] = &[
     "AGREE",
     "AGREE_CURVED",
     "AGREE_DEPTH",
+    "AGREE_WITNESS",
+    "DEPTH_GOAL",
+    "DISC_MOST",
     "EXPONENT_FREE",
     "EXTENT_MAX",
     "EXTENT_MIN",
@@ -59,12 +52,16 @@ const LIMITS: &[&str] = &[
     "FLUSH_EXPONENT",
     "LN2_REST",
     "NEAR",
+    "NEARLY_PARALLEL",
+    "ORIGIN_SHIFTS",
+    "PATCH_LIMIT",
     "PATCH_MAX",
     "PLACE_MAX",
     "PLANARITY",
     "POSE_UNIT",
     "REACH",
     "SCENE_REACH",
+    "SHIFT_DIRECTION",
     "SHORT_OF",
     "SLOPE",
     "SMALL_PAIR",
@@ -88,6 +85,7 @@ const PROSE: &[&str] = &[
     "COLUMN_REACH",
     "COLUMN_SEARCH",
     "COLUMN_SUM",
+    "COPLANAR",
     "CROSS_CANCELLED",
     "CURVATURE",
     "DISC",
@@ -100,8 +98,10 @@ const PROSE: &[&str] = &[
     "PATCH_SLOPE",
     "PLANE",
     "PLANE_OFFSET",
+    "PLATEAU",
     "REGION",
     "SHAPE_POINT",
+    "SPECK",
     "SURFACE_POINT",
     "TAYLOR",
     "TICK",
@@ -151,6 +151,41 @@ fn every_constant_is_proved_or_named() {
     assert!(gone.is_empty(), "no constants: {gone:?}");
 }
 
+/// The documentation of a constant.
+fn documentation(name: &str) -> String {
+    let files = [
+        "tolerance.rs",
+        "tolerance/motions.rs",
+        "tolerance/patches.rs",
+        "tolerance/signs.rs",
+    ];
+    let text = files.map(|file| std::fs::read_to_string(source(file)).expect("the source is text"));
+    let text = text.concat();
+    let (before, _) = text.split_once(&format!("const {name}:")).expect("a constant");
+    let lines: Vec<&str> = before
+        .lines()
+        .rev()
+        .skip(1)
+        .take_while(|l| l.starts_with("//"))
+        .collect();
+    let words = lines.iter().rev().map(|l| l.trim_start_matches('/').trim());
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// A constant that only steers work says so.
+#[test]
+fn what_steers_says_so() {
+    let words = [
+        "ot a matter of soundness",
+        "teers",
+        "osts time only",
+        "o bound of an answer",
+    ];
+    let silent = |name: &&&str| !words.iter().any(|w| documentation(name).contains(w));
+    let silent: Vec<_> = STEERS.iter().filter(silent).collect();
+    assert!(silent.is_empty(), "{silent:?} do not say that they steer");
+}
+
 /// The largest error that the search finds, in the constant's roundings.
 fn observed(constant: &str, part: &str, tries: u64) -> Option<f64> {
     let climb = climb::ALL.iter().find(|c| c.constant == constant && c.part == part)?;
@@ -184,7 +219,12 @@ fn table(tries: u64) -> String {
     let list = |names: &[&str]| names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
     write!(text, "\nUnderflow by machine: {}.\n", list(UNDERFLOW)).expect("text grows");
     write!(text, "\nBy prose alone: {}.\n", list(PROSE)).expect("text grows");
-    write!(text, "\nLimits and widths, without roundings: {}.\n", list(LIMITS)).expect("text grows");
+    write!(
+        text,
+        "\nLimits, widths and premises, without roundings: {}.\n",
+        list(LIMITS)
+    )
+    .expect("text grows");
     write!(text, "\nConstants that only steer work: {}.\n", list(STEERS)).expect("text grows");
     text
 }
