@@ -125,7 +125,10 @@ impl FileError {
     pub(crate) fn read(file: &Path) -> Result<String, Self> {
         let bytes = std::fs::read(file).map_err(|e| Self::new(file, None, "", FileProblem::Read(e)))?;
         String::from_utf8(bytes).map_err(|e| {
-            let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count();
+            let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()]
+                .iter()
+                .filter(|b| **b == b'\n')
+                .count();
             let reason = FileProblem::Malformed("not UTF-8".into());
             Self::new(file, Some(line as u32), "", reason)
         })

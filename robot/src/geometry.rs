@@ -40,10 +40,7 @@ impl MeshOptions {
     /// Returns options by which all meshes are taken one way.
     #[must_use]
     pub fn new(all: MeshUse) -> Self {
-        Self {
-            all,
-            ..Self::default()
-        }
+        Self { all, ..Self::default() }
     }
 
     pub(crate) fn of(&self, link: &str) -> MeshUse {
@@ -52,8 +49,7 @@ impl MeshOptions {
 }
 
 /// A solid about its origin, with its axis along z.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize)]
-#[serde(rename_all = "lowercase", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Solid {
     Box { size: [f64; 3] },
     Cylinder { radius: f64, length: f64 },
@@ -133,7 +129,10 @@ pub(crate) fn of_mesh(
             };
             let beside = folder.join(file.file_stem().unwrap_or_default()).with_extension("obj");
             if !beside.is_file() {
-                return Err(FileProblem::Missing(format!("the file {} of the convex pieces", beside.display())));
+                return Err(FileProblem::Missing(format!(
+                    "the file {} of the convex pieces",
+                    beside.display()
+                )));
             }
             let composite = pieces(&beside, scale).map_err(|e| of_file(&beside, e))?;
             Ok((Geometry::from(composite), None))

@@ -78,7 +78,15 @@ fn obj(file: &Path) -> Result<Vec<Soup>, String> {
     let (models, _) = tobj::load_obj_buf(&mut BufReader::new(text), &options, no_materials)
         .map_err(|e| format!("malformed OBJ: {e}"))?;
     let soup = |model: tobj::Model| Soup {
-        points: model.mesh.positions.as_chunks::<3>().0.iter().copied().map(Point3::from).collect(),
+        points: model
+            .mesh
+            .positions
+            .as_chunks::<3>()
+            .0
+            .iter()
+            .copied()
+            .map(Point3::from)
+            .collect(),
         triangles: model.mesh.indices.as_chunks::<3>().0.to_vec(),
     };
     Ok(models.into_iter().map(soup).collect())

@@ -25,7 +25,8 @@ impl Packages {
     #[must_use]
     pub fn with_environment(mut self) -> Self {
         if let Some(path) = std::env::var_os("ROS_PACKAGE_PATH") {
-            self.folders.extend(std::env::split_paths(&path).filter(|p| !p.as_os_str().is_empty()));
+            self.folders
+                .extend(std::env::split_paths(&path).filter(|p| !p.as_os_str().is_empty()));
         }
         self
     }
@@ -36,7 +37,11 @@ impl Packages {
         let Some(inside) = name.strip_prefix("package://") else {
             let file = folder.join(name.strip_prefix("file://").unwrap_or(name));
             let is_there = file.is_file();
-            return if is_there { Ok(file) } else { Err(missing(format!("mesh {}", file.display()))) };
+            return if is_there {
+                Ok(file)
+            } else {
+                Err(missing(format!("mesh {}", file.display())))
+            };
         };
         let (package, rest) = inside.split_once('/').unwrap_or((inside, ""));
         let places = self.folders.iter().map(PathBuf::as_path).chain(folder.ancestors());

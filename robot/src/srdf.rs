@@ -64,7 +64,10 @@ impl Srdf {
         for pair in &self.ignored {
             let [a, b] = pair.links.each_ref().map(|name| escaped(name));
             let reason = escaped(&pair.reason);
-            let _ = writeln!(text, "  <disable_collisions link1=\"{a}\" link2=\"{b}\" reason=\"{reason}\"/>");
+            let _ = writeln!(
+                text,
+                "  <disable_collisions link1=\"{a}\" link2=\"{b}\" reason=\"{reason}\"/>"
+            );
         }
         text.push_str("</robot>\n");
         text

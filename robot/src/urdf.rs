@@ -22,12 +22,7 @@ struct Reader<'a> {
     options: &'a LoadOptions,
 }
 
-pub(crate) fn parse(
-    path: &Path,
-    text: &str,
-    packages: &Packages,
-    options: &LoadOptions,
-) -> Result<Robot, FileError> {
+pub(crate) fn parse(path: &Path, text: &str, packages: &Packages, options: &LoadOptions) -> Result<Robot, FileError> {
     let xml = Xml::parse(path, text, "robot")?;
     xml.check_urdf()?;
     let model = urdf_rs::read_from_string(text)
@@ -144,7 +139,11 @@ impl Reader<'_> {
             }
             coordinates.extend(kind.parts().iter().map(|part| Coordinate {
                 name: format!("{}/{part}", joint.name),
-                limits: if part.len() == 1 { self.options.room } else { self.options.turns },
+                limits: if part.len() == 1 {
+                    self.options.room
+                } else {
+                    self.options.turns
+                },
             }));
         }
         for k in 0..joints.len() {
@@ -260,10 +259,18 @@ impl Reader<'_> {
     }
 
     fn link(&self, name: &str) -> Result<RobotLink, FileError> {
-        let collisions = self.model.links.iter().filter(|l| l.name == name).flat_map(|l| &l.collision);
+        let collisions = self
+            .model
+            .links
+            .iter()
+            .filter(|l| l.name == name)
+            .flat_map(|l| &l.collision);
         let bodies: Result<Vec<LinkBody>, FileError> = collisions
             .enumerate()
-            .map(|(k, collision)| self.body(name, collision).map_err(|reason| self.wrong_collision(name, k, reason)))
+            .map(|(k, collision)| {
+                self.body(name, collision)
+                    .map_err(|reason| self.wrong_collision(name, k, reason))
+            })
             .collect();
         Ok(RobotLink {
             name: name.into(),

@@ -51,8 +51,14 @@ fn the_example_has_one_coordinate_for_both_fingers() {
     let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
     assert_eq!(names, ["turn", "lift", "elbow", "roll", "bend", "twist", "left"]);
     let right = robot.joints().iter().find(|j| j.name == "right").expect("a joint");
-    assert_eq!((right.mimics.as_deref(), right.kind), (Some("left"), MotionKind::Prismatic));
-    assert_eq!(right.drive.map(|d| (d.coordinate, d.factor, d.offset)), Some((6, 1.0, 0.0)));
+    assert_eq!(
+        (right.mimics.as_deref(), right.kind),
+        (Some("left"), MotionKind::Prismatic)
+    );
+    assert_eq!(
+        right.drive.map(|d| (d.coordinate, d.factor, d.offset)),
+        Some((6, 1.0, 0.0))
+    );
     let kinds: Vec<ShapeKind> = robot.links().iter().map(|l| l.bodies[0].geometry.kind()).collect();
     assert!(kinds.contains(&ShapeKind::Curved) && kinds.contains(&ShapeKind::Polyhedron));
     for (k, joint) in robot.joints().iter().enumerate() {
@@ -82,7 +88,12 @@ fn every_solid_and_joint_is_read() {
     assert_eq!(robot.coordinates()[6].name, "p/x");
     let bodies = &robot.links()[robot.link("c").expect("a link")].bodies;
     let kinds: Vec<ShapeKind> = bodies.iter().map(|b| b.geometry.kind()).collect();
-    let expected = [ShapeKind::Rounded, ShapeKind::Curved, ShapeKind::Rounded, ShapeKind::Polyhedron];
+    let expected = [
+        ShapeKind::Rounded,
+        ShapeKind::Curved,
+        ShapeKind::Rounded,
+        ShapeKind::Polyhedron,
+    ];
     assert_eq!(kinds, expected);
     assert!((bodies[0].geometry.bounding_ball().1 - 2.0).abs() < 1e-12);
     assert_eq!(bodies[0].origin.translation.vector.as_slice(), [1.0, 2.0, 3.0]);
@@ -101,16 +112,31 @@ fn meshes_are_hulls_meshes_or_pieces() {
     of_one.of_links.insert("left finger".into(), MeshUse::Hull);
     of_one.measure_hulls = true;
     let [left, right] = load(of_one).expect("a robot");
-    assert_eq!((left.geometry.kind(), right.geometry.kind()), (ShapeKind::Polyhedron, ShapeKind::Mesh));
+    assert_eq!(
+        (left.geometry.kind(), right.geometry.kind()),
+        (ShapeKind::Polyhedron, ShapeKind::Mesh)
+    );
     let fit = left.hull_fit.expect("measured");
     assert!(fit.gap_lower < 1e-12 && fit.air().expect("a volume") < 1e-6, "{fit:?}");
     // The mirrored mesh is closed and not inside out.
-    let lin_canny::Geometry::Mesh(mesh) = &right.geometry else { panic!("a mesh") };
+    let lin_canny::Geometry::Mesh(mesh) = &right.geometry else {
+        panic!("a mesh")
+    };
     assert!(mesh.volume() > 0.0);
     let mut pieces = MeshOptions::new(MeshUse::Pieces);
-    assert!(load(pieces.clone()).expect_err("no folder").to_string().contains("pieces"));
+    assert!(
+        load(pieces.clone())
+            .expect_err("no folder")
+            .to_string()
+            .contains("pieces")
+    );
     pieces.pieces = Some(examples());
-    assert!(load(pieces.clone()).expect_err("no file").to_string().contains("finger.obj"));
+    assert!(
+        load(pieces.clone())
+            .expect_err("no file")
+            .to_string()
+            .contains("finger.obj")
+    );
     pieces.pieces = Some(examples().join("gripper_arm"));
     assert_eq!(load(pieces).expect("a robot")[0].geometry.kind(), ShapeKind::Composite);
 }
@@ -119,25 +145,65 @@ fn meshes_are_hulls_meshes_or_pieces() {
 fn what_is_wrong_is_named_with_its_line() {
     let reason = refused("<child link=\"c\"/>", "<child link=\"a\"/>", 9, &["two", "one"]);
     assert!(matches!(reason, FileProblem::Loop(names) if names == ["two", "one"]));
-    let reason = refused("<link name=\"c\"/>", "<link name=\"c\"/><link name=\"d\"/>", 1, &["a, d"]);
+    let reason = refused(
+        "<link name=\"c\"/>",
+        "<link name=\"c\"/><link name=\"d\"/>",
+        1,
+        &["a, d"],
+    );
     assert!(matches!(reason, FileProblem::Roots(names) if names.len() == 2));
-    let reason = refused("<parent link=\"a\"/><child link=\"b\"/>", "<parent link=\"c\"/><child link=\"b\"/>", 5, &["one", "two"]);
+    let reason = refused(
+        "<parent link=\"a\"/><child link=\"b\"/>",
+        "<parent link=\"c\"/><child link=\"b\"/>",
+        5,
+        &["one", "two"],
+    );
     assert!(matches!(reason, FileProblem::Loop(names) if names.len() == 2));
-    let reason = refused("<parent link=\"a\"/>", "<parent link=\"x\"/>", 5, &["joint \"one\"", "\"x\""]);
+    let reason = refused(
+        "<parent link=\"a\"/>",
+        "<parent link=\"x\"/>",
+        5,
+        &["joint \"one\"", "\"x\""],
+    );
     assert!(matches!(reason, FileProblem::Unknown { kind: "link", .. }));
     let reason = refused("<parent link=\"a\"/>", "", 5, &["joint \"one\"", "parent"]);
     assert!(matches!(reason, FileProblem::Missing(_)));
-    let reason = refused("<child link=\"c\"/>", "<child link=\"b\"/>", 9, &["joint \"two\"", "\"one\""]);
+    let reason = refused(
+        "<child link=\"c\"/>",
+        "<child link=\"b\"/>",
+        9,
+        &["joint \"two\"", "\"one\""],
+    );
     assert!(matches!(reason, FileProblem::SecondParent { .. }));
     let reason = refused("lower=\"-1\"", "lower=\"2\"", 5, &["joint \"one\"", "2", "1"]);
     assert!(matches!(reason, FileProblem::Limits { .. }));
-    let reason = refused("lower=\"-1\"", "lower=\"NaN\"", 7, &["joint \"one\" limit", "lower", "NaN"]);
+    let reason = refused(
+        "lower=\"-1\"",
+        "lower=\"NaN\"",
+        7,
+        &["joint \"one\" limit", "lower", "NaN"],
+    );
     assert!(matches!(reason, FileProblem::Number { .. }));
-    let reason = refused("xyz=\"0 0 1\"/><axis", "xyz=\"0 0 x 1\"/><axis", 6, &["origin", "xyz", "0 0 x 1"]);
+    let reason = refused(
+        "xyz=\"0 0 1\"/><axis",
+        "xyz=\"0 0 x 1\"/><axis",
+        6,
+        &["origin", "xyz", "0 0 x 1"],
+    );
     assert!(matches!(reason, FileProblem::Number { count: 3, .. }));
-    let reason = refused("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>", 9, &["joint \"two\"", "axis"]);
+    let reason = refused(
+        "<axis xyz=\"0 1 0\"/>",
+        "<axis xyz=\"0 0 0\"/>",
+        9,
+        &["joint \"two\"", "axis"],
+    );
     assert!(matches!(reason, FileProblem::Range { .. }));
-    let reason = refused("radius=\"0.5\"", "radius=\"-0.5\"", 3, &["link \"b\"", "sphere", "radius"]);
+    let reason = refused(
+        "radius=\"0.5\"",
+        "radius=\"-0.5\"",
+        3,
+        &["link \"b\"", "sphere", "radius"],
+    );
     assert!(matches!(reason, FileProblem::Range { .. }));
     let reason = refused("type=\"prismatic\"", "type=\"spiral\"", 9, &["spiral"]);
     assert!(matches!(reason, FileProblem::Unsupported(_)));
@@ -168,19 +234,30 @@ fn mimics_end_at_a_joint_of_its_own() {
 fn missing_and_foreign_meshes_are_named() {
     let sphere = "<sphere radius=\"0.5\"/>";
     let mesh = |file: &str| format!("<mesh filename=\"{file}\"/>");
-    let reason = refused(sphere, &mesh("package://nowhere/x.stl"), 3, &["link \"b\"", "nowhere/x.stl"]);
+    let reason = refused(
+        sphere,
+        &mesh("package://nowhere/x.stl"),
+        3,
+        &["link \"b\"", "nowhere/x.stl"],
+    );
     assert!(matches!(reason, FileProblem::Missing(_)));
     let reason = refused(sphere, &mesh("x.obj"), 3, &["link \"b\"", "x.obj"]);
     assert!(matches!(reason, FileProblem::Missing(_)));
     // A file that is there, and no mesh.
-    let reason = refused(sphere, &mesh("gripper.urdf"), 3, &["link \"b\"", "gripper.urdf", ".stl"]);
+    let reason = refused(
+        sphere,
+        &mesh("gripper.urdf"),
+        3,
+        &["link \"b\"", "gripper.urdf", ".stl"],
+    );
     assert!(matches!(reason, FileProblem::Geometry(_)));
 }
 
 #[test]
 fn packages_are_found_in_folders_of_either_kind() {
     let text = |name: &str| {
-        let mesh = format!("<link name=\"a\"><collision><geometry><mesh filename=\"{name}\"/></geometry></collision></link>");
+        let mesh =
+            format!("<link name=\"a\"><collision><geometry><mesh filename=\"{name}\"/></geometry></collision></link>");
         format!("<robot name=\"one\">{mesh}</robot>")
     };
     let load = |name: &str, packages: &Packages| {
