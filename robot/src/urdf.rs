@@ -3,8 +3,10 @@
 use std::collections::HashMap;
 use std::path::Path;
 
+use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use lin_canny::plan::Drive;
+use lin_canny::tolerance::EXTENT_MAX;
 use urdf_rs::JointType;
 
 use crate::error::{FileError, FileProblem};
@@ -176,6 +178,12 @@ impl Reader<'_> {
             }
             at = next;
         }
+        for (field, value) in [("multiplier", factor), ("offset", offset)] {
+            if !(value.abs() <= EXTENT_MAX) {
+                let field = field.into();
+                return Err(self.wrong_joint(&joints[index].name, FileProblem::Range { field, value }));
+            }
+        }
         let is_single = self.kind(&joints[at])?.parts().is_empty();
         match drives[at].filter(|_| is_single) {
             Some(drive) => Ok(Drive {
@@ -223,6 +231,12 @@ impl Reader<'_> {
         if lower > upper {
             return Err(self.wrong_joint(&joint.name, FileProblem::Limits { lower, upper }));
         }
+        for (field, value) in [("lower", lower), ("upper", upper)] {
+            if value.is_finite() && value.abs() > EXTENT_MAX {
+                let field = field.into();
+                return Err(self.wrong_joint(&joint.name, FileProblem::Range { field, value }));
+            }
+        }
         let or = |value: f64, open: f64| if value.is_finite() { value } else { open };
         Ok([or(lower, open[0]), or(upper, open[1])])
     }
@@ -241,6 +255,7 @@ impl Reader<'_> {
             let reason = FileProblem::Range { field, value: 0.0 };
             return Err(self.wrong_joint(&joint.name, reason));
         };
+        let origin = pose(&joint.origin).map_err(|reason| self.wrong_joint(&joint.name, reason))?;
         let limits = match (kind, joint.joint_type == JointType::Continuous) {
             (MotionKind::Revolute | MotionKind::Prismatic, false) => [joint.limit.lower, joint.limit.upper],
             _ => [f64::NEG_INFINITY, f64::INFINITY],
@@ -250,7 +265,7 @@ impl Reader<'_> {
             kind,
             parent,
             child,
-            origin: pose(&joint.origin),
+            origin,
             axis,
             drive,
             mimics: joint.mimic.as_ref().map(|m| m.joint.clone()),
@@ -290,7 +305,7 @@ impl Reader<'_> {
     }
 
     fn body(&self, link: &str, collision: &urdf_rs::Collision) -> Result<LinkBody, FileProblem> {
-        let origin = pose(&collision.origin);
+        let origin = pose(&collision.origin)?;
         let body = |geometry, mesh, hull_fit| LinkBody {
             origin,
             geometry,
@@ -314,8 +329,17 @@ impl Reader<'_> {
     }
 }
 
-fn pose(origin: &urdf_rs::Pose) -> Isometry3<f64> {
+fn pose(origin: &urdf_rs::Pose) -> Result<Isometry3<f64>, FileProblem> {
     let [roll, pitch, yaw] = *origin.rpy;
     let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
-    Isometry3::from_parts(Translation3::from(Vector3::from(*origin.xyz)), turn)
+    let pose = Isometry3::from_parts(Translation3::from(Vector3::from(*origin.xyz)), turn);
+    let value = pose.translation.vector.amax();
+    if !(value <= EXTENT_MAX) {
+        let field = "xyz of the origin".into();
+        return Err(FileProblem::Range { field, value });
+    }
+    match RelativePose::from_isometry(&pose) {
+        Ok(_) => Ok(pose),
+        Err(e) => Err(FileProblem::Geometry(format!("origin: {e}"))),
+    }
 }

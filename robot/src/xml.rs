@@ -10,6 +10,9 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::error::{FileError, FileProblem};
 
+/// Elements within each other, at most.
+const DEPTH: usize = 64;
+
 /// A file and its elements.
 pub(crate) struct Xml<'a> {
     pub(crate) file: &'a Path,
@@ -29,6 +32,12 @@ impl<'a> Xml<'a> {
             FileError::new(file, Some(e.pos().row), "", reason)
         })?;
         let xml = Self { file, document };
+        // `urdf-rs` recurses.
+        let is_deep = |node: &Node| node.ancestors().nth(DEPTH).is_some();
+        if let Some(node) = xml.document.descendants().find(is_deep) {
+            let reason = FileProblem::Malformed(format!("elements within more than {DEPTH} others"));
+            return Err(FileError::new(file, Some(xml.line(&node)), "", reason));
+        }
         let found = xml.root().tag_name().name();
         if found != root {
             let reason = FileProblem::Malformed(format!("the root element is {found:?}, not {root:?}"));

@@ -216,6 +216,28 @@ fn what_is_wrong_is_named_with_its_line() {
 }
 
 #[test]
+fn numbers_out_of_range_and_deep_files_are_refused() {
+    refused(
+        "<origin xyz=\"0 0 1\"/>",
+        "<origin xyz=\"0 0 1e300\"/>",
+        5,
+        &["joint \"one\"", "origin"],
+    );
+    refused(
+        "upper=\"1\" effort=\"1\" velocity=\"1\"/>\n  </joint>\n</robot>",
+        "upper=\"1e300\" velocity=\"1\"/></joint></robot>",
+        9,
+        &["joint \"two\"", "upper"],
+    );
+    let deep = format!(
+        "<link name=\"c\">{}{}</link>",
+        "<x>".repeat(100_000),
+        "</x>".repeat(100_000)
+    );
+    refused("<link name=\"c\"/>", &deep, 4, &["64"]);
+}
+
+#[test]
 fn mimics_end_at_a_joint_of_its_own() {
     let limit = "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/>\n  </joint>\n</robot>";
     let with = |mimic: &str| limit.replacen("\n", &format!("{mimic}\n"), 1);
