@@ -4,11 +4,10 @@ use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
-use super::arm_motion::{ArmSegment, Chain};
 use super::error::PlanError;
-use super::space::{ConfigurationSpace, check, check_bounds, within};
-use crate::pose::{RelativePose, normalize};
-use crate::tolerance::EXTENT_MAX;
+use super::space::ConfigurationSpace;
+use super::tree::{Drive, JointTree, TreeJoint};
+use super::tree_motion::TreeSegment;
 
 /// The kind of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,7 +58,7 @@ impl Joint {
 }
 
 /// A serial arm: joints in a chain, each of which moves a link; a link carries any number of
-/// bodies. A configuration holds the value of each joint, and each joint moves evenly along a
+/// bodies. A [`JointTree`] is the same with branches and joints that mimic. A configuration holds the value of each joint, and each joint moves evenly along a
 /// segment.
 ///
 /// The frame of a link is the frame of its joint, moved by the value of the joint. Link 0 is the
@@ -95,10 +94,7 @@ impl Joint {
 /// ```
 #[derive(Clone, Debug)]
 pub struct SerialArm {
-    chain: Chain,
-    limits: Vec<[f64; 2]>,
-    scales: Vec<f64>,
-    links: Vec<usize>,
+    tree: JointTree,
 }
 
 impl SerialArm {
@@ -110,35 +106,24 @@ impl SerialArm {
     /// # Errors
     /// Poses, limits or a reach that are not finite or out of range, or a link that does not exist.
     pub fn new(base: Isometry3<f64>, joints: Vec<Joint>, links: Vec<usize>, reach: f64) -> Result<Self, PlanError> {
-        RelativePose::from_isometry(&base)?;
-        for joint in &joints {
-            RelativePose::from_isometry(&joint.origin)?;
-            check_bounds("limit of a joint", &[joint.limits])?;
-            let value = joint.axis.norm_squared();
-            if !((value - 1.0).abs() <= crate::tolerance::POSE_UNIT) {
-                let what = "length of an axis";
-                return Err(PlanError::Value { what, value });
-            }
-        }
-        if !(reach > 0.0 && reach <= EXTENT_MAX) {
+        if !(reach > 0.0) {
             return Err(PlanError::Value {
                 what: "reach",
                 value: reach,
             });
         }
-        if let Some(link) = links.iter().find(|l| **l > joints.len()) {
-            return Err(PlanError::Value {
-                what: "number of a link",
-                value: *link as f64,
-            });
-        }
-        let limits = joints.iter().map(|j| j.limits).collect();
-        Ok(Self {
-            scales: scales(&joints, reach),
-            chain: Chain::new(&base, joints),
-            limits,
-            links,
-        })
+        let limits = joints.iter().map(|joint| joint.limits).collect();
+        let mut reaches = alloc::vec![0.0; joints.len()];
+        reaches.push(reach);
+        let chain = joints.into_iter().enumerate().map(|(index, joint)| TreeJoint {
+            parent: index,
+            kind: joint.kind,
+            origin: joint.origin,
+            axis: joint.axis,
+            drive: Some(Drive::by(index)),
+        });
+        let tree = JointTree::new(base, chain.collect(), limits, links, reaches)?;
+        Ok(Self { tree })
     }
 
     /// Returns the pose of a link at a configuration: 0 for the base.
@@ -146,125 +131,56 @@ impl SerialArm {
     /// # Errors
     /// A configuration that is not of the space, or a link that does not exist.
     pub fn link_pose(&self, configuration: &[f64], link: usize) -> Result<Isometry3<f64>, PlanError> {
-        self.check(configuration)?;
-        let pose = self.chain.poses(configuration).nth(link);
-        pose.ok_or(PlanError::Value {
-            what: "number of a link",
-            value: link as f64,
-        })
+        self.tree.link_pose(configuration, link)
     }
 
     /// Returns the link of each body.
     #[must_use]
     pub fn links(&self) -> &[usize] {
-        &self.links
+        self.tree.links()
     }
-}
-
-/// The length of a unit of each joint: 1 for a slide, the distance to the farthest point of the arm
-/// for a turn.
-fn scales(joints: &[Joint], reach: f64) -> Vec<f64> {
-    let mut beyond = reach;
-    let mut scales: Vec<f64> = joints
-        .iter()
-        .rev()
-        .map(|joint| {
-            let scale = match joint.kind {
-                JointKind::Revolute => beyond,
-                JointKind::Prismatic => {
-                    beyond += joint.limits[0].abs().max(joint.limits[1].abs());
-                    1.0
-                }
-            };
-            beyond += joint.origin.translation.vector.norm();
-            scale
-        })
-        .collect();
-    scales.reverse();
-    scales
 }
 
 impl ConfigurationSpace for SerialArm {
-    type Segment = ArmSegment;
+    type Segment = TreeSegment;
 
     fn coordinates(&self) -> usize {
-        self.limits.len()
+        self.tree.coordinates()
     }
     fn freedom(&self) -> usize {
-        self.limits.len()
+        self.tree.freedom()
     }
     fn bodies(&self) -> usize {
-        self.links.len()
+        self.tree.bodies()
     }
     fn bounds(&self) -> &[[f64; 2]] {
-        &self.limits
+        self.tree.bounds()
     }
     fn scales(&self) -> &[f64] {
-        &self.scales
+        self.tree.scales()
     }
     fn check(&self, q: &[f64]) -> Result<(), PlanError> {
-        check(q, self.limits.len(), &self.limits)
+        self.tree.check(q)
     }
-
     fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
-        let of_links: Vec<_> = self.chain.poses(q).collect();
-        poses.clear();
-        poses.extend(self.links.iter().map(|&link| of_links[link]));
+        self.tree.place(q, poses);
     }
-
-    fn segment(&self, from: &[f64], to: &[f64]) -> Result<ArmSegment, PlanError> {
-        Ok(ArmSegment::new(&self.chain, &self.links, from, to))
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<TreeSegment, PlanError> {
+        self.tree.segment(from, to)
     }
-
     fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
-        from.iter().zip(to).map(|(a, b)| b - a).collect()
+        self.tree.difference(from, to)
     }
-
     fn moved(&self, q: &[f64], step: &[f64]) -> Vec<f64> {
-        let joints = q.iter().zip(step).zip(&self.limits);
-        joints.map(|((x, dx), limits)| within(x + dx, *limits)).collect()
+        self.tree.moved(q, step)
     }
-
     fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
-        let each = self.limits.iter();
-        each.map(|[low, high]| low + (high - low) * uniform()).collect()
+        self.tree.sample(uniform)
     }
-
     fn gradient(&self, q: &[f64], body: usize, point: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
-        gradient.fill(0.0);
-        let poses = self.chain.poses(q).skip(1);
-        let joints = self.chain.joints().iter().zip(poses).take(self.links[body]);
-        for (value, (joint, pose)) in gradient.iter_mut().zip(joints) {
-            let axis = pose.rotation * joint.axis.into_inner();
-            *value = match joint.kind {
-                JointKind::Revolute => axis.dot(&(point - pose.translation.vector).coords.cross(direction)),
-                JointKind::Prismatic => axis.dot(direction),
-            };
-        }
+        self.tree.gradient(q, body, point, direction, gradient);
     }
-
     fn is_rigid(&self, a: usize, b: usize) -> bool {
-        self.links[a] == self.links[b]
-    }
-}
-
-impl Joint {
-    /// Returns the pose that the value of the joint adds.
-    pub(super) fn moved(&self, value: f64) -> Isometry3<f64> {
-        match self.kind {
-            JointKind::Revolute => {
-                let spin = crate::motion::Velocity::new(Vector3::zeros(), self.axis.into_inner() * value);
-                spin.applied(&Isometry3::identity(), 1.0)
-            }
-            JointKind::Prismatic => Isometry3::from_parts(
-                (self.axis.into_inner() * value).into(),
-                nalgebra::UnitQuaternion::identity(),
-            ),
-        }
-    }
-
-    /// Returns the pose of the link after the joint from the pose of the link before.
-    pub(super) fn after(&self, parent: &Isometry3<f64>, value: f64) -> Isometry3<f64> {
-        normalize(&(parent * self.origin * self.moved(value)))
+        self.tree.is_rigid(a, b)
     }
 }

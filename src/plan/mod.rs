@@ -111,7 +111,6 @@
 //! 4. Straight links and feelers join parts of the roadmap before bridges are searched.
 
 mod arm;
-mod arm_motion;
 mod ascent;
 mod checker;
 mod clearance;
@@ -126,10 +125,11 @@ mod rigid;
 mod roadmap;
 mod search;
 mod space;
+mod tree;
+mod tree_motion;
 mod world;
 
 pub use arm::{Joint, JointKind, SerialArm};
-pub use arm_motion::ArmSegment;
 pub use checker::{CheckWork, Checker, PairProof, Verdict};
 pub use clearance::{NearPair, SegmentClearance};
 pub use error::PlanError;
@@ -139,4 +139,6 @@ pub use path::Path;
 pub use rigid::{PlanarSpace, RigidSpace, TranslationSpace};
 pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
 pub use space::{BodyMotion, ConfigurationSpace, SegmentMotion};
+pub use tree::{Drive, JointTree, TreeJoint};
+pub use tree_motion::TreeSegment;
 pub use world::{World, WorldId, WorldPair};

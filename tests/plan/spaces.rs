@@ -3,7 +3,10 @@
 use lab::casts::rotation;
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
-use lin_canny::plan::{ConfigurationSpace, Joint, PlanarSpace, RigidSpace, SegmentMotion, SerialArm, TranslationSpace};
+use lin_canny::plan::{
+    ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanarSpace, RigidSpace, SegmentMotion, SerialArm,
+    TranslationSpace, TreeJoint,
+};
 
 /// An arm of random joints, both kinds, bodies on every link.
 fn arm(rng: &mut Rng, joints: usize) -> SerialArm {
@@ -23,6 +26,44 @@ fn arm(rng: &mut Rng, joints: usize) -> SerialArm {
     let joints: Vec<Joint> = (0..joints).map(|_| joint(rng)).collect();
     let links = (0..=joints.len()).collect();
     SerialArm::new(base, joints, links, 1.0).expect("an arm")
+}
+
+/// A random tree: a third of the joints mimics another with a random factor and offset, a sixth is fixed; a body on every
+/// link.
+fn tree(rng: &mut Rng, joints: usize) -> JointTree {
+    let pose = |rng: &mut Rng| Isometry3::from_parts(Vector3::from(rng.in_ball()).into(), rotation(rng));
+    let mut limits = vec![];
+    let joint = |index: usize, limits: &mut Vec<[f64; 2]>, rng: &mut Rng| {
+        let slides = rng.chance(0.3);
+        let drive = match rng.below(6) {
+            0 => None,
+            1 | 2 if !limits.is_empty() => Some(Drive {
+                coordinate: rng.below(limits.len()),
+                factor: rng.range(-2.0, 2.0),
+                offset: rng.range(-1.0, 1.0),
+            }),
+            _ => {
+                limits.push(if slides { [-1.0, 2.0] } else { [-3.0, 3.0] });
+                Some(Drive::by(limits.len() - 1))
+            }
+        };
+        TreeJoint {
+            parent: rng.below(index + 1),
+            kind: if slides {
+                JointKind::Prismatic
+            } else {
+                JointKind::Revolute
+            },
+            origin: pose(rng),
+            axis: Unit::new_normalize(Vector3::from(rng.unit())),
+            drive,
+        }
+    };
+    let base = pose(rng);
+    let joints: Vec<TreeJoint> = (0..joints).map(|index| joint(index, &mut limits, rng)).collect();
+    let links: Vec<usize> = (0..=joints.len()).collect();
+    let radii = vec![1.0; links.len()];
+    JointTree::new(base, joints, limits, links, radii).expect("a tree")
 }
 
 fn configuration<C: ConfigurationSpace>(space: &C, rng: &mut Rng) -> Vec<f64> {
@@ -87,6 +128,58 @@ fn segments_keep_the_contract_of_motions() {
     }
     // Bounds of arms are sums of magnitudes; a share of them is nearly used.
     assert!(tight > 200, "{tight}");
+}
+
+/// 1,000 segments of trees with branches, mimics and fixed joints, each at 8 times.
+#[test]
+fn trees_keep_the_contract_of_motions() {
+    let mut rng = Rng::new(8);
+    let mut tight = 0;
+    for joints in [1, 2, 4, 8, 14] {
+        for _ in 0..20 {
+            let tree = tree(&mut rng, joints);
+            tight += contract(&tree, &mut rng, 10, true);
+        }
+    }
+    assert!(tight > 100, "{tight}");
+}
+
+/// Poses of links are products along their path, mimics and branches included.
+#[test]
+fn places_of_a_tree_are_products_along_the_path() {
+    let mut rng = Rng::new(9);
+    for _ in 0..200 {
+        let turn = |rng: &mut Rng| TreeJoint {
+            parent: 0,
+            kind: JointKind::Revolute,
+            origin: Isometry3::from_parts(Vector3::from(rng.in_ball()).into(), rotation(rng)),
+            axis: Unit::new_normalize(Vector3::from(rng.unit())),
+            drive: Some(Drive::by(0)),
+        };
+        let (a, mut b, mut c) = (turn(&mut rng), turn(&mut rng), turn(&mut rng));
+        let mimic = Drive {
+            coordinate: 0,
+            factor: -0.5,
+            offset: 0.25,
+        };
+        (b.parent, b.drive) = (1, Some(mimic));
+        (c.parent, c.drive) = (1, None);
+        let step = |joint: &TreeJoint, value: f64| {
+            joint.origin * lin_canny::nalgebra::UnitQuaternion::from_axis_angle(&joint.axis, value)
+        };
+        let q = rng.range(-2.0, 2.0);
+        let first = step(&a, q);
+        let expected = [first, first * step(&b, 0.25 - 0.5 * q), first * c.origin];
+        let base = Isometry3::identity();
+        let tree = JointTree::new(base, vec![a, b, c], vec![[-2.0, 2.0]], vec![1, 2, 3], vec![0.1; 4]).expect("a tree");
+        let mut poses = vec![];
+        tree.place(&[q], &mut poses);
+        for (pose, expected) in poses.iter().zip(&expected) {
+            let off = (pose.to_homogeneous() - expected.to_homogeneous()).norm();
+            assert!(off < 1e-14, "{off:e}");
+        }
+        assert!(tree.is_rigid(0, 2) && !tree.is_rigid(0, 1));
+    }
 }
 
 /// Ends of segments are the configurations, and `between` follows the segment.
@@ -215,4 +308,5 @@ fn gradients_are_derivatives() {
     differences(&RigidSpace::new([[-3.0, 3.0]; 3], 1.0, 1).expect("a space"), &mut rng);
     let arm = arm(&mut rng, 6);
     differences(&arm, &mut rng);
+    differences(&tree(&mut rng, 8), &mut rng);
 }

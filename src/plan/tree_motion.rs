@@ -1,6 +1,8 @@
-//! The motion of the links of a serial arm whose joints all move evenly.
+//! The motion of the links of a tree of joints that all move evenly.
 //!
 //! # Bounds
+//!
+//! All sums run along the path from the base to a link, whatever branches off.
 //!
 //! Link k turns at `w = sum q'_i z_i` over its revolute joints, `z_i` the axis of joint i in the
 //! world, and `z_i' = w_{i-1} x z_i`. So the angular velocity changes at most at the rate
@@ -13,118 +15,159 @@
 //! at an instant are those of the forward recursion of Newton and Euler (Luh, Walker and Paul
 //! 1980); the sum of the third derivatives bounds the deviation from there.
 //!
-//! Errors of rounding grow with the number of joints: see `ARM_TURN` and `ARM_PLACE`.
+//! Errors of rounding grow with the number of joints on the path: see `ARM_TURN`, `ARM_PLACE` and
+//! `ARM_VALUE`.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 
-use super::arm::{Joint, JointKind};
+use super::arm::JointKind;
 use super::space::SegmentMotion;
+use super::tree::TreeJoint;
 use crate::motion::{Course, Drift};
 use crate::pose::normalize;
 use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE};
 
-/// Base and joints, shared by an arm and its segments.
+/// Base, joints and paths, shared by a space and its segments.
 #[derive(Clone, Debug)]
-pub(super) struct Chain(Arc<(Isometry3<f64>, Vec<Joint>)>);
+pub(super) struct LinkTree(Arc<Paths>);
 
-impl Chain {
-    /// Normalises rotations and axes: bounds take them as unit to rounding.
-    pub(super) fn new(base: &Isometry3<f64>, mut joints: Vec<Joint>) -> Self {
-        for joint in &mut joints {
+#[derive(Debug)]
+struct Paths {
+    base: Isometry3<f64>,
+    joints: Vec<TreeJoint>,
+    /// The joints between the base and each link, outward.
+    paths: Vec<Vec<usize>>,
+}
+
+impl LinkTree {
+    /// Normalises rotations and axes: bounds take them as unit to rounding. The parent of each
+    /// joint must come before the joint.
+    pub(super) fn new(base: &Isometry3<f64>, mut joints: Vec<TreeJoint>) -> Self {
+        let mut paths: Vec<Vec<usize>> = alloc::vec![Vec::new()];
+        for (index, joint) in joints.iter_mut().enumerate() {
             joint.origin = normalize(&joint.origin);
             joint.axis = Unit::new_normalize(joint.axis.into_inner());
+            let mut path = paths[joint.parent].clone();
+            path.push(index);
+            paths.push(path);
         }
-        Self(Arc::new((normalize(base), joints)))
+        let base = normalize(base);
+        Self(Arc::new(Paths { base, joints, paths }))
     }
 
-    pub(super) fn joints(&self) -> &[Joint] {
-        &self.0.1
+    pub(super) fn base(&self) -> &Isometry3<f64> {
+        &self.0.base
+    }
+
+    pub(super) fn joints(&self) -> &[TreeJoint] {
+        &self.0.joints
+    }
+
+    /// Returns the joints between the base and a link, outward.
+    pub(super) fn path(&self, link: usize) -> impl Iterator<Item = (usize, &TreeJoint)> {
+        self.0.paths[link].iter().map(|&k| (k, &self.0.joints[k]))
     }
 
     /// Returns the poses of the base and of all links.
-    pub(super) fn poses(&self, values: &[f64]) -> impl Iterator<Item = Isometry3<f64>> {
-        let (base, joints) = &*self.0;
-        let mut pose = *base;
-        let moved = joints.iter().zip(values).map(move |(joint, &value)| {
-            pose = joint.after(&pose, value);
-            pose
-        });
-        core::iter::once(*base).chain(moved)
+    pub(super) fn poses(&self, configuration: &[f64]) -> Vec<Isometry3<f64>> {
+        let mut poses = alloc::vec![self.0.base];
+        for joint in &self.0.joints {
+            poses.push(joint.after(&poses[joint.parent], joint.value(configuration)));
+        }
+        poses
     }
 }
 
-/// The motion of the bodies of a [`SerialArm`](super::SerialArm) along a segment.
+/// The values of a joint along a segment.
+#[derive(Clone, Copy, Debug)]
+struct JointCourse {
+    from: f64,
+    rate: f64,
+    /// The greater absolute value at the ends.
+    most: f64,
+    /// Upper bound of all that is added up to a value: what its rounding is in units of.
+    size: f64,
+}
+
+impl JointCourse {
+    fn new(joint: &TreeJoint, from: &[f64], to: &[f64]) -> Self {
+        let ends = [joint.value(from), joint.value(to)];
+        let size = joint.drive.map_or(0.0, |drive| {
+            let most = from[drive.coordinate].abs().max(to[drive.coordinate].abs());
+            drive.factor.abs() * most + drive.offset.abs()
+        });
+        Self {
+            from: ends[0],
+            rate: ends[1] - ends[0],
+            most: ends[0].abs().max(ends[1].abs()),
+            size,
+        }
+    }
+
+    fn at(&self, time: f64) -> f64 {
+        self.from + self.rate * time
+    }
+}
+
+/// The motion of the bodies of a [`JointTree`](super::JointTree) along a segment.
 #[derive(Clone, Debug)]
-pub struct ArmSegment {
-    chain: Chain,
+pub struct TreeSegment {
+    tree: LinkTree,
     links: Vec<usize>,
-    from: Vec<f64>,
-    rate: Vec<f64>,
-    /// The greater absolute value of each joint.
-    most: Vec<f64>,
+    joints: Vec<JointCourse>,
     /// Pose and course of each link at the begin, where every pair is looked at first.
     begin: Vec<(Isometry3<f64>, Course)>,
 }
 
-impl ArmSegment {
-    pub(super) fn new(chain: &Chain, links: &[usize], from: &[f64], to: &[f64]) -> Self {
-        let ends = || from.iter().zip(to);
-        let mut segment = Self {
-            chain: chain.clone(),
+impl TreeSegment {
+    pub(super) fn new(tree: &LinkTree, links: &[usize], from: &[f64], to: &[f64]) -> Self {
+        let joints: Vec<_> = tree.joints().iter().map(|j| JointCourse::new(j, from, to)).collect();
+        let mut motions = alloc::vec![LinkMotion::new(tree.base())];
+        for (joint, course) in tree.joints().iter().zip(&joints) {
+            let mut motion = motions[joint.parent].clone();
+            motion.pass(joint, course, 0.0);
+            motions.push(motion);
+        }
+        let courses = motions.iter().map(LinkMotion::course);
+        Self {
+            begin: tree.poses(from).into_iter().zip(courses).collect(),
+            tree: tree.clone(),
             links: links.into(),
-            from: from.into(),
-            rate: ends().map(|(a, b)| b - a).collect(),
-            most: ends().map(|(a, b)| a.abs().max(b.abs())).collect(),
-            begin: Vec::new(),
-        };
-        segment.begin = chain.poses(from).zip(segment.courses(0.0)).collect();
-        segment
-    }
-
-    fn values(&self, time: f64) -> impl Iterator<Item = f64> {
-        self.from.iter().zip(&self.rate).map(move |(q, rate)| q + rate * time)
-    }
-
-    /// Returns the courses of the base and of all links.
-    fn courses(&self, time: f64) -> impl Iterator<Item = Course> {
-        let (base, joints) = &*self.chain.0;
-        let mut link = LinkMotion::new(base);
-        let first = link.course();
-        let values = self.values(time).zip(&self.rate).zip(&self.most);
-        let moved = joints.iter().zip(values).map(move |(joint, ((value, &rate), &most))| {
-            link.pass(joint, value, rate, most);
-            link.course()
-        });
-        core::iter::once(first).chain(moved)
+            joints,
+        }
     }
 }
 
-impl SegmentMotion for ArmSegment {
+impl SegmentMotion for TreeSegment {
     fn pose(&self, body: usize, time: f64) -> Isometry3<f64> {
         let link = self.links[body];
         if time == 0.0 {
             return self.begin[link].0;
         }
-        let (base, joints) = &*self.chain.0;
-        let before = joints.iter().zip(self.values(time)).take(link);
-        before.fold(*base, |pose, (joint, value)| joint.after(&pose, value))
+        let path = self.tree.path(link);
+        path.fold(*self.tree.base(), |pose, (k, joint)| {
+            joint.after(&pose, self.joints[k].at(time))
+        })
     }
 
     fn course(&self, body: usize, time: f64, _: f64) -> Course {
         let link = self.links[body];
-        let begin = self.begin[link].1;
         if time == 0.0 {
-            begin
-        } else {
-            self.courses(time).nth(link).unwrap_or(begin)
+            return self.begin[link].1;
         }
+        let mut motion = LinkMotion::new(self.tree.base());
+        for (k, joint) in self.tree.path(link) {
+            motion.pass(joint, &self.joints[k], time);
+        }
+        motion.course()
     }
 }
 
 /// A link while the recursion runs outward.
+#[derive(Clone)]
 struct LinkMotion {
     rotation: UnitQuaternion<f64>,
     linear: Vector3<f64>,
@@ -135,7 +178,7 @@ struct LinkMotion {
 }
 
 /// Upper bounds of magnitudes.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct RateBounds {
     /// Sum of the rates of revolute joints.
     rate: f64,
@@ -170,22 +213,24 @@ impl LinkMotion {
         }
     }
 
-    /// Goes on to the link behind a joint of this value and rate, whose greatest value is `most`.
-    fn pass(&mut self, joint: &Joint, value: f64, rate: f64, most: f64) {
+    /// Goes on to the link behind a joint at a time.
+    fn pass(&mut self, joint: &TreeJoint, course: &JointCourse, time: f64) {
+        let (value, rate) = (course.at(time), course.rate);
         self.carry(&joint.origin.translation.vector, 0.0, None);
         self.turn_by(&joint.origin.rotation);
-        self.bounds.turn += ARM_TURN + ARM_VALUE * most;
+        self.bounds.turn += ARM_TURN + ARM_VALUE * course.size;
         let axis = self.rotation * joint.axis.into_inner();
         match joint.kind {
             JointKind::Revolute => {
                 self.spin(&axis, rate);
                 self.turn_by(&joint.moved(value).rotation);
             }
-            JointKind::Prismatic => self.carry(
-                &(joint.axis.into_inner() * value),
-                most - value.abs(),
-                Some((axis, rate)),
-            ),
+            JointKind::Prismatic => {
+                // What the rounding of a value that mimics exceeds the part in `ARM_PLACE` by.
+                self.bounds.place += ARM_VALUE * (course.size - course.most).max(0.0);
+                let slide = joint.axis.into_inner() * value;
+                self.carry(&slide, course.most - value.abs(), Some((axis, rate)));
+            }
         }
     }
 

@@ -1,0 +1,208 @@
+//! Cells: obstacles from a JSON file.
+
+use std::path::Path;
+
+use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use lin_canny::{Geometry, normalize};
+
+use crate::error::{FileError, FileProblem};
+use crate::geometry::{self, MeshOptions, MeshUse, Solid};
+use crate::packages::Packages;
+use crate::space::Setup;
+
+/// An obstacle of a cell.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct Obstacle {
+    /// The name; several may have the same.
+    pub name: String,
+    /// The geometry in its own frame.
+    pub geometry: Geometry,
+    /// The pose in the world.
+    pub pose: Isometry3<f64>,
+}
+
+/// The obstacles of a JSON file, and pairs to ignore.
+///
+/// ```json
+/// {
+///   "bodies": [
+///     {"name": "table", "box": {"size": [1.3, 1.5, 0.04]}, "xyz": [0.4, 0, -0.02]},
+///     {"name": "post", "cylinder": {"radius": 0.035, "length": 0.9}, "xyz": [0.2, 0.7, 0.45], "rpy": [0, 0, 0.5]},
+///     {"name": "ball", "sphere": {"radius": 0.1}},
+///     {"name": "part", "mesh": {"file": "part.stl", "scale": [0.001, 0.001, 0.001], "as": "mesh"}}
+///   ],
+///   "ignore": [["base", "table"]]
+/// }
+/// ```
+///
+/// A body is a `box`, `cylinder`, `capsule`, `sphere` or `mesh`; `xyz`, and `rpy` in radians or
+/// `xyzw`, a quaternion, place it in the world. The file of a mesh is looked for beside the JSON
+/// file, or is `package://` or `file://`; `as` is `hull`, `mesh` or `pieces`, if left out what the
+/// options say.
+#[derive(Clone, Debug, Default)]
+#[non_exhaustive]
+pub struct Cell {
+    /// The obstacles.
+    pub obstacles: Vec<Obstacle>,
+    /// Names of links and obstacles that may touch.
+    pub ignored: Vec<[String; 2]>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CellText {
+    bodies: Vec<BodyText>,
+    #[serde(default)]
+    ignore: Vec<[String; 2]>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BodyText {
+    name: String,
+    #[serde(rename = "box")]
+    block: Option<BlockText>,
+    cylinder: Option<RoundText>,
+    capsule: Option<RoundText>,
+    sphere: Option<SphereText>,
+    mesh: Option<MeshText>,
+    #[serde(default)]
+    xyz: [f64; 3],
+    rpy: Option<[f64; 3]>,
+    xyzw: Option<[f64; 4]>,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BlockText {
+    size: [f64; 3],
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RoundText {
+    radius: f64,
+    length: f64,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SphereText {
+    radius: f64,
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MeshText {
+    file: String,
+    scale: Option<[f64; 3]>,
+    #[serde(rename = "as")]
+    usage: Option<MeshUse>,
+}
+
+impl Cell {
+    /// Returns the cell of a JSON file.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or a body that is none: the line or the body, and the reason.
+    pub fn load(path: impl AsRef<Path>, packages: &Packages, options: &MeshOptions) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        Self::parse(&FileError::read(path)?, path, packages, options)
+    }
+
+    /// Returns the cell of the text of a JSON file; `path` is the file that errors name, and
+    /// meshes are looked for beside it.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn parse(
+        text: &str,
+        path: impl AsRef<Path>,
+        packages: &Packages,
+        options: &MeshOptions,
+    ) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        let cell: CellText = serde_json::from_str(text).map_err(|e| {
+            let line = (e.line() > 0).then_some(e.line() as u32);
+            FileError::new(path, line, "", FileProblem::Malformed(e.to_string()))
+        })?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let mut obstacles = Vec::new();
+        for (k, body) in cell.bodies.into_iter().enumerate() {
+            let element = format!("bodies[{k}] {:?}", body.name);
+            let wrong = |reason| FileError::new(path, None, element.clone(), reason);
+            obstacles.push(Obstacle {
+                pose: body.pose().map_err(wrong)?,
+                geometry: body.geometry(folder, packages, options).map_err(wrong)?,
+                name: body.name,
+            });
+        }
+        let ignored = cell.ignore;
+        Ok(Self { obstacles, ignored })
+    }
+}
+
+impl BodyText {
+    fn geometry(&self, folder: &Path, packages: &Packages, options: &MeshOptions) -> Result<Geometry, FileProblem> {
+        let mut solids = Vec::new();
+        solids.extend(self.block.as_ref().map(|b| Solid::Box { size: b.size }));
+        solids.extend(
+            self.cylinder
+                .as_ref()
+                .map(|&RoundText { radius, length }| Solid::Cylinder { radius, length }),
+        );
+        solids.extend(
+            self.capsule
+                .as_ref()
+                .map(|&RoundText { radius, length }| Solid::Capsule { radius, length }),
+        );
+        solids.extend(
+            self.sphere
+                .as_ref()
+                .map(|&SphereText { radius }| Solid::Sphere { radius }),
+        );
+        match (&solids[..], &self.mesh) {
+            ([solid], None) => solid.geometry(),
+            ([], Some(mesh)) => {
+                let file = packages.find(&mesh.file, folder)?;
+                let scale = Vector3::from(mesh.scale.unwrap_or([1.0; 3]));
+                let usage = mesh.usage.unwrap_or(options.all);
+                Ok(geometry::of_mesh(&file, &scale, usage, options)?.0)
+            }
+            ([], None) => Err(FileProblem::Missing("box, cylinder, capsule, sphere or mesh".into())),
+            _ => Err(FileProblem::Malformed("a body has one shape, not several".into())),
+        }
+    }
+
+    fn pose(&self) -> Result<Isometry3<f64>, FileProblem> {
+        let turn = match (self.rpy, self.xyzw) {
+            (Some(_), Some(_)) => return Err(FileProblem::Malformed("rpy and xyzw exclude each other".into())),
+            (Some([roll, pitch, yaw]), None) => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+            (None, Some(xyzw)) => {
+                let quaternion = lin_canny::nalgebra::Quaternion::from(xyzw);
+                UnitQuaternion::try_new(quaternion, 1e-3).ok_or(FileProblem::Range {
+                    field: "the norm of xyzw".into(),
+                    value: quaternion.norm(),
+                })?
+            }
+            (None, None) => UnitQuaternion::identity(),
+        };
+        Ok(normalize(&Isometry3::from_parts(
+            Translation3::from(Vector3::from(self.xyz)),
+            turn,
+        )))
+    }
+}
+
+impl Setup {
+    /// Adds the obstacles of a cell, and ignores its pairs.
+    pub fn cell(&mut self, cell: &Cell) {
+        for obstacle in &cell.obstacles {
+            self.obstacle(&obstacle.name, obstacle.geometry.clone(), obstacle.pose);
+        }
+        for [a, b] in &cell.ignored {
+            self.ignore_pair(a, b);
+        }
+    }
+}

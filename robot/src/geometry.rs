@@ -1,0 +1,156 @@
+//! The geometry of a body: a solid of a URDF or of a cell, or a mesh taken one of three ways.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Composite, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shape};
+
+use crate::error::FileProblem;
+use crate::mesh_file::{self, Soup};
+
+/// What is made of a mesh.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum MeshUse {
+    /// The convex hull: the fastest, and larger than the mesh.
+    #[default]
+    Hull,
+    /// The mesh as it is: its own triangles, and its inside if the mesh is closed.
+    Mesh,
+    /// Convex pieces from a file beside: the hull of each object of an OBJ.
+    Pieces,
+}
+
+/// How the meshes of a robot or a cell become bodies.
+#[derive(Clone, Debug, Default)]
+pub struct MeshOptions {
+    /// What is made of a mesh.
+    pub all: MeshUse,
+    /// What is made of the meshes of single links, by name.
+    pub of_links: BTreeMap<String, MeshUse>,
+    /// The folder with the pieces: those of `arm.stl` are the objects of `arm.obj` in this folder.
+    pub pieces: Option<PathBuf>,
+    /// Whether to measure what hulls add: takes time for large meshes.
+    pub measure_hulls: bool,
+}
+
+impl MeshOptions {
+    /// Returns options by which all meshes are taken one way.
+    #[must_use]
+    pub fn new(all: MeshUse) -> Self {
+        Self { all, ..Self::default() }
+    }
+
+    pub(crate) fn of(&self, link: &str) -> MeshUse {
+        self.of_links.get(link).copied().unwrap_or(self.all)
+    }
+}
+
+/// A solid about its origin, with its axis along z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Solid {
+    Box { size: [f64; 3] },
+    Cylinder { radius: f64, length: f64 },
+    Capsule { radius: f64, length: f64 },
+    Sphere { radius: f64 },
+}
+
+impl Solid {
+    pub(crate) fn geometry(&self) -> Result<Geometry, FileProblem> {
+        let refused = |e: &dyn std::fmt::Display| FileProblem::Geometry(e.to_string());
+        let shape = match *self {
+            Self::Box { size } => {
+                check("size", &size)?;
+                let body = solids::cuboid(Vector3::from(size) * 0.5).map_err(|e| refused(&e))?;
+                return Ok(Geometry::from(body));
+            }
+            Self::Cylinder { radius, length } => {
+                check("radius", &[radius])?;
+                check("length", &[length])?;
+                Shape::cylinder(0.5 * length, radius)
+            }
+            // A capsule without a length is a ball, which URDF allows.
+            Self::Capsule { radius, length } if length != 0.0 => {
+                check("radius", &[radius])?;
+                check("length", &[length])?;
+                Shape::capsule(0.5 * length, radius)
+            }
+            Self::Capsule { radius, .. } | Self::Sphere { radius } => {
+                check("radius", &[radius])?;
+                Shape::ball(radius)
+            }
+        };
+        Ok(Geometry::from(shape.map_err(|e| refused(&e))?))
+    }
+}
+
+fn check(field: &str, sizes: &[f64]) -> Result<(), FileProblem> {
+    match sizes.iter().find(|x| !(**x > 0.0)) {
+        Some(&value) => Err(FileProblem::Range {
+            field: field.into(),
+            value,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// The body of a mesh file, and what its hull adds if this was asked for.
+pub(crate) fn of_mesh(
+    file: &Path,
+    scale: &Vector3<f64>,
+    usage: MeshUse,
+    options: &MeshOptions,
+) -> Result<(Geometry, Option<HullFit>), FileProblem> {
+    let of_file = |file: &Path, why: String| FileProblem::Geometry(format!("mesh {}: {why}", file.display()));
+    if let Some(&value) = scale.iter().find(|s| **s == 0.0) {
+        return Err(FileProblem::Range {
+            field: "scale".into(),
+            value,
+        });
+    }
+    match usage {
+        MeshUse::Hull => {
+            let soup = mesh_file::whole(file, scale).map_err(|e| of_file(file, e))?;
+            let hull = ConvexPolyhedron::from_points(&soup.points).map_err(|e| of_file(file, e.to_string()))?;
+            let mesh = options.measure_hulls.then(|| Mesh::new(&soup.points, &soup.triangles));
+            let fit = mesh.and_then(Result::ok).map(|mesh| mesh.hull_fit(&hull));
+            Ok((Geometry::from(hull), fit))
+        }
+        MeshUse::Mesh => {
+            let Soup { points, triangles } = mesh_file::whole(file, scale).map_err(|e| of_file(file, e))?;
+            let mesh = Mesh::new(&points, &triangles).map_err(|e| of_file(file, e.to_string()))?;
+            Ok((Geometry::from(mesh), None))
+        }
+        MeshUse::Pieces => {
+            let Some(folder) = &options.pieces else {
+                return Err(FileProblem::Missing("the folder of the convex pieces".into()));
+            };
+            let beside = folder.join(file.file_stem().unwrap_or_default()).with_extension("obj");
+            if !beside.is_file() {
+                return Err(FileProblem::Missing(format!(
+                    "the file {} of the convex pieces",
+                    beside.display()
+                )));
+            }
+            let composite = pieces(&beside, scale).map_err(|e| of_file(&beside, e))?;
+            Ok((Geometry::from(composite), None))
+        }
+    }
+}
+
+fn pieces(file: &Path, scale: &Vector3<f64>) -> Result<Composite, String> {
+    let piece = |soup: &Soup| {
+        let hull = ConvexPolyhedron::from_points(&soup.points).map_err(|e| e.to_string())?;
+        Ok(Piece::new(hull))
+    };
+    let pieces: Result<Vec<Piece>, String> = mesh_file::objects(file, scale)?.iter().map(piece).collect();
+    Composite::new(pieces?).map_err(|e| e.to_string())
+}
+
+/// Returns the distance from the origin of a body's frame to its farthest point, or more.
+pub(crate) fn radius(geometry: &Geometry) -> f64 {
+    let (centre, radius): (Point3<f64>, f64) = geometry.bounding_ball();
+    centre.coords.norm() + radius
+}

@@ -1,0 +1,164 @@
+//! Pairs of links that need no check: found by random configurations.
+
+use lin_canny::nalgebra::Isometry3;
+use lin_canny::plan::{ConfigurationSpace, PlanError};
+use lin_canny::{PairTracker, RelativePose};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+use crate::space::Setup;
+use crate::srdf::{IgnoredPair, Srdf};
+
+/// Why a pair of links may be ignored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum IgnoreReason {
+    /// One joint connects the links.
+    Adjacent,
+    /// The links overlapped at every configuration.
+    Always,
+    /// The links overlapped at no configuration. This is no proof: the counts say how much it is
+    /// worth.
+    Never,
+}
+
+impl std::fmt::Display for IgnoreReason {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Adjacent => "Adjacent",
+            Self::Always => "Always",
+            Self::Never => "Never",
+        })
+    }
+}
+
+/// Two links and how often they overlapped.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct LinkPairCount {
+    /// The names of both links.
+    pub links: [String; 2],
+    /// The configurations at which the links overlapped or touched.
+    pub overlaps: u64,
+    /// The configurations at which neither could be proven: rounding hides the answer.
+    pub undecided: u64,
+    /// All configurations.
+    pub samples: u64,
+    /// Why the pair may be ignored; `None` if it needs its check.
+    pub reason: Option<IgnoreReason>,
+}
+
+/// The tracked pairs of bodies of two links.
+struct Counted {
+    links: [String; 2],
+    bodies: Vec<(usize, usize, PairTracker)>,
+    overlaps: u64,
+    undecided: u64,
+}
+
+/// Counts at random configurations, uniform within the limits, how often each two links overlap.
+/// Pairs of links that keep their relative pose are left out. `progress` is called after each
+/// configuration with the number done, and ends the count early by `false`.
+///
+/// # Errors
+/// Numbers of a robot that are out of range.
+pub fn find_ignorable(
+    setup: &Setup,
+    samples: u64,
+    seed: u64,
+    progress: &mut dyn FnMut(u64) -> bool,
+) -> Result<Vec<LinkPairCount>, PlanError> {
+    let space = setup.space()?;
+    let mut random = ChaCha8Rng::seed_from_u64(seed);
+    let mut counted = pairs(setup, &space);
+    let (mut poses, mut done) = (Vec::new(), 0);
+    while done < samples {
+        let q = space.sample(&mut || random.random::<f64>());
+        space.place(&q, &mut poses);
+        for pair in &mut counted {
+            pair.count(setup, &poses)?;
+        }
+        done += 1;
+        if !progress(done) {
+            break;
+        }
+    }
+    Ok(counted.into_iter().map(|pair| pair.judged(setup, done)).collect())
+}
+
+fn pairs(setup: &Setup, space: &impl ConfigurationSpace) -> Vec<Counted> {
+    let bodies = setup.bodies();
+    let mut counted: Vec<Counted> = Vec::new();
+    for b in 0..bodies.len() {
+        for a in (0..b).filter(|&a| !space.is_rigid(a, b)) {
+            let links = [a, b].map(|k| bodies[k].name.clone());
+            let known = counted.iter_mut().find(|pair| pair.links == links);
+            let entry = (a, b, PairTracker::new());
+            match known {
+                Some(pair) => pair.bodies.push(entry),
+                None => counted.push(Counted {
+                    links,
+                    bodies: vec![entry],
+                    overlaps: 0,
+                    undecided: 0,
+                }),
+            }
+        }
+    }
+    counted
+}
+
+impl Counted {
+    fn count(&mut self, setup: &Setup, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
+        let shape = |k: usize| &setup.bodies()[k].geometry;
+        let mut is_undecided = false;
+        for (a, b, tracker) in &mut self.bodies {
+            let pose = RelativePose::new(&poses[*a], &poses[*b])?;
+            match tracker.intersects(shape(*a), shape(*b), &pose) {
+                lin_canny::Decision::Yes => {
+                    self.overlaps += 1;
+                    return Ok(());
+                }
+                lin_canny::Decision::No => {}
+                _ => is_undecided = true,
+            }
+        }
+        self.undecided += u64::from(is_undecided);
+        Ok(())
+    }
+
+    fn judged(self, setup: &Setup, samples: u64) -> LinkPairCount {
+        let [a, b] = &self.links;
+        let mut adjacent = setup.adjacent().iter();
+        let reason = if adjacent.any(|pair| (&pair[0], &pair[1]) == (a, b) || (&pair[1], &pair[0]) == (a, b)) {
+            Some(IgnoreReason::Adjacent)
+        } else if samples > 0 && self.overlaps == samples {
+            Some(IgnoreReason::Always)
+        } else if samples > 0 && self.overlaps + self.undecided == 0 {
+            Some(IgnoreReason::Never)
+        } else {
+            None
+        };
+        LinkPairCount {
+            links: self.links,
+            overlaps: self.overlaps,
+            undecided: self.undecided,
+            samples,
+            reason,
+        }
+    }
+}
+
+impl Srdf {
+    /// Returns the pairs that may be ignored by these counts.
+    #[must_use]
+    pub fn of_counts(counts: &[LinkPairCount]) -> Self {
+        let ignored = counts.iter().filter_map(|pair| {
+            let reason = pair.reason?.to_string();
+            let links = pair.links.clone();
+            Some(IgnoredPair { links, reason })
+        });
+        Self {
+            ignored: ignored.collect(),
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Where files that a URDF names are found.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::FileProblem;
+
+/// Folders in which packages are looked for.
+///
+/// `package://NAME/REST` is `DIR/NAME/REST` for the first folder that has this file, or `DIR/REST`
+/// for a folder that is called NAME itself; then the same for the folders above the URDF.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Packages {
+    folders: Vec<PathBuf>,
+}
+
+impl Packages {
+    /// Returns packages in these folders alone.
+    #[must_use]
+    pub fn new(folders: impl IntoIterator<Item = impl Into<PathBuf>>) -> Self {
+        let folders = folders.into_iter().map(Into::into).collect();
+        Self { folders }
+    }
+
+    /// Adds the folders of the variable `ROS_PACKAGE_PATH`, after those that are there.
+    #[must_use]
+    pub fn with_environment(mut self) -> Self {
+        if let Some(path) = std::env::var_os("ROS_PACKAGE_PATH") {
+            self.folders
+                .extend(std::env::split_paths(&path).filter(|p| !p.as_os_str().is_empty()));
+        }
+        self
+    }
+
+    /// Returns the file of a name in a URDF of a folder.
+    pub(crate) fn find(&self, name: &str, folder: &Path) -> Result<PathBuf, FileProblem> {
+        let missing = |what: String| FileProblem::Missing(what);
+        let Some(inside) = name.strip_prefix("package://") else {
+            let file = folder.join(name.strip_prefix("file://").unwrap_or(name));
+            let is_there = file.is_file();
+            return if is_there {
+                Ok(file)
+            } else {
+                Err(missing(format!("mesh {}", file.display())))
+            };
+        };
+        let (package, rest) = inside.split_once('/').unwrap_or((inside, ""));
+        let places = self.folders.iter().map(PathBuf::as_path).chain(folder.ancestors());
+        let candidates = places.flat_map(|place| {
+            let is_package = place.file_name().is_some_and(|n| n == package);
+            [Some(place.join(inside)), is_package.then(|| place.join(rest))]
+        });
+        candidates.flatten().find(|file| file.is_file()).ok_or_else(|| {
+            let folders: Vec<_> = self.folders.iter().map(|f| f.display().to_string()).collect();
+            missing(format!(
+                "mesh {name:?} (looked for in {}[{}] and the folders above the URDF)",
+                if folders.is_empty() { "no package folders " } else { "" },
+                folders.join(", ")
+            ))
+        })
+    }
+}

@@ -1,0 +1,232 @@
+//! Robots in a cell: one configuration space, one world.
+
+use std::collections::BTreeSet;
+
+use lin_canny::Geometry;
+use lin_canny::nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
+use lin_canny::plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World};
+
+use crate::geometry::radius;
+use crate::robot::{Coordinate, MotionKind, Robot};
+use crate::srdf::Srdf;
+
+/// Robots at their places and the obstacles about them, to make a [`Checker`] of.
+///
+/// Coordinates of a configuration are those of the robots one after the other; names of links and
+/// coordinates begin with the robot's prefix.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny_robot::{Packages, Robot, Setup};
+///
+/// let urdf = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/gripper.urdf");
+/// let robot = Robot::load(urdf, &Packages::default())?;
+/// let mut setup = Setup::new();
+/// setup.robot("", &robot, Isometry3::identity());
+/// setup.ignore_adjacent();
+/// setup.ignore_pair("left finger", "right finger");
+/// let table = solids::cuboid(Vector3::new(0.5, 0.5, 0.02))?;
+/// setup.obstacle("table", table, Isometry3::translation(0.8, 0.0, 0.3));
+///
+/// let mut checker = setup.checker()?;
+/// let near = checker.clearance(&[0.0, 0.6, 1.0, 0.0, 0.5, 0.0, 0.02])?.expect("a pair");
+/// assert!(near.distance > 0.0 && near.lower <= near.distance);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Setup {
+    joints: Vec<TreeJoint>,
+    coordinates: Vec<Coordinate>,
+    /// By link of the tree: the greatest distance of a point of its bodies from its origin.
+    radii: Vec<f64>,
+    bodies: Vec<SetupBody>,
+    adjacent: Vec<[String; 2]>,
+    ignored: BTreeSet<[String; 2]>,
+    /// Links without bodies: an SRDF may name them.
+    frames: BTreeSet<String>,
+    obstacles: Vec<(String, Geometry, Isometry3<f64>)>,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct SetupBody {
+    /// The name of the link.
+    pub(crate) name: String,
+    /// The link of the tree.
+    pub(crate) link: usize,
+    pub(crate) geometry: Geometry,
+}
+
+impl Setup {
+    /// Returns a setup without robots or obstacles.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            radii: vec![0.0],
+            ..Self::default()
+        }
+    }
+
+    /// Adds a robot whose root link stands at a pose. The prefix tells robots apart; a single
+    /// robot needs none.
+    pub fn robot(&mut self, prefix: &str, robot: &Robot, pose: Isometry3<f64>) {
+        let first = self.coordinates.len();
+        let named = |name: &str| format!("{prefix}{name}");
+        self.coordinates.extend(robot.coordinates.iter().map(|c| Coordinate {
+            name: named(&c.name),
+            limits: c.limits,
+        }));
+        let mut links = vec![self.add(TreeJoint::fixed(0, pose))];
+        for joint in &robot.joints {
+            let drive = joint.drive.map(|drive| Drive {
+                coordinate: drive.coordinate + first,
+                ..drive
+            });
+            let mut link = links[joint.parent];
+            for part in parts(joint.kind, &joint.axis, &joint.origin, drive) {
+                link = self.add(TreeJoint { parent: link, ..part });
+            }
+            links.push(link);
+        }
+        for (link, &at) in robot.links.iter().zip(&links) {
+            if link.bodies.is_empty() {
+                self.frames.insert(named(&link.name));
+            }
+            for body in &link.bodies {
+                let is_at_origin = body.origin == Isometry3::identity();
+                let link_of_body = if is_at_origin {
+                    at
+                } else {
+                    self.add(TreeJoint::fixed(at, body.origin))
+                };
+                let reach = radius(&body.geometry);
+                self.radii[link_of_body] = self.radii[link_of_body].max(reach);
+                self.bodies.push(SetupBody {
+                    name: named(&link.name),
+                    link: link_of_body,
+                    geometry: body.geometry.clone(),
+                });
+            }
+        }
+        let pairs = robot.adjacent().into_iter();
+        self.adjacent
+            .extend(pairs.map(|pair| pair.map(|k| named(&robot.links[k].name))));
+    }
+
+    fn add(&mut self, joint: TreeJoint) -> usize {
+        self.joints.push(joint);
+        self.radii.push(0.0);
+        self.joints.len()
+    }
+
+    /// Adds an obstacle at a pose.
+    pub fn obstacle(&mut self, name: impl Into<String>, geometry: impl Into<Geometry>, pose: Isometry3<f64>) {
+        self.obstacles.push((name.into(), geometry.into(), pose));
+    }
+
+    /// Ignores all pairs of adjacent links: see [`Robot::adjacent`].
+    pub fn ignore_adjacent(&mut self) {
+        self.ignored.extend(self.adjacent.iter().cloned());
+    }
+
+    /// Ignores the pairs of an SRDF of the robot with this prefix.
+    pub fn ignore(&mut self, prefix: &str, srdf: &Srdf) {
+        for pair in &srdf.ignored {
+            let [a, b] = pair.links.each_ref().map(|name| format!("{prefix}{name}"));
+            self.ignore_pair(&a, &b);
+        }
+    }
+
+    /// Ignores all pairs of two links, or of a link and an obstacle.
+    pub fn ignore_pair(&mut self, a: &str, b: &str) {
+        self.ignored.insert([a.to_owned(), b.to_owned()]);
+    }
+
+    /// Returns the coordinates of a configuration.
+    #[must_use]
+    pub fn coordinates(&self) -> &[Coordinate] {
+        &self.coordinates
+    }
+
+    pub(crate) fn bodies(&self) -> &[SetupBody] {
+        &self.bodies
+    }
+
+    pub(crate) fn adjacent(&self) -> &[[String; 2]] {
+        &self.adjacent
+    }
+
+    /// Returns the configuration space of all robots.
+    ///
+    /// # Errors
+    /// Numbers of a robot that are out of range.
+    pub fn space(&self) -> Result<JointTree, PlanError> {
+        let limits = self.coordinates.iter().map(|c| c.limits).collect();
+        let links = self.bodies.iter().map(|b| b.link).collect();
+        JointTree::new(
+            Isometry3::identity(),
+            self.joints.clone(),
+            limits,
+            links,
+            self.radii.clone(),
+        )
+    }
+
+    /// Returns the checker of all robots among the obstacles.
+    ///
+    /// # Errors
+    /// Numbers of a robot or an obstacle that are out of range, and names of pairs to ignore that
+    /// nothing has.
+    pub fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
+        let mut world = World::new();
+        for body in &self.bodies {
+            world.robot_body(&body.name, body.geometry.clone());
+        }
+        for (name, geometry, pose) in &self.obstacles {
+            world.obstacle(name, geometry.clone(), *pose);
+        }
+        let is_frame = |name: &String| self.frames.contains(name);
+        for [a, b] in self.ignored.iter().filter(|pair| !pair.iter().any(is_frame)) {
+            world.exclude(a, b)?;
+        }
+        Checker::new(self.space()?, world)
+    }
+}
+
+/// Returns the turns and slides that a joint is made of, one after the other; their parents are
+/// the caller's.
+fn parts(kind: MotionKind, axis: &Unit<Vector3<f64>>, origin: &Isometry3<f64>, drive: Option<Drive>) -> Vec<TreeJoint> {
+    let joint = |kind: JointKind, axis: Unit<Vector3<f64>>, drive: Option<Drive>| TreeJoint {
+        parent: 0,
+        kind,
+        origin: Isometry3::identity(),
+        axis,
+        drive,
+    };
+    let after = |k: usize| drive.map(|d| Drive::by(d.coordinate + k));
+    let slide = |axis, k| joint(JointKind::Prismatic, axis, after(k));
+    let turn = |axis, k| joint(JointKind::Revolute, axis, after(k));
+    let [x, y, z] = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
+    let mut parts = match kind {
+        MotionKind::Fixed => vec![TreeJoint::fixed(0, Isometry3::identity())],
+        MotionKind::Revolute => vec![joint(JointKind::Revolute, *axis, drive)],
+        MotionKind::Prismatic => vec![joint(JointKind::Prismatic, *axis, drive)],
+        MotionKind::Planar => {
+            // The shortest turn from z to the axis; a half turn about x for the opposite of z.
+            let half = UnitQuaternion::from_axis_angle(&x, std::f64::consts::PI);
+            let frame = UnitQuaternion::rotation_between(&z, axis).unwrap_or(half);
+            vec![slide(frame * x, 0), slide(frame * y, 1), turn(*axis, 2)]
+        }
+        // The rotation is the product of yaw, pitch and roll.
+        MotionKind::Floating => vec![
+            slide(x, 0),
+            slide(y, 1),
+            slide(z, 2),
+            turn(z, 5),
+            turn(y, 4),
+            turn(x, 3),
+        ],
+    };
+    parts[0].origin = *origin;
+    parts
+}

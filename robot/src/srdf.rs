@@ -1,0 +1,91 @@
+//! SRDF: pairs of links that are not checked.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use crate::error::{FileError, FileProblem};
+use crate::robot::Robot;
+use crate::xml::Xml;
+
+/// Two links that are not checked against each other, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct IgnoredPair {
+    /// The names of both links.
+    pub links: [String; 2],
+    /// The reason as in the file, such as `Adjacent`, `Never` or `User`.
+    pub reason: String,
+}
+
+/// The pairs of an SRDF that are not checked. Groups, poses and end effectors are passed over.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Srdf {
+    /// The pairs, in the order of the file.
+    pub ignored: Vec<IgnoredPair>,
+}
+
+impl Srdf {
+    /// Returns the pairs of an SRDF file of a robot.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or a pair of links that the robot does not have: the line and
+    /// the name.
+    pub fn load(path: impl AsRef<Path>, robot: &Robot) -> Result<Self, FileError> {
+        let path = path.as_ref();
+        Self::parse(&FileError::read(path)?, path, robot)
+    }
+
+    /// Returns the pairs of the text of an SRDF; `path` is the file that errors name.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn parse(text: &str, path: impl AsRef<Path>, robot: &Robot) -> Result<Self, FileError> {
+        let xml = Xml::parse(path.as_ref(), text, "robot")?;
+        let mut ignored = Vec::new();
+        for node in xml.elements("disable_collisions") {
+            let name = |field: &str| {
+                let name = xml.needed(&node, field)?.to_owned();
+                if robot.link(&name).is_some() {
+                    return Ok(name);
+                }
+                Err(xml.error(&node, FileProblem::Unknown { kind: "link", name }))
+            };
+            ignored.push(IgnoredPair {
+                links: [name("link1")?, name("link2")?],
+                reason: node.attribute("reason").unwrap_or("").to_owned(),
+            });
+        }
+        Ok(Self { ignored })
+    }
+
+    /// Returns the text of an SRDF with these pairs.
+    #[must_use]
+    pub fn text(&self, robot: &str) -> String {
+        let mut text = format!("<?xml version=\"1.0\"?>\n<robot name=\"{}\">\n", escaped(robot));
+        for pair in &self.ignored {
+            let [a, b] = pair.links.each_ref().map(|name| escaped(name));
+            let reason = escaped(&pair.reason);
+            let _ = writeln!(
+                text,
+                "  <disable_collisions link1=\"{a}\" link2=\"{b}\" reason=\"{reason}\"/>"
+            );
+        }
+        text.push_str("</robot>\n");
+        text
+    }
+}
+
+fn escaped(text: &str) -> String {
+    let mut all = String::new();
+    for c in text.chars() {
+        match c {
+            '&' => all.push_str("&amp;"),
+            '<' => all.push_str("&lt;"),
+            '"' => all.push_str("&quot;"),
+            '\n' | '\r' | '\t' => {
+                let _ = write!(all, "&#{};", u32::from(c));
+            }
+            _ => all.push(c),
+        }
+    }
+    all
+}

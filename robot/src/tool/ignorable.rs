@@ -1,0 +1,43 @@
+//! `ignorable`: pairs of links that need no check.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use lin_canny_robot::{Srdf, find_ignorable};
+
+use super::options::RobotOptions;
+use super::{End, ToolError, progress, write};
+
+#[derive(Args)]
+pub(super) struct IgnorableOptions {
+    #[command(flatten)]
+    robot: RobotOptions,
+    /// Random configurations
+    #[arg(long, default_value_t = 10_000)]
+    samples: u64,
+    /// Seed of the configurations
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Where to write the pairs as SRDF
+    #[arg(long, value_name = "OUT.srdf")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn run(options: &IgnorableOptions) -> Result<End, ToolError> {
+    let (robot, setup) = options.robot.load()?;
+    let bar = progress("configurations", options.samples);
+    let counts = find_ignorable(&setup, options.samples, options.seed, &mut |done| {
+        bar.set_position(done);
+        true
+    })?;
+    bar.finish_and_clear();
+    for pair in &counts {
+        let [a, b] = &pair.links;
+        let reason = pair.reason.map_or("check".into(), |r| r.to_string());
+        println!("{reason:<9}{:>8} of {} overlap: {a} - {b}", pair.overlaps, pair.samples);
+    }
+    if let Some(file) = &options.out {
+        write(file, &Srdf::of_counts(&counts).text(robot.name()))?;
+    }
+    Ok(End::Free)
+}

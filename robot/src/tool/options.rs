@@ -1,0 +1,127 @@
+//! What all commands take: the robot, its pairs, its cell.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use lin_canny_robot::lin_canny::nalgebra::Isometry3;
+use lin_canny_robot::{Cell, LoadOptions, MeshOptions, MeshUse, Packages, Robot, Setup, Srdf};
+
+use super::ToolError;
+
+/// What a mesh becomes.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum MeshGeometry {
+    /// The convex hull.
+    Hull,
+    /// The mesh as it is.
+    Mesh,
+    /// Convex pieces from the folder of `--pieces`.
+    Pieces,
+}
+
+impl From<MeshGeometry> for MeshUse {
+    fn from(geometry: MeshGeometry) -> Self {
+        match geometry {
+            MeshGeometry::Hull => Self::Hull,
+            MeshGeometry::Mesh => Self::Mesh,
+            MeshGeometry::Pieces => Self::Pieces,
+        }
+    }
+}
+
+/// The robot and what is about it.
+#[derive(Args)]
+pub(super) struct RobotOptions {
+    /// The robot
+    #[arg(value_name = "ROBOT.urdf")]
+    urdf: PathBuf,
+    /// Pairs of links to ignore
+    #[arg(long, value_name = "FILE")]
+    srdf: Option<PathBuf>,
+    /// Obstacles
+    #[arg(long, value_name = "CELL.json")]
+    cell: Option<PathBuf>,
+    /// A folder with packages of `package://` names, before those of ROS_PACKAGE_PATH; may repeat
+    #[arg(long, value_name = "DIR")]
+    packages: Vec<PathBuf>,
+    /// What meshes become
+    #[arg(long, value_enum, default_value = "hull")]
+    geometry: MeshGeometry,
+    /// What the meshes of one link become, such as `hand=mesh`; may repeat
+    #[arg(long, value_name = "LINK=KIND", value_parser = link_geometry)]
+    link: Vec<(String, MeshGeometry)>,
+    /// The folder of the convex pieces: the objects of arm.obj for a mesh arm.stl
+    #[arg(long, value_name = "DIR")]
+    pieces: Option<PathBuf>,
+    /// Measure and print what hulls add to their meshes
+    #[arg(long)]
+    hull_fit: bool,
+    /// Check adjacent links too
+    #[arg(long)]
+    check_adjacent: bool,
+}
+
+fn link_geometry(text: &str) -> Result<(String, MeshGeometry), String> {
+    let (link, kind) = text.rsplit_once('=').ok_or("LINK=KIND is needed")?;
+    Ok((link.into(), MeshGeometry::from_str(kind, true)?))
+}
+
+impl RobotOptions {
+    /// Returns the robot, and robot and cell to make a checker of.
+    pub(super) fn load(&self) -> Result<(Robot, Setup), ToolError> {
+        let packages = Packages::new(&self.packages).with_environment();
+        let mut options = LoadOptions::default();
+        options.meshes = MeshOptions {
+            all: self.geometry.into(),
+            of_links: self
+                .link
+                .iter()
+                .map(|(link, kind)| (link.clone(), (*kind).into()))
+                .collect(),
+            pieces: self.pieces.clone(),
+            measure_hulls: self.hull_fit,
+        };
+        let robot = Robot::load_with(&self.urdf, &packages, &options)?;
+        for (name, _) in &self.link {
+            if robot.link(name).is_none() {
+                let reason = format!("there is no link called {name:?}, as --link says");
+                let file = self.urdf.clone();
+                return Err(ToolError::Rows { file, reason });
+            }
+        }
+        if self.hull_fit {
+            print_hull_fits(&robot);
+        }
+        let mut setup = Setup::new();
+        setup.robot("", &robot, Isometry3::identity());
+        if !self.check_adjacent {
+            setup.ignore_adjacent();
+        }
+        if let Some(file) = &self.srdf {
+            setup.ignore("", &Srdf::load(file, &robot)?);
+        }
+        if let Some(file) = &self.cell {
+            setup.cell(&Cell::load(file, &packages, &options.meshes)?);
+        }
+        Ok((robot, setup))
+    }
+}
+
+fn print_hull_fits(robot: &Robot) {
+    for link in robot.links() {
+        for body in &link.bodies {
+            let (Some(fit), Some(mesh)) = (&body.hull_fit, &body.mesh) else {
+                continue;
+            };
+            let air = fit
+                .air()
+                .map_or("a surface".into(), |air| format!("{:.1} % air", 100.0 * air));
+            let (low, high) = (fit.gap_lower, fit.gap_upper);
+            println!(
+                "hull of {} ({}): gap {low:.3e} to {high:.3e}, {air}",
+                link.name,
+                mesh.display()
+            );
+        }
+    }
+}

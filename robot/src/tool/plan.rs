@@ -1,0 +1,74 @@
+//! `plan`: a path from the first to the last row of a file.
+
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use lin_canny_robot::lin_canny::plan::PlanOptions;
+use lin_canny_robot::{Trajectory, csv_text};
+
+use super::options::RobotOptions;
+use super::{End, ToolError, write};
+
+#[derive(Args)]
+pub(super) struct PlanArguments {
+    #[command(flatten)]
+    robot: RobotOptions,
+    /// Start and goal: the first and the last row
+    #[arg(long, value_name = "Q.csv")]
+    joints: PathBuf,
+    /// Where to write the path, to stdout if left out
+    #[arg(long, value_name = "OUT.csv")]
+    csv: Option<PathBuf>,
+    /// The distance that all pairs must keep
+    #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
+    margin: f64,
+    /// Seed of the random slices
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Limit of the search in seconds
+    #[arg(long, default_value = "10", value_parser = duration)]
+    seconds: Duration,
+    /// Tries to shorten the path
+    #[arg(long, default_value_t = 300)]
+    shorten: usize,
+}
+
+fn duration(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().map_err(|e| e.to_string())?;
+    Duration::try_from_secs_f64(seconds).map_err(|e| e.to_string())
+}
+
+pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
+    let (_, setup) = options.robot.load()?;
+    let rows = Trajectory::load(&options.joints, setup.coordinates())?.rows;
+    let [start, .., goal] = &rows[..] else {
+        let (file, reason) = (options.joints.clone(), "a search needs two rows: start and goal".into());
+        return Err(ToolError::Rows { file, reason });
+    };
+    let mut checker = setup.checker()?;
+    checker.set_margin(options.margin)?;
+    let began = Instant::now();
+    let search = PlanOptions::default().seed(options.seed).slices(u64::MAX);
+    let found = checker.plan_until(start, goal, &search, &mut || began.elapsed() > options.seconds)?;
+    let Some(path) = found.path else {
+        eprintln!(
+            "no path found in {:.1?}: there may be one nevertheless",
+            began.elapsed()
+        );
+        return Ok(End::NoPath);
+    };
+    let short = checker.shorten(&path, options.shorten, options.seed)?;
+    let text = csv_text(setup.coordinates(), &short);
+    match &options.csv {
+        Some(file) => write(file, &text)?,
+        None => print!("{text}"),
+    }
+    eprintln!(
+        "a path of {} rows, length {:.3} ({:.3} before it was shortened)",
+        short.len(),
+        checker.path_length(&short),
+        checker.path_length(&path)
+    );
+    Ok(End::Free)
+}

@@ -1,0 +1,192 @@
+//! XML with the line of every element, and the check of all numbers and references to names that a
+//! URDF or SRDF needs.
+//!
+//! `urdf-rs` keeps no lines, and reads `"0 0 x 1"` as three numbers: so the numbers are checked
+//! here first, and errors found later ask here for the line of their element.
+
+use std::path::Path;
+
+use roxmltree::{Document, Node, ParsingOptions};
+
+use crate::error::{FileError, FileProblem};
+
+/// Elements within each other, at most.
+const DEPTH: usize = 64;
+
+/// A file and its elements.
+pub(crate) struct Xml<'a> {
+    pub(crate) file: &'a Path,
+    document: Document<'a>,
+}
+
+impl<'a> Xml<'a> {
+    pub(crate) fn parse(file: &'a Path, text: &'a str, root: &str) -> Result<Self, FileError> {
+        // No document types: their entities can grow without bound.
+        let options = ParsingOptions {
+            allow_dtd: false,
+            nodes_limit: 4_000_000,
+            ..ParsingOptions::default()
+        };
+        let document = Document::parse_with_options(text, options).map_err(|e| {
+            let reason = FileProblem::Malformed(e.to_string());
+            FileError::new(file, Some(e.pos().row), "", reason)
+        })?;
+        let xml = Self { file, document };
+        // `urdf-rs` recurses.
+        let is_deep = |node: &Node| node.ancestors().nth(DEPTH).is_some();
+        if let Some(node) = xml.document.descendants().find(is_deep) {
+            let reason = FileProblem::Malformed(format!("elements within more than {DEPTH} others"));
+            return Err(FileError::new(file, Some(xml.line(&node)), "", reason));
+        }
+        let found = xml.root().tag_name().name();
+        if found != root {
+            let reason = FileProblem::Malformed(format!("the root element is {found:?}, not {root:?}"));
+            return Err(xml.error(&xml.root(), reason));
+        }
+        Ok(xml)
+    }
+
+    pub(crate) fn root(&self) -> Node<'_, 'a> {
+        self.document.root_element()
+    }
+
+    /// Returns the elements of a kind right below the root.
+    pub(crate) fn elements(&self, kind: &str) -> impl Iterator<Item = Node<'_, 'a>> {
+        children(self.root(), kind)
+    }
+
+    /// Returns the error of an element.
+    pub(crate) fn error(&self, node: &Node, reason: FileProblem) -> FileError {
+        FileError::new(self.file, Some(self.line(node)), title(node), reason)
+    }
+
+    /// Returns the error of a part below the `link` or `joint` of a name; of the file if there is
+    /// none.
+    pub(crate) fn error_of(&self, kind: &str, name: &str, reason: FileProblem) -> FileError {
+        let node = self.elements(kind).find(|n| n.attribute("name") == Some(name));
+        match node {
+            Some(node) => self.error(&node, reason),
+            None => FileError::new(self.file, None, format!("{kind} {name:?}"), reason),
+        }
+    }
+
+    pub(crate) fn line(&self, node: &Node) -> u32 {
+        self.document.text_pos_at(node.range().start).row
+    }
+
+    /// Returns an attribute that has to be there.
+    pub(crate) fn needed<'n>(&self, node: &'n Node<'_, '_>, name: &str) -> Result<&'n str, FileError> {
+        let missing = || self.error(node, FileProblem::Missing(format!("attribute {name}")));
+        node.attribute(name).ok_or_else(missing)
+    }
+
+    /// Refuses an attribute that is there and does not hold so many finite numbers.
+    fn check_numbers(&self, node: &Node, field: &str, count: usize) -> Result<(), FileError> {
+        let Some(text) = node.attribute(field) else {
+            return Ok(());
+        };
+        let words = || text.split_whitespace();
+        let is_number = |w: &str| w.parse::<f64>().is_ok_and(f64::is_finite);
+        if words().count() == count && words().all(is_number) {
+            return Ok(());
+        }
+        let reason = FileProblem::Number {
+            field: field.into(),
+            count,
+            text: text.into(),
+        };
+        Err(self.error(node, reason))
+    }
+
+    /// Refuses links and joints with numbers, names or kinds that cannot be read.
+    pub(crate) fn check_urdf(&self) -> Result<(), FileError> {
+        for kind in ["link", "joint"] {
+            let mut names = std::collections::HashSet::new();
+            for node in self.elements(kind) {
+                if !names.insert(self.needed(&node, "name")?.to_owned()) {
+                    return Err(self.error(&node, FileProblem::Repeated));
+                }
+                for part in node.descendants().filter(Node::is_element) {
+                    self.check_part(&part)?;
+                }
+            }
+        }
+        self.elements("joint").try_for_each(|joint| self.check_joint(&joint))
+    }
+
+    fn check_part(&self, part: &Node) -> Result<(), FileError> {
+        let of = part.tag_name().name();
+        let fields: &[(&str, usize, bool)] = match of {
+            "origin" => &[("xyz", 3, false), ("rpy", 3, false), ("quat_xyzw", 4, false)],
+            "box" => &[("size", 3, true)],
+            "cylinder" | "capsule" => &[("radius", 1, true), ("length", 1, true)],
+            "sphere" => &[("radius", 1, true)],
+            "mesh" => &[("scale", 3, false)],
+            "axis" => &[("xyz", 3, true)],
+            "limit" => &[("lower", 1, false), ("upper", 1, false)],
+            "mimic" => &[("multiplier", 1, false), ("offset", 1, false)],
+            _ => &[],
+        };
+        for &(field, count, is_needed) in fields {
+            if is_needed {
+                self.needed(part, field)?;
+            }
+            self.check_numbers(part, field, count)?;
+        }
+        match of {
+            "mesh" => self.needed(part, "filename").map(drop),
+            "mimic" => self.needed(part, "joint").map(drop),
+            "geometry" => self.check_shape(part),
+            _ => Ok(()),
+        }
+    }
+
+    fn check_shape(&self, geometry: &Node) -> Result<(), FileError> {
+        let Some(shape) = geometry.children().find(Node::is_element) else {
+            return Err(self.error(geometry, FileProblem::Missing("a shape".into())));
+        };
+        let name = shape.tag_name().name();
+        if matches!(name, "box" | "cylinder" | "capsule" | "sphere" | "mesh") {
+            return Ok(());
+        }
+        Err(self.error(&shape, FileProblem::Unsupported(format!("the shape {name:?}"))))
+    }
+
+    fn check_joint(&self, joint: &Node) -> Result<(), FileError> {
+        let kind = self.needed(joint, "type")?;
+        let known = ["revolute", "continuous", "prismatic", "fixed", "planar", "floating"];
+        if !known.contains(&kind) {
+            let reason = FileProblem::Unsupported(format!("a joint of type {kind:?}"));
+            return Err(self.error(joint, reason));
+        }
+        for end in ["parent", "child"] {
+            let node = children(*joint, end).next();
+            let missing = || self.error(joint, FileProblem::Missing(format!("element {end}")));
+            self.needed(&node.ok_or_else(missing)?, "link")?;
+        }
+        let limit = children(*joint, "limit").next();
+        if matches!(kind, "revolute" | "prismatic") && limit.is_none() && children(*joint, "mimic").next().is_none() {
+            return Err(self.error(joint, FileProblem::Missing("element limit".into())));
+        }
+        Ok(())
+    }
+}
+
+/// Returns the elements of a kind right below a node.
+pub(crate) fn children<'n, 'a>(node: Node<'n, 'a>, kind: &str) -> impl Iterator<Item = Node<'n, 'a>> {
+    node.children().filter(move |n| n.has_tag_name(kind))
+}
+
+/// Returns the path of named elements to a node, such as `link "hand" mesh`.
+fn title(node: &Node) -> String {
+    let mut words: Vec<String> = node
+        .ancestors()
+        .filter(|n| n.is_element() && n.parent_element().is_some())
+        .map(|n| match n.attribute("name") {
+            Some(name) => format!("{} {name:?}", n.tag_name().name()),
+            None => n.tag_name().name().to_owned(),
+        })
+        .collect();
+    words.reverse();
+    words.join(" ")
+}

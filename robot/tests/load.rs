@@ -1,0 +1,295 @@
+//! URDF files: what is read, and that errors name the element.
+
+use std::path::{Path, PathBuf};
+
+use lin_canny::ShapeKind;
+use lin_canny_robot::{FileError, FileProblem, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot};
+
+/// A folder of the examples.
+pub fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
+}
+
+fn parse(text: &str) -> Result<Robot, FileError> {
+    let packages = Packages::default();
+    Robot::parse(text, examples().join("test.urdf"), &packages, &LoadOptions::default())
+}
+
+/// A robot of three links `a`, `b`, `c` in a chain with some of its text replaced.
+fn changed(from: &str, to: &str) -> Result<Robot, FileError> {
+    let text = r#"<robot name="chain">
+  <link name="a"><collision><geometry><box size="1 1 1"/></geometry></collision></link>
+  <link name="b"><collision><geometry><sphere radius="0.5"/></geometry></collision></link>
+  <link name="c"/>
+  <joint name="one" type="revolute">
+    <parent link="a"/><child link="b"/><origin xyz="0 0 1"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/>
+  </joint>
+  <joint name="two" type="prismatic">
+    <parent link="b"/><child link="c"/><axis xyz="0 1 0"/>
+    <limit lower="0" upper="1" effort="1" velocity="1"/>
+  </joint>
+</robot>"#;
+    assert!(text.contains(from), "{from}");
+    parse(&text.replacen(from, to, 1))
+}
+
+/// The error names the line, the element and, in its reason, some words.
+fn refused(from: &str, to: &str, line: u32, words: &[&str]) -> FileProblem {
+    let error = changed(from, to).expect_err(to);
+    let text = error.to_string();
+    assert_eq!(error.line, Some(line), "{text}");
+    for word in words {
+        assert!(text.contains(word), "{text} does not name {word}");
+    }
+    error.reason
+}
+
+#[test]
+fn the_example_has_one_coordinate_for_both_fingers() {
+    let robot = Robot::load(examples().join("gripper.urdf"), &Packages::default()).expect("a robot");
+    let names: Vec<&str> = robot.coordinates().iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(names, ["turn", "lift", "elbow", "roll", "bend", "twist", "left"]);
+    let right = robot.joints().iter().find(|j| j.name == "right").expect("a joint");
+    assert_eq!(
+        (right.mimics.as_deref(), right.kind),
+        (Some("left"), MotionKind::Prismatic)
+    );
+    assert_eq!(
+        right.drive.map(|d| (d.coordinate, d.factor, d.offset)),
+        Some((6, 1.0, 0.0))
+    );
+    let kinds: Vec<ShapeKind> = robot.links().iter().map(|l| l.bodies[0].geometry.kind()).collect();
+    assert!(kinds.contains(&ShapeKind::Curved) && kinds.contains(&ShapeKind::Polyhedron));
+    for (k, joint) in robot.joints().iter().enumerate() {
+        assert_eq!(joint.child, k + 1);
+        assert!(joint.parent <= k);
+    }
+    assert_eq!(robot.adjacent().len(), 8);
+}
+
+#[test]
+fn every_solid_and_joint_is_read() {
+    let text = r#"<robot name="all">
+  <link name="root"/><link name="a"/><link name="b"/><link name="d"/>
+  <link name="c">
+    <collision><origin xyz="1 2 3" rpy="0 0 1.5"/><geometry><capsule radius="1" length="2"/></geometry></collision>
+    <collision><geometry><cylinder radius="1" length="2"/></geometry></collision>
+    <collision><geometry><sphere radius="1"/></geometry></collision>
+    <collision><geometry><box size="1 2 3"/></geometry></collision>
+  </link>
+  <joint name="f" type="floating"><parent link="root"/><child link="a"/></joint>
+  <joint name="p" type="planar"><parent link="a"/><child link="b"/><axis xyz="0 0 2"/></joint>
+  <joint name="t" type="continuous"><parent link="b"/><child link="c"/></joint>
+  <joint name="x" type="fixed"><parent link="b"/><child link="d"/></joint>
+</robot>"#;
+    let robot = parse(text).expect("a robot");
+    assert_eq!(robot.coordinates().len(), 6 + 3 + 1);
+    assert_eq!(robot.coordinates()[6].name, "p/x");
+    let bodies = &robot.links()[robot.link("c").expect("a link")].bodies;
+    let kinds: Vec<ShapeKind> = bodies.iter().map(|b| b.geometry.kind()).collect();
+    let expected = [
+        ShapeKind::Rounded,
+        ShapeKind::Curved,
+        ShapeKind::Rounded,
+        ShapeKind::Polyhedron,
+    ];
+    assert_eq!(kinds, expected);
+    assert!((bodies[0].geometry.bounding_ball().1 - 2.0).abs() < 1e-12);
+    assert_eq!(bodies[0].origin.translation.vector.as_slice(), [1.0, 2.0, 3.0]);
+}
+
+#[test]
+fn meshes_are_hulls_meshes_or_pieces() {
+    let load = |meshes: MeshOptions| {
+        let mut options = LoadOptions::default();
+        options.meshes = meshes;
+        let robot = Robot::load_with(examples().join("gripper.urdf"), &Packages::default(), &options)?;
+        let of = |name: &str| robot.links()[robot.link(name).expect("a link")].bodies[0].clone();
+        Ok::<_, FileError>([of("left finger"), of("right finger")])
+    };
+    let mut of_one = MeshOptions::new(MeshUse::Mesh);
+    of_one.of_links.insert("left finger".into(), MeshUse::Hull);
+    of_one.measure_hulls = true;
+    let [left, right] = load(of_one).expect("a robot");
+    assert_eq!(
+        (left.geometry.kind(), right.geometry.kind()),
+        (ShapeKind::Polyhedron, ShapeKind::Mesh)
+    );
+    let fit = left.hull_fit.expect("measured");
+    assert!(fit.gap_lower < 1e-12 && fit.air().expect("a volume") < 1e-6, "{fit:?}");
+    // The mirrored mesh is closed and not inside out.
+    let lin_canny::Geometry::Mesh(mesh) = &right.geometry else {
+        panic!("a mesh")
+    };
+    assert!(mesh.volume() > 0.0);
+    let mut pieces = MeshOptions::new(MeshUse::Pieces);
+    assert!(
+        load(pieces.clone())
+            .expect_err("no folder")
+            .to_string()
+            .contains("pieces")
+    );
+    pieces.pieces = Some(examples());
+    assert!(
+        load(pieces.clone())
+            .expect_err("no file")
+            .to_string()
+            .contains("finger.obj")
+    );
+    pieces.pieces = Some(examples().join("gripper_arm"));
+    assert_eq!(load(pieces).expect("a robot")[0].geometry.kind(), ShapeKind::Composite);
+}
+
+#[test]
+fn what_is_wrong_is_named_with_its_line() {
+    let reason = refused("<child link=\"c\"/>", "<child link=\"a\"/>", 9, &["two", "one"]);
+    assert!(matches!(reason, FileProblem::Loop(names) if names == ["two", "one"]));
+    let reason = refused(
+        "<link name=\"c\"/>",
+        "<link name=\"c\"/><link name=\"d\"/>",
+        1,
+        &["a, d"],
+    );
+    assert!(matches!(reason, FileProblem::Roots(names) if names.len() == 2));
+    let reason = refused(
+        "<parent link=\"a\"/><child link=\"b\"/>",
+        "<parent link=\"c\"/><child link=\"b\"/>",
+        5,
+        &["one", "two"],
+    );
+    assert!(matches!(reason, FileProblem::Loop(names) if names.len() == 2));
+    let reason = refused(
+        "<parent link=\"a\"/>",
+        "<parent link=\"x\"/>",
+        5,
+        &["joint \"one\"", "\"x\""],
+    );
+    assert!(matches!(reason, FileProblem::Unknown { kind: "link", .. }));
+    let reason = refused("<parent link=\"a\"/>", "", 5, &["joint \"one\"", "parent"]);
+    assert!(matches!(reason, FileProblem::Missing(_)));
+    let reason = refused(
+        "<child link=\"c\"/>",
+        "<child link=\"b\"/>",
+        9,
+        &["joint \"two\"", "\"one\""],
+    );
+    assert!(matches!(reason, FileProblem::SecondParent { .. }));
+    let reason = refused("lower=\"-1\"", "lower=\"2\"", 5, &["joint \"one\"", "2", "1"]);
+    assert!(matches!(reason, FileProblem::Limits { .. }));
+    let reason = refused(
+        "lower=\"-1\"",
+        "lower=\"NaN\"",
+        7,
+        &["joint \"one\" limit", "lower", "NaN"],
+    );
+    assert!(matches!(reason, FileProblem::Number { .. }));
+    let reason = refused(
+        "xyz=\"0 0 1\"/><axis",
+        "xyz=\"0 0 x 1\"/><axis",
+        6,
+        &["origin", "xyz", "0 0 x 1"],
+    );
+    assert!(matches!(reason, FileProblem::Number { count: 3, .. }));
+    let reason = refused(
+        "<axis xyz=\"0 1 0\"/>",
+        "<axis xyz=\"0 0 0\"/>",
+        9,
+        &["joint \"two\"", "axis"],
+    );
+    assert!(matches!(reason, FileProblem::Range { .. }));
+    let reason = refused(
+        "radius=\"0.5\"",
+        "radius=\"-0.5\"",
+        3,
+        &["link \"b\"", "sphere", "radius"],
+    );
+    assert!(matches!(reason, FileProblem::Range { .. }));
+    let reason = refused("type=\"prismatic\"", "type=\"spiral\"", 9, &["spiral"]);
+    assert!(matches!(reason, FileProblem::Unsupported(_)));
+    let reason = refused("<link name=\"c\"/>", "<link name=\"b\"/>", 4, &["link \"b\""]);
+    assert!(matches!(reason, FileProblem::Repeated));
+    let reason = refused("<sphere radius=\"0.5\"/>", "<cone/>", 3, &["cone"]);
+    assert!(matches!(reason, FileProblem::Unsupported(_)));
+    let reason = refused("</joint>\n</robot>", "</joint>\n</rob>", 13, &[]);
+    assert!(matches!(reason, FileProblem::Malformed(_)));
+}
+
+#[test]
+fn numbers_out_of_range_and_deep_files_are_refused() {
+    refused(
+        "<origin xyz=\"0 0 1\"/>",
+        "<origin xyz=\"0 0 1e300\"/>",
+        5,
+        &["joint \"one\"", "origin"],
+    );
+    refused(
+        "upper=\"1\" effort=\"1\" velocity=\"1\"/>\n  </joint>\n</robot>",
+        "upper=\"1e300\" velocity=\"1\"/></joint></robot>",
+        9,
+        &["joint \"two\"", "upper"],
+    );
+    let deep = format!(
+        "<link name=\"c\">{}{}</link>",
+        "<x>".repeat(100_000),
+        "</x>".repeat(100_000)
+    );
+    refused("<link name=\"c\"/>", &deep, 4, &["64"]);
+}
+
+#[test]
+fn mimics_end_at_a_joint_of_its_own() {
+    let limit = "<limit lower=\"0\" upper=\"1\" effort=\"1\" velocity=\"1\"/>\n  </joint>\n</robot>";
+    let with = |mimic: &str| limit.replacen("\n", &format!("{mimic}\n"), 1);
+    let own = "<mimic joint=\"two\"/>";
+    let reason = refused(limit, &with(own), 9, &["joint \"two\"", "itself"]);
+    assert!(matches!(reason, FileProblem::MimicLoop(names) if names == ["two"]));
+    let reason = refused(limit, &with("<mimic joint=\"six\"/>"), 9, &["joint \"two\"", "six"]);
+    assert!(matches!(reason, FileProblem::Unknown { kind: "joint", .. }));
+    let robot = changed(limit, &with("<mimic joint=\"one\" multiplier=\"-2\" offset=\"0.5\"/>")).expect("a robot");
+    assert_eq!(robot.coordinates().len(), 1);
+    let drive = robot.joints()[1].drive.expect("a drive");
+    assert_eq!((drive.coordinate, drive.factor, drive.offset), (0, -2.0, 0.5));
+}
+
+#[test]
+fn missing_and_foreign_meshes_are_named() {
+    let sphere = "<sphere radius=\"0.5\"/>";
+    let mesh = |file: &str| format!("<mesh filename=\"{file}\"/>");
+    let reason = refused(
+        sphere,
+        &mesh("package://nowhere/x.stl"),
+        3,
+        &["link \"b\"", "nowhere/x.stl"],
+    );
+    assert!(matches!(reason, FileProblem::Missing(_)));
+    let reason = refused(sphere, &mesh("x.obj"), 3, &["link \"b\"", "x.obj"]);
+    assert!(matches!(reason, FileProblem::Missing(_)));
+    // A file that is there, and no mesh.
+    let reason = refused(
+        sphere,
+        &mesh("gripper.urdf"),
+        3,
+        &["link \"b\"", "gripper.urdf", ".stl"],
+    );
+    assert!(matches!(reason, FileProblem::Geometry(_)));
+}
+
+#[test]
+fn packages_are_found_in_folders_of_either_kind() {
+    let text = |name: &str| {
+        let mesh =
+            format!("<link name=\"a\"><collision><geometry><mesh filename=\"{name}\"/></geometry></collision></link>");
+        format!("<robot name=\"one\">{mesh}</robot>")
+    };
+    let load = |name: &str, packages: &Packages| {
+        let path = Path::new("/nowhere/at/all.urdf");
+        Robot::parse(&text(name), path, packages, &LoadOptions::default())
+    };
+    let name = "package://gripper_arm/finger.obj";
+    assert!(load(name, &Packages::default()).is_err());
+    assert!(load(name, &Packages::new([examples()])).is_ok());
+    assert!(load(name, &Packages::new([examples().join("gripper_arm")])).is_ok());
+    let file = format!("file://{}", examples().join("gripper_arm/finger.obj").display());
+    assert!(load(&file, &Packages::default()).is_ok());
+}

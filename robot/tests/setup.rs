@@ -1,0 +1,345 @@
+//! Robots in a cell: places, proofs, pairs to ignore.
+
+use std::path::{Path, PathBuf};
+
+use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use lin_canny::plan::{ConfigurationSpace, Joint, JointKind, SegmentMotion, SerialArm, Verdict};
+use lin_canny::{Decision, PairTracker, RelativePose};
+use lin_canny_robot::{
+    Cell, IgnoreReason, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_ignorable,
+};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
+}
+
+fn gripper(usage: MeshUse) -> Robot {
+    let mut options = LoadOptions::default();
+    options.meshes = MeshOptions::new(usage);
+    Robot::load_with(examples().join("gripper.urdf"), &Packages::default(), &options).expect("the example")
+}
+
+fn setup(robot: &Robot) -> Setup {
+    let mut setup = Setup::new();
+    setup.robot("", robot, Isometry3::identity());
+    setup.ignore_adjacent();
+    setup.ignore(
+        "",
+        &Srdf::load(examples().join("gripper.srdf"), robot).expect("the example"),
+    );
+    let cell = Cell::load(
+        examples().join("cell.json"),
+        &Packages::default(),
+        &MeshOptions::default(),
+    );
+    setup.cell(&cell.expect("the example"));
+    setup
+}
+
+fn sample<C: ConfigurationSpace>(space: &C, random: &mut ChaCha8Rng) -> Vec<f64> {
+    space.sample(&mut || random.random::<f64>())
+}
+
+/// Poses of all links by products of matrices along the tree.
+fn places(robot: &Robot, base: &Isometry3<f64>, q: &[f64]) -> Vec<Isometry3<f64>> {
+    let mut poses = vec![*base];
+    for joint in robot.joints() {
+        let drive = joint.drive;
+        let value = drive.map_or(0.0, |d| d.factor * q[d.coordinate] + d.offset);
+        let first = drive.map_or(0, |d| d.coordinate);
+        let turn = |axis: Vector3<f64>, angle: f64| {
+            Isometry3::from_parts(Default::default(), UnitQuaternion::from_scaled_axis(axis * angle))
+        };
+        let moved = match joint.kind {
+            MotionKind::Fixed => Isometry3::identity(),
+            MotionKind::Revolute => turn(joint.axis.into_inner(), value),
+            MotionKind::Prismatic => shift(joint.axis.into_inner() * value),
+            MotionKind::Planar => shift(Vector3::new(q[first], q[first + 1], 0.0)) * turn(Vector3::z(), q[first + 2]),
+            MotionKind::Floating => {
+                let angles = UnitQuaternion::from_euler_angles(q[first + 3], q[first + 4], q[first + 5]);
+                Isometry3::from_parts(Vector3::new(q[first], q[first + 1], q[first + 2]).into(), angles)
+            }
+        };
+        poses.push(poses[joint.parent] * joint.origin * moved);
+    }
+    poses
+}
+
+fn shift(by: Vector3<f64>) -> Isometry3<f64> {
+    Isometry3::from_parts(by.into(), UnitQuaternion::identity())
+}
+
+fn off(a: &Isometry3<f64>, b: &Isometry3<f64>) -> f64 {
+    (a.to_homogeneous() - b.to_homogeneous()).norm()
+}
+
+#[test]
+fn bodies_stand_where_the_joints_put_them() {
+    let text = r#"<robot name="all"><link name="root"/><link name="a"/><link name="b"/>
+  <link name="c"><collision><origin xyz="1 2 3" rpy="0.1 0.2 0.3"/><geometry><sphere radius="1"/></geometry></collision>
+    <collision><geometry><box size="1 2 3"/></geometry></collision></link>
+  <link name="d"><collision><geometry><box size="1 2 3"/></geometry></collision></link>
+  <joint name="f" type="floating"><parent link="root"/><child link="a"/><origin xyz="1 0 0" rpy="0.4 0 1"/></joint>
+  <joint name="p" type="planar"><parent link="a"/><child link="b"/><axis xyz="0 0 2"/></joint>
+  <joint name="t" type="continuous"><parent link="b"/><child link="c"/><axis xyz="1 1 0"/></joint>
+  <joint name="x" type="fixed"><parent link="c"/><child link="d"/><origin xyz="0 1 0"/></joint></robot>"#;
+    let robot = Robot::parse(text, "all.urdf", &Packages::default(), &LoadOptions::default()).expect("a robot");
+    let base = Isometry3::from_parts(
+        Vector3::new(0.5, 0.25, 0.0).into(),
+        UnitQuaternion::from_euler_angles(0.0, 1.0, 0.0),
+    );
+    let mut setup = Setup::new();
+    setup.robot("", &robot, base);
+    let space = setup.space().expect("a space");
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut poses = vec![];
+    for _ in 0..200 {
+        let q = sample(&space, &mut random);
+        space.place(&q, &mut poses);
+        let links = places(&robot, &base, &q);
+        let mut expected = vec![];
+        for (link, pose) in robot.links().iter().zip(&links) {
+            expected.extend(link.bodies.iter().map(|body| pose * body.origin));
+        }
+        assert_eq!(poses.len(), expected.len());
+        for (pose, expected) in poses.iter().zip(&expected) {
+            assert!(off(pose, expected) < 1e-12, "{:e}", off(pose, expected));
+        }
+    }
+    // A fixed joint and bodies of one link keep their relative pose.
+    assert!(space.is_rigid(0, 1) && space.is_rigid(0, 2));
+}
+
+/// Without the fingers the example is a chain: the same places and the same proofs as of an arm.
+#[test]
+fn a_chain_is_a_serial_arm() {
+    let robot = gripper(MeshUse::Hull);
+    let chain = |k: &usize| robot.joints()[*k].child <= 6;
+    let joints = (0..robot.joints().len()).filter(chain).map(|k| {
+        let joint = &robot.joints()[k];
+        assert_eq!(joint.parent, k);
+        let kind = if joint.kind == MotionKind::Prismatic {
+            JointKind::Prismatic
+        } else {
+            JointKind::Revolute
+        };
+        let mut arm = Joint::revolute(joint.origin, joint.axis, joint.limits);
+        arm.kind = kind;
+        arm
+    });
+    let arm = SerialArm::new(Isometry3::identity(), joints.collect(), (0..7).collect(), 0.1).expect("an arm");
+    let setup = setup(&robot);
+    let space = setup.space().expect("a space");
+    let mut random = ChaCha8Rng::seed_from_u64(2);
+    let [mut ours, mut theirs] = [vec![], vec![]];
+    for _ in 0..1000 {
+        let (from, to) = (sample(&space, &mut random), sample(&space, &mut random));
+        space.place(&from, &mut ours);
+        arm.place(&from[..6], &mut theirs);
+        let segment = space.segment(&from, &to).expect("a segment");
+        let chain = arm.segment(&from[..6], &to[..6]).expect("a segment");
+        let t = random.random::<f64>();
+        for (link, place) in theirs.iter().enumerate() {
+            let body = robot.links()[..link].iter().map(|l| l.bodies.len()).sum::<usize>();
+            let own = robot.links()[link].bodies[0].origin;
+            assert!(off(&ours[body], &(place * own)) < 1e-12);
+            let pose = chain.pose(link, t) * own;
+            assert!(off(&segment.pose(body, t), &pose) < 1e-12);
+            let (x, y) = (segment.course(body, t, 1.0), chain.course(link, t, 1.0));
+            assert!((x.angular - y.angular).norm() < 1e-12 && (x.turn.at(1.0) - y.turn.at(1.0)).abs() < 1e-9);
+        }
+    }
+}
+
+/// Proven segments by an independent judge: places by matrices, pairs by overlap at 200 times each.
+#[test]
+fn certified_segments_are_judged_right() {
+    let robot = gripper(MeshUse::Mesh);
+    let setup = setup(&robot);
+    let mut checker = setup.checker().expect("a checker");
+    let mut random = ChaCha8Rng::seed_from_u64(3);
+    let (mut free, mut blocked) = (0, 0);
+    for _ in 0..1000 {
+        let from = sample(checker.space(), &mut random);
+        let to: Vec<f64> = sample(checker.space(), &mut random)
+            .iter()
+            .zip(&from)
+            .map(|(x, y)| 0.7 * y + 0.3 * x)
+            .collect();
+        let verdict = checker.certify(&from, &to).expect("configurations");
+        let meets = |t: f64, judge: &mut Judge| {
+            let q: Vec<f64> = from.iter().zip(&to).map(|(x, y)| x + (y - x) * t).collect();
+            judge.meets(&robot, &q)
+        };
+        let mut judge = Judge::new(&robot);
+        match verdict {
+            Verdict::Free { .. } => {
+                free += 1;
+                assert!(
+                    (0..=200).all(|k| !meets(f64::from(k) / 200.0, &mut judge)),
+                    "{from:?} {to:?}"
+                );
+            }
+            Verdict::Blocked { safe, t, .. } => {
+                blocked += 1;
+                let before = (0..50).all(|k| !meets(safe * f64::from(k) / 50.0, &mut judge));
+                assert!((before || safe == 0.0) && t >= safe, "{from:?} {to:?} {verdict:?}");
+                assert!(
+                    meets((t + 1e-4).min(1.0), &mut judge) || meets(t, &mut judge),
+                    "{verdict:?}"
+                );
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(free > 200 && blocked > 200, "{free} free, {blocked} blocked");
+}
+
+/// A geometry, the link that moves it, and its pose there or in the world.
+type Judged = (lin_canny::Geometry, Option<usize>, Isometry3<f64>);
+
+/// All pairs, by overlap.
+struct Judge {
+    pairs: Vec<([usize; 2], PairTracker)>,
+    shapes: Vec<Judged>,
+}
+
+impl Judge {
+    fn new(robot: &Robot) -> Self {
+        let (mut shapes, mut names) = (vec![], vec![]);
+        for (k, link) in robot.links().iter().enumerate() {
+            for body in &link.bodies {
+                shapes.push((body.geometry.clone(), Some(k), body.origin));
+                names.push(link.name.clone());
+            }
+        }
+        let cell = Cell::load(
+            examples().join("cell.json"),
+            &Packages::default(),
+            &MeshOptions::default(),
+        );
+        for obstacle in cell.expect("the example").obstacles {
+            shapes.push((obstacle.geometry, None, obstacle.pose));
+            names.push(obstacle.name);
+        }
+        let srdf = Srdf::load(examples().join("gripper.srdf"), robot).expect("the example");
+        let mut ignored: Vec<[String; 2]> = srdf.ignored.into_iter().map(|p| p.links).collect();
+        ignored.push(["base".into(), "table".into()]);
+        ignored.extend(
+            robot
+                .adjacent()
+                .iter()
+                .map(|p| p.map(|k| robot.links()[k].name.clone())),
+        );
+        let is_ignored = |a: &String, b: &String| {
+            let same = |p: &[String; 2]| (&p[0], &p[1]) == (a, b) || (&p[1], &p[0]) == (a, b);
+            a == b || ignored.iter().any(same)
+        };
+        let mut pairs = vec![];
+        for b in 0..shapes.len() {
+            for a in (0..b).filter(|&a| shapes[a].1.is_some() && !is_ignored(&names[a], &names[b])) {
+                pairs.push(([a, b], PairTracker::new()));
+            }
+        }
+        Self { pairs, shapes }
+    }
+
+    fn meets(&mut self, robot: &Robot, q: &[f64]) -> bool {
+        let links = places(robot, &Isometry3::identity(), q);
+        let at = |k: usize| match self.shapes[k] {
+            (_, Some(link), origin) => links[link] * origin,
+            (_, None, pose) => pose,
+        };
+        self.pairs.iter_mut().any(|([a, b], tracker)| {
+            let pose =
+                RelativePose::new(&lin_canny::normalize(&at(*a)), &lin_canny::normalize(&at(*b))).expect("poses");
+            tracker.intersects(&self.shapes[*a].0, &self.shapes[*b].0, &pose) == Decision::Yes
+        })
+    }
+}
+
+#[test]
+fn two_robots_stand_in_one_cell() {
+    let robot = gripper(MeshUse::Hull);
+    let mut setup = Setup::new();
+    for (prefix, x) in [("left/", 0.0), ("right/", 1.0)] {
+        setup.robot(prefix, &robot, Isometry3::translation(x, 0.0, 0.0));
+    }
+    setup.ignore_adjacent();
+    let names: Vec<&str> = setup.coordinates().iter().map(|c| c.name.as_str()).collect();
+    assert_eq!((names.len(), names[0], names[13]), (14, "left/turn", "right/left"));
+    let mut checker = setup.checker().expect("a checker");
+    let mut q = vec![0.0; 14];
+    (q[1], q[8]) = (1.5, -1.5);
+    let near = checker.clearance(&q).expect("a configuration").expect("a pair");
+    let names = [near.pair.a, near.pair.b].map(|part| checker.name(part).to_owned());
+    assert!(
+        near.distance <= 0.0 && names[0].starts_with("left/") && names[1].starts_with("right/"),
+        "{names:?}"
+    );
+    setup.ignore_pair("left/base", "nothing");
+    assert!(
+        setup
+            .checker()
+            .err()
+            .expect("no such name")
+            .to_string()
+            .contains("nothing")
+    );
+}
+
+#[test]
+fn ignorable_pairs_are_counted_and_written() {
+    let text = r#"<robot name="r &amp; d"><link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>
+  <link name="b"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="c"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="far"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>
+  <link name="over"><collision><geometry><sphere radius="0.5"/></geometry></collision></link>
+  <joint name="j" type="prismatic"><parent link="a"/><child link="b"/><limit lower="0" upper="2.2" velocity="1"/></joint>
+  <joint name="k" type="continuous"><parent link="b"/><child link="c"/><origin xyz="0.1 0 0"/></joint>
+  <joint name="l" type="continuous"><parent link="c"/><child link="far"/><origin xyz="9 0 0"/></joint>
+  <joint name="m" type="continuous"><parent link="c"/><child link="over"/></joint></robot>"#;
+    let robot = Robot::parse(text, "r.urdf", &Packages::default(), &LoadOptions::default()).expect("a robot");
+    let mut setup = Setup::new();
+    setup.robot("", &robot, Isometry3::identity());
+    let mut calls = 0;
+    let counts = find_ignorable(&setup, 2000, 7, &mut |done| {
+        calls += 1;
+        done == calls
+    });
+    let counts = counts.expect("counts");
+    assert_eq!(calls, 2000);
+    let of = |a: &str, b: &str| {
+        let pair = counts
+            .iter()
+            .find(|p| p.links.contains(&a.to_owned()) && p.links.contains(&b.to_owned()));
+        let pair = pair.expect("a pair");
+        (pair.overlaps, pair.reason)
+    };
+    assert_eq!(of("a", "b").1, Some(IgnoreReason::Adjacent));
+    assert_eq!(of("a", "far"), (0, Some(IgnoreReason::Never)));
+    assert_eq!(of("b", "over"), (2000, Some(IgnoreReason::Always)));
+    // Touches from 0.8 to 1.2 of the slide behind, at 1.0 of 2.2 on average.
+    let (overlaps, reason) = of("a", "c");
+    assert!(
+        reason.is_none() && (overlaps as f64 / 2000.0 - 1.0 / 2.2).abs() < 0.05,
+        "{overlaps}"
+    );
+    let srdf = Srdf::of_counts(&counts);
+    let again = Srdf::parse(&srdf.text(robot.name()), "r.srdf", &robot).expect("our own text");
+    assert_eq!(srdf, again);
+    assert!(
+        again
+            .ignored
+            .iter()
+            .all(|p| ["Adjacent", "Never", "Always"].contains(&p.reason.as_str()))
+    );
+    let wrong = "<robot name=\"r\">\n<disable_collisions link1=\"a\" link2=\"x\"/></robot>";
+    let error = Srdf::parse(wrong, "r.srdf", &robot).expect_err("no link x");
+    assert_eq!(
+        error.to_string(),
+        "r.srdf:2: disable_collisions: there is no link called \"x\""
+    );
+}

@@ -1,0 +1,183 @@
+//! The tool: exit codes, files in and out, errors that name file, line and field.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn examples() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples")
+}
+
+/// Runs a command on the example with further arguments.
+fn run(command: &str, arguments: &[&str]) -> (i32, String) {
+    let mut tool = Command::new(env!("CARGO_BIN_EXE_lin-canny-robot"));
+    tool.current_dir(examples())
+        .arg(command)
+        .arg("gripper.urdf")
+        .args(arguments);
+    let Output { status, stdout, stderr } = tool.output().expect("the tool runs");
+    let text = String::from_utf8_lossy(&stdout).into_owned() + &String::from_utf8_lossy(&stderr);
+    (status.code().expect("an exit code"), text)
+}
+
+/// A file in the folder of this test run.
+fn scratch(name: &str, text: &str) -> String {
+    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    std::fs::write(&file, text).expect("a file");
+    file.to_string_lossy().into_owned()
+}
+
+const CELL: [&str; 4] = ["--srdf", "gripper.srdf", "--cell", "cell.json"];
+const HEAD: &str = "turn,lift,elbow,roll,bend,twist,left\n";
+
+fn with<'a>(more: &[&'a str]) -> Vec<&'a str> {
+    CELL.iter().chain(more).copied().collect()
+}
+
+#[test]
+fn clearances_of_rows() {
+    let out = scratch("clearance.csv", "");
+    for geometry in ["hull", "mesh"] {
+        let (code, text) = run(
+            "clearance",
+            &with(&["--joints", "carry.csv", "--csv", &out, "--geometry", geometry]),
+        );
+        assert_eq!(code, 0, "{text}");
+        let table = std::fs::read_to_string(&out).expect("the table");
+        let rows: Vec<&str> = table.lines().collect();
+        assert_eq!(rows.len(), 5);
+        assert!(
+            rows[0].starts_with("line,time,distance,lower,upper,a,b") && rows[1].starts_with("3,0,0.0"),
+            "{table}"
+        );
+    }
+    let down = scratch("down.csv", &format!("{HEAD}0,0.9,1.3,0,0.8,0,0.01\n"));
+    let (code, text) = run("clearance", &with(&["--joints", &down]));
+    assert_eq!(code, 1, "{text}");
+    assert!(text.contains("1 in contact"), "{text}");
+}
+
+#[test]
+fn motions_are_proven_or_blocked() {
+    let (code, text) = run("certify", &with(&["--joints", "carry.csv", "--margin", "0.01"]));
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("3 of 3 segments"), "{text}");
+    let through = scratch(
+        "through.csv",
+        &format!("{HEAD}0.6,0.9,1.3,0,0.8,0,0.01\n-0.6,0.9,1.3,0,0.8,0,0.01\n"),
+    );
+    let out = scratch("certify.csv", "");
+    let (code, text) = run("certify", &with(&["--joints", &through, "--csv", &out]));
+    assert_eq!(code, 1, "{text}");
+    assert!(text.contains("fence") && text.contains("lines 2 to 3"), "{text}");
+    assert!(
+        std::fs::read_to_string(&out)
+            .expect("the table")
+            .contains("2,3,blocked,")
+    );
+    // Around the fence.
+    let path = scratch("path.csv", "");
+    let (code, text) = run("plan", &with(&["--joints", &through, "--csv", &path]));
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = run("certify", &with(&["--joints", &path]));
+    assert_eq!(code, 0, "{text}");
+    // Walls and a lid leave a way that no straight segment takes.
+    let wall = |name: &str, size: [f64; 3], at: [f64; 3]| {
+        format!("{{\"name\": \"{name}\", \"box\": {{\"size\": {size:?}}}, \"xyz\": {at:?}}}")
+    };
+    let walls = [
+        wall("front", [2.0, 0.02, 4.0], [1.15, 0.0, 2.0]),
+        wall("back", [2.0, 0.02, 4.0], [-1.15, 0.0, 2.0]),
+        wall("lid", [0.4, 0.02, 2.0], [0.0, 0.0, 1.9]),
+    ];
+    let cell = scratch("walls.json", &format!("{{\"bodies\": [{}]}}", walls.join(", ")));
+    let arguments = [
+        "--srdf",
+        "gripper.srdf",
+        "--joints",
+        &through,
+        "--cell",
+        &cell,
+        "--seconds",
+        "0",
+    ];
+    let (code, text) = run("plan", &arguments);
+    assert_eq!(code, 5, "{text}");
+}
+
+#[test]
+fn ignorable_pairs_are_an_srdf_of_the_robot() {
+    let out = scratch("found.srdf", "");
+    let (code, text) = run("ignorable", &["--samples", "50", "--out", &out]);
+    assert_eq!(code, 0, "{text}");
+    let (code, text) = run("clearance", &["--joints", "carry.csv", "--srdf", &out]);
+    assert_eq!(code, 0, "{text}");
+}
+
+#[test]
+fn what_is_wrong_is_named() {
+    let named = |command: &str, arguments: &[&str], code: i32, words: &[&str]| {
+        let (found, text) = run(command, arguments);
+        assert_eq!(found, code, "{text}");
+        for word in words {
+            assert!(text.contains(word), "{text} does not name {word}");
+        }
+    };
+    named("clearance", &[], 2, &["--joints"]);
+    named(
+        "clearance",
+        &["--joints", "nowhere.csv"],
+        3,
+        &["nowhere.csv", "cannot be read"],
+    );
+    let file = scratch("word.csv", &format!("{HEAD}0,0,0,0,0,0,0\n0,0,x,0,0,0,0\n"));
+    named(
+        "clearance",
+        &["--joints", &file],
+        3,
+        &["word.csv:3", "\"elbow\"", "\"x\""],
+    );
+    let file = scratch("limit.csv", &format!("{HEAD}0,7,0,0,0,0,0\n"));
+    named(
+        "clearance",
+        &["--joints", &file],
+        3,
+        &["limit.csv:2", "lift", "7", "1.8"],
+    );
+    let file = scratch("short.csv", &format!("{HEAD}0,0,0\n"));
+    named("clearance", &["--joints", &file], 3, &["short.csv:2"]);
+    let file = scratch("missing.csv", "turn,lift\n0,0\n");
+    named("clearance", &["--joints", &file], 3, &["missing.csv:1", "\"elbow\""]);
+    let file = scratch("unknown.csv", &format!("right,{HEAD}"));
+    named("clearance", &["--joints", &file], 3, &["unknown.csv:1", "\"right\""]);
+    let file = scratch("back.csv", &format!("time,{HEAD}1,0,0,0,0,0,0,0\n1,0,0,0,0,0,0,0\n"));
+    named("clearance", &["--joints", &file], 3, &["back.csv:3", "time"]);
+    let file = scratch(
+        "cell.json",
+        "{\"bodies\": [\n{\"name\": \"x\", \"box\": {\"size\": [1, 1]}}]}",
+    );
+    named(
+        "clearance",
+        &["--joints", "carry.csv", "--cell", &file],
+        3,
+        &["cell.json:2", "length"],
+    );
+    let file = scratch(
+        "size.json",
+        "{\"bodies\": [{\"name\": \"x\", \"sphere\": {\"radius\": -1}}]}",
+    );
+    named(
+        "clearance",
+        &["--joints", "carry.csv", "--cell", &file],
+        3,
+        &["size.json", "bodies[0]", "radius", "-1"],
+    );
+    let file = scratch("pair.json", "{\"bodies\": [], \"ignore\": [[\"base\", \"tabel\"]]}");
+    named("clearance", &["--joints", "carry.csv", "--cell", &file], 3, &["tabel"]);
+    named(
+        "clearance",
+        &["--joints", "carry.csv", "--link", "hnad=mesh"],
+        3,
+        &["hnad"],
+    );
+    named("certify", &["--joints", "carry.csv", "--margin", "-1"], 3, &["margin"]);
+}
