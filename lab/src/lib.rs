@@ -14,7 +14,7 @@
 //! | [`casts`] | bodies thrown at each other, and conservative advancement |
 //! | [`rooms`] | rooms full of hulls, and a robot that goes through them |
 //! | [`nets`] | control points of curved surfaces |
-//! | [`soups`], [`brute`] | meshes that are not convex, and their naive oracle |
+//! | [`soups`], [`turned`], [`brute`] | meshes that are not convex, some as CAD has them, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`curved`] | the judge of curved pairs: the duality gap in double-double |
 //! | [`brute_hull`] | exact faces of a few points |
@@ -60,6 +60,7 @@ pub mod rooms;
 pub mod shapes;
 pub mod soups;
 pub mod suite;
+pub mod turned;
 pub mod verdict;
 pub mod workload;
 
