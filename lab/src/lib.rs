@@ -13,6 +13,7 @@
 //! | [`contacts`] | scenes of two bodies in contact |
 //! | [`casts`] | bodies thrown at each other, and conservative advancement |
 //! | [`rooms`] | rooms full of hulls, and a robot that goes through them |
+//! | [`cells`] | an arm of meshes in its cell |
 //! | [`nets`] | control points of curved surfaces |
 //! | [`soups`], [`turned`], [`brute`] | meshes that are not convex, some as CAD has them, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
@@ -36,6 +37,7 @@ pub mod boxes;
 pub mod brute;
 pub mod brute_hull;
 pub mod casts;
+pub mod cells;
 pub mod command;
 pub mod contacts;
 pub mod corpus;

@@ -211,7 +211,7 @@ impl AnyTracker {
     }
 
     /// Returns whether the shapes are at most `d` apart; yes for shapes of another pair.
-    pub(super) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
+    pub(crate) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
         match self {
             Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
                 Some((x, y)) if !tracker.within(x, y, pose, d) => Decision::No,
