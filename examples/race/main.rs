@@ -5,6 +5,7 @@
 //! ```
 
 mod boxes;
+mod cad;
 mod common;
 mod contact;
 mod curved;

@@ -6,7 +6,7 @@
 //! Scenes: B tumbles by 0.5 or 0.02 degrees a frame at gaps of 0.02 to 0.2 (`tracked`), stands anywhere (`random`), slides and turns flush
 //! on A (`flush`); a box tumbles over a mesh (`box-over`). Tori are linked; `torus-centred` has each tube near the middle of the other's
 //! hole, where most of both is nearly equally close. In `pieces` rings and knots are made of convex pieces, a rock by parry's VHACD, and `n`
-//! is the number of pieces: ours as a `Composite`, parry's as a `Compound`.
+//! is the number of pieces: ours as a `Composite`, parry's as a `Compound`. The scenes of `cad.rs` are raced by ours alone.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -23,9 +23,21 @@ use parry3d_f64::query;
 use parry3d_f64::shape::{Compound, SharedShape, TriMesh};
 use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 
+use crate::cad;
 use crate::common::{Options, Rows, median};
 
-pub(crate) const SCENES: [&str; 6] = ["tracked-0.5", "tracked-0.02", "random", "flush", "box-over", "pieces"];
+pub(crate) const SCENES: [&str; 10] = [
+    "tracked-0.5",
+    "tracked-0.02",
+    "random",
+    "flush",
+    "box-over",
+    "pieces",
+    "crossing-shafts",
+    "shaft-in-bore",
+    "link-over-tray",
+    "terrain",
+];
 
 /// Frames of a scene, and passes over them.
 const FRAMES: usize = 240;
@@ -42,7 +54,7 @@ struct Race {
     poses: Vec<Pose>,
 }
 
-fn mesh(soup: &Soup) -> Mesh {
+pub(crate) fn mesh(soup: &Soup) -> Mesh {
     let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
     Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
 }
@@ -184,7 +196,7 @@ fn races(scene: &str, n: usize, frames: usize) -> Vec<Race> {
 }
 
 /// Median nanoseconds a query, over passes.
-fn time(poses: usize, mut query: impl FnMut(usize)) -> f64 {
+pub(crate) fn time(poses: usize, mut query: impl FnMut(usize)) -> f64 {
     let (begun, mut passes) = (Instant::now(), Vec::new());
     for pass in 0..=PASSES {
         let (start, mut done) = (ThreadTime::now(), 0);
@@ -361,8 +373,8 @@ fn built(n: usize) {
 pub(crate) fn run(o: &Options) -> Rows {
     let mut csv = Rows::new();
     let frames = if o.quick { FRAMES / 4 } else { FRAMES };
-    for n in o.sizes([1_280, 20_480, 102_400]) {
-        built(n);
+    if o.wants_all() {
+        o.sizes([1_280, 20_480, 102_400]).for_each(built);
     }
     println!("\nns a query, thread CPU time; counts a query of `ours`\n");
     println!(
@@ -372,12 +384,16 @@ pub(crate) fn run(o: &Options) -> Rows {
     if o.wants("pieces") {
         pieces(frames, &mut csv);
     }
-    for scene in SCENES.into_iter().filter(|s| *s != "pieces" && o.wants(s)) {
+    let plain = SCENES
+        .into_iter()
+        .filter(|s| *s != "pieces" && !cad::SCENES.contains(s));
+    for scene in plain.filter(|s| o.wants(s)) {
         for n in o.sizes([1_280, 20_480, 102_400]) {
             for r in races(scene, n, frames) {
                 race(scene, n, &r, &mut csv);
             }
         }
     }
+    cad::run(o, frames, &mut csv);
     csv
 }

@@ -8,6 +8,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
+use lab::cells::Cell;
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lab::rooms::Room;
@@ -20,7 +21,7 @@ use lin_canny::{BoxHint, RelativePose, Tracker};
 use crate::common::{Options, Rows, median};
 use crate::rrt;
 
-pub(crate) const SCENES: [&str; 4] = ["room-40", "room-150", "search-150", "search-hole"];
+pub(crate) const SCENES: [&str; 5] = ["room-40", "room-150", "search-150", "search-hole", "free-at"];
 
 /// Processor time of a search, at most; of `oxmpl` time by the clock.
 const LIMIT: Duration = Duration::from_secs(1);
@@ -253,6 +254,48 @@ fn searches(o: &Options, progress: &Progress, rows: &mut Rows) {
     }
 }
 
+/// Random configurations of an arm of meshes, free or not: `ours` by [`Checker::free_at`], `is-free` by segments of one configuration.
+/// `n` is the number of the arm's triangles.
+fn free_at(o: &Options, rows: &mut Rows) {
+    let cell = Cell::new(84);
+    let n = cell.links.iter().map(|l| l.triangles.len()).sum();
+    let mut rng = Rng::of_case(23, 0);
+    let samples: Vec<Vec<f64>> = (0..if o.quick { 400 } else { 4_000 })
+        .map(|_| Cell::sample(&mut rng))
+        .collect();
+    let mut free = Vec::new();
+    println!(
+        "free-at\n  {:<12}{:>10}{:>12}{:>12}{:>14}",
+        "", "free", "us", "pairs", "ns a pair"
+    );
+    for engine in ["ours", "is-free"] {
+        let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+        let is_ours = engine == "ours";
+        let mut ask = |q: &Vec<f64>| match is_ours {
+            true => checker.free_at(q).expect("a configuration"),
+            false => checker.is_free(q, q).expect("a configuration"),
+        };
+        let (mut least, mut found) = (f64::INFINITY, Vec::new());
+        for _ in 0..3 {
+            let began = ThreadTime::now();
+            found = samples.iter().map(|q| black_box(ask(q))).collect();
+            least = least.min(began.elapsed().as_nanos() as f64 / samples.len() as f64);
+        }
+        let w = checker.work();
+        let pairs = if is_ours { w.decisions } else { w.queries } as f64 / (3 * samples.len()) as f64;
+        let count = found.iter().filter(|f| **f).count();
+        println!(
+            "  {engine:<12}{count:>10}{:>12.2}{pairs:>12.2}{:>14.0}",
+            least / 1e3,
+            least / pairs
+        );
+        rows.push(("free-at", "arm", n), engine, least, 1);
+        free.push(found);
+    }
+    let differ = (0..samples.len()).filter(|&k| free[0][k] != free[1][k]).count();
+    println!("  answers that differ: {differ} of {}", samples.len());
+}
+
 pub(crate) fn run(o: &Options) -> Rows {
     println!(
         "a segment of up to 1.6 and 1.6 radians: segments called free that are not, distance calls a free segment, microseconds,\n\
@@ -267,6 +310,10 @@ pub(crate) fn run(o: &Options) -> Rows {
         progress.step();
     }
     searches(o, &progress, &mut rows);
+    progress.step();
+    if o.wants("free-at") {
+        free_at(o, &mut rows);
+    }
     progress.step();
     rows
 }

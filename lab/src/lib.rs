@@ -13,8 +13,9 @@
 //! | [`contacts`] | scenes of two bodies in contact |
 //! | [`casts`] | bodies thrown at each other, and conservative advancement |
 //! | [`rooms`] | rooms full of hulls, and a robot that goes through them |
+//! | [`cells`] | an arm of meshes in its cell |
 //! | [`nets`] | control points of curved surfaces |
-//! | [`soups`], [`brute`] | meshes that are not convex, and their naive oracle |
+//! | [`soups`], [`turned`], [`brute`] | meshes that are not convex, some as CAD has them, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
 //! | [`curved`] | the judge of curved pairs: the duality gap in double-double |
 //! | [`brute_hull`] | exact faces of a few points |
@@ -36,6 +37,7 @@ pub mod boxes;
 pub mod brute;
 pub mod brute_hull;
 pub mod casts;
+pub mod cells;
 pub mod command;
 pub mod contacts;
 pub mod corpus;
@@ -61,6 +63,7 @@ pub mod rooms;
 pub mod shapes;
 pub mod soups;
 pub mod suite;
+pub mod turned;
 pub mod verdict;
 pub mod workload;
 

@@ -21,6 +21,7 @@
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Vector3};
 
+use super::bounds::{BoundAim, bounds};
 use super::front::NodePair;
 use super::heights::height;
 use super::kept::Kept;
@@ -152,7 +153,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         };
         self.left -= 1;
         let frame = &self.posed.frame;
-        let found = super::bounds::bounds(&frame.single, trees, &halves);
+        let found = bounds(&frame.single, trees, &halves, &BoundAim::to(f32::MAX));
         for (k, half) in halves.into_iter().enumerate() {
             let m = Vector3::from(found.normal[k].map(f64::from));
             let length = sqrt(m.norm_squared());

@@ -3,8 +3,13 @@
 //! Three directions are tried: the line of centres, and the excess vector in the axes of either
 //! box, with the amounts by which the centres are farther apart along each axis than both
 //! boxes reach. The best of the three is 5 to 20 % above the least number of pairs that the exact
-//! distance of boxes would leave. The gap along each direction is taken of the axes as stored, so
-//! that the gap is a proof whether or not the axes are orthonormal. The error term is
+//! distance of boxes would leave, unless the boxes are long. Of two long boxes that cross, such as
+//! those of long thin triangles, none of the three is perpendicular to both lengths, and each loses
+//! half a length times a sine. So where the three do not suffice two more are tried for long boxes:
+//! the cross product of the longest axes, and the direction of the closest pair so far.
+//!
+//! The gap along each direction is taken of the axes as stored, so that the gap is a proof whether
+//! or not the axes are orthonormal and whatever the direction is. The error term is
 //! [`BOXES`](crate::tolerance::BOXES).
 
 use wide::f32x4;
@@ -12,6 +17,7 @@ use wide::f32x4;
 use super::frame::Single;
 use super::front::NodePair;
 use super::tree::{OrientedBox, Tree};
+use crate::tuning::composite::LONG_BOX;
 
 /// Pairs of boxes bounded at once: the width of a register on every target.
 pub(super) const WIDTH: usize = 4;
@@ -33,6 +39,26 @@ impl BoxGaps {
         normal: [[0.0; 3]; MOST],
     };
 }
+
+/// What is asked of bounds.
+#[derive(Clone, Copy)]
+pub(super) struct BoundAim {
+    /// The gap that is enough: no more directions are tried once all four pairs have it.
+    pub(super) level: f32,
+    /// A direction in A's frame that may prove it.
+    pub(super) known: Option<[f32; 3]>,
+}
+
+impl BoundAim {
+    /// A gap that is enough, without a direction that may prove it.
+    pub(super) const fn to(level: f32) -> Self {
+        Self { level, known: None }
+    }
+}
+
+/// Squares of the sine of the angle of two axes up to this are those of parallel ones: rounding is
+/// most of their cross product.
+const PARALLEL: f32 = 1e-10;
 
 /// Four boxes by component.
 struct Four {
@@ -62,6 +88,15 @@ impl Four {
 #[inline(always)]
 fn dot(a: [f32x4; 3], b: [f32x4; 3]) -> f32x4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 #[inline(always)]
@@ -110,8 +145,40 @@ fn excess(d: [f32x4; 3], h: [f32x4; 3], g: [f32x4; 3], m: &[[f32x4; 3]; 3]) -> (
     (gap, inverse, e)
 }
 
+/// Half extents and axes of four boxes.
+type AxesOf<'a> = (&'a [f32x4; 3], &'a [[f32x4; 3]; 3]);
+
+/// The best gap of four pairs so far, and its unit direction.
+struct BestGaps {
+    gap: f32x4,
+    normal: [f32x4; 3],
+}
+
+impl BestGaps {
+    /// Takes the gaps along directions `c` of any length, where they are greater and positive: boxes
+    /// that overlap are looked at in the order of the other directions. `d` is the difference of the
+    /// centres, `reaches` are half extents and axes of both boxes.
+    #[inline(always)]
+    fn offer(&mut self, c: [f32x4; 3], d: [f32x4; 3], reaches: (AxesOf<'_>, AxesOf<'_>)) {
+        let (square, height) = (dot(c, c), dot(c, d));
+        let reach = |(half, axes): AxesOf<'_>| {
+            half[0] * dot(axes[0], c).abs() + half[1] * dot(axes[1], c).abs() + half[2] * dot(axes[2], c).abs()
+        };
+        let (a, b) = (reach(reaches.0), reach(reaches.1));
+        let inverse = f32x4::splat(1.0) / square.sqrt().fast_max(f32x4::splat(f32::MIN_POSITIVE));
+        let gap = (height.abs() - a - b) * inverse;
+        let least = self.gap.fast_max(f32x4::splat(0.0));
+        let wins = square.simd_gt(f32x4::splat(PARALLEL)) & gap.simd_gt(least);
+        let inverse = signed(inverse, height);
+        self.gap = wins.select(gap, self.gap);
+        for k in 0..3 {
+            self.normal[k] = wins.select(c[k] * inverse, self.normal[k]);
+        }
+    }
+}
+
 /// The best gap of each of up to eight pairs of nodes, and its direction.
-pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[NodePair]) -> BoxGaps {
+pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[NodePair], aim: &BoundAim) -> BoxGaps {
     debug_assert!(pairs.len() <= MOST, "{} pairs", pairs.len());
     let mut found = BoxGaps::NONE;
     if !frame.error.is_finite() {
@@ -121,14 +188,20 @@ pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[NodePair])
         let at = [0, 1, 2, 3].map(|k| four[k.min(four.len() - 1)]);
         let of_a = at.map(|[x, _]| &a.boxes[x as usize]);
         let of_b = at.map(|[_, y]| &b.boxes[y as usize]);
-        bound_four(frame, of_a, of_b, WIDTH * k, &mut found);
+        let best = bound_four(frame, (of_a, of_b), aim);
+        let first = WIDTH * k;
+        found.gap[first..first + WIDTH].copy_from_slice(&best.gap.to_array());
+        let [x, y, z] = best.normal.map(|n| n.to_array());
+        for k in 0..WIDTH {
+            found.normal[first + k] = [x[k], y[k], z[k]];
+        }
     }
     found
 }
 
-/// Writes the best gap of each of four pairs, and its direction, as the entries from `first` on.
+/// The best gap of each of four pairs, and its direction.
 #[inline(never)]
-fn bound_four(frame: &Single, a: [&OrientedBox; WIDTH], b: [&OrientedBox; WIDTH], first: usize, found: &mut BoxGaps) {
+fn bound_four(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WIDTH]), aim: &BoundAim) -> BestGaps {
     let (a, b) = (Four::new(a, frame.scale_a), Four::new(b, frame.scale_b));
     let r = &frame.ways[0].rotation;
     let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];
@@ -171,9 +244,23 @@ fn bound_four(frame: &Single, a: [&OrientedBox; WIDTH], b: [&OrientedBox; WIDTH]
         let n = a_wins.select(na[k] * inverse_a, nb[k] * inverse_b);
         excess_wins.select(n, d[k] * inverse)
     };
-    found.gap[first..first + WIDTH].copy_from_slice(&gap.fast_max(by_centres).to_array());
-    let [x, y, z] = [normal(0).to_array(), normal(1).to_array(), normal(2).to_array()];
-    for k in 0..WIDTH {
-        found.normal[first + k] = [x[k], y[k], z[k]];
+    let mut best = BestGaps {
+        gap: gap.fast_max(by_centres),
+        normal: [normal(0), normal(1), normal(2)],
+    };
+    let reaches = ((&a.half, &a.axes), (&b.half, &axes));
+    // The first axis is the longest.
+    let is_long = |half: &[f32x4; 3]| half[0].simd_gt(half[1] * f32x4::splat(LONG_BOX));
+    let (long_a, long_b) = (is_long(&a.half), is_long(&b.half));
+    let level = f32x4::splat(aim.level);
+    let is_any_open = |best: &BestGaps, long: f32x4| (best.gap.simd_lt(level) & long).to_bitmask() & 0xf != 0;
+    if is_any_open(&best, long_a & long_b) {
+        best.offer(cross(a.axes[0], axes[0]), d, reaches);
     }
+    if let Some([x, y, z]) = aim.known
+        && is_any_open(&best, long_a | long_b)
+    {
+        best.offer([f32x4::splat(x), f32x4::splat(y), f32x4::splat(z)], d, reaches);
+    }
+    best
 }

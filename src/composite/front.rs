@@ -13,6 +13,10 @@
 //! depends on both poses alone, however far and by what way the bodies moved in between, and is not
 //! weakened by a turn about n.
 //!
+//! A long node is not a ball. If all points of Y are within rho of a segment from `c - u` to `c + u`,
+//! the last term is `|u . w| + rho |w|` with `w = R1^T n - R0^T n`, small if the node turns about its
+//! length. So an entry is those eleven numbers and u, zero if the ball will do.
+//!
 //! X is the larger of the two nodes: rho is the radius of the smaller. A budget of path length
 //! instead of a direction fails ten times as often.
 
@@ -22,13 +26,17 @@ use wide::f32x4;
 use super::bounds::WIDTH;
 use super::frame::{Single, Way};
 use super::tree::{OrientedBox, Tree};
+use crate::tuning::composite::MOST_ENTRIES;
 
 /// A node of A and a node of B.
 pub(super) type NodePair = [u32; 2];
 
-/// Four entries by component: n, m, c, the radius, the base.
+/// The numbers of an entry.
+const NUMBERS: usize = 14;
+
+/// Four entries by component: n, m, c, the radius, the base, u.
 #[derive(Clone, Debug, PartialEq)]
-struct FrontBlock([[f32; WIDTH]; 11]);
+struct FrontBlock([[f32; WIDTH]; NUMBERS]);
 
 /// Entries with the larger node on one side.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -70,6 +78,12 @@ impl Front {
 
     pub(super) fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Whether no more entries are taken: the front does not cover all pairs any more and must be
+    /// cleared at the end of the query.
+    pub(super) fn is_full(&self) -> bool {
+        self.len() >= MOST_ENTRIES
     }
 
     pub(super) fn pairs(&self) -> impl Iterator<Item = NodePair> + '_ {
@@ -120,14 +134,18 @@ impl Front {
         }
     }
 
-    /// Adds an entry whose gap along `normal`, in A's frame, is at least `gap` at this pose.
+    /// Adds an entry whose gap along `normal`, in A's frame, is at least `gap` at this pose, unless
+    /// the front is full.
     pub(super) fn push(&mut self, frame: &Single, trees: (&Tree, &Tree), pair: NodePair, normal: [f32; 3], gap: f32) {
+        if self.is_full() {
+            return;
+        }
         let half = half(frame, trees, pair);
         let entries = &mut self.halves[half as usize];
         let at = entries.pairs.len() as u32;
         entries.pairs.push(pair);
         if entries.pairs.len() > WIDTH * entries.blocks.len() {
-            entries.blocks.push(FrontBlock([[0.0; WIDTH]; 11]));
+            entries.blocks.push(FrontBlock([[0.0; WIDTH]; NUMBERS]));
         }
         self.set(frame, trees, EntryId { half, at }, normal, gap);
     }
@@ -144,11 +162,11 @@ impl Front {
             (&a.boxes[x as usize], frame.scale_a, n)
         };
         let [_, cx, cy, cz] = ball.rows[2].map(|c| c * scale);
-        let radius = ball.radius() * scale;
+        let (radius, [ux, uy, uz]) = ball.rod(scale);
         let [x, y, z] = way.place([cx, cy, cz]);
         let m = way.back(n);
         let base = gap - (n[0] * x + n[1] * y + n[2] * z);
-        let values = [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base];
+        let values = [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base, ux, uy, uz];
         let (block, lane) = (place.at as usize / WIDTH, place.at as usize % WIDTH);
         for (slot, value) in entries.blocks[block].0.iter_mut().zip(values) {
             slot[lane] = value;
@@ -160,7 +178,7 @@ impl Front {
         let (entries, k) = (&mut self.halves[place.half as usize], place.at as usize);
         let last = entries.pairs.len() - 1;
         entries.pairs.swap_remove(k);
-        for c in 0..11 {
+        for c in 0..NUMBERS {
             let moved = entries.blocks[last / WIDTH].0[c][last % WIDTH];
             entries.blocks[k / WIDTH].0[c][k % WIDTH] = moved;
         }
@@ -204,18 +222,19 @@ fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: NodePair) -> u8 {
 impl FrontBlock {
     #[inline(always)]
     fn gaps(&self, way: &Way) -> f32x4 {
-        let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base] = &self.0;
+        let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base, ux, uy, uz] = &self.0;
         let (r, t) = (&way.rotation, &way.translation);
-        let (cx, cy, cz) = (f32x4::new(*cx), f32x4::new(*cy), f32x4::new(*cz));
         let (nx, ny, nz) = (f32x4::new(*nx), f32x4::new(*ny), f32x4::new(*nz));
-        let (ux, uy, uz) = (
+        let (cx, cy, cz) = (f32x4::new(*cx), f32x4::new(*cy), f32x4::new(*cz));
+        let (x, y, z) = (
             r[0] * nx + r[3] * ny + r[6] * nz,
             r[1] * nx + r[4] * ny + r[7] * nz,
             r[2] * nx + r[5] * ny + r[8] * nz,
         );
-        let along = ux * cx + uy * cy + uz * cz + (nx * t[0] + ny * t[1] + nz * t[2]);
-        let (u, v, w) = (ux - f32x4::new(*mx), uy - f32x4::new(*my), uz - f32x4::new(*mz));
-        let turned = (u * u + v * v + w * w).sqrt();
-        f32x4::new(*base) + along - f32x4::new(*radius) * turned
+        let along = x * cx + y * cy + z * cz + (nx * t[0] + ny * t[1] + nz * t[2]);
+        let (p, q, s) = (x - f32x4::new(*mx), y - f32x4::new(*my), z - f32x4::new(*mz));
+        let turned = (p * p + q * q + s * s).sqrt();
+        let swung = (p * f32x4::new(*ux) + q * f32x4::new(*uy) + s * f32x4::new(*uz)).abs();
+        f32x4::new(*base) + along - f32x4::new(*radius) * turned - swung
     }
 }

@@ -7,6 +7,7 @@ use super::frame::TreeFrame;
 use super::front::{EntryId, Front, NodePair};
 use super::search::{Judge, TreeSearch};
 use super::work::MeshWork;
+use super::worth::FrontWorth;
 use crate::num::count::Counter;
 use crate::num::scalar::sqrt;
 use crate::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR, STALE};
@@ -25,6 +26,8 @@ pub(super) struct Kept {
     distance: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
     pose: Option<(Matrix3<f64>, Vector3<f64>)>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    worth: FrontWorth,
     #[cfg_attr(feature = "serde", serde(skip))]
     stack: Vec<NodePair>,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -61,25 +64,31 @@ impl Kept {
         }
         if search.is_over() {
             self.front.clear();
-        } else if motion < NEAR
-            && (self.front.is_empty() || self.front.len() > (GROWTH * self.front.cut).max(FEW_ENTRIES))
-        {
+        } else if motion < NEAR && self.is_cut_due() {
             self.cut(search);
         }
         self.conclude(search);
     }
 
-    /// Whether any pair of items is within the distance that the search asks for.
+    /// Whether any pair of items is within the distance that the search asks for. Unless the roots
+    /// are far apart, the pairs that decided last are tried first.
     pub(super) fn is_within<J: Judge>(&mut self, search: &mut TreeSearch<J>) -> bool {
-        for pair in self.last.into_iter().flatten() {
-            search.measure(pair);
-        }
-        if !search.is_over() {
-            search.start(&mut self.stack, None);
+        search.start(&mut self.stack, None);
+        if !self.stack.is_empty() {
+            for pair in self.last.into_iter().flatten() {
+                if !search.is_over() {
+                    search.measure(pair);
+                }
+            }
             search.descend(&mut self.stack, None);
         }
-        self.conclude(search);
-        search.is_over()
+        self.work += search.work;
+        self.work.settled.count(search.judge.settled());
+        let is_within = search.is_over();
+        if let Some(best) = search.best.as_ref().filter(|_| is_within) {
+            self.remember(best.pair);
+        }
+        is_within
     }
 
     fn conclude<J: Judge>(&mut self, search: &TreeSearch<J>) {
@@ -109,8 +118,18 @@ impl Kept {
         })
     }
 
+    /// Whether a front is worth its cut: there is none and fronts pay, or it has grown too long.
+    fn is_cut_due(&mut self) -> bool {
+        if self.front.is_empty() {
+            self.worth.is_due()
+        } else {
+            self.front.len() > (GROWTH * self.front.cut).max(FEW_ENTRIES)
+        }
+    }
+
     /// A search without a front.
     fn begin<J: Judge>(&mut self, search: &mut TreeSearch<J>, motion: f64) {
+        let before = FrontWorth::work(&search.work);
         self.front.clear();
         if !(motion < JUMP) {
             search.seed();
@@ -119,20 +138,44 @@ impl Kept {
             search.start(&mut self.stack, None);
             search.descend(&mut self.stack, None);
         }
+        if !search.is_over() {
+            self.worth.searched(FrontWorth::work(&search.work) - before);
+        }
     }
 
-    /// Proves the front again; entries that their directions do not prove get new ones, or are
-    /// split.
+    /// Proves the front again, or searches anew if too many directions fail; drops a front that
+    /// took more work than a search.
     fn renew<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
+        self.test(search);
+        let (failed, len) = (self.failed.len(), self.front.len());
+        if len > FEW_ENTRIES && (2 * failed > len || self.worth.is_dearer(failed as u64)) {
+            self.worth.lost();
+            return self.begin(search, 0.0);
+        }
+        self.repair(search);
+        if search.is_over() {
+            return;
+        }
+        if len > FEW_ENTRIES && self.worth.is_dearer(FrontWorth::work(&search.work)) || self.front.is_full() {
+            self.worth.lost();
+            self.front.clear();
+        } else {
+            self.worth.paid();
+        }
+    }
+
+    /// Finds the entries that their directions do not prove.
+    fn test<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         self.front.meet(&search.frame.single);
         self.failed.clear();
         let (failed, level) = (&mut self.failed, search.frame.single_up(search.level()));
         self.front.test(&search.frame.single, level, |place| failed.push(place));
         search.work.entries += self.front.len() as u64;
         search.work.failed += self.failed.len() as u64;
-        if 2 * self.failed.len() > self.front.len() && self.front.len() > FEW_ENTRIES {
-            return self.begin(search, 0.0);
-        }
+    }
+
+    /// Gives the entries that failed new directions, or splits them.
+    fn repair<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         self.stack.clear();
         for batch in self.failed.rchunks(8) {
             if search.is_over() {
@@ -165,7 +208,10 @@ impl Kept {
         search.start(&mut self.stack, Some(&mut self.front));
         search.descend(&mut self.stack, Some(&mut self.front));
         self.front.cut = self.front.len();
-        if search.is_over() {
+        if self.front.is_full() {
+            self.worth.lost();
+        }
+        if search.is_over() || self.front.is_full() {
             self.front.clear();
         }
     }

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::bounds::{BoxGaps, bounds};
+use super::bounds::{BoundAim, BoxGaps, bounds};
 use super::frame::TreeFrame;
 use super::front::{Front, NodePair};
 use super::heights::{height, unit};
@@ -93,6 +93,8 @@ pub(super) struct TreeSearch<'a, J: Judge> {
     contacts: u32,
     /// The level in single precision.
     single: f32,
+    /// The least gap that single precision has proven.
+    least: f32,
     pub(super) work: MeshWork,
 }
 
@@ -135,6 +137,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             ends_in_contact: false,
             contacts: 0,
             single: f32::INFINITY,
+            least: f32::INFINITY,
             work: MeshWork::default(),
         };
         search.single = search.single_level();
@@ -147,6 +150,14 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             MeshGoal::Within(d) => d,
             MeshGoal::Least => self.best.as_ref().map_or(f64::INFINITY, |b| b.distance),
         }
+    }
+
+    /// Lower bound of the distance of all pairs, in A's stored units, at the end of a search that is
+    /// not over.
+    pub(super) fn proven(&self) -> f64 {
+        let measured = self.best.as_ref().map_or(f64::INFINITY, |b| b.lower);
+        let proven = self.lower.min(f64::from(self.least) * self.frame.single.unit);
+        proven.min(measured)
     }
 
     /// Pruning level in f32, rounded up; the next number if equality does not prune.
@@ -228,7 +239,12 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     /// Bounds up to eight pairs of boxes.
     pub(super) fn bound(&mut self, pairs: &[NodePair]) -> BoxGaps {
         self.work.bounds += pairs.len() as u64;
-        bounds(&self.frame.single, (self.a, self.b), pairs)
+        let single = |(_, n): &(NodePair, TriedDirection)| [n.in_a.x as f32, n.in_a.y as f32, n.in_a.z as f32];
+        let aim = BoundAim {
+            level: self.single + self.frame.single.error,
+            known: self.directions[0].as_ref().map(single),
+        };
+        bounds(&self.frame.single, (self.a, self.b), pairs, &aim)
     }
 
     /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
@@ -236,6 +252,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     pub(super) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
         let proven = gap - self.frame.single.error;
         if proven >= self.single {
+            self.least = self.least.min(proven);
             return Some((normal, proven));
         }
         self.settle_close(pair, gap, normal)
@@ -427,14 +444,18 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 }
 
-/// The two halves of a pair: of the larger box, unless that is a leaf.
+/// The two halves of a pair: of the box with the larger surface, unless that is a leaf. Not of the
+/// longer box: parts of a long thin one may be as long.
 pub(super) fn split_pair((a, b): (&Tree, &Tree), frame: &TreeFrame, [x, y]: NodePair) -> Option<[NodePair; 2]> {
-    let of_a = a.boxes[x as usize].radius() * frame.single.scale_a;
-    let of_b = b.boxes[y as usize].radius() * frame.single.scale_b;
+    let is_a_larger = || {
+        let (of_a, of_b) = (&a.boxes[x as usize], &b.boxes[y as usize]);
+        let (scale_a, scale_b) = (frame.single.scale_a, frame.single.scale_b);
+        of_a.area() * (scale_a * scale_a) >= of_b.area() * (scale_b * scale_b)
+    };
     match (a.below(x), b.below(y)) {
         (Below::Children(c), Below::Leaf(..)) => Some([[c, y], [c + 1, y]]),
         (Below::Leaf(..), Below::Children(c)) => Some([[x, c], [x, c + 1]]),
-        (Below::Children(c), Below::Children(_)) if of_a >= of_b => Some([[c, y], [c + 1, y]]),
+        (Below::Children(c), Below::Children(_)) if is_a_larger() => Some([[c, y], [c + 1, y]]),
         (_, Below::Children(c)) => Some([[x, c], [x, c + 1]]),
         _ => None,
     }

@@ -268,17 +268,23 @@ impl TreeState {
             return false;
         }
         let mut search = posed.search(judge, MeshGoal::Within(d));
-        // Else all parts are proven farther apart than `d`.
-        self.kept.is_within(&mut search) || !matches!(self.inside(posed, d), Inside::No)
+        if self.kept.is_within(&mut search) {
+            return true;
+        }
+        // Now all parts are proven farther apart than `d`, and one body may hold the other.
+        let lower = search.proven().max(d);
+        let is_apart = matches!(self.inside(posed, lower), Inside::No);
+        self.free = is_apart.then(|| (lower, posed.place()));
+        !is_apart
     }
 
     /// A lower bound of the distance in the caller's unit, by the state alone.
     pub(super) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) -> f64 {
-        if self.kept.front.is_empty() {
-            return 0.0;
-        }
         let moved = |(lower, then): &(f64, BallAtPose)| lower - posed.place().displacement(then);
         let carried = self.free.as_ref().map_or(0.0, moved);
+        if self.kept.front.is_empty() {
+            return carried.max(0.0) * posed.a.stored_unit();
+        }
         let single = &posed.frame.single;
         self.kept.front.meet(single);
         let mut least = f32::INFINITY;

@@ -75,6 +75,8 @@ pub struct CheckWork {
     pub configurations: u64,
     /// Distance queries at single configurations.
     pub measures: u64,
+    /// Pairs asked at single configurations whether they keep the margin.
+    pub decisions: u64,
 }
 
 sum_of_counters!(CheckWork {
@@ -84,6 +86,7 @@ sum_of_counters!(CheckWork {
     queries,
     configurations,
     measures,
+    decisions,
 });
 
 /// The proof that a pair stays apart on a segment: certificates one after the other, from time 0
@@ -106,6 +109,10 @@ pub struct Checker<C> {
     /// Scratch: pairs to look at, and poses.
     pub(super) candidates: Vec<usize>,
     pub(super) poses: Vec<Isometry3<f64>>,
+    /// The pairs that were not free at single configurations, the last first.
+    pub(super) hits: Vec<usize>,
+    /// Scratch: the distances of balls and the pairs.
+    pub(super) order: Vec<(f64, usize)>,
     /// The distance within which the last clearance was found: how far the next one looks first.
     pub(super) reach: f64,
 }
@@ -132,6 +139,8 @@ impl<C: ConfigurationSpace> Checker<C> {
             work: CheckWork::default(),
             candidates: Vec::new(),
             poses: Vec::new(),
+            hits: Vec::new(),
+            order: Vec::new(),
             reach: 0.0,
         })
     }

@@ -120,7 +120,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     }
 
     /// Collects the pairs that may be within `reach`, and all pairs of two bodies of the robot.
-    fn gather_within(&mut self, reach: f64, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
+    pub(super) fn gather_within(&mut self, reach: f64, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
         self.candidates.clear();
         if !(reach < f64::INFINITY) {
             self.candidates.extend(0..self.pairs.own);
@@ -170,16 +170,20 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the distance of the balls about both parts: negative if the balls overlap.
     fn ball_gap(&self, index: usize, poses: &[Isometry3<f64>]) -> f64 {
+        let [(p, r), (q, s)] = self.balls(index, poses);
+        (q - p).norm() - r - s
+    }
+
+    /// Returns the balls about both parts of a pair, in the world.
+    pub(super) fn balls(&self, index: usize, poses: &[Isometry3<f64>]) -> [(Point3<f64>, f64); 2] {
         let pair = self.pairs.all[index].pair;
-        let ball = |part: WorldId| {
+        [pair.a, pair.b].map(|part| {
             let (pose, (centre, radius)) = match part {
                 WorldId::Robot(k) => (&poses[k], self.pairs.robot_balls[k]),
                 WorldId::Obstacle(k) => (&self.world.obstacles[k].2, self.pairs.obstacle_balls[k]),
             };
             (pose * centre, radius)
-        };
-        let ((p, r), (q, s)) = (ball(pair.a), ball(pair.b));
-        (q - p).norm() - r - s
+        })
     }
 
     /// Measures one pair at posed bodies, but for its gradient. Returns the normal in the world as

@@ -179,6 +179,7 @@ impl CheckWork {
             queries: self.queries - before.queries,
             configurations: self.configurations - before.configurations,
             measures: self.measures - before.measures,
+            decisions: self.decisions - before.decisions,
         }
     }
 }

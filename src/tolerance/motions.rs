@@ -95,13 +95,24 @@ pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 ///    by 16 v L |e|; the box's own part by 7 v h for axes that are orthonormal within 2 v, and 4
 ///    more; the part of the other box by 33 v h; the root and the quotient by 5 v. Sum: below 16 L
 ///    + 11 sqrt(3) rA + 33 sqrt(3) rB + 5 L, below 79 v L.
-/// 4. An entry of a front. Made: the placed centre errs by 10 v L, its product with n by 4 v L, the
+/// 4. Along a direction c of any length, a cross product of axes or a direction known before: the
+///    gap along it is a proof whatever c is, so only the arithmetic behind c counts, in units of
+///    `|c|`. The height errs by 10 v L of the difference and 3 v L of its product. The reach of A
+///    errs by 3 v of the sum of its half extents, at most 3 rA, and by 3 v of itself, at most
+///    sqrt(3) rA; that of B by 7 v more for the axes. Two differences of terms up to sqrt(3) L err
+///    by 4 v L, the root and the quotient by 5 v of as much, and the direction as rounded is longer
+///    than one by 5 v. Sum: 31 L + 15 rA + 36 rB, below 67 v L.
+/// 5. An entry of a front. Made: the placed centre errs by 10 v L, its product with n by 4 v L, the
 ///    base by 4 v L; a direction turned to the other body's frame by 7 v, which moves heights by 7
 ///    v L and makes the direction longer than one by as much. Tested: centre and product as before;
 ///    the turned directions err by 7 v each, their difference and its length, at most 2, by 8 v: 30
-///    v r with the product by the radius; the sums by 4 v L. Sum: below 82 v L.
+///    v r with the product by the radius; the sums by 4 v L. The radius is that of the smaller node,
+///    at most L / 2. Sum: below 65 v L.
+/// 6. An entry with a segment, of half length `|u| <= r`, and a radius up to r / 2: the product of
+///    the difference, which errs by 16 v, with u, which errs by v of itself, errs by 24 v r in all,
+///    the product with the radius by 15 v r, one sum more by 2 v L. Sum: 52 L + 39 r, below 72 v L.
 ///
-/// 82 would do.
+/// 80 would do.
 pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
 
 /// Error of a height of a vertex of a composite along a unit axis, in units of the farthest

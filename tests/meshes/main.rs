@@ -10,6 +10,7 @@ mod decomposition;
 mod faults;
 mod frames;
 mod hard;
+mod long;
 mod many;
 mod mixed_depth;
 mod near;

@@ -5,6 +5,7 @@ use lab::Pose;
 use lab::pose::{add, quat, quat_mul, scale, unit_quat};
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
+use lab::turned;
 use lin_canny::{Class, PairTracker};
 
 /// How poses follow each other.
@@ -20,6 +21,10 @@ enum Motion {
     Flush,
     /// Shifted by multiples of a quarter: faces in shared planes, edges on edges.
     Grid,
+    /// A shaft that turns about its own axis across another, at gaps of -0.05 to 0.3.
+    Crossing,
+    /// Turning about the axis of the other and wandering off it, in a bore of a tenth more.
+    Held,
 }
 
 /// How many poses were separated, touching, overlapping, and with one body inside the other.
@@ -52,6 +57,26 @@ fn family(a: &Soup, b: &Soup, motion: Motion, count: usize, seed: u64) -> [usize
                     t: [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1 + gap],
                 }
             }
+            Motion::Crossing => {
+                let angle = [1.0f64, 10.0, 45.0, 90.0][k / 32 % 4].to_radians();
+                let gap = [0.3, 0.05, 1e-3, -0.05][k / 8 % 4];
+                let turn = quat([0.0, 0.0, 1.0], 0.009 * k as f64);
+                Pose {
+                    q: unit_quat(quat_mul(quat([1.0, 0.0, 0.0], angle), turn)),
+                    t: [2.0 + gap, 0.3 * (0.1 * k as f64).sin(), 0.0],
+                }
+            }
+            Motion::Held => {
+                let (s, c) = (0.02 * k as f64).sin_cos();
+                let off = 0.12 * (0.05 * k as f64).sin();
+                Pose {
+                    q: quat(
+                        [0.02 * s, 0.0, 1.0].map(|x| x / (1.0 + 4e-4 * s * s).sqrt()),
+                        0.009 * k as f64,
+                    ),
+                    t: [off * c, off * s, 0.3 * s],
+                }
+            }
             Motion::Grid => Pose::shift([0, 1, 2].map(|_| 0.25 * rng.range(-5.0, 5.0).round())),
         };
         if matches!(motion, Motion::Gaps) {
@@ -81,6 +106,8 @@ fn run(count: usize) {
     let (loose, slivers) = (soups::loose(60, 0.2, &mut rng), soups::slivers(60, &mut rng));
     let nested = soups::sphere(1).with(&soups::sphere(1).map(|p| scale(p, 0.5)).flipped());
     let pebble = soups::sphere(0).map(|p| scale(p, 0.1));
+    let (shaft, cone) = (turned::shaft(17), turned::cone(12));
+    let (bearing, link, tray) = (turned::bearing(14, 1.1), turned::link(7), turned::tray(3));
     let families = [
         ("random", &torus, &knot, Motion::Random),
         ("tracked", &torus, &torus, Motion::Tracked),
@@ -93,6 +120,12 @@ fn run(count: usize) {
         ("loose", &loose, &slivers, Motion::Random),
         ("unwelded", &rock.unwelded(), &gear.unwelded(), Motion::Random),
         ("nested", &nested, &pebble, Motion::Random),
+        ("crossing", &shaft, &shaft, Motion::Crossing),
+        ("crossing", &cone, &shaft, Motion::Crossing),
+        ("tumbling", &shaft, &cone, Motion::Tracked),
+        ("held", &shaft, &bearing, Motion::Held),
+        ("gaps", &bearing, &cone, Motion::Gaps),
+        ("gaps", &tray, &link, Motion::Gaps),
     ];
     let mut sum = [0; 4];
     for (k, (name, a, b, motion)) in families.into_iter().enumerate() {

@@ -3,6 +3,7 @@
 
 mod arm;
 mod certify;
+mod free;
 mod judge;
 mod planner;
 mod spaces;

@@ -30,7 +30,7 @@ use nalgebra::{Unit, Vector3};
 
 pub use body::ContactPatches;
 
-use super::bounds::{MOST, bounds};
+use super::bounds::{BoundAim, MOST, bounds};
 use super::frame::TreeFrame;
 use super::front::NodePair;
 use super::pieces::CompositeTracker;
@@ -217,10 +217,11 @@ fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
     let PatchQuery { a, b, options, .. } = query;
     let (of_a, of_b) = (a.side().tree, b.side().tree);
     let level = frame.single_up(options.prediction.max(0.0) / a.unit());
+    let aim = BoundAim::to((level + frame.single.error).next_up());
     let (mut stack, mut found) = (alloc::vec![[0, 0]], Vec::new());
     while !stack.is_empty() {
         let batch = stack.split_off(stack.len().saturating_sub(MOST));
-        let gaps = bounds(&frame.single, (of_a, of_b), &batch);
+        let gaps = bounds(&frame.single, (of_a, of_b), &batch, &aim);
         for (&pair, gap) in batch.iter().zip(gaps.gap) {
             if frame.single.error.is_finite() && gap - frame.single.error > level {
                 continue;

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Vector3};
 
 use super::Mesh;
-use crate::composite::bounds::{MOST, bounds};
+use crate::composite::bounds::{BoundAim, MOST, bounds};
 use crate::composite::frame::TreeFrame;
 use crate::composite::parts::Parted;
 use crate::composite::search::split_pair;
@@ -53,11 +53,11 @@ impl Mesh {
     }
 
     fn cross(&self, frame: &TreeFrame, most: usize, found: &mut MeshInspection) {
-        let tree = &self.tree;
+        let (tree, aim) = (&self.tree, BoundAim::to(frame.single.error.next_up()));
         let mut stack = alloc::vec![[0, 0]];
         while !stack.is_empty() {
             let batch = stack.split_off(stack.len().saturating_sub(MOST));
-            let gaps = bounds(&frame.single, (tree, tree), &batch);
+            let gaps = bounds(&frame.single, (tree, tree), &batch, &aim);
             for (&[x, y], gap) in batch.iter().zip(gaps.gap) {
                 if gap > frame.single.error {
                     continue;

@@ -113,11 +113,12 @@ impl Tree {
                 }
             }
         }
+        self.sort_axes(node, &mut low, &mut high);
         self.store_extents(node, &low, &high, range, vertices, slack);
     }
 
     /// The normal of the largest triangle as the third axis; the first is the axis of the spread or
-    /// an edge of that triangle, whichever gives the smallest rectangle.
+    /// an edge of that triangle, whichever gives the rectangle of least area and circumference.
     fn flat_axes<I: AsRef<[u32]>>(
         &self,
         node: usize,
@@ -139,10 +140,15 @@ impl Tree {
                 }
             }
         });
-        let area = |k: &usize| (high[*k][0] - low[*k][0]) * (high[*k][1] - low[*k][1]);
+        // Rectangles about a triangle along any of its edges have one area: the shortest round it is
+        // the one that a right triangle fills.
+        let size = |k: &usize| {
+            let (length, width) = (high[*k][0] - low[*k][0], high[*k][1] - low[*k][1]);
+            length * width * (length + width)
+        };
         let best = (0..4)
             .filter(|&k| flat[k][0].iter().all(|x| x.is_finite()))
-            .min_by(|i, j| area(i).total_cmp(&area(j)))?;
+            .min_by(|i, j| size(i).total_cmp(&size(j)))?;
         let [long, wide] = flat[best];
         Some([long, wide, normal])
     }
@@ -163,6 +169,16 @@ impl Tree {
             high: high.add_scalar(slack).into(),
             doubt: 2.0 * slack,
         });
+    }
+
+    /// Puts the axis of the longest side first, and the others in order.
+    fn sort_axes(&mut self, node: usize, low: &mut Vector3<f64>, high: &mut Vector3<f64>) {
+        let sides = *high - *low;
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| sides[j].total_cmp(&sides[i]));
+        let axes = order.map(|k| self.boxes[node].axis(k));
+        self.boxes[node].set_axes(&axes);
+        (*low, *high) = (order.map(|k| low[k]).into(), order.map(|k| high[k]).into());
     }
 
     /// Centre and half extents: the centre is rounded first, then every point's coordinates about

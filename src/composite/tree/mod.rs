@@ -12,6 +12,7 @@ mod split;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::num::scalar::sqrt;
 use crate::tolerance::UNIT_SINGLE;
 
 /// A box in single precision: every point below the node is `centre + sum of s_k axis_k` with
@@ -19,7 +20,7 @@ use crate::tolerance::UNIT_SINGLE;
 /// ([`Tree::centre`], [`Tree::exponent`]).
 ///
 /// Sixteen numbers, a line of the cache, so that four boxes are read by four transpositions: three
-/// axes, the centre, the half extents, the radius.
+/// axes, the longest side's first, the centre, the half extents, the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(align(64))]
 pub(crate) struct OrientedBox {
@@ -47,6 +48,29 @@ impl OrientedBox {
     pub(crate) fn half(&self) -> Vector3<f64> {
         let [x, y, z, _] = self.rows[3].map(f64::from);
         Vector3::new(x, y, z)
+    }
+
+    /// A segment `-u` to `u` about the centre, and how far from it points below the node are at
+    /// most; no segment if the ball about the centre is not twice as large. Lengths are times
+    /// `scale`, a power of two.
+    #[inline(always)]
+    pub(crate) fn rod(&self, scale: f32) -> (f32, [f32; 3]) {
+        let [long, wide, deep, radius] = self.rows[3].map(|h| h * scale);
+        // The factor: axes that are orthonormal within 8 units, 6 of the length, and rounding, 3.
+        let around = sqrt(f64::from(wide * wide + deep * deep)) as f32 * (1.0 + 16.0 * f32::EPSILON);
+        if around + around < radius {
+            let [x, y, z, _] = self.rows[0];
+            (around, [x * long, y * long, z * long])
+        } else {
+            (radius, [0.0; 3])
+        }
+    }
+
+    /// An eighth of the surface of the box.
+    #[inline(always)]
+    pub(crate) fn area(&self) -> f32 {
+        let [x, y, z, _] = self.rows[3];
+        x * (y + z) + y * z
     }
 
     /// No point below the node is farther than this from the centre.

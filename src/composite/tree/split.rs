@@ -1,5 +1,7 @@
 //! The order of triangles or pieces: cut at the mean, perpendicular to the longest axis of their
-//! spread, at the median if that is lopsided.
+//! spread, at the median if that is lopsided; along another axis if that hardly shortens the parts.
+//! The middles of long thin triangles side by side lie in two rows: a cut between the rows leaves
+//! two parts as large as the whole.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -7,10 +9,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::eigen::axes;
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
-use crate::num::scalar::sqrt;
+use crate::num::scalar::{greater, lesser, sqrt};
 use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
 use crate::tolerance::UNIT;
-use crate::tuning::composite::{FEW_CORNERS, LEVEL, LOPSIDED, THIN};
+use crate::tuning::composite::{ACROSS, FEW_CORNERS, HARDLY, LEVEL, LONG, LOPSIDED, THIN};
 
 /// A triangle or a piece while it is sorted, in the tree's coordinates.
 #[derive(Clone, Copy)]
@@ -92,7 +94,12 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         self.push_node();
         let mut tasks: Vec<Task> = vec![(0, 0, self.items.len())];
         while let Some((node, first, count)) = tasks.pop() {
-            let (rows, mean, values) = self.spread(first, count);
+            let Spread {
+                rows,
+                mean,
+                values,
+                heaviest,
+            } = self.spread(first, count);
             self.tree.boxes[node as usize].set_axes(&rows);
             let thin = values[2] <= THIN * THIN * values[0];
             if count == 1 || count <= self.most && thin {
@@ -100,6 +107,8 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
                 continue;
             }
             let left = match self.cut_plane(first, count, &rows[2]) {
+                // A weight is at least the square of the item's reach from its middle.
+                0 if heaviest > LONG * LONG * values[0] => self.cut_across(first, count, &rows, &mean),
                 0 => self.cut(first, count, &rows[0], &mean),
                 left => left,
             };
@@ -117,11 +126,11 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         self.tree.boxes.len() as u32 - 1
     }
 
-    /// Axes of the spread, its mean and its eigenvalues.
-    fn spread(&self, first: usize, count: usize) -> ([Vector3<f64>; 3], Vector3<f64>, [f64; 3]) {
-        let mut sum = SplitMoments::default();
+    fn spread(&self, first: usize, count: usize) -> Spread {
+        let (mut sum, mut heaviest) = (SplitMoments::default(), 0.0f32);
         for item in &self.items[first..first + count] {
             let (weight, middle) = (f64::from(item.weight), Vector3::from(item.middle.map(f64::from)));
+            heaviest = heaviest.max(item.weight);
             if count > FEW_CORNERS {
                 sum.add(weight, &middle);
             } else {
@@ -133,7 +142,12 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         let mean = sum.first / sum.weight;
         let matrix = sum.second / sum.weight - mean * mean.transpose();
         let (rows, values) = axes(&matrix);
-        (rows, mean, values)
+        Spread {
+            rows,
+            mean,
+            values,
+            heaviest: f64::from(heaviest),
+        }
     }
 
     /// Puts the items in the plane of the highest or lowest one along the shortest axis first and
@@ -179,6 +193,46 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         if length > 0.0 { n / length } else { Vector3::zeros() }
     }
 
+    /// The extents of items along three axes.
+    fn sides(&self, first: usize, count: usize, rows: &[Vector3<f64>; 3]) -> [f64; 3] {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for corner in self.items[first..first + count]
+            .iter()
+            .flat_map(|i| self.corners(i.number))
+        {
+            for k in 0..3 {
+                let h = rows[k].dot(&corner);
+                (low[k], high[k]) = (lesser(low[k], h), greater(high[k], h));
+            }
+        }
+        [0, 1, 2].map(|k| high[k] - low[k])
+    }
+
+    /// Cuts along the first axis, or, if that hardly shortens a part, along the axis that leaves the
+    /// least area, weighed by items.
+    fn cut_across(&mut self, first: usize, count: usize, rows: &[Vector3<f64>; 3], mean: &Vector3<f64>) -> usize {
+        let most = HARDLY * self.sides(first, count, rows)[0];
+        let area = |[x, y, z]: [f64; 3]| x * y + y * z + z * x;
+        let (mut best, mut least, mut left) = (0, f64::INFINITY, 0);
+        for k in 0..3 {
+            left = self.cut(first, count, &rows[k], mean);
+            let low = self.sides(first, left, rows);
+            let high = self.sides(first + left, count - left, rows);
+            if k == 0 && low[0].max(high[0]) <= most {
+                return left;
+            }
+            let cost = area(low) * left as f64 + area(high) * (count - left) as f64;
+            if cost < least * if best == 0 && k > 0 { ACROSS } else { 1.0 } {
+                (best, least) = (k, cost);
+            }
+        }
+        if best == 2 {
+            left
+        } else {
+            self.cut(first, count, &rows[best], mean)
+        }
+    }
+
     /// Puts the items on the lower side of the cut first and returns their number: at least one, at
     /// most all but one.
     fn cut(&mut self, first: usize, count: usize, axis: &Vector3<f64>, mean: &Vector3<f64>) -> usize {
@@ -205,6 +259,16 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
 
 fn single(v: &Vector3<f64>) -> [f32; 3] {
     [v.x as f32, v.y as f32, v.z as f32]
+}
+
+/// How items are spread.
+struct Spread {
+    /// Axes, the longest first, the mean and the eigenvalues.
+    rows: [Vector3<f64>; 3],
+    mean: Vector3<f64>,
+    values: [f64; 3],
+    /// The greatest weight of an item.
+    heaviest: f64,
 }
 
 #[derive(Default)]

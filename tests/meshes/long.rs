@@ -1,0 +1,116 @@
+//! Long thin triangles: shafts, cones, bearings, links and trays as CAD has them.
+
+use super::{mesh, relative};
+use lab::pose::{quat, quat_mul, unit_quat};
+use lab::{Pose, turned};
+use lin_canny::{Mesh, MeshKind, MeshTracker};
+
+#[test]
+fn turned_parts_are_solids() {
+    let parts = [
+        turned::shaft(40),
+        turned::cone(24),
+        turned::bearing(30, 1.01),
+        turned::link(16),
+        turned::tray(5),
+    ];
+    for part in parts {
+        let m = mesh(&part);
+        assert_eq!(m.kind(), MeshKind::Solid, "{}", m.report());
+        assert!(m.report().parts.iter().all(|p| p.volume > 0.0), "{}", m.report());
+    }
+}
+
+/// A shaft that turns half a degree a frame across another, so many degrees, at a gap.
+fn crossing(k: usize, degrees: f64, gap: f64) -> Pose {
+    let turn = quat([0.0, 0.0, 1.0], (0.5 * k as f64).to_radians());
+    Pose {
+        q: unit_quat(quat_mul(quat([1.0, 0.0, 0.0], degrees.to_radians()), turn)),
+        t: [2.0 + gap, 0.002 * k as f64, 0.1],
+    }
+}
+
+#[test]
+fn fronts_of_long_parts_hold_what_they_claim() {
+    let (shaft, bearing, tray, link) = (
+        mesh(&turned::shaft(90)),
+        mesh(&turned::bearing(48, 1.05)),
+        mesh(&turned::tray(6)),
+        mesh(&turned::link(20)),
+    );
+    let mut entries = 0;
+    let mut follow = |a: &Mesh, b: &Mesh, pose: &dyn Fn(usize) -> Pose| {
+        let mut tracker = MeshTracker::new();
+        for k in 0..60 {
+            let at = relative(&pose(k));
+            tracker.closest(a, b, &at);
+            if k % 6 == 5 {
+                assert_eq!(tracker.audit(a, b, &at), Ok(()), "{k}");
+                entries += tracker.front_len();
+            }
+        }
+    };
+    for degrees in [1.0, 10.0, 45.0, 90.0] {
+        follow(&shaft, &shaft, &|k| crossing(k, degrees, 0.05));
+    }
+    follow(&shaft, &bearing, &|k| Pose {
+        q: quat([0.0, 0.0, 1.0], 0.005 * k as f64),
+        t: [0.01, 0.02, 0.005 * k as f64],
+    });
+    follow(&tray, &link, &|k| Pose {
+        q: unit_quat(quat_mul(
+            quat([0.0, 0.0, 1.0], 0.01 * k as f64),
+            quat([0.0, 1.0, 0.0], 1.5),
+        )),
+        t: [0.1, 0.0, 0.13],
+    });
+    assert!(entries > 10_000, "{entries}");
+}
+
+#[test]
+fn work_does_not_grow_with_the_number_of_sides() {
+    let mut bounds = Vec::new();
+    for sides in [100, 1_000] {
+        let shaft = mesh(&turned::shaft(sides));
+        let mut worst = 0;
+        for degrees in [1.0, 10.0, 45.0, 90.0] {
+            let mut tracker = MeshTracker::new();
+            for k in 0..20 {
+                let mut cold = MeshTracker::new();
+                let at = relative(&crossing(k, degrees, 0.05));
+                assert_eq!(
+                    cold.closest(&shaft, &shaft, &at).class,
+                    tracker.closest(&shaft, &shaft, &at).class
+                );
+                worst = worst.max(cold.work().bounds);
+            }
+            assert!(
+                tracker.work().bounds < 600 * 20,
+                "{sides} {degrees} {:?}",
+                tracker.work()
+            );
+        }
+        bounds.push(worst);
+    }
+    // Ten times the sides: less than their root.
+    assert!(bounds[1] < 3 * bounds[0] && bounds[1] < 2_000, "{bounds:?}");
+}
+
+#[test]
+fn a_front_that_does_not_pay_is_dropped_and_none_is_longer_than_a_cap() {
+    let (shaft, bearing) = (mesh(&turned::shaft(1_000)), mesh(&turned::bearing(1_000, 1.001)));
+    let (mut tracker, mut cold) = (MeshTracker::new(), 0);
+    for k in 0..30 {
+        let at = relative(&Pose {
+            q: quat([0.0, 0.0, 1.0], 0.004 * f64::from(k)),
+            t: [3e-4, 0.0, 0.0],
+        });
+        tracker.closest(&shaft, &bearing, &at);
+        let mut anew = MeshTracker::new();
+        anew.closest(&shaft, &bearing, &at);
+        cold += anew.work().bounds;
+        assert!(tracker.heap_bytes() < 8 << 20, "{}", tracker.heap_bytes());
+    }
+    let work = tracker.work();
+    assert!(work.bounds < cold + cold / 4 && work.cuts < 15, "{work:?} {cold}");
+}
