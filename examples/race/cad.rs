@@ -12,7 +12,7 @@ use lab::pose::{quat, quat_mul, unit_quat};
 use lab::progress::Progress;
 use lab::soups::{self, Soup};
 use lab::turned;
-use lin_canny::{Mesh, MeshTracker, RelativePose};
+use lin_canny::{Mesh, PairTracker, RelativePose};
 
 use crate::common::{Options, Rows};
 use crate::meshes::{mesh, time};
@@ -66,7 +66,7 @@ fn in_bore(gap: f64, frames: usize) -> Vec<RelativePose> {
 
 /// B over A by poses at height zero, lifted so that the gap swings between two values.
 fn hover(a: &Mesh, b: &Mesh, gaps: [f64; 2], poses: impl Iterator<Item = Pose>) -> Vec<RelativePose> {
-    let (mut z, mut tracker) = (2.0, MeshTracker::new());
+    let (mut z, mut tracker) = (2.0, PairTracker::new());
     let lifted = |(k, mut pose): (usize, Pose)| {
         let gap = 0.5 * (gaps[0] + gaps[1] + (gaps[1] - gaps[0]) * (k as f64 * DEGREE).sin());
         for _ in 0..if k == 0 { 80 } else { 2 } {
@@ -185,33 +185,33 @@ fn race(pair: &Pair, csv: &mut Rows) {
         poses,
     } = pair;
     let progress = Progress::new(&format!("{scene} {shape} {n}"), 2);
-    let mut tracker = MeshTracker::new();
+    let mut tracker = PairTracker::new();
     let ours = time(poses.len(), |k| {
         black_box(tracker.closest(a, b, &poses[k]));
     });
     progress.step();
     let cold = time(poses.len(), |k| {
-        black_box(MeshTracker::new().closest(a, b, &poses[k]));
+        black_box(PairTracker::new().closest(a, b, &poses[k]));
     });
     drop(progress);
-    let (mut counted, mut cold_bounds, mut most) = (MeshTracker::new(), 0, 0);
+    let (mut counted, mut cold_bounds, mut most) = (PairTracker::new(), 0, 0);
     for at in poses {
         counted.closest(a, b, at);
         most = most.max(counted.heap_bytes());
-        let mut anew = MeshTracker::new();
+        let mut anew = PairTracker::new();
         anew.closest(a, b, at);
-        cold_bounds += anew.work().bounds;
+        cold_bounds += anew.work().trees.bounds;
     }
     let w = counted.work();
-    let each = |x: u64| x as f64 / w.queries as f64;
+    let each = |x: u64| x as f64 / w.trees.queries as f64;
     println!(
         "{scene:<16}{shape:<10}{n:>9}{ours:>11.0}{cold:>12.0}{:>10.0}{:>10.0}{:>10.1}{:>9.0}{:>8.1}{:>7.2}{:>9}{:>9}",
         each(cold_bounds),
-        each(w.bounds),
-        each(w.leaves),
-        each(w.failed),
-        each(w.measured),
-        each(w.cuts),
+        each(w.trees.bounds),
+        each(w.trees.leaves),
+        each(w.trees.failed),
+        each(w.trees.measured),
+        each(w.trees.cuts),
         counted.front_len(),
         most / 1024,
     );

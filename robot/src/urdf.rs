@@ -6,7 +6,6 @@ use std::path::Path;
 use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
 use lin_canny::plan::Drive;
-use lin_canny::tolerance::EXTENT_MAX;
 use urdf_rs::JointType;
 
 use crate::error::{FileError, FileProblem};
@@ -14,6 +13,9 @@ use crate::geometry::{self, Solid};
 use crate::packages::Packages;
 use crate::robot::{Coordinate, LinkBody, LoadOptions, MotionKind, Robot, RobotJoint, RobotLink};
 use crate::xml::{Xml, children};
+
+/// The largest coordinate of a body, as in [`lin_canny`].
+const EXTENT_MAX: f64 = 1e100;
 
 /// What reading needs at hand.
 struct Reader<'a> {

@@ -232,9 +232,9 @@ impl AnyTracker {
     /// Returns whether the shapes are at most `d` apart.
     pub(crate) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
         match self {
-            Self::Polyhedra(tracker) => polyhedra(a, b).map_or(Decision::Yes, |(a, b)| {
-                Decision::of(tracker.within(a, b, pose, d))
-            }),
+            Self::Polyhedra(tracker) => {
+                polyhedra(a, b).map_or(Decision::Yes, |(a, b)| Decision::of(tracker.within(a, b, pose, d)))
+            }
             Self::Mixed(tracker) => tracker.over(a, b).within(pose, d, &Question::new()),
         }
     }

@@ -6,7 +6,6 @@ use super::checker::Checker;
 use super::error::PlanError;
 use super::space::ConfigurationSpace;
 use super::world::WorldId;
-use crate::patch::Decision;
 use crate::pose::RelativePose;
 use crate::tolerance::PLANE;
 use crate::tuning::plan::{HITS, HITS_FIRST};
@@ -89,9 +88,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             WorldId::Obstacle(k) => &world.obstacles[k].2,
         };
         let relative = RelativePose::new(pose_of(pair.a), pose_of(pair.b))?;
-        let shapes = (world.shape(pair.a), world.shape(pair.b));
-        // Kinds without a tracker are refused when the checker is made.
-        let tracker = tracked.tracked(shapes).ok_or(PlanError::Empty)?;
-        Ok(tracker.within(shapes, &relative, margin) == Decision::No)
+        let shapes = world.shapes(pair);
+        Ok(tracked.tracked(shapes).within(shapes, &relative, margin).is_no())
     }
 }

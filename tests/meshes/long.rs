@@ -3,7 +3,7 @@
 use super::{mesh, relative};
 use lab::pose::{quat, quat_mul, unit_quat};
 use lab::{Pose, turned};
-use lin_canny::{Mesh, MeshKind, MeshTracker};
+use lin_canny::{Mesh, MeshKind, PairTracker};
 
 #[test]
 fn turned_parts_are_solids() {
@@ -40,12 +40,12 @@ fn fronts_of_long_parts_hold_what_they_claim() {
     );
     let mut entries = 0;
     let mut follow = |a: &Mesh, b: &Mesh, pose: &dyn Fn(usize) -> Pose| {
-        let mut tracker = MeshTracker::new();
+        let mut tracker = PairTracker::new();
         for k in 0..60 {
             let at = relative(&pose(k));
             tracker.closest(a, b, &at);
             if k % 6 == 5 {
-                assert_eq!(tracker.audit(a, b, &at), Ok(()), "{k}");
+                assert_eq!(tracker.check(a, b, &at), Ok(()), "{k}");
                 entries += tracker.front_len();
             }
         }
@@ -74,18 +74,18 @@ fn work_does_not_grow_with_the_number_of_sides() {
         let shaft = mesh(&turned::shaft(sides));
         let mut worst = 0;
         for degrees in [1.0, 10.0, 45.0, 90.0] {
-            let mut tracker = MeshTracker::new();
+            let mut tracker = PairTracker::new();
             for k in 0..20 {
-                let mut cold = MeshTracker::new();
+                let mut cold = PairTracker::new();
                 let at = relative(&crossing(k, degrees, 0.05));
                 assert_eq!(
                     cold.closest(&shaft, &shaft, &at).class,
                     tracker.closest(&shaft, &shaft, &at).class
                 );
-                worst = worst.max(cold.work().bounds);
+                worst = worst.max(cold.work().trees.bounds);
             }
             assert!(
-                tracker.work().bounds < 600 * 20,
+                tracker.work().trees.bounds < 600 * 20,
                 "{sides} {degrees} {:?}",
                 tracker.work()
             );
@@ -99,18 +99,21 @@ fn work_does_not_grow_with_the_number_of_sides() {
 #[test]
 fn a_front_that_does_not_pay_is_dropped_and_none_is_longer_than_a_cap() {
     let (shaft, bearing) = (mesh(&turned::shaft(1_000)), mesh(&turned::bearing(1_000, 1.001)));
-    let (mut tracker, mut cold) = (MeshTracker::new(), 0);
+    let (mut tracker, mut cold) = (PairTracker::new(), 0);
     for k in 0..30 {
         let at = relative(&Pose {
             q: quat([0.0, 0.0, 1.0], 0.004 * f64::from(k)),
             t: [3e-4, 0.0, 0.0],
         });
         tracker.closest(&shaft, &bearing, &at);
-        let mut anew = MeshTracker::new();
+        let mut anew = PairTracker::new();
         anew.closest(&shaft, &bearing, &at);
-        cold += anew.work().bounds;
+        cold += anew.work().trees.bounds;
         assert!(tracker.heap_bytes() < 8 << 20, "{}", tracker.heap_bytes());
     }
     let work = tracker.work();
-    assert!(work.bounds < cold + cold / 4 && work.cuts < 15, "{work:?} {cold}");
+    assert!(
+        work.trees.bounds < cold + cold / 4 && work.trees.cuts < 15,
+        "{work:?} {cold}"
+    );
 }
