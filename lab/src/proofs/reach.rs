@@ -56,6 +56,11 @@ impl Reach {
         self.0.finest
     }
 
+    /// The sum, or the difference.
+    fn beside(self, other: Self) -> Self {
+        Self::of(self.most() + other.most(), self.0.grid.min(other.0.grid), [self, other])
+    }
+
     fn of(most: RBig, grid: i64, [a, b]: [Self; 2]) -> Self {
         let rounded = most * (RBig::ONE + unit());
         let higher = |x: RBig, y: &RBig| if x > *y { x } else { y.clone() };
@@ -67,14 +72,14 @@ impl Reach {
 impl Add for Reach {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self::of(self.most() + other.most(), self.0.grid.min(other.0.grid), [self, other])
+        self.beside(other)
     }
 }
 
 impl Sub for Reach {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        self + other
+        self.beside(other)
     }
 }
 

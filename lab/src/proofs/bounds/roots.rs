@@ -10,7 +10,7 @@ pub(super) fn bounds() -> Vec<Bound> {
     let up = |root: Factor| loses(&root) + rounding(53);
     let down = |root: Factor| exceeds(&root) + rounding(53);
     vec![
-        whole("ROUND_UP", "roots", up(length(|| Factor::input()))),
+        whole("ROUND_UP", "roots", up(length(Factor::input))),
         whole("RADIUS_UP", "scene::ball::about_origin", up(scaled_length())),
         whole(
             "BOX_DISTANCE_DOWN",
