@@ -210,8 +210,13 @@ impl AnyTracker {
         }
     }
 
+    /// Returns whether the shapes are proven farther than `d` apart.
+    pub(crate) fn keeps(&mut self, shapes: BodyShapes<'_>, pose: &RelativePose, d: f64) -> bool {
+        self.within(shapes, pose, d) == Decision::No
+    }
+
     /// Returns whether the shapes are at most `d` apart; yes for shapes of another pair.
-    pub(crate) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
+    pub(super) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
         match self {
             Self::Polyhedra(tracker) => match Tracker::shapes(a, b) {
                 Some((x, y)) if !tracker.within(x, y, pose, d) => Decision::No,

@@ -6,7 +6,6 @@ use super::checker::Checker;
 use super::error::PlanError;
 use super::space::ConfigurationSpace;
 use super::world::WorldId;
-use crate::patch::Decision;
 use crate::pose::RelativePose;
 use crate::tolerance::PLANE;
 use crate::tuning::plan::{HITS, HITS_FIRST};
@@ -15,10 +14,9 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns whether every pair is proven farther apart than the margin at a configuration: what
     /// sampling planners ask most.
     ///
-    /// Measures no distance, and ends at the first pair that is not free. Pairs that were hit lately
-    /// come first, then those whose boxes overlap, by the overlap of the balls about them. Equals
-    /// [`is_free`](Self::is_free) for a segment of one configuration, at a tenth of the time or less,
-    /// but for pairs at the margin up to rounding, which this call decides exactly where
+    /// Measures no distance, and ends at the first pair that is not free. Pairs that were hit
+    /// lately come first, then those whose boxes overlap, by the overlap of the balls about them.
+    /// Equals [`is_free`](Self::is_free) for a segment of one configuration, but for pairs at the margin up to rounding, which this call decides exactly where
     /// [`PairTracker::within`](crate::PairTracker::within) does.
     ///
     /// # Errors
@@ -92,6 +90,6 @@ impl<C: ConfigurationSpace> Checker<C> {
         let shapes = (world.shape(pair.a), world.shape(pair.b));
         // Kinds without a tracker are refused when the checker is made.
         let tracker = tracked.tracked(shapes).ok_or(PlanError::Empty)?;
-        Ok(tracker.within(shapes, &relative, margin) == Decision::No)
+        Ok(tracker.keeps(shapes, &relative, margin))
     }
 }
