@@ -13,8 +13,8 @@
 //! depends on both poses alone, however far and by what way the bodies moved in between, and is not
 //! weakened by a turn about n.
 //!
-//! A long node is not a ball. If all points of Y are within rho of a segment from `c - u` to
-//! `c + u`, the last term is `|u . w| + rho |w|` with `w = R1^T n - R0^T n`, small if the node turns
+//! A long node is not a ball. If all points of Y are within rho of a segment from `c - u` to `c +
+//! u`, the last term is `|u . w| + rho |w|` with `w = R1^T n - R0^T n`, small if the node turns
 //! about its length. So an entry is those eleven numbers and u, zero if the ball will do.
 //!
 //! X is the larger of the two nodes: rho is the radius of the smaller. A budget of path length

@@ -16,7 +16,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// Measures no distance, and ends at the first pair that is not free. Pairs that were hit
     /// lately come first, then those whose boxes overlap, by the overlap of the balls about them.
-    /// Equals [`is_free`](Self::is_free) for a segment of one configuration, but for pairs at the margin up to rounding, which this call decides exactly where
+    /// Equals [`is_free`](Self::is_free) for a segment of one configuration, but for pairs at the
+    /// margin up to rounding, which this call decides exactly where
     /// [`PairTracker::within`](crate::PairTracker::within) does.
     ///
     /// # Errors
