@@ -17,7 +17,7 @@ use wide::f32x4;
 use super::frame::Single;
 use super::front::NodePair;
 use super::tree::{OrientedBox, Tree};
-use crate::tolerance::PARALLEL_AXES;
+use crate::tolerance::PARALLEL_SIDES;
 use crate::tuning::composite::LONG_BOX;
 
 /// Pairs of boxes bounded at once: the width of a register on every target.
@@ -165,7 +165,7 @@ impl BestGaps {
         let inverse = f32x4::splat(1.0) / square.sqrt().fast_max(f32x4::splat(f32::MIN_POSITIVE));
         let gap = (height.abs() - a - b) * inverse;
         let least = self.gap.fast_max(f32x4::splat(0.0));
-        let wins = square.simd_gt(f32x4::splat(PARALLEL_AXES as f32)) & gap.simd_gt(least);
+        let wins = square.simd_gt(f32x4::splat(PARALLEL_SIDES as f32)) & gap.simd_gt(least);
         let inverse = signed(inverse, height);
         self.gap = wins.select(gap, self.gap);
         for k in 0..3 {

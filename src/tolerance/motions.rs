@@ -117,7 +117,7 @@ pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
 
 /// Square of the sine of the angle of two axes up to which their cross product in f32 is mostly
 /// rounding, 10 UNIT_SINGLE: below 128 UNIT_SINGLE.
-pub(crate) const PARALLEL_AXES: f64 = (128.0 * UNIT_SINGLE) * (128.0 * UNIT_SINGLE);
+pub(crate) const PARALLEL_SIDES: f64 = (128.0 * UNIT_SINGLE) * (128.0 * UNIT_SINGLE);
 
 /// Error of a height of a vertex of a composite along a unit axis, in units of the farthest
 /// vertex's distance from the origin: a sum of three products errs by 3 UNIT, an axis longer than
