@@ -17,6 +17,7 @@ use wide::f32x4;
 use super::frame::Single;
 use super::front::NodePair;
 use super::tree::{OrientedBox, Tree};
+use crate::tolerance::PARALLEL_SIDES;
 use crate::tuning::composite::LONG_BOX;
 
 /// Pairs of boxes bounded at once: the width of a register on every target.
@@ -55,10 +56,6 @@ impl BoundAim {
         Self { level, known: None }
     }
 }
-
-/// Squares of the sine of the angle of two axes up to this are those of parallel ones: rounding is
-/// most of their cross product.
-const PARALLEL: f32 = 1e-10;
 
 /// Four boxes by component.
 struct Four {
@@ -155,9 +152,9 @@ struct BestGaps {
 }
 
 impl BestGaps {
-    /// Takes the gaps along directions `c` of any length, where they are greater and positive: boxes
-    /// that overlap are looked at in the order of the other directions. `d` is the difference of the
-    /// centres, `reaches` are half extents and axes of both boxes.
+    /// Takes the gaps along directions `c` of any length, where they are greater and positive:
+    /// boxes that overlap are looked at in the order of the other directions. `d` is the difference
+    /// of the centres, `reaches` are half extents and axes of both boxes.
     #[inline(always)]
     fn offer(&mut self, c: [f32x4; 3], d: [f32x4; 3], reaches: (AxesOf<'_>, AxesOf<'_>)) {
         let (square, height) = (dot(c, c), dot(c, d));
@@ -168,7 +165,7 @@ impl BestGaps {
         let inverse = f32x4::splat(1.0) / square.sqrt().fast_max(f32x4::splat(f32::MIN_POSITIVE));
         let gap = (height.abs() - a - b) * inverse;
         let least = self.gap.fast_max(f32x4::splat(0.0));
-        let wins = square.simd_gt(f32x4::splat(PARALLEL)) & gap.simd_gt(least);
+        let wins = square.simd_gt(f32x4::splat(PARALLEL_SIDES as f32)) & gap.simd_gt(least);
         let inverse = signed(inverse, height);
         self.gap = wins.select(gap, self.gap);
         for k in 0..3 {

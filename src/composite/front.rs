@@ -13,9 +13,9 @@
 //! depends on both poses alone, however far and by what way the bodies moved in between, and is not
 //! weakened by a turn about n.
 //!
-//! A long node is not a ball. If all points of Y are within rho of a segment from `c - u` to `c + u`,
-//! the last term is `|u . w| + rho |w|` with `w = R1^T n - R0^T n`, small if the node turns about its
-//! length. So an entry is those eleven numbers and u, zero if the ball will do.
+//! A long node is not a ball. If all points of Y are within rho of a segment, c plus and minus u,
+//! the last term is `|u . w| + rho |w|` with `w = R1^T n - R0^T n`, small if the node turns about
+//! its length. So an entry is those eleven numbers and u, zero if the ball will do.
 //!
 //! X is the larger of the two nodes: rho is the radius of the smaller. A budget of path length
 //! instead of a direction fails ten times as often.

@@ -5,11 +5,11 @@
 //! `parts` (both as convex parts), `placed` (poses of parts), `tree` (oriented boxes in single
 //! precision), `frame` (a pair at a pose), `bounds` (eight pairs of boxes at once), `front` (the
 //! proof of the last answer), `search` (down both trees), `kept` (front and search from frame to
-//! frame), `worth` (whether a front pays), `triangle` (two triangles), `inside` (winding numbers), `shared` (inner points of solids
-//! in contact), `state` (the queries), `tracker` (the state of a pair), `contact` (manifolds of
-//! convex patches), `penetration` (bounds of the depth), `decomposition` (pieces in the place of a
-//! mesh, over `gaps` and `greatest`), `separation` (pairs over time), `ahead` (the bound of a look)
-//! and `work` (counters).
+//! frame), `worth` (whether a front pays), `triangle` (two triangles), `inside` (winding numbers),
+//! `shared` (inner points of solids in contact), `state` (the queries), `tracker` (the state of a
+//! pair), `contact` (manifolds of convex patches), `penetration` (bounds of the depth),
+//! `decomposition` (pieces in the place of a mesh, over `gaps` and `greatest`), `separation` (pairs
+//! over time), `ahead` (the bound of a look) and `work` (counters).
 //!
 //! # The proof
 //!

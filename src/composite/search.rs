@@ -152,8 +152,8 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Lower bound of the distance of all pairs, in A's stored units, at the end of a search that is
-    /// not over.
+    /// Lower bound of the distance of all pairs, in A's stored units, at the end of a search that
+    /// is not over.
     pub(super) fn proven(&self) -> f64 {
         let measured = self.best.as_ref().map_or(f64::INFINITY, |b| b.lower);
         let proven = self.lower.min(f64::from(self.least) * self.frame.single.unit);

@@ -106,14 +106,18 @@ pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 ///    base by 4 v L; a direction turned to the other body's frame by 7 v, which moves heights by 7
 ///    v L and makes the direction longer than one by as much. Tested: centre and product as before;
 ///    the turned directions err by 7 v each, their difference and its length, at most 2, by 8 v: 30
-///    v r with the product by the radius; the sums by 4 v L. The radius is that of the smaller node,
-///    at most L / 2. Sum: below 65 v L.
+///    v r with the product by the radius; the sums by 4 v L. The radius is that of the smaller
+///    node, at most L / 2. Sum: below 65 v L.
 /// 6. An entry with a segment, of half length `|u| <= r`, and a radius up to r / 2: the product of
 ///    the difference, which errs by 16 v, with u, which errs by v of itself, errs by 24 v r in all,
 ///    the product with the radius by 15 v r, one sum more by 2 v L. Sum: 52 L + 39 r, below 72 v L.
 ///
 /// 80 would do.
 pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
+
+/// Square of the sine of the angle of two axes up to which their cross product in f32 is mostly
+/// rounding, 10 UNIT_SINGLE: below 128 UNIT_SINGLE.
+pub(crate) const PARALLEL_SIDES: f64 = (128.0 * UNIT_SINGLE) * (128.0 * UNIT_SINGLE);
 
 /// Error of a height of a vertex of a composite along a unit axis, in units of the farthest
 /// vertex's distance from the origin: a sum of three products errs by 3 UNIT, an axis longer than

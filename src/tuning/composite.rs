@@ -27,8 +27,9 @@ pub(crate) const FEW_ENTRIES: usize = 64;
 /// Nodes of fewer items have no slab: their corners are looked at one by one.
 pub(crate) const SLAB_ITEMS: usize = 32;
 
-/// Most entries of a front, of 64 bytes each: 2 MB, twice that while vectors grow. A longer front is
-/// dropped. Linked rings of 100,000 triangles at the middle of each other's hole have some 30,000.
+/// Most entries of a front, of 64 bytes each: 2 MB, twice that while vectors grow. A longer front
+/// is dropped. Linked rings of 100,000 triangles at the middle of each other's hole have some
+/// 30,000.
 pub(crate) const MOST_ENTRIES: usize = 1 << 15;
 
 /// Entries of a front that are tested in the time of one bound of boxes; and how many such bounds a

@@ -140,8 +140,8 @@ impl Tree {
                 }
             }
         });
-        // Rectangles about a triangle along any of its edges have one area: the shortest round it is
-        // the one that a right triangle fills.
+        // Rectangles about a triangle along any of its edges have one area: the shortest round it
+        // is the one that a right triangle fills.
         let size = |k: &usize| {
             let (length, width) = (high[*k][0] - low[*k][0], high[*k][1] - low[*k][1]);
             length * width * (length + width)

@@ -208,8 +208,8 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         [0, 1, 2].map(|k| high[k] - low[k])
     }
 
-    /// Cuts along the first axis, or, if that hardly shortens a part, along the axis that leaves the
-    /// least area, weighed by items.
+    /// Cuts along the first axis, or, if that hardly shortens a part, along the axis that leaves
+    /// the least area, weighed by items.
     fn cut_across(&mut self, first: usize, count: usize, rows: &[Vector3<f64>; 3], mean: &Vector3<f64>) -> usize {
         let most = HARDLY * self.sides(first, count, rows)[0];
         let area = |[x, y, z]: [f64; 3]| x * y + y * z + z * x;
