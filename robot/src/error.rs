@@ -111,6 +111,9 @@ fn roots(names: &[String]) -> String {
     }
 }
 
+/// The mark that some programs write in front of UTF-8.
+const BOM: &[u8] = "\u{feff}".as_bytes();
+
 impl FileError {
     pub(crate) fn new(file: &Path, line: Option<u32>, element: impl Into<String>, reason: FileProblem) -> Self {
         Self {
@@ -124,7 +127,8 @@ impl FileError {
     /// Returns the text of a file.
     pub(crate) fn read(file: &Path) -> Result<String, Self> {
         let bytes = std::fs::read(file).map_err(|e| Self::new(file, None, "", FileProblem::Read(e)))?;
-        String::from_utf8(bytes).map_err(|e| {
+        let start = if bytes.starts_with(BOM) { BOM.len() } else { 0 };
+        String::from_utf8(bytes[start..].to_vec()).map_err(|e| {
             let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()]
                 .iter()
                 .filter(|b| **b == b'\n')

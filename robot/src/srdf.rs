@@ -16,7 +16,8 @@ pub struct IgnoredPair {
     pub reason: String,
 }
 
-/// The pairs of an SRDF that are not checked. Groups, poses and end effectors are passed over.
+/// The pairs of an SRDF that are not checked, each a `disable_collisions`. Groups, poses and end
+/// effectors are passed over; so is `disable_default_collisions`, whose pairs are checked.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Srdf {
     /// The pairs, in the order of the file.

@@ -164,20 +164,17 @@ impl Reader<'_> {
         let (mut factor, mut offset) = (1.0, 0.0);
         let (mut at, mut passed) = (index, Vec::new());
         while let Some(mimic) = &joints[at].mimic {
-            passed.push(joints[at].name.clone());
-            if passed.len() > joints.len() {
-                passed.truncate(1);
-                return Err(self.wrong_joint(&joints[index].name, FileProblem::MimicLoop(passed)));
+            if let Some(first) = passed.iter().position(|name| *name == joints[at].name) {
+                passed.drain(..first);
+                return Err(self.wrong_joint(&joints[at].name, FileProblem::MimicLoop(passed)));
             }
+            passed.push(joints[at].name.clone());
             offset += factor * mimic.offset.unwrap_or(0.0);
             factor *= mimic.multiplier.unwrap_or(1.0);
             let Some(next) = joints.iter().position(|j| j.name == mimic.joint) else {
                 let (kind, name) = ("joint", mimic.joint.clone());
                 return Err(self.wrong_joint(&joints[at].name, FileProblem::Unknown { kind, name }));
             };
-            if next == index {
-                return Err(self.wrong_joint(&joints[index].name, FileProblem::MimicLoop(passed)));
-            }
             at = next;
         }
         for (field, value) in [("multiplier", factor), ("offset", offset)] {

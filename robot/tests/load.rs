@@ -244,6 +244,16 @@ fn mimics_end_at_a_joint_of_its_own() {
     let own = "<mimic joint=\"two\"/>";
     let reason = refused(limit, &with(own), 9, &["joint \"two\"", "itself"]);
     assert!(matches!(reason, FileProblem::MimicLoop(names) if names == ["two"]));
+    // A joint that mimics a loop is not part of it.
+    let mimic = |joint: &str, of: &str| {
+        format!(
+            "<joint name=\"{joint}\" type=\"continuous\"><parent link=\"a\"/><child link=\"{joint}\"/><mimic joint=\"{of}\"/></joint>"
+        )
+    };
+    let text = ["x", "y", "z"].map(|link| format!("<link name=\"{link}\"/>")).concat();
+    let joints = mimic("x", "y") + &mimic("y", "z") + &mimic("z", "y");
+    let error = parse(&format!("<robot name=\"r\"><link name=\"a\"/>{text}{joints}</robot>")).expect_err("a loop");
+    assert!(matches!(error.reason, FileProblem::MimicLoop(names) if names == ["y", "z"]));
     let reason = refused(limit, &with("<mimic joint=\"six\"/>"), 9, &["joint \"two\"", "six"]);
     assert!(matches!(reason, FileProblem::Unknown { kind: "joint", .. }));
     let robot = changed(limit, &with("<mimic joint=\"one\" multiplier=\"-2\" offset=\"0.5\"/>")).expect("a robot");
@@ -273,6 +283,59 @@ fn missing_and_foreign_meshes_are_named() {
         &["link \"b\"", "gripper.urdf", ".stl"],
     );
     assert!(matches!(reason, FileProblem::Geometry(_)));
+}
+
+/// A tetrahedron as STL: text, binary, and binary with a header that begins as text does. DAE is refused by name.
+#[test]
+fn stl_files_of_every_kind_are_read() {
+    let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+    let (mut text, mut binary) = (String::from("solid tetra\n"), vec![0u8; 80]);
+    binary.extend(4u32.to_le_bytes());
+    for face in faces {
+        text += "facet normal 0 0 1\nouter loop\n";
+        binary.extend([0; 12]);
+        for [x, y, z] in face.map(|k| corners[k]) {
+            text += &format!("vertex {x} {y} {z}\n");
+            binary.extend([x, y, z].iter().flat_map(|c| c.to_le_bytes()));
+        }
+        text += "endloop\nendfacet\n";
+        binary.extend([0; 2]);
+    }
+    text += "endsolid tetra\n";
+    let mut like_text = binary.clone();
+    like_text[..11].copy_from_slice(b"solid tetra");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("stl");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let mut options = LoadOptions::default();
+    options.meshes = MeshOptions::new(MeshUse::Mesh);
+    let load = |name: &str, bytes: &[u8]| {
+        std::fs::write(folder.join(name), bytes).expect("a file");
+        let shape = format!("<mesh filename=\"{name}\" scale=\"2 2 2\"/>");
+        let text = format!(
+            "<robot name=\"r\"><link name=\"a\"><collision><geometry>{shape}</geometry></collision></link></robot>"
+        );
+        Robot::parse(&text, folder.join("r.urdf"), &Packages::default(), &options)
+    };
+    for (name, bytes) in [
+        ("text.stl", text.as_bytes()),
+        ("binary.STL", &binary),
+        ("like.stl", &like_text),
+    ] {
+        let robot = load(name, bytes).expect(name);
+        let lin_canny::Geometry::Mesh(mesh) = &robot.links()[0].bodies[0].geometry else {
+            panic!("{name}")
+        };
+        assert!((mesh.volume() - 8.0 / 6.0).abs() < 1e-12, "{name}");
+    }
+    let names = |name: &str, bytes: &[u8], word: &str| {
+        let error = load(name, bytes).expect_err(name).to_string();
+        assert!(error.contains(name) && error.contains(word), "{error}");
+    };
+    names("cut.stl", &binary[..150], "malformed STL");
+    names("x.dae", b"<COLLADA/>", "COLLADA");
+    names("x.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 3\n", "not finite");
+    names("y.obj", b"v 0 0 0\nf 1 2 9\n", "malformed OBJ");
 }
 
 #[test]

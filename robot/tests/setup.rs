@@ -327,6 +327,8 @@ fn ignorable_pairs_are_counted_and_written() {
         reason.is_none() && (overlaps as f64 / 2000.0 - 1.0 / 2.2).abs() < 0.05,
         "{overlaps}"
     );
+    let few = find_ignorable(&setup, 2000, 7, &mut |done| done < 10).expect("counts");
+    assert!(few.iter().all(|pair| pair.samples == 10));
     let srdf = Srdf::of_counts(&counts);
     let again = Srdf::parse(&srdf.text(robot.name()), "r.srdf", &robot).expect("our own text");
     assert_eq!(srdf, again);

@@ -58,8 +58,8 @@ impl Joint {
 }
 
 /// A serial arm: joints in a chain, each of which moves a link; a link carries any number of
-/// bodies. A [`JointTree`] is the same with branches and joints that mimic. A configuration holds the value of each joint, and each joint moves evenly along a
-/// segment.
+/// bodies. A [`JointTree`] is the same with branches and joints that mimic. A configuration holds
+/// the value of each joint, and each joint moves evenly along a segment.
 ///
 /// The frame of a link is the frame of its joint, moved by the value of the joint. Link 0 is the
 /// base, and link k is moved by joint k - 1.

@@ -56,8 +56,9 @@
 //! # Spaces
 //!
 //! [`PlanarSpace`] (x, y, angle), [`TranslationSpace`], [`RigidSpace`] (position and quaternion)
-//! and [`SerialArm`] (revolute and prismatic joints, any number of bodies on a link). Any other
-//! robot implements [`ConfigurationSpace`].
+//! and [`JointTree`] (revolute, prismatic and fixed joints, branches, joints that mimic another,
+//! any number of bodies on a link), of which [`SerialArm`] is the case of one chain. The crate
+//! `lin-canny-robot` reads one from a URDF. Any other robot implements [`ConfigurationSpace`].
 //!
 //! # The opportunistic planner
 //!

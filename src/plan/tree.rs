@@ -139,7 +139,8 @@ impl TreeJoint {
 /// };
 /// let joints = vec![wrist, finger(1.0), finger(-1.0)];
 /// let limits = vec![[-3.0, 3.0], [0.0, 0.04]];
-/// let hand = JointTree::new(Isometry3::identity(), joints, limits, vec![2, 3], vec![0.0, 0.0, 0.1, 0.1])?;
+/// let (base, radii) = (Isometry3::identity(), vec![0.0, 0.0, 0.1, 0.1]);
+/// let hand = JointTree::new(base, joints, limits, vec![2, 3], radii)?;
 /// let rod = solids::cuboid(Vector3::new(0.01, 0.01, 0.05))?;
 /// let mut world = World::new();
 /// world.robot_body("left", rod.clone());
