@@ -7,9 +7,7 @@ use lab::pose::{add, quat, quat_mul, scale, unit_quat};
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{
-    Class, Composite, ConvexPolyhedron, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape,
-};
+use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
 
 /// The ratios of lower and upper bounds of a family, and poses whose lower bound is zero.
 #[derive(Default)]
@@ -94,9 +92,7 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
         let found = [
             of_meshes(&a, &b, &at),
             of_meshes(&mesh(&finer), &b, &at),
-            PairTracker::new()
-                .penetration(&GeometryRef::from(&a), &GeometryRef::from(&pieces), &at)
-                .unwrap(),
+            PairTracker::new().penetration(&a, &pieces, &at).unwrap(),
         ];
         for (o, ratios) in found.iter().zip([&mut coarse, &mut cut, &mut mixed]) {
             assert!(

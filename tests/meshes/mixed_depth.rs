@@ -12,7 +12,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Class, Composite, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
 
 fn penetration(a: GeometryRef, b: GeometryRef, at: &RelativePose) -> PenetrationBounds {
-    PairTracker::new().penetration(&a, &b, at).expect("two solids")
+    PairTracker::new().penetration(a, b, at).expect("two solids")
 }
 
 #[test]
