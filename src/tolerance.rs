@@ -72,9 +72,7 @@ mod signs;
 
 pub(crate) use motions::*;
 pub(crate) use patches::*;
-pub(crate) use patches::{PATCH_LIMIT, PATCH_POINT};
-pub(crate) use signs::{EDGE_SIGN, EXACT_FILTER, ORIENTATION, STEEPER, VOLUME};
-pub(crate) use signs::{FLANK, LEAST_RISE, SIDE_ERROR, SLANT};
+pub(crate) use signs::*;
 
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub(crate) const UNIT: f64 = f64::EPSILON / 2.0;

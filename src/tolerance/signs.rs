@@ -48,6 +48,7 @@ pub(crate) const ORIENTATION: f64 = 16.0 * UNIT;
 /// `CERTIFICATE`), by a product with the matrix that errs by 6 and two roundings; the product
 /// with the normal adds 3: 82 in all. Underflow: case S, and a direction too short to decide is
 /// uncertain.
+#[cfg_attr(not(feature = "exact"), allow(dead_code, reason = "the filter of the exact rung"))]
 pub(crate) const EXACT_FILTER: f64 = 128.0 * UNIT;
 
 /// The signs of the weights of `n = u x w` over the faces adjacent to two edges, `w . n'` and `u' .
