@@ -116,7 +116,8 @@ pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
 
 /// Square of the sine of the angle of two axes up to which their cross product in f32 is mostly
-/// rounding, 10 UNIT_SINGLE: below 128 UNIT_SINGLE.
+/// rounding, 10 UNIT_SINGLE: below 128 UNIT_SINGLE. Not a matter of soundness: the bound along any
+/// direction holds.
 pub(crate) const PARALLEL_SIDES: f64 = (128.0 * UNIT_SINGLE) * (128.0 * UNIT_SINGLE);
 
 /// Error of a height of a vertex of a composite along a unit axis, in units of the farthest

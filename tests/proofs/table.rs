@@ -27,6 +27,7 @@ const STEERS: &[&str] = &[
     "LEAST_WIDTH",
     "ON_BOUNDARY",
     "PARALLEL",
+    "PARALLEL_SIDES",
     "PIVOT",
     "SEAM",
     "STAY",
