@@ -97,9 +97,9 @@
 //!
 //! No other planner is part of the crate: [`Checker::free_at`] and [`is_free`](Checker::is_free)
 //! answer what sampling planners ask of a configuration and of a motion. RRT-Connect of the crate
-//! `oxmpl` is a dependency of the benchmarks alone (`race plan`), although light (`log` and `rand`):
-//! its motions are checked at fixed steps inside the planner, so that a certified checker cannot
-//! take their place.
+//! `oxmpl` is a dependency of the benchmarks alone (`race plan`), although light (`log` and
+//! `rand`): its motions are checked at fixed steps inside the planner, so that a certified checker
+//! cannot take their place.
 //!
 //! # Sources
 //!
