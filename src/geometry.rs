@@ -122,7 +122,8 @@ impl Geometry {
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
     /// corner. The box of a composite or a mesh is that of its turned bounding box.
     #[inline]
-    pub(crate) fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+    #[must_use]
+    pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
         match self {
             Self::Polyhedron(body) => body.aabb_at(pose, hint),
             Self::Convex(shape) => shape.aabb_at(pose, hint),

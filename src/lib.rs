@@ -61,7 +61,7 @@
 //! | Which points hold any two solids apart? | [`PairTracker::contacts`] | [`PatchContacts`]: points by direction, with names that last |
 //! | How deep are two solids in each other that are not convex? | [`PairTracker::penetration`] | [`PenetrationBounds`]: an interval |
 //! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for; [`closest_pair`](scene::Scene::closest_pair) |
-//! | Is a motion of a robot free over its whole length; is there a path? | [`plan::Checker`] | [`plan::Verdict`], proven; [`plan::Plan`] |
+//! | Is a motion of a robot free over its whole length; is there a path? | `Checker` of the crate `lin-canny-plan` | a verdict, proven; a path |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
@@ -271,7 +271,7 @@
 //! | chapter 4, curved bodies | [`shape`], [`PairTracker`]; curved surfaces: [`patch`] |
 //! | chapter 4, non-convex bodies | [`composite`] |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time: [`impact`], [`schedule`] |
-//! | chapter 6, path planning | [`plan`] |
+//! | chapter 6, path planning | the crate `lin-canny-plan` |
 //!
 //! Departures:
 //!
@@ -317,7 +317,6 @@ mod num;
 mod pair;
 mod pair_tracker;
 pub mod patch;
-pub mod plan;
 pub mod polyhedron;
 mod pose;
 #[cfg(feature = "proofs")]

@@ -90,7 +90,7 @@ pub(crate) const UNIT_DOUBLE_DOUBLE: f64 = 16.0 * UNIT * UNIT;
 /// Largest deviation of the squared norm of a pose's quaternion from 1: the error that repeated
 /// composition of f64 rotations accumulates over thousands of products. A relative pose divides by
 /// the squared norm, so the value does not limit accuracy.
-pub(crate) const POSE_UNIT: f64 = 1e-12;
+pub const POSE_UNIT: f64 = 1e-12;
 
 /// The sum of the coordinates of the relative translation stays below this, so that neither a
 /// distance nor an upper bound leaves f64: bodies themselves reach to 1e116 at most.
@@ -275,7 +275,7 @@ pub(crate) const DISPLACEMENT: f64 = 256.0 * UNIT;
 pub(crate) const EXTENT_MIN: f64 = 1e-100;
 
 /// Largest extent of a body: cubes of lengths stay finite.
-pub(crate) const EXTENT_MAX: f64 = 1e100;
+pub const EXTENT_MAX: f64 = 1e100;
 
 /// Largest coordinate of a vertex: no body of an extent up to [`EXTENT_MAX`] has a larger
 /// coordinate and a neighbouring double within its extent; points have the equal limit.

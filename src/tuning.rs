@@ -319,8 +319,6 @@ pub(crate) mod scene {
     pub(crate) const QUERY_IN_BOXES: u64 = 32;
 }
 
-pub(crate) mod plan;
-
 /// The broad phase.
 pub(crate) mod broad {
     /// A move across columns longer than this part of the column width is a jump. Not measured.

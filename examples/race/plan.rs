@@ -14,9 +14,9 @@ use lab::rng::Rng;
 use lab::rooms::Room;
 use lin_canny::broad::{Aabb, BodyOptions, BroadPhase, PencilSweep};
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::plan::{Checker, ConfigurationSpace, PlanOptions, RigidSpace, Verdict};
 use lin_canny::polyhedron::solids;
 use lin_canny::{BoxHint, RelativePose, Tracker};
+use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, RigidSpace, Verdict};
 
 use crate::common::{Options, Rows, median};
 use crate::rrt;

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::sync::Arc;
 use std::time::Duration;
 
-use lin_canny::plan::ConfigurationSpace;
+use lin_canny_plan::ConfigurationSpace;
 use oxmpl::base::error::StateSamplingError;
 use oxmpl::base::goal::{Goal, GoalRegion, GoalSampleableRegion};
 use oxmpl::base::planner::{Planner, PlannerConfig};

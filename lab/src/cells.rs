@@ -1,7 +1,7 @@
 //! The cell of a robot, all of meshes: an arm of six axes whose links are turned parts, a table, two trays, posts and a wall.
 
 use lin_canny::Mesh;
-use lin_canny::plan::{Joint, SerialArm, World};
+use lin_canny_plan::{Joint, SerialArm, World};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use crate::rng::Rng;

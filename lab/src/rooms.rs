@@ -1,8 +1,8 @@
 //! Rooms full of hulls, and a long hull that goes through them: the segments of the planner's tests and races.
 
 use lin_canny::ConvexPolyhedron;
-use lin_canny::plan::{RigidSpace, World};
 use lin_canny::polyhedron::solids;
+use lin_canny_plan::{RigidSpace, World};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use crate::casts::{rotation, solid};

@@ -1,8 +1,8 @@
 //! Pairs of links that need no check: found by random configurations.
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::plan::{ConfigurationSpace, PlanError};
 use lin_canny::{PairTracker, RelativePose};
+use lin_canny_plan::{ConfigurationSpace, PlanError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 

@@ -29,10 +29,10 @@
 //! | where `package://` is | [`Packages`] |
 //! | pairs of links to ignore: of an SRDF, found by random configurations | [`Srdf`], [`find_ignorable`] |
 //! | obstacles of a JSON file | [`Cell`] |
-//! | robots and obstacles in one [`Checker`](lin_canny::plan::Checker) | [`Setup`] |
+//! | robots and obstacles in one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | configurations of a CSV file | [`Trajectory`] |
 //!
-//! The checker is that of [`lin_canny::plan`]: clearances with bounds, segments proven free over
+//! The checker is that of [`lin_canny_plan`]: clearances with bounds, segments proven free over
 //! their whole length, paths. The tool `lin-canny-robot` does the same without a program.
 //!
 //! # What a URDF becomes
@@ -65,6 +65,7 @@ pub use error::{FileError, FileProblem};
 pub use geometry::{MeshOptions, MeshUse};
 pub use ignorable::{IgnoreReason, LinkPairCount, find_ignorable};
 pub use lin_canny;
+pub use lin_canny_plan as plan;
 pub use packages::Packages;
 pub use robot::{Coordinate, LinkBody, LoadOptions, MotionKind, Robot, RobotJoint, RobotLink};
 pub use space::Setup;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
-use lin_canny::plan::Drive;
 use lin_canny::{Geometry, HullFit};
+use lin_canny_plan::Drive;
 
 use crate::error::FileError;
 use crate::geometry::MeshOptions;

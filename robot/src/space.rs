@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
-use lin_canny::plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World};
+use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World};
 
 use crate::geometry::radius;
 use crate::robot::{Coordinate, MotionKind, Robot};

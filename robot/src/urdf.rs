@@ -5,7 +5,7 @@ use std::path::Path;
 
 use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
-use lin_canny::plan::Drive;
+use lin_canny_plan::Drive;
 use urdf_rs::JointType;
 
 use crate::error::{FileError, FileProblem};

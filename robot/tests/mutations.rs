@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::plan::ConfigurationSpace;
+use lin_canny_plan::ConfigurationSpace;
 use lin_canny_robot::{Cell, LoadOptions, MeshOptions, Packages, Robot, Setup, Srdf, Trajectory};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;

@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use lin_canny::plan::{ConfigurationSpace, Joint, JointKind, SegmentMotion, SerialArm, Verdict};
 use lin_canny::{Decision, PairTracker, RelativePose};
+use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, SegmentMotion, SerialArm, Verdict};
 use lin_canny_robot::{
     Cell, IgnoreReason, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_ignorable,
 };

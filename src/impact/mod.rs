@@ -218,14 +218,40 @@ where
     A: Motion + ?Sized,
     B: Motion + ?Sized,
 {
-    cast_noting(pair, motion_a, motion_b, interval, (tolerance, distance), None)
+    search(pair, motion_a, motion_b, interval, (tolerance, distance), None)
 }
 
-/// Casts within a distance, and appends the proof of every step to a trail.
+/// Casts as [`cast_within`], and appends the certificates of the time proven free, one step after
+/// the other.
 ///
 /// # Errors
 /// As [`cast_within`].
-pub(crate) fn cast_noting<S, A, B>(
+pub fn cast_proving<S, A, B>(
+    pair: &mut S,
+    motion_a: &A,
+    motion_b: &B,
+    interval: (f64, f64),
+    tolerance: Tolerance,
+    distance: f64,
+    certificates: &mut Vec<Certificate>,
+) -> Result<Cast, ImpactError>
+where
+    S: Separation + ?Sized,
+    A: Motion + ?Sized,
+    B: Motion + ?Sized,
+{
+    search(
+        pair,
+        motion_a,
+        motion_b,
+        interval,
+        (tolerance, distance),
+        Some(certificates),
+    )
+}
+
+/// Casts within a distance, and appends the certificate of every step to a trail.
+fn search<S, A, B>(
     pair: &mut S,
     motion_a: &A,
     motion_b: &B,

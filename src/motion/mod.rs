@@ -159,7 +159,7 @@ impl Course {
     /// Returns an upper bound of the distance of a point within `radius` of the pivot from the
     /// model.
     #[must_use]
-    pub(crate) fn drift(&self, radius: f64) -> Drift {
+    pub fn drift(&self, radius: f64) -> Drift {
         let (Drift(p), Drift(q)) = (self.shift, self.turn);
         Drift(core::array::from_fn(|k| p[k] + radius * q[k]))
     }

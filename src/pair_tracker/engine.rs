@@ -5,14 +5,13 @@ use alloc::boxed::Box;
 
 use super::mixed::MixedTracker;
 use super::over::{Kinds, OverTime};
-use super::pair::{Asked, BallPair};
+use super::pair::BallPair;
 use super::work::PairWork;
 use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::composite::tracker::MeshTracker;
 use crate::contact::{Manifold, ManifoldOptions, Query};
 use crate::geometry::{Geometry, GeometryRef, Lent};
-use crate::pair::outcome::{Accuracy, Decision, Outcome, Until};
-use crate::pair::question::Question;
+use crate::pair::outcome::{Accuracy, Outcome, Until};
 use crate::patch::SurfaceTracker;
 use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pose::RelativePose;
@@ -226,16 +225,6 @@ impl AnyTracker {
                 polyhedra(a, b).is_some_and(|shapes| PairEngine::decides_within(tracker, shapes, pose, outcome, d))
             }
             Self::Mixed(tracker) => tracker.decides_within((a, b), pose, outcome, d),
-        }
-    }
-
-    /// Returns whether the shapes are at most `d` apart.
-    pub(crate) fn within(&mut self, (a, b): BodyShapes<'_>, pose: &RelativePose, d: f64) -> Decision {
-        match self {
-            Self::Polyhedra(tracker) => {
-                polyhedra(a, b).map_or(Decision::Yes, |(a, b)| Decision::of(tracker.within(a, b, pose, d)))
-            }
-            Self::Mixed(tracker) => tracker.over(a, b).within(pose, d, &Question::new()),
         }
     }
 

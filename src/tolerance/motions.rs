@@ -131,21 +131,3 @@ pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 /// rounding, and no pair could be skipped. With [`CERTIFICATE`](super::CERTIFICATE) above and
 /// below, the bounds are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
 pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
-
-/// Error of the angle of a link of an arm by one joint: the product with the fixed rotation of the
-/// joint's frame errs by 8 UNIT as a vector of a quaternion, the quaternion of the joint's value by
-/// 5.4 (see [`TURN`]), the product with it by 8, and the norm by 2: 24 UNIT, and an error of a
-/// quaternion turns by twice as much.
-pub(crate) const ARM_TURN: f64 = 64.0 * UNIT;
-
-/// Error of the value of a joint along a segment, in units of the greater absolute value at its
-/// ends: the difference of the ends, its product with the time and the sum err by UNIT of at most
-/// twice that each.
-pub(crate) const ARM_VALUE: f64 = 8.0 * UNIT;
-
-/// Error of the place of the origin of a link by one joint, in units of the length of the vector to
-/// the origin and, once more, of the sum of all lengths so far: a product with a quaternion whose
-/// square is off one by 12 UNIT is off by 24, and rounded by 24; the value of a prismatic joint
-/// errs by 8; the sum by 1. The same bound holds for velocities, which are sums of products of
-/// these.
-pub(crate) const ARM_PLACE: f64 = 64.0 * UNIT;

@@ -3,9 +3,14 @@
 use lab::proofs::bounds::{self, Bound};
 use lin_canny::proofs::constants;
 
+use crate::table::of_planner;
+
 /// What the constant, or its derivation, allows.
 pub(crate) fn allowed(bound: &Bound) -> f64 {
-    let constant = constants().into_iter().find(|(name, _)| *name == bound.constant);
+    let constant = constants()
+        .into_iter()
+        .chain(of_planner())
+        .find(|(name, _)| *name == bound.constant);
     let (_, constant) = constant.unwrap_or_else(|| panic!("no constant {}", bound.constant));
     bound.allowed.unwrap_or(constant)
 }

@@ -97,6 +97,7 @@ const PROSE: &[&str] = &[
     "ODOMETER",
     "PARALLEL_AXES",
     "PATCH_SLOPE",
+    "PLACED",
     "PLANE",
     "PLANE_OFFSET",
     "PLATEAU",
@@ -113,20 +114,34 @@ const PROSE: &[&str] = &[
 /// Constants whose bound is a matter of underflow, see `underflow`.
 const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];
 
+/// The sources of the constants, those of the planner too.
+const FILES: [&str; 5] = [
+    "tolerance.rs",
+    "tolerance/motions.rs",
+    "tolerance/patches.rs",
+    "tolerance/signs.rs",
+    "../plan/src/tolerance.rs",
+];
+
+/// The constants of the planner in roundings, as its source has them.
+pub(crate) fn of_planner() -> Vec<(&'static str, f64)> {
+    let text = std::fs::read_to_string(source("../plan/src/tolerance.rs")).expect("the source is text");
+    let value = |name: &'static str| {
+        let (_, rest) = text.split_once(&format!("const {name}: f64 = ")).expect("a constant");
+        let (count, _) = rest.split_once(" * UNIT;").expect("a count of roundings");
+        (name, count.parse().expect("a number"))
+    };
+    ["ARM_VALUE"].map(value).to_vec()
+}
+
 fn source(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(path)
 }
 
 /// The names of all constants.
 fn names() -> Vec<String> {
-    let files = [
-        "tolerance.rs",
-        "tolerance/motions.rs",
-        "tolerance/patches.rs",
-        "tolerance/signs.rs",
-    ];
     let mut names = Vec::new();
-    for file in files {
+    for file in FILES {
         let text = std::fs::read_to_string(source(file)).expect("the source is text");
         let of_line = |line: &str| {
             let (_, rest) = line.split_once("const ")?;
@@ -154,13 +169,7 @@ fn every_constant_is_proved_or_named() {
 
 /// The documentation of a constant.
 fn documentation(name: &str) -> String {
-    let files = [
-        "tolerance.rs",
-        "tolerance/motions.rs",
-        "tolerance/patches.rs",
-        "tolerance/signs.rs",
-    ];
-    let text = files.map(|file| std::fs::read_to_string(source(file)).expect("the source is text"));
+    let text = FILES.map(|file| std::fs::read_to_string(source(file)).expect("the source is text"));
     let text = text.concat();
     let (before, _) = text.split_once(&format!("const {name}:")).expect("a constant");
     let lines: Vec<&str> = before

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lin_canny_robot::Trajectory;
-use lin_canny_robot::lin_canny::plan::NearPair;
+use lin_canny_robot::plan::NearPair;
 
 use super::options::RobotOptions;
 use super::{End, Table, ToolError, names, progress, write};

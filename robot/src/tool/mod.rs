@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use lin_canny_robot::FileError;
-use lin_canny_robot::lin_canny::plan::{Checker, ConfigurationSpace, PlanError, WorldPair};
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, PlanError, WorldPair};
 
 const ENDS: &str = "\
 Exit codes:

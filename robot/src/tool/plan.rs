@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use lin_canny_robot::lin_canny::plan::PlanOptions;
+use lin_canny_robot::plan::PlanOptions;
 use lin_canny_robot::{Trajectory, csv_text};
 
 use super::options::RobotOptions;

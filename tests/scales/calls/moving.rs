@@ -3,9 +3,9 @@
 use super::{Scene, bumpy, composite, curved, dented};
 use lab::rng::Rng;
 use lin_canny::impact::{Tolerance, cast, cast_within, free_until, held_until};
-use lin_canny::plan::{Checker, TranslationSpace, World};
 use lin_canny::separation::Separation;
 use lin_canny::{PairTracker, Tracker};
+use lin_canny_plan::{Checker, TranslationSpace, World};
 
 /// Every question about a pair of motions.
 fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation) {

@@ -1,0 +1,263 @@
+//! A path of a rigid robot among obstacles, from a file: every segment of the path is proven free.
+//!
+//! ```text
+//! cargo run --release --example plan -- FILE.json --out PATH.csv
+//! ```
+//!
+//! `--help` describes the file.
+
+use lab::command::Arguments;
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
+use lin_canny::{ConvexPolyhedron, Geometry};
+use lin_canny_plan::{Checker, Path, PlanError, PlanOptions, RigidSpace, World};
+use serde_json::Value;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+const USAGE: &str = "\
+usage: plan FILE.json [--out PATH.csv]
+
+Reads a robot and obstacles, searches a path with the opportunistic planner of Canny and Lin, shortens it, and writes one
+configuration a row, `x,y,z,qx,qy,qz,qw` under a header of these names. In between the robot's origin goes straight and
+the robot turns the shorter way about one axis (slerp). Every segment is proven free of contact over its whole length.
+
+  --out FILE     where to write the path (default: target/plan.csv)
+
+The file is JSON:
+  { \"robot\": points of a hull [[x,y,z], ...], or a list of hulls,
+    \"obstacles\": list of hulls,
+    \"start\": [x,y,z,qx,qy,qz,qw], \"goal\": the same,
+    \"bounds\": [[x0,y0,z0],[x1,y1,z1]] of the robot's origin,
+    \"seed\": number (default 0), \"seconds\": limit of the search (default 10) }
+
+Ends with 0 if a path is written, with 3 if none was found in time, with 2 if the file is refused.";
+
+/// What the file asks for.
+struct Job {
+    world: World,
+    space: RigidSpace,
+    ends: [Vec<f64>; 2],
+    seed: u64,
+    limit: Duration,
+    out: PathBuf,
+}
+
+fn main() -> ExitCode {
+    let mut is_found = true;
+    let code = lab::command::main("plan", USAGE, parse(Arguments::of_process()), |job| {
+        is_found = run(job)?;
+        Ok::<(), String>(())
+    });
+    if is_found { code } else { ExitCode::from(3) }
+}
+
+fn parse(words: Option<Arguments>) -> Result<Option<Job>, String> {
+    let Some(mut words) = words else { return Ok(None) };
+    let out = words.value("--out")?.unwrap_or("target/plan.csv".into()).into();
+    let file = words.files(1)?.pop().ok_or("name a file")?;
+    let text = std::fs::read_to_string(&file).map_err(|e| format!("{file}: {e}"))?;
+    let job = serde_json::from_str(&text)
+        .map_err(|e| e.to_string())
+        .and_then(|value| job(&value, out));
+    job.map(Some).map_err(|e| format!("{file}: {e}"))
+}
+
+fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
+    if !file.is_object() {
+        return Err("not an object".into());
+    }
+    for name in ["robot", "obstacles", "start", "goal", "bounds"] {
+        if file[name].is_null() {
+            return Err(format!("{name} is missing"));
+        }
+    }
+    let robot = hulls(&file["robot"], "robot")?;
+    if robot.is_empty() {
+        return Err("robot has no hull".into());
+    }
+    let mut world = World::new();
+    // A radian counts as the farthest point of the robot from its origin.
+    let points = robot.iter().flat_map(ConvexPolyhedron::vertex_points);
+    let radius = points.map(|p| p.coords.norm()).fold(0.0, f64::max);
+    let bodies = robot.len();
+    for (k, hull) in robot.into_iter().enumerate() {
+        world.robot_body(format!("robot[{k}]"), hull);
+    }
+    for (k, hull) in hulls(&file["obstacles"], "obstacles")?.into_iter().enumerate() {
+        world.obstacle(format!("obstacles[{k}]"), Geometry::from(hull), Isometry3::identity());
+    }
+    let [low, high] = bounds(&file["bounds"])?;
+    let space = RigidSpace::new(
+        [0, 1, 2].map(|k| [low[k], high[k]]),
+        radius.max(f64::MIN_POSITIVE),
+        bodies,
+    );
+    let job = Job {
+        world,
+        space: space.map_err(|e| format!("bounds: {e}"))?,
+        ends: [pose(&file["start"], "start")?, pose(&file["goal"], "goal")?],
+        seed: seed(&file["seed"])?,
+        limit: seconds(&file["seconds"])?,
+        out,
+    };
+    check(&job)?;
+    lab::command::writable(&job.out)?;
+    Ok(job)
+}
+
+/// Refuses ends that are out of bounds or in contact, by the name of the end.
+fn check(job: &Job) -> Result<(), String> {
+    let mut checker = Checker::new(job.space.clone(), job.world.clone()).map_err(|e| e.to_string())?;
+    for (q, end) in job.ends.iter().zip(["start", "goal"]) {
+        let near = checker.clearance(q).map_err(|e| format!("{end}: {e}"))?;
+        if let Some(near) = near.filter(|near| !(near.lower > 0.0)) {
+            let [a, b] = [near.pair.a, near.pair.b].map(|part| checker.name(part));
+            return Err(format!("{end}: {a} and {b} are in contact"));
+        }
+    }
+    Ok(())
+}
+
+/// A list of hulls, or the points of a single one.
+fn hulls(value: &Value, name: &str) -> Result<Vec<ConvexPolyhedron>, String> {
+    let list = value.as_array().ok_or(format!("{name} is no list"))?;
+    let is_point = |v: &Value| {
+        v.as_array()
+            .is_some_and(|p| p.iter().all(Value::is_number) && !p.is_empty())
+    };
+    if list.first().is_some_and(is_point) {
+        return Ok(vec![hull(value, name)?]);
+    }
+    let each = list.iter().enumerate();
+    each.map(|(k, points)| hull(points, &format!("{name}[{k}]"))).collect()
+}
+
+fn hull(value: &Value, name: &str) -> Result<ConvexPolyhedron, String> {
+    let list = value.as_array().ok_or(format!("{name} is no list of points"))?;
+    let point = |(k, v): (usize, &Value)| {
+        let [x, y, z] = numbers(v, &format!("{name}[{k}]"))?;
+        Ok(Point3::new(x, y, z))
+    };
+    let points: Vec<Point3<f64>> = list.iter().enumerate().map(point).collect::<Result<_, String>>()?;
+    let body = match points[..] {
+        [p] => ConvexPolyhedron::point(p),
+        [p, q] => ConvexPolyhedron::segment(p, q),
+        [_, _, _] => ConvexPolyhedron::polygon(&points),
+        _ => ConvexPolyhedron::from_points(&points).or_else(|e| ConvexPolyhedron::polygon(&points).map_err(|_| e)),
+    };
+    body.map_err(|e| format!("{name}: {e}"))
+}
+
+fn numbers<const N: usize>(value: &Value, name: &str) -> Result<[f64; N], String> {
+    let list = value.as_array().ok_or(format!("{name} is no list of {N} numbers"))?;
+    let all: Option<Vec<f64>> = list.iter().map(Value::as_f64).collect();
+    let all = all.ok_or(format!("{name} holds something that is no number"))?;
+    let count = all.len();
+    all.try_into()
+        .map_err(|_| format!("{name} has {count} numbers, not {N}"))
+}
+
+fn seed(value: &Value) -> Result<u64, String> {
+    match value {
+        Value::Null => Ok(0),
+        _ => value.as_u64().ok_or("seed is no whole number of at least zero".into()),
+    }
+}
+
+fn seconds(value: &Value) -> Result<Duration, String> {
+    let seconds = match value {
+        Value::Null => 10.0,
+        _ => value.as_f64().ok_or("seconds is no number")?,
+    };
+    Duration::try_from_secs_f64(seconds).map_err(|e| format!("seconds: {e}"))
+}
+
+fn bounds(value: &Value) -> Result<[[f64; 3]; 2], String> {
+    let Some([low, high]) = value.as_array().map(Vec::as_slice) else {
+        return Err("bounds is no list of two corners".into());
+    };
+    let [low, high] = [numbers(low, "bounds[0]")?, numbers(high, "bounds[1]")?];
+    if let Some(k) = (0..3).find(|&k| low[k] > high[k]) {
+        return Err(format!(
+            "bounds: {} is above {} in {}",
+            low[k],
+            high[k],
+            ["x", "y", "z"][k]
+        ));
+    }
+    if low == high {
+        return Err("bounds hold a single point".into());
+    }
+    Ok([low, high])
+}
+
+/// A configuration; a quaternion that was rounded to few digits is normalised.
+fn pose(value: &Value, name: &str) -> Result<Vec<f64>, String> {
+    let [x, y, z, i, j, k, w]: [f64; 7] = numbers(value, name)?;
+    let q = Quaternion::new(w, i, j, k);
+    if !((q.norm() - 1.0).abs() < 1e-3) {
+        return Err(format!("{name}: the quaternion has length {}", q.norm()));
+    }
+    let turn = UnitQuaternion::new_normalize(q);
+    Ok(RigidSpace::configuration(&Isometry3::from_parts(
+        Vector3::new(x, y, z).into(),
+        turn,
+    )))
+}
+
+/// Searches, shortens and writes; false if no path was found.
+fn run(job: &Job) -> Result<bool, String> {
+    let said = |e: PlanError| e.to_string();
+    let mut checker = Checker::new(job.space.clone(), job.world.clone()).map_err(said)?;
+    let options = PlanOptions::default().seed(job.seed).slices(u64::MAX);
+    let began = Instant::now();
+    let [start, goal] = &job.ends;
+    let plan = checker
+        .plan_until(start, goal, &options, &mut || began.elapsed() >= job.limit)
+        .map_err(said)?;
+    let (work, took) = (plan.work, began.elapsed());
+    println!(
+        "{} freeways, {} bridges, {} random slices; {} of {} links; {} nodes; {:.2?}",
+        work.freeways,
+        work.bridges,
+        work.slices,
+        work.links[1],
+        work.links[0],
+        plan.roadmap.nodes.len(),
+        took
+    );
+    let Some(found) = plan.path else {
+        println!("no path found in {took:.1?}: there may be one nevertheless");
+        return Ok(false);
+    };
+    let path = shortened(&mut checker, &found, job.seed).map_err(said)?;
+    lab::command::write(&job.out, &rows(&path))?;
+    println!("written: {}", job.out.display());
+    Ok(true)
+}
+
+/// A shorter path; says how long and how clear.
+fn shortened(checker: &mut Checker<RigidSpace>, found: &[Vec<f64>], seed: u64) -> Result<Path, PlanError> {
+    let path = checker.shorten(found, 200, seed)?;
+    let (length, short) = (checker.path_length(found), checker.path_length(&path));
+    let mut least = f64::INFINITY;
+    for ends in path.windows(2) {
+        least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05)?.lower);
+    }
+    println!(
+        "path: {} configurations, length {short:.3} ({length:.3} before shortening), proven clearance {least:.2e}",
+        path.len()
+    );
+    Ok(path)
+}
+
+fn rows(path: &[Vec<f64>]) -> String {
+    let mut rows = String::from("x,y,z,qx,qy,qz,qw\n");
+    for q in path {
+        let words: Vec<String> = q.iter().map(|x| format!("{x:?}")).collect();
+        let _ = writeln!(rows, "{}", words.join(","));
+    }
+    rows
+}

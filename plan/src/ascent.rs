@@ -1,0 +1,235 @@
+//! Ascent of the clearance within a slice: steps along the gradients of the active set.
+//!
+//! The clearance is the least of the signed distances of all pairs. It has a kink if two pairs are
+//! equally near, or if the witness of one pair jumps (parallel faces), and its maxima lie on
+//! kinks. So a step is taken against a model, the least of several linear bounds `c + g . z` in the
+//! step z: the pairs near the closest at the centre, and those of places tried in vain. The step
+//! maximises the model less `|z|^2 / (2 mu)` (proximal bundle method: Lemarechal 1978, Kiwiel
+//! 1990); the dual is a quadratic over a simplex, solved by exchanges between two weights.
+
+use std::vec::Vec;
+
+use crate::checker::Checker;
+use crate::clearance::NearPair;
+use crate::error::PlanError;
+use crate::space::ConfigurationSpace;
+use crate::tuning::{ASCENT, EXCHANGES, FLAT, GOOD, PLANES};
+
+/// A configuration and its clearance.
+#[derive(Clone, Debug)]
+pub(crate) struct ClearConfiguration {
+    pub(crate) q: Vec<f64>,
+    pub(crate) distance: f64,
+    near: Vec<NearPair>,
+}
+
+/// A linear bound of the clearance about the centre.
+struct ClearancePlane {
+    value: f64,
+    gradient: Vec<f64>,
+}
+
+/// The components of a step that stay zero, and lengths.
+#[derive(Clone, Debug)]
+pub(crate) struct Slice {
+    pub(crate) fixed: Vec<bool>,
+    /// The longest step, and the shortest worth a try.
+    pub(crate) longest: f64,
+    pub(crate) shortest: f64,
+    /// A clearance that need not be exceeded.
+    pub(crate) enough: f64,
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Measures a configuration; a world without pairs is infinitely clear.
+    pub(crate) fn place(&mut self, q: Vec<f64>, slack: f64) -> Result<ClearConfiguration, PlanError> {
+        let near = self.nearest(&q, slack)?;
+        let distance = near.first().map_or(f64::INFINITY, |n| n.distance);
+        Ok(ClearConfiguration { q, distance, near })
+    }
+
+    /// Ascends within a slice and returns the places passed, the last of them a local maximum of
+    /// the clearance, up to the precision of the slice.
+    pub(crate) fn ascend(&mut self, start: Vec<f64>, slice: &Slice) -> Result<Vec<ClearConfiguration>, PlanError> {
+        let mut centre = self.place(start, slice.longest)?;
+        let mut mu = (0.5 * centre.distance.abs()).clamp(slice.shortest * 4.0, slice.longest);
+        let mut passed = Vec::new();
+        let mut planes = planes_at(&centre, mu);
+        let mut own = planes.len();
+        for _ in 0..ASCENT {
+            if centre.distance >= slice.enough {
+                break;
+            }
+            let (step, gain) = self.step(&centre, &planes, mu, slice);
+            if gain <= FLAT * mu {
+                if mu <= 4.0 * slice.shortest {
+                    break;
+                }
+                mu *= 0.25;
+                planes = planes_at(&centre, mu);
+                own = planes.len();
+                continue;
+            }
+            let tried = self.place(self.space.moved(&centre.q, &step), mu)?;
+            if tried.distance >= centre.distance + GOOD * gain {
+                mu = (2.0 * mu).min(slice.longest);
+                planes = planes_at(&tried, mu);
+                own = planes.len();
+                passed.push(core::mem::replace(&mut centre, tried));
+                continue;
+            }
+            self.learn(&mut planes, &centre, &tried, own);
+            mu *= 0.5;
+            if mu < slice.shortest {
+                break;
+            }
+        }
+        passed.push(centre);
+        Ok(passed)
+    }
+
+    /// Returns the step that maximises the model, and the gain that the model expects. Components
+    /// that would leave the bounds are left out.
+    fn step(&self, centre: &ClearConfiguration, planes: &[ClearancePlane], mu: f64, slice: &Slice) -> (Vec<f64>, f64) {
+        let mut fixed = slice.fixed.clone();
+        loop {
+            let (z, least) = maximum(planes, mu, &fixed);
+            let is_out = |k: usize| {
+                let [low, high] = self.space.bounds()[k];
+                !fixed[k] && ((z[k] < 0.0 && centre.q[k] <= low) || (z[k] > 0.0 && centre.q[k] >= high))
+            };
+            match (0..self.space.bounds().len()).find(|&k| is_out(k)) {
+                Some(k) => fixed[k] = true,
+                None => {
+                    let step = z.iter().zip(self.space.scales()).map(|(x, s)| x / s);
+                    return (step.collect(), least - centre.distance);
+                }
+            }
+        }
+    }
+
+    /// Adds the bounds seen at a place tried in vain.
+    fn learn(
+        &self,
+        planes: &mut Vec<ClearancePlane>,
+        centre: &ClearConfiguration,
+        tried: &ClearConfiguration,
+        own: usize,
+    ) {
+        let step = self.space.difference(&centre.q, &tried.q);
+        let z: Vec<f64> = step.iter().zip(self.space.scales()).map(|(x, s)| x * s).collect();
+        for near in tried.near.iter().take(PLANES) {
+            let value = near.distance - dot(&near.gradient, &z);
+            // The clearance is not concave: a bound below the value at the centre is none.
+            planes.push(ClearancePlane {
+                value: value.max(centre.distance),
+                gradient: near.gradient.clone(),
+            });
+        }
+        // The oldest of those learned go; those of the centre are first and stay.
+        let extra = planes.len().saturating_sub(own + 4 * PLANES);
+        planes.drain(own..own + extra);
+    }
+}
+
+fn planes_at(place: &ClearConfiguration, mu: f64) -> Vec<ClearancePlane> {
+    let within = place.near.iter().take(PLANES);
+    let within = within.filter(|near| near.distance <= place.distance + 4.0 * mu);
+    within
+        .map(|near| ClearancePlane {
+            value: near.distance,
+            gradient: near.gradient.clone(),
+        })
+        .collect()
+}
+
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(x, y)| x * y).sum()
+}
+
+/// Returns the z that maximises the least of the planes less `|z|^2 / (2 mu)`, and the least of the
+/// planes there.
+fn maximum(planes: &[ClearancePlane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64) {
+    let free = |g: &[f64]| -> Vec<f64> {
+        let parts = g.iter().zip(fixed);
+        parts.map(|(x, is_fixed)| if *is_fixed { 0.0 } else { *x }).collect()
+    };
+    let gradients: Vec<Vec<f64>> = planes.iter().map(|p| free(&p.gradient)).collect();
+    let lowest = (0..planes.len()).min_by(|&i, &j| planes[i].value.total_cmp(&planes[j].value));
+    let Some(first) = lowest else {
+        return (std::vec![0.0; fixed.len()], f64::INFINITY);
+    };
+    // Products of the gradients, so that an exchange costs no more than the number of planes.
+    let products: Vec<Vec<f64>> = gradients
+        .iter()
+        .map(|g| gradients.iter().map(|h| dot(g, h)).collect())
+        .collect();
+    let mut weights = std::vec![0.0; planes.len()];
+    weights[first] = 1.0;
+    let of_first = planes.iter().zip(&products[first]);
+    let mut values: Vec<f64> = of_first.map(|(p, product)| p.value + mu * product).collect();
+    exchange(&mut weights, &mut values, &products, mu);
+    let of = |k: usize| gradients.iter().zip(&weights).map(move |(g, w)| mu * w * g[k]).sum();
+    let z: Vec<f64> = (0..fixed.len()).map(of).collect();
+    let least = planes.iter().zip(&gradients).map(|(p, g)| p.value + dot(g, &z));
+    let least = least.fold(f64::INFINITY, f64::min);
+    (z, least)
+}
+
+/// Moves weight from the plane of the highest value to that of the lowest until all planes with
+/// weight are equally high. A value is the height of a plane after the step of the weights.
+fn exchange(weights: &mut [f64], values: &mut [f64], products: &[Vec<f64>], mu: f64) {
+    for _ in 0..EXCHANGES {
+        let by_value = |i: &usize, j: &usize| values[*i].total_cmp(&values[*j]);
+        let weighty = (0..values.len()).filter(|&k| weights[k] > 0.0);
+        let (Some(low), Some(high)) = ((0..values.len()).min_by(by_value), weighty.max_by(by_value)) else {
+            break;
+        };
+        let gap = values[high] - values[low];
+        let square = products[low][low] - 2.0 * products[low][high] + products[high][high];
+        if !(gap > FLAT * FLAT * mu && square > 0.0) {
+            break;
+        }
+        let part = (gap / (mu * square)).min(weights[high]);
+        weights[high] -= part;
+        weights[low] += part;
+        for (k, value) in values.iter_mut().enumerate() {
+            *value += mu * part * (products[low][k] - products[high][k]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use lab::rng::Rng;
+
+    /// Against a search over the plane: the penalised model is concave, so no place on a fine grid
+    /// about the answer may be better.
+    #[test]
+    fn the_step_maximises_the_model() {
+        let mut rng = Rng::new(5);
+        for _ in 0..300 {
+            let planes: Vec<ClearancePlane> = (0..1 + rng.below(6))
+                .map(|_| ClearancePlane {
+                    value: rng.range(0.0, 0.3),
+                    gradient: (0..2).map(|_| rng.range(-1.0, 1.0)).collect(),
+                })
+                .collect();
+            let mu = rng.range(0.1, 2.0);
+            let worth = |z: &[f64]| {
+                let least = planes.iter().map(|p| p.value + dot(&p.gradient, z));
+                least.fold(f64::INFINITY, f64::min) - dot(z, z) / (2.0 * mu)
+            };
+            let (z, _) = maximum(&planes, mu, &[false, false]);
+            let best = worth(&z);
+            for i in -40..=40 {
+                for j in -40..=40 {
+                    let other = [z[0] + f64::from(i) * 0.02, z[1] + f64::from(j) * 0.02];
+                    assert!(worth(&other) <= best + 2e-2 * mu, "{z:?} {other:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,386 @@
+//! Segments and paths proven free over their whole length.
+
+use std::vec::Vec;
+
+use nalgebra::{Isometry3, Point3};
+
+use crate::error::PlanError;
+use crate::pairs::{Pairs, swept_box};
+use crate::space::{BodyMotion, ConfigurationSpace, SegmentMotion};
+use crate::tuning::CONTACT;
+use crate::world::{World, WorldId, WorldPair};
+use lin_canny::impact::{Cast, Certificate, Impact, ImpactError, Tolerance, cast_proving, cast_within};
+use lin_canny::motion::{Motion, Steady};
+use lin_canny::separation::Separation;
+use lin_canny::tolerance::EXTENT_MAX;
+
+/// The answer about a segment.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Verdict {
+    /// Every pair is proven farther apart than `clearance` at every instant, both ends included.
+    Free {
+        /// The margin of the checker.
+        clearance: f64,
+    },
+    /// A pair is proven to meet, or to come within the margin.
+    Blocked {
+        /// All pairs are proven apart, farther than the margin, up to here.
+        safe: f64,
+        /// The pair is proven to meet here, or to be within the margin.
+        t: f64,
+        /// The pair.
+        pair: WorldPair,
+        /// The closest points of `pair.a` and `pair.b` at `safe`, in the world; at `t` if `safe`
+        /// is the begin.
+        witnesses: [Point3<f64>; 2],
+    },
+    /// Neither proven: rounding hides whether a pair meets.
+    Unknown {
+        /// All pairs are proven apart up to here.
+        t: f64,
+    },
+}
+
+impl Verdict {
+    /// Returns whether the whole segment is proven free.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        matches!(self, Self::Free { .. })
+    }
+
+    /// Returns the time up to which all pairs are proven apart.
+    #[must_use]
+    pub fn safe(&self) -> f64 {
+        match *self {
+            Self::Free { .. } => 1.0,
+            Self::Blocked { safe, .. } => safe,
+            Self::Unknown { t } => t,
+        }
+    }
+}
+
+/// The work of a checker since it was made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CheckWork {
+    /// Segments checked.
+    pub segments: u64,
+    /// Segments proven free.
+    pub free: u64,
+    /// Pairs whose boxes met on a segment, or might hold the least distance at a configuration.
+    pub pairs: u64,
+    /// Distance queries on segments, proofs of contact included.
+    pub queries: u64,
+    /// Single configurations measured.
+    pub configurations: u64,
+    /// Distance queries at single configurations.
+    pub measures: u64,
+    /// Pairs asked at single configurations whether they keep the margin.
+    pub decisions: u64,
+}
+
+impl std::ops::AddAssign for CheckWork {
+    /// Adds all counts. Sums saturate.
+    fn add_assign(&mut self, o: Self) {
+        let counts = [
+            (&mut self.segments, o.segments),
+            (&mut self.free, o.free),
+            (&mut self.pairs, o.pairs),
+            (&mut self.queries, o.queries),
+            (&mut self.configurations, o.configurations),
+            (&mut self.measures, o.measures),
+            (&mut self.decisions, o.decisions),
+        ];
+        for (sum, count) in counts {
+            *sum = sum.saturating_add(count);
+        }
+    }
+}
+
+/// The proof that a pair stays apart on a segment: certificates one after the other, from time 0
+/// to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PairProof {
+    /// The pair.
+    pub pair: WorldPair,
+    /// The certificates, in order of time.
+    pub certificates: Vec<Certificate>,
+}
+
+/// Checks motions of a robot among obstacles; keeps a tracker for each pair.
+pub struct Checker<C> {
+    pub(crate) space: C,
+    pub(crate) world: World,
+    pub(crate) pairs: Pairs,
+    margin: f64,
+    pub(crate) work: CheckWork,
+    /// Scratch: pairs to look at, and poses.
+    pub(crate) candidates: Vec<usize>,
+    pub(crate) poses: Vec<Isometry3<f64>>,
+    /// The pairs that were not free at single configurations, the last first.
+    pub(crate) hits: Vec<usize>,
+    /// Scratch: the distances of balls and the pairs.
+    pub(crate) order: Vec<(f64, usize)>,
+    /// The distance within which the last clearance was found: how far the next one looks first.
+    pub(crate) reach: f64,
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns the checker of a robot in a world.
+    ///
+    /// # Errors
+    /// If the space moves another number of bodies than the world has bodies of the robot, a pose
+    /// is out of range, or a pair of kinds cannot be measured.
+    pub fn new(space: C, world: World) -> Result<Self, PlanError> {
+        if space.bodies() != world.robot.len() {
+            return Err(PlanError::Bodies {
+                space: space.bodies(),
+                world: world.robot.len(),
+            });
+        }
+        let pairs = Pairs::new(&world, |a, b| space.is_rigid(a, b))?;
+        Ok(Self {
+            space,
+            world,
+            pairs,
+            margin: 0.0,
+            work: CheckWork::default(),
+            candidates: Vec::new(),
+            poses: Vec::new(),
+            hits: Vec::new(),
+            order: Vec::new(),
+            reach: 0.0,
+        })
+    }
+
+    /// Sets the distance that pairs must keep, zero at first: nearer counts as blocked.
+    ///
+    /// # Errors
+    /// A margin that is negative or not finite.
+    pub fn set_margin(&mut self, margin: f64) -> Result<(), PlanError> {
+        if !(0.0..=EXTENT_MAX).contains(&margin) {
+            return Err(PlanError::Value {
+                what: "margin",
+                value: margin,
+            });
+        }
+        self.margin = margin;
+        Ok(())
+    }
+
+    /// Returns the distance that pairs must keep.
+    #[must_use]
+    pub fn margin(&self) -> f64 {
+        self.margin
+    }
+
+    /// Returns the configuration space.
+    #[must_use]
+    pub fn space(&self) -> &C {
+        &self.space
+    }
+
+    /// Returns the world.
+    #[must_use]
+    pub fn world(&self) -> &World {
+        &self.world
+    }
+
+    /// Returns the name of a part.
+    #[must_use]
+    pub fn name(&self, part: WorldId) -> &str {
+        self.world.name(part)
+    }
+
+    /// Returns the work done.
+    #[must_use]
+    pub fn work(&self) -> CheckWork {
+        self.work
+    }
+
+    /// Returns whether the segment between two configurations is free, blocked at a time, or
+    /// unknown, proven over its whole length.
+    ///
+    /// A blocked segment is proven free up to `safe`, so that the contact is the first.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space.
+    pub fn certify(&mut self, from: &[f64], to: &[f64]) -> Result<Verdict, PlanError> {
+        self.judged(from, to, false)
+    }
+
+    /// Returns whether the segment between two configurations is proven free, without asking for
+    /// the first contact.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space.
+    pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
+        Ok(self.judged(from, to, true)?.is_free())
+    }
+
+    /// Returns the proof that a segment is free, all pairs and all certificates; `None` if the
+    /// segment is not proven free.
+    ///
+    /// Pairs whose boxes never meet are looked at as well, so that the proof needs no boxes.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space.
+    pub fn prove(&mut self, from: &[f64], to: &[f64]) -> Result<Option<Vec<PairProof>>, PlanError> {
+        let segment = self.segment(from, to)?;
+        let mut proofs = Vec::new();
+        for k in 0..self.pairs.all.len() {
+            let mut certificates = Vec::new();
+            let found = self.cast(k, &segment, (0.0, 1.0), self.margin, Some(&mut certificates))?;
+            if found.impact != Impact::Miss {
+                return Ok(None);
+            }
+            let pair = self.pairs.all[k].pair;
+            proofs.push(PairProof { pair, certificates });
+        }
+        Ok(Some(proofs))
+    }
+
+    /// Returns the motion along a segment whose ends are of the space.
+    pub(crate) fn segment(&self, from: &[f64], to: &[f64]) -> Result<C::Segment, PlanError> {
+        self.space.check(from)?;
+        self.space.check(to)?;
+        self.space.segment(from, to)
+    }
+
+    fn judged(&mut self, from: &[f64], to: &[f64], any: bool) -> Result<Verdict, PlanError> {
+        let segment = self.segment(from, to)?;
+        self.work.segments += 1;
+        let mut candidates = core::mem::take(&mut self.candidates);
+        let found = self
+            .gather(&segment, &mut candidates)
+            .and_then(|()| self.judge(&segment, &candidates, any));
+        self.candidates = candidates;
+        if let Ok(Verdict::Free { .. }) = found {
+            self.work.free += 1;
+        }
+        found
+    }
+
+    /// Collects the pairs whose swept boxes meet, and all pairs of two bodies of the robot.
+    fn gather(&mut self, segment: &C::Segment, candidates: &mut Vec<usize>) -> Result<(), PlanError> {
+        candidates.clear();
+        for body in 0..self.space.bodies() {
+            let (pose, course) = (segment.pose(body, 0.0), segment.course(body, 0.0, 1.0));
+            let swept = swept_box(self.pairs.robot_balls[body], &pose, &course, self.margin);
+            self.pairs.near(body, &swept, candidates)?;
+        }
+        candidates.extend(self.pairs.own..self.pairs.all.len());
+        self.work.pairs += candidates.len() as u64;
+        Ok(())
+    }
+
+    /// Casts pair after pair, each up to the first contact found so far.
+    fn judge(&mut self, segment: &C::Segment, candidates: &[usize], any: bool) -> Result<Verdict, PlanError> {
+        let clearance = self.margin;
+        let (mut verdict, mut until) = (Verdict::Free { clearance }, 1.0);
+        for &k in candidates {
+            let found = self.cast(k, segment, (0.0, until), clearance, None)?;
+            self.work.queries += u64::from(found.queries + found.proofs);
+            let (safe, hit) = match found.impact {
+                Impact::Miss => continue,
+                Impact::Start { seen } => (0.0, Some((0.0, seen))),
+                Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
+                Impact::Near { safe, .. } | Impact::Unknown { safe } => (safe, None),
+                // An answer that is not known here proves nothing.
+                _ => (0.0, None),
+            };
+            verdict = match hit {
+                Some((t, seen)) => {
+                    let pair = self.pairs.all[k].pair;
+                    let points = [seen.point_on_a, seen.point_on_b];
+                    Verdict::Blocked {
+                        safe,
+                        t,
+                        pair,
+                        witnesses: self.in_world(segment, pair, safe, points),
+                    }
+                }
+                None => Verdict::Unknown { t: safe },
+            };
+            until = safe;
+            if any || !(until > 0.0) {
+                break;
+            }
+        }
+        Ok(verdict)
+    }
+
+    /// Casts a pair along a segment.
+    pub(crate) fn cast(
+        &mut self,
+        index: usize,
+        segment: &C::Segment,
+        interval: (f64, f64),
+        margin: f64,
+        trail: Option<&mut Vec<Certificate>>,
+    ) -> Result<Cast, PlanError> {
+        self.over_time(index, segment, |pair, a, b| {
+            let radii = pair.ball(lin_canny::Operand::A).1 + pair.ball(lin_canny::Operand::B).1;
+            let tolerance = Tolerance::Distance(CONTACT * radii);
+            match trail {
+                Some(trail) => cast_proving(pair, a, b, interval, tolerance, margin, trail),
+                None => cast_within(pair, a, b, interval, tolerance, margin),
+            }
+        })
+        .map_err(PlanError::from)
+    }
+
+    /// Asks a pair with the motions of both parts along a segment.
+    pub(crate) fn over_time<R>(
+        &mut self,
+        index: usize,
+        segment: &C::Segment,
+        ask: impl FnOnce(
+            &mut dyn Separation,
+            &BodyMotion<'_, C::Segment>,
+            &PartMotion<'_, C::Segment>,
+        ) -> Result<R, ImpactError>,
+    ) -> Result<R, ImpactError> {
+        let Pairs { all, resting, .. } = &mut self.pairs;
+        let tracked = &mut all[index];
+        let (WorldId::Robot(body) | WorldId::Obstacle(body)) = tracked.pair.a;
+        let moving = |body: usize| BodyMotion { segment, body };
+        let partner = match tracked.pair.b {
+            WorldId::Robot(other) => PartMotion::Robot(moving(other)),
+            WorldId::Obstacle(k) => PartMotion::Obstacle(&resting[k]),
+        };
+        let [a, b] = self.world.shapes(tracked.pair);
+        let mut pair = tracked.tracker.over(a, b);
+        ask(&mut pair, &moving(body), &partner)
+    }
+
+    fn in_world(&self, segment: &C::Segment, pair: WorldPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
+        let placed = |part: WorldId, point: Point3<f64>| match part {
+            WorldId::Robot(k) => segment.pose(k, time) * point,
+            WorldId::Obstacle(k) => self.world.obstacles[k].2 * point,
+        };
+        [placed(pair.a, points[0]), placed(pair.b, points[1])]
+    }
+}
+
+/// The motion of the second part of a pair.
+pub(crate) enum PartMotion<'a, M> {
+    Robot(BodyMotion<'a, M>),
+    Obstacle(&'a Steady),
+}
+
+impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
+    fn pose(&self, time: f64) -> Isometry3<f64> {
+        match self {
+            Self::Robot(motion) => motion.pose(time),
+            Self::Obstacle(motion) => motion.pose(time),
+        }
+    }
+
+    fn course(&self, time: f64, span: f64) -> lin_canny::motion::Course {
+        match self {
+            Self::Robot(motion) => motion.course(time, span),
+            Self::Obstacle(motion) => motion.course(time, span),
+        }
+    }
+}

@@ -1,0 +1,314 @@
+//! The clearance at a configuration and along a segment.
+
+use std::vec::Vec;
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use crate::checker::Checker;
+use crate::error::PlanError;
+use crate::pairs::swept_box;
+use crate::space::ConfigurationSpace;
+use crate::tuning::{ENLARGED, LOWERED, SAMPLES};
+use crate::world::{WorldId, WorldPair};
+use lin_canny::Class;
+use lin_canny::RelativePose;
+use lin_canny::impact::Impact;
+use lin_canny::motion::{Motion, Steady, Velocity};
+
+/// A pair near its closest at a configuration.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct NearPair {
+    /// The pair.
+    pub pair: WorldPair,
+    /// The signed distance: negative for an overlap, zero for an overlap of unknown depth.
+    pub distance: f64,
+    /// Lower bound of the signed distance.
+    pub lower: f64,
+    /// Upper bound of the signed distance.
+    pub upper: f64,
+    /// The witness points on both parts, in the world.
+    pub witnesses: [Point3<f64>; 2],
+    /// Derivative of the signed distance by each component of a step, over the component's
+    /// [`scale`](ConfigurationSpace::scales): by a displacement, so to say. Zero for an overlap of
+    /// unknown depth.
+    pub gradient: Vec<f64>,
+}
+
+/// A pair as measured, before its gradient.
+struct MeasuredPair {
+    /// The distance of the balls about both parts, and the number of the pair: the order among
+    /// pairs of equal distance.
+    gap: f64,
+    index: usize,
+    near: NearPair,
+    /// The normal in the world, zero for an overlap of unknown depth.
+    normal: Vector3<f64>,
+}
+
+/// The clearance along a segment: a proven lower bound, and a distance that is attained.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SegmentClearance {
+    /// All pairs are proven at least this far apart over the whole segment; zero without a proof,
+    /// infinite without a pair.
+    pub lower: f64,
+    /// At `t` a pair is at most this far apart.
+    pub upper: f64,
+    /// A time at which `upper` holds.
+    pub t: f64,
+    /// The pair that is nearest there, if there is any pair.
+    pub pair: Option<WorldPair>,
+}
+
+impl<C: ConfigurationSpace> Checker<C> {
+    /// Returns the pair of least signed distance at a configuration; `None` if there is no pair.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space.
+    pub fn clearance(&mut self, configuration: &[f64]) -> Result<Option<NearPair>, PlanError> {
+        let mut near = self.nearest(configuration, 0.0)?;
+        near.truncate(1);
+        Ok(near.pop())
+    }
+
+    /// Returns all pairs whose signed distance exceeds the least by at most `slack`, the nearest
+    /// first: the active set of the clearance.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space.
+    pub fn nearest(&mut self, configuration: &[f64], slack: f64) -> Result<Vec<NearPair>, PlanError> {
+        self.space.check(configuration)?;
+        let mut poses = core::mem::take(&mut self.poses);
+        self.space.place(configuration, &mut poses);
+        let found = self.measured(configuration, &poses, slack);
+        self.poses = poses;
+        found
+    }
+
+    fn measured(&mut self, q: &[f64], poses: &[Isometry3<f64>], slack: f64) -> Result<Vec<NearPair>, PlanError> {
+        self.work.configurations += 1;
+        let mut found: Vec<MeasuredPair> = Vec::new();
+        let mut least = f64::INFINITY;
+        // The last answer says how far to look; whatever is left out is farther than `reach`.
+        let mut reach = self.reach;
+        loop {
+            self.gather_within(reach, poses)?;
+            let is_all = self.candidates.len() == self.pairs.all.len();
+            self.measure_nearest(poses, slack, &mut least, &mut found)?;
+            if is_all || least + slack <= reach {
+                break;
+            }
+            let wide = ENLARGED * self.reach;
+            reach = match least < f64::INFINITY {
+                true => least + slack,
+                false if reach < wide => wide,
+                false => f64::INFINITY,
+            };
+        }
+        if least + slack < f64::INFINITY {
+            self.reach = (least + slack).max(self.pairs.robot_radius);
+        }
+        found.retain(|m| m.near.distance <= least + slack);
+        found.sort_by(|x, y| {
+            let by_distance = x.near.distance.total_cmp(&y.near.distance);
+            by_distance.then(x.gap.total_cmp(&y.gap)).then(x.index.cmp(&y.index))
+        });
+        for m in &mut found {
+            self.slope(&mut m.near, &m.normal, q);
+        }
+        Ok(found.into_iter().map(|m| m.near).collect())
+    }
+
+    /// Collects the pairs that may be within `reach`, and all pairs of two bodies of the robot.
+    pub(crate) fn gather_within(&mut self, reach: f64, poses: &[Isometry3<f64>]) -> Result<(), PlanError> {
+        self.candidates.clear();
+        if !(reach < f64::INFINITY) {
+            self.candidates.extend(0..self.pairs.own);
+        } else {
+            for (body, pose) in poses.iter().enumerate() {
+                let still = Steady::new(pose, Velocity::default())?.course(0.0, 1.0);
+                let about = swept_box(self.pairs.robot_balls[body], pose, &still, reach);
+                self.pairs.near(body, &about, &mut self.candidates)?;
+            }
+        }
+        self.candidates.extend(self.pairs.own..self.pairs.all.len());
+        self.work.pairs += self.candidates.len() as u64;
+        Ok(())
+    }
+
+    /// Measures candidates in the order of the distances of their balls, as long as one may be
+    /// within `slack` of the least.
+    fn measure_nearest(
+        &mut self,
+        poses: &[Isometry3<f64>],
+        slack: f64,
+        least: &mut f64,
+        found: &mut Vec<MeasuredPair>,
+    ) -> Result<(), PlanError> {
+        let candidates = self.candidates.iter();
+        let mut order: Vec<(f64, usize)> = candidates.map(|&k| (self.ball_gap(k, poses), k)).collect();
+        order.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        for (gap, index) in order {
+            if gap > *least + slack {
+                break;
+            }
+            let now = self.work.configurations;
+            if core::mem::replace(&mut self.pairs.all[index].measured, now) == now {
+                continue;
+            }
+            let (near, normal) = self.measure(index, poses)?;
+            *least = least.min(near.distance);
+            found.push(MeasuredPair {
+                gap,
+                index,
+                near,
+                normal,
+            });
+        }
+        Ok(())
+    }
+
+    /// Returns the distance of the balls about both parts: negative if the balls overlap.
+    fn ball_gap(&self, index: usize, poses: &[Isometry3<f64>]) -> f64 {
+        let [(p, r), (q, s)] = self.balls(index, poses);
+        (q - p).norm() - r - s
+    }
+
+    /// Returns the balls about both parts of a pair, in the world.
+    pub(crate) fn balls(&self, index: usize, poses: &[Isometry3<f64>]) -> [(Point3<f64>, f64); 2] {
+        let pair = self.pairs.all[index].pair;
+        [pair.a, pair.b].map(|part| {
+            let (pose, (centre, radius)) = match part {
+                WorldId::Robot(k) => (&poses[k], self.pairs.robot_balls[k]),
+                WorldId::Obstacle(k) => (&self.world.obstacles[k].2, self.pairs.obstacle_balls[k]),
+            };
+            (pose * centre, radius)
+        })
+    }
+
+    /// Measures one pair at posed bodies, but for its gradient. Returns the normal in the world as
+    /// well, zero for an overlap of unknown depth.
+    fn measure(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<(NearPair, Vector3<f64>), PlanError> {
+        self.work.measures += 1;
+        let tracked = &mut self.pairs.all[index];
+        let pair = tracked.pair;
+        let world = &self.world;
+        let pose_of = |part: WorldId| match part {
+            WorldId::Robot(k) => poses[k],
+            WorldId::Obstacle(k) => world.obstacles[k].2,
+        };
+        let [pose_a, pose_b] = [pair.a, pair.b].map(pose_of);
+        let relative = RelativePose::new(&pose_a, &pose_b)?;
+        let [a, b] = world.shapes(pair);
+        let outcome = tracked.tracker.closest(a, b, &relative);
+        let is_known = outcome.class != Class::Overlapping || outcome.lower > f64::NEG_INFINITY;
+        let near = NearPair {
+            pair,
+            distance: if is_known { outcome.distance } else { 0.0 },
+            lower: outcome.lower,
+            upper: outcome.upper,
+            witnesses: [pose_a * outcome.point_on_a, pose_b * outcome.point_on_b],
+            gradient: Vec::new(),
+        };
+        let normal = pose_a.rotation * outcome.normal.into_inner();
+        Ok((near, if is_known { normal } else { Vector3::zeros() }))
+    }
+
+    /// Fills in the gradient of a pair.
+    fn slope(&self, near: &mut NearPair, normal: &Vector3<f64>, q: &[f64]) {
+        let mut gradient = std::vec![0.0; self.space.freedom()];
+        let mut part = gradient.clone();
+        for (k, (of, sign)) in [(near.pair.a, -1.0), (near.pair.b, 1.0)].into_iter().enumerate() {
+            if let WorldId::Robot(body) = of {
+                self.space.gradient(q, body, &near.witnesses[k], normal, &mut part);
+                gradient.iter_mut().zip(&part).for_each(|(g, p)| *g += sign * p);
+            }
+        }
+        let scales = self.space.scales();
+        gradient.iter_mut().zip(scales).for_each(|(g, s)| *g /= s);
+        near.gradient = gradient;
+    }
+
+    /// Returns the least clearance along a segment, in bounds that are apart by a part `relative`
+    /// of the upper bound. Parts of 1e-3 and more are mostly reached; smaller parts may end without
+    /// a proof.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space, or a part that is not between 0 and 1.
+    pub fn clearance_along(&mut self, from: &[f64], to: &[f64], relative: f64) -> Result<SegmentClearance, PlanError> {
+        if !(relative > 0.0 && relative < 1.0) {
+            return Err(PlanError::Value {
+                what: "relative width of a clearance",
+                value: relative,
+            });
+        }
+        let segment = self.segment(from, to)?;
+        let is_empty = self.pairs.all.is_empty();
+        let mut found = SegmentClearance {
+            lower: if is_empty { f64::INFINITY } else { 0.0 },
+            upper: f64::INFINITY,
+            t: 0.0,
+            pair: None,
+        };
+        for k in 0..=SAMPLES {
+            let t = f64::from(k) / f64::from(SAMPLES);
+            if let Some(near) = self.clearance(&self.space.between(from, to, t))? {
+                found.lower_to(near.upper, t, near.pair);
+            }
+        }
+        let mut keep = found.upper * (1.0 - relative);
+        if found.pair.is_none() || !(keep > 0.0) {
+            return Ok(found);
+        }
+        for k in 0..self.pairs.all.len() {
+            match self.lowered(k, &segment, keep, relative, &mut found)? {
+                Some(kept) => keep = kept,
+                None => return Ok(found),
+            }
+        }
+        found.lower = keep;
+        Ok(found)
+    }
+
+    /// Lowers the distance that a pair is proven to keep until the pair keeps it; `None` if nothing
+    /// is proven.
+    fn lowered(
+        &mut self,
+        index: usize,
+        segment: &C::Segment,
+        mut keep: f64,
+        relative: f64,
+        found: &mut SegmentClearance,
+    ) -> Result<Option<f64>, PlanError> {
+        let mut time = 0.0;
+        for _ in 0..LOWERED {
+            let cast = self.cast(index, segment, (time, 1.0), keep, None)?;
+            self.work.queries += u64::from(cast.queries + cast.proofs);
+            let pair = self.pairs.all[index].pair;
+            match cast.impact {
+                Impact::Miss => return Ok(Some(keep)),
+                Impact::Start { seen } => found.lower_to(seen.upper, time, pair),
+                Impact::Hit { safe, seen, .. } => {
+                    time = safe;
+                    found.lower_to(seen.upper, time, pair);
+                }
+                Impact::Near { safe, .. } | Impact::Unknown { safe } => time = safe,
+                // An answer that is not known here proves nothing.
+                _ => break,
+            }
+            keep = keep.min(found.upper) * (1.0 - relative);
+            if !(keep > 0.0) {
+                break;
+            }
+        }
+        Ok(None)
+    }
+}
+
+impl SegmentClearance {
+    fn lower_to(&mut self, upper: f64, t: f64, pair: WorldPair) {
+        if upper < self.upper {
+            (self.upper, self.t, self.pair) = (upper, t, Some(pair));
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! The pairs of a checker: a tracker each, and the boxes of the obstacles.
+
+use std::vec::Vec;
+
+use nalgebra::{Isometry3, Point3};
+
+use crate::error::PlanError;
+use crate::tolerance::PLACED;
+use crate::world::{World, WorldId, WorldPair};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep};
+use lin_canny::motion::{Course, Steady, Velocity};
+use lin_canny::polyhedron::BoxHint;
+use lin_canny::{Geometry, PairTracker};
+
+/// A pair and its tracker.
+pub(crate) struct TrackedPair {
+    pub(crate) pair: WorldPair,
+    pub(crate) tracker: PairTracker,
+    /// The number of the configuration at which the pair was measured last.
+    pub(crate) measured: u64,
+}
+
+/// All pairs that are measured.
+pub(crate) struct Pairs {
+    /// By body of the robot and obstacle: the index of the pair, [`NONE`] for an excluded pair.
+    table: Vec<u32>,
+    pub(crate) all: Vec<TrackedPair>,
+    /// The index of the first pair of two bodies of the robot.
+    pub(crate) own: usize,
+    obstacles: usize,
+    boxes: PencilSweep,
+    /// Obstacles found by a query.
+    found: Vec<BodyId>,
+    /// The obstacles as bodies that rest.
+    pub(crate) resting: Vec<Steady>,
+    /// A ball about each body of the robot and about each obstacle, in the frame of the shape.
+    pub(crate) robot_balls: Vec<(Point3<f64>, f64)>,
+    pub(crate) obstacle_balls: Vec<(Point3<f64>, f64)>,
+    /// The greatest radius of a ball of the robot.
+    pub(crate) robot_radius: f64,
+}
+
+const NONE: u32 = u32::MAX;
+
+impl Pairs {
+    pub(crate) fn new(world: &World, is_rigid: impl Fn(usize, usize) -> bool) -> Result<Self, PlanError> {
+        let mut pairs = Self {
+            table: Vec::new(),
+            all: Vec::new(),
+            own: 0,
+            obstacles: world.obstacles.len(),
+            boxes: PencilSweep::new(),
+            found: Vec::new(),
+            resting: Vec::new(),
+            robot_balls: world.robot.iter().map(|b| b.1.bounding_ball()).collect(),
+            obstacle_balls: Vec::new(),
+            robot_radius: 0.0,
+        };
+        pairs.robot_radius = pairs.robot_balls.iter().map(|b| b.1).fold(0.0, f64::max);
+        for (_, shape, pose) in &world.obstacles {
+            pairs.obstacle(shape, pose)?;
+        }
+        pairs.boxes.step();
+        for i in 0..world.robot.len() {
+            for k in 0..world.obstacles.len() {
+                let entry = pairs.add(world, WorldPair::new(i, WorldId::Obstacle(k)))?;
+                pairs.table.push(entry);
+            }
+        }
+        pairs.own = pairs.all.len();
+        for i in 0..world.robot.len() {
+            for k in i + 1..world.robot.len() {
+                if !is_rigid(i, k) {
+                    pairs.add(world, WorldPair::new(i, WorldId::Robot(k)))?;
+                }
+            }
+        }
+        Ok(pairs)
+    }
+
+    fn obstacle(&mut self, shape: &Geometry, pose: &Isometry3<f64>) -> Result<(), PlanError> {
+        self.resting.push(Steady::new(pose, Velocity::default())?);
+        let aabb = Aabb::from(shape.aabb_at(pose, &mut BoxHint::default()));
+        self.boxes.insert(&aabb, BodyOptions::fixed())?;
+        self.obstacle_balls.push(shape.bounding_ball());
+        Ok(())
+    }
+
+    fn add(&mut self, world: &World, pair: WorldPair) -> Result<u32, PlanError> {
+        if world.is_excluded(pair) {
+            return Ok(NONE);
+        }
+        self.all.push(TrackedPair {
+            pair,
+            tracker: PairTracker::new(),
+            measured: 0,
+        });
+        Ok(self.all.len() as u32 - 1)
+    }
+
+    /// Returns the pair of a body of the robot and an obstacle, unless excluded.
+    pub(crate) fn of(&self, body: usize, obstacle: usize) -> Option<usize> {
+        let entry = self.table[body * self.obstacles + obstacle];
+        (entry != NONE).then_some(entry as usize)
+    }
+
+    /// Appends the pairs of a body of the robot with the obstacles whose boxes a box overlaps.
+    pub(crate) fn near(&mut self, body: usize, swept: &Aabb, pairs: &mut Vec<usize>) -> Result<(), PlanError> {
+        self.found.clear();
+        self.boxes.overlapping(swept, &mut self.found)?;
+        let found = self.found.iter().map(|id| id.index as usize);
+        pairs.extend(found.filter_map(|k| self.of(body, k)));
+        Ok(())
+    }
+}
+
+impl WorldPair {
+    fn new(body: usize, b: WorldId) -> Self {
+        Self {
+            a: WorldId::Robot(body),
+            b,
+        }
+    }
+}
+
+/// Returns a box that contains a body, grown by `margin`, at every instant of a motion of one unit
+/// of time that begins at `pose`: the pivot stays within the hull of the control points of its
+/// parabola but for the drift, and no point is farther from the pivot than the ball reaches.
+pub(crate) fn swept_box(
+    (centre, radius): (Point3<f64>, f64),
+    pose: &Isometry3<f64>,
+    course: &Course,
+    margin: f64,
+) -> Aabb {
+    let start = pose * course.pivot;
+    let (half, bend) = (course.linear * 0.5, course.acceleration * 0.5);
+    let ends = [start, start + half, start + course.linear + bend];
+    let path = ends[1..]
+        .iter()
+        .fold(Aabb::new(start, start), |all, p| all.united(&Aabb::new(*p, *p)));
+    let reach = radius + (centre - course.pivot).norm();
+    let size = reach + start.coords.abs().sum() + course.linear.abs().sum() + bend.abs().sum();
+    path.grown(margin + reach + course.drift(reach).at(1.0) + PLACED * size)
+}

@@ -1,0 +1,361 @@
+//! Configuration spaces of one rigid body: in the plane, in space without turns, in space.
+
+use core::f64::consts::{PI, TAU};
+use std::vec::Vec;
+
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+use crate::error::PlanError;
+use crate::space::{ConfigurationSpace, SegmentMotion, check, check_bounds, within};
+use lin_canny::motion::{Course, Motion, Steady, Velocity};
+use lin_canny::tolerance::{EXTENT_MAX, POSE_UNIT};
+
+/// Largest angle of a configuration in the plane: sums and remainders of angles err by UNIT of
+/// their size, and a thousand radians keep thirteen digits.
+const ANGLE_MAX: f64 = 1024.0;
+
+/// One rigid motion of all bodies.
+impl SegmentMotion for Steady {
+    fn pose(&self, _: usize, time: f64) -> Isometry3<f64> {
+        Motion::pose(self, time)
+    }
+
+    fn course(&self, _: usize, time: f64, span: f64) -> Course {
+        Motion::course(self, time, span)
+    }
+}
+
+/// Refuses a radius that is not positive and finite.
+fn check_radius(value: f64) -> Result<(), PlanError> {
+    if value > 0.0 && value <= EXTENT_MAX {
+        Ok(())
+    } else {
+        let what = "radius";
+        Err(PlanError::Value { what, value })
+    }
+}
+
+/// A rigid body in the plane z = 0: configurations are x, y and the angle about z in radians.
+///
+/// Along a segment the body's own origin goes straight and the body turns the shorter way round at
+/// a constant rate. The angle may be anything up to 1024; angles that differ by a whole turn are
+/// one configuration.
+#[doc(alias = "SE2")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlanarSpace {
+    bounds: [[f64; 2]; 2],
+    scales: [f64; 3],
+    bodies: usize,
+}
+
+impl PlanarSpace {
+    /// Returns the space with least and greatest x and y; `radius` is the length that a radian
+    /// stands for, best the radius of the body about its own origin. All `bodies` of the robot
+    /// move as one.
+    ///
+    /// # Errors
+    /// Bounds or a radius that are not finite, empty or not positive.
+    pub fn new(bounds: [[f64; 2]; 2], radius: f64, bodies: usize) -> Result<Self, PlanError> {
+        check_bounds("bound of the plane", &bounds)?;
+        check_radius(radius)?;
+        Ok(Self {
+            bounds,
+            scales: [1.0, 1.0, radius],
+            bodies,
+        })
+    }
+
+    fn pose(q: &[f64]) -> Isometry3<f64> {
+        let (sine, cosine) = libm::sincos(0.5 * q[2]);
+        let turn = UnitQuaternion::new_unchecked(Quaternion::new(cosine, 0.0, 0.0, sine));
+        Isometry3::from_parts(Translation3::new(q[0], q[1], 0.0), turn)
+    }
+}
+
+/// Returns the angle between two angles the shorter way round, in [-pi, pi]: with the ends
+/// exchanged the negative angle, half a turn included, as a roadmap drives segments both ways.
+fn shorter(from: f64, to: f64) -> f64 {
+    let turn = libm::fmod(to - from, TAU);
+    if turn > PI {
+        turn - TAU
+    } else if turn < -PI {
+        turn + TAU
+    } else {
+        turn
+    }
+}
+
+impl ConfigurationSpace for PlanarSpace {
+    type Segment = Steady;
+
+    fn coordinates(&self) -> usize {
+        3
+    }
+    fn freedom(&self) -> usize {
+        3
+    }
+    fn bodies(&self) -> usize {
+        self.bodies
+    }
+    fn bounds(&self) -> &[[f64; 2]] {
+        &self.bounds
+    }
+    fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    fn check(&self, q: &[f64]) -> Result<(), PlanError> {
+        check(q, 3, &self.bounds)?;
+        if q[2].abs() <= ANGLE_MAX {
+            Ok(())
+        } else {
+            Err(PlanError::Coordinate { index: 2, value: q[2] })
+        }
+    }
+
+    fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
+        poses.clear();
+        poses.resize(self.bodies, Self::pose(q));
+    }
+
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Steady, PlanError> {
+        let linear = Vector3::new(to[0] - from[0], to[1] - from[1], 0.0);
+        let velocity = Velocity::new(linear, Vector3::z() * shorter(from[2], to[2]));
+        Ok(Steady::new(&Self::pose(from), velocity)?)
+    }
+
+    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        [to[0] - from[0], to[1] - from[1], shorter(from[2], to[2])].into()
+    }
+
+    fn moved(&self, q: &[f64], step: &[f64]) -> Vec<f64> {
+        let [x, y] = [0, 1].map(|k| within(q[k] + step[k], self.bounds[k]));
+        [x, y, shorter(0.0, q[2] + step[2])].into()
+    }
+
+    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        let [x, y] = self.bounds.map(|[low, high]| low + (high - low) * uniform());
+        [x, y, (2.0 * uniform() - 1.0) * PI].into()
+    }
+
+    fn gradient(&self, q: &[f64], _: usize, point: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
+        let arm = point.coords - Vector3::new(q[0], q[1], 0.0);
+        let parts = [direction.x, direction.y, arm.cross(direction).z];
+        gradient.copy_from_slice(&parts);
+    }
+
+    fn is_rigid(&self, _: usize, _: usize) -> bool {
+        true
+    }
+}
+
+/// A rigid body in space that does not turn: configurations are x, y and z of the body's own
+/// origin.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TranslationSpace {
+    bounds: [[f64; 2]; 3],
+    rotation: UnitQuaternion<f64>,
+    bodies: usize,
+}
+
+impl TranslationSpace {
+    /// Returns the space with least and greatest x, y and z, for bodies that keep this rotation.
+    ///
+    /// # Errors
+    /// Bounds that are not finite or empty, or a rotation that is not of unit length.
+    pub fn new(bounds: [[f64; 2]; 3], rotation: UnitQuaternion<f64>, bodies: usize) -> Result<Self, PlanError> {
+        check_bounds("bound of the space", &bounds)?;
+        lin_canny::RelativePose::from_isometry(&Isometry3::from_parts(Translation3::identity(), rotation))?;
+        Ok(Self {
+            bounds,
+            rotation,
+            bodies,
+        })
+    }
+
+    fn pose(&self, q: &[f64]) -> Isometry3<f64> {
+        Isometry3::from_parts(Translation3::new(q[0], q[1], q[2]), self.rotation)
+    }
+}
+
+impl ConfigurationSpace for TranslationSpace {
+    type Segment = Steady;
+
+    fn coordinates(&self) -> usize {
+        3
+    }
+    fn freedom(&self) -> usize {
+        3
+    }
+    fn bodies(&self) -> usize {
+        self.bodies
+    }
+    fn bounds(&self) -> &[[f64; 2]] {
+        &self.bounds
+    }
+    fn scales(&self) -> &[f64] {
+        &[1.0; 3]
+    }
+    fn check(&self, q: &[f64]) -> Result<(), PlanError> {
+        check(q, 3, &self.bounds)
+    }
+    fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
+        poses.clear();
+        poses.resize(self.bodies, self.pose(q));
+    }
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Steady, PlanError> {
+        let linear = Vector3::new(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+        Ok(Steady::new(&self.pose(from), Velocity::new(linear, Vector3::zeros()))?)
+    }
+    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        from.iter().zip(to).map(|(a, b)| b - a).collect()
+    }
+    fn moved(&self, q: &[f64], step: &[f64]) -> Vec<f64> {
+        (0..3).map(|k| within(q[k] + step[k], self.bounds[k])).collect()
+    }
+    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        self.bounds
+            .iter()
+            .map(|[low, high]| low + (high - low) * uniform())
+            .collect()
+    }
+    fn gradient(&self, _: &[f64], _: usize, _: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
+        gradient.copy_from_slice(direction.as_slice());
+    }
+    fn is_rigid(&self, _: usize, _: usize) -> bool {
+        true
+    }
+}
+
+/// A rigid body in space: configurations are `x, y, z, qx, qy, qz, qw`, position of the body's own
+/// origin and unit quaternion.
+///
+/// Along a segment the origin goes straight and the body turns the shorter way round about one axis
+/// at a constant rate (slerp). A step is a displacement of the origin and a rotation vector, both
+/// along the axes of the world.
+#[doc(alias = "SE3")]
+#[derive(Clone, Debug, PartialEq)]
+pub struct RigidSpace {
+    bounds: [[f64; 2]; 3],
+    scales: [f64; 6],
+    bodies: usize,
+}
+
+impl RigidSpace {
+    /// Returns the space with least and greatest x, y and z; `radius` is the length that a radian
+    /// stands for, best the radius of the body about its own origin. All `bodies` of the robot
+    /// move as one.
+    ///
+    /// # Errors
+    /// Bounds or a radius that are not finite, empty or not positive.
+    pub fn new(bounds: [[f64; 2]; 3], radius: f64, bodies: usize) -> Result<Self, PlanError> {
+        check_bounds("bound of the space", &bounds)?;
+        check_radius(radius)?;
+        Ok(Self {
+            bounds,
+            scales: [1.0, 1.0, 1.0, radius, radius, radius],
+            bodies,
+        })
+    }
+
+    /// Returns the configuration of a pose.
+    #[must_use]
+    pub fn configuration(pose: &Isometry3<f64>) -> Vec<f64> {
+        let (t, q) = (pose.translation.vector, pose.rotation.coords);
+        [t.x, t.y, t.z, q.x, q.y, q.z, q.w].into()
+    }
+
+    /// Returns the pose of a configuration.
+    fn pose(q: &[f64]) -> Isometry3<f64> {
+        let turn = UnitQuaternion::new_unchecked(Quaternion::new(q[6], q[3], q[4], q[5]));
+        Isometry3::from_parts(Translation3::new(q[0], q[1], q[2]), turn)
+    }
+}
+
+impl ConfigurationSpace for RigidSpace {
+    type Segment = Steady;
+
+    fn coordinates(&self) -> usize {
+        7
+    }
+    fn freedom(&self) -> usize {
+        6
+    }
+    fn bodies(&self) -> usize {
+        self.bodies
+    }
+    fn bounds(&self) -> &[[f64; 2]] {
+        &self.bounds
+    }
+    fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
+    fn check(&self, q: &[f64]) -> Result<(), PlanError> {
+        check(q, 7, &self.bounds)?;
+        let squared_norm = Self::pose(q).rotation.coords.norm_squared();
+        if (squared_norm - 1.0).abs() <= POSE_UNIT {
+            Ok(())
+        } else {
+            Err(PlanError::Rotation { squared_norm })
+        }
+    }
+
+    fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
+        poses.clear();
+        poses.resize(self.bodies, Self::pose(q));
+    }
+
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Steady, PlanError> {
+        Ok(Steady::between(
+            &Self::pose(from),
+            &Self::pose(to),
+            1.0,
+            Point3::origin(),
+        )?)
+    }
+
+    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        let (p, q) = (Self::pose(from), Self::pose(to));
+        let turn = q.rotation.into_inner() * p.rotation.into_inner().conjugate();
+        let turn = if turn.w < 0.0 { -turn } else { turn };
+        let sine = f64::sqrt(turn.imag().norm_squared());
+        let factor = if sine > 0.0 {
+            2.0 * libm::atan2(sine, turn.w) / sine
+        } else {
+            2.0
+        };
+        let (way, angle) = (q.translation.vector - p.translation.vector, turn.imag() * factor);
+        [way.x, way.y, way.z, angle.x, angle.y, angle.z].into()
+    }
+
+    fn moved(&self, q: &[f64], step: &[f64]) -> Vec<f64> {
+        let spin = Velocity::new(Vector3::zeros(), Vector3::new(step[3], step[4], step[5]));
+        let mut pose = spin.applied(&Self::pose(q), 1.0);
+        let at = |k: usize| within(q[k] + step[k], self.bounds[k]);
+        pose.translation = Translation3::new(at(0), at(1), at(2));
+        Self::configuration(&pose)
+    }
+
+    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        let [x, y, z] = self.bounds.map(|[low, high]| low + (high - low) * uniform());
+        // Shoemake 1992: uniform on the sphere of unit quaternions.
+        let (part, first, second) = (uniform(), TAU * uniform(), TAU * uniform());
+        let (small, large) = (f64::sqrt(part), f64::sqrt(1.0 - part));
+        let ((s, c), (u, v)) = (libm::sincos(first), libm::sincos(second));
+        let q = [large * s, large * c, small * u, small * v];
+        let norm = f64::sqrt(q.iter().map(|x| x * x).sum());
+        let [i, j, k, w] = q.map(|x| x / norm);
+        [x, y, z, i, j, k, w].into()
+    }
+
+    fn gradient(&self, q: &[f64], _: usize, point: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
+        let turned = (point.coords - Vector3::new(q[0], q[1], q[2])).cross(direction);
+        gradient[..3].copy_from_slice(direction.as_slice());
+        gradient[3..].copy_from_slice(turned.as_slice());
+    }
+
+    fn is_rigid(&self, _: usize, _: usize) -> bool {
+        true
+    }
+}

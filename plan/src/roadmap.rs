@@ -1,0 +1,168 @@
+//! Roadmaps: configurations joined by segments proven free.
+
+use core::cmp::{Ordering, Reverse};
+use std::collections::{BTreeMap, BinaryHeap};
+use std::vec::Vec;
+
+use crate::freeway::FreewayEnd;
+
+/// The kind of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum EdgeKind {
+    /// A step along a freeway.
+    Freeway,
+    /// A step of an ascent within a slice, from a configuration to a freeway.
+    Ascent,
+    /// A step along a freeway of a slice, with one dimension less: a bridge between freeways.
+    Bridge,
+    /// A straight segment between two parts of the roadmap.
+    Link,
+}
+
+/// A segment proven free between two configurations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Edge {
+    /// The numbers of the configurations.
+    pub ends: [usize; 2],
+    /// The kind.
+    pub kind: EdgeKind,
+}
+
+/// A freeway as it was traced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Freeway {
+    /// The sweep coordinate.
+    pub coordinate: usize,
+    /// How many coordinates were fixed besides: zero for a freeway, more for a bridge.
+    pub depth: usize,
+    /// The numbers of the configurations, from the lower end to the upper end.
+    pub nodes: Vec<usize>,
+    /// Why the freeway ends at the lower and at the upper end.
+    pub ends: [FreewayEnd; 2],
+}
+
+/// Configurations, and segments proven free between them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Roadmap {
+    /// The configurations; number 0 is the start, number 1 the goal.
+    pub nodes: Vec<Vec<f64>>,
+    /// The segments.
+    pub edges: Vec<Edge>,
+    /// The freeways.
+    pub freeways: Vec<Freeway>,
+    /// The number of the component of each node.
+    numbers: Vec<usize>,
+    /// The nodes of each component by its number.
+    components: BTreeMap<usize, Vec<usize>>,
+}
+
+impl Roadmap {
+    pub(crate) fn add(&mut self, q: Vec<f64>) -> usize {
+        let node = self.nodes.len();
+        self.nodes.push(q);
+        self.numbers.push(node);
+        self.components.insert(node, [node].into());
+        node
+    }
+
+    /// Joins two nodes; the smaller component goes into the larger.
+    pub(crate) fn join(&mut self, a: usize, b: usize, kind: EdgeKind) {
+        self.edges.push(Edge { ends: [a, b], kind });
+        let size = |number: usize| self.components.get(&number).map_or(0, Vec::len);
+        let [x, y] = [a, b].map(|node| self.numbers[node]);
+        let (large, small) = if size(x) < size(y) { (y, x) } else { (x, y) };
+        if large == small {
+            return;
+        }
+        let moved = self.components.remove(&small).unwrap_or_default();
+        for &node in &moved {
+            self.numbers[node] = large;
+        }
+        self.components.entry(large).or_default().extend(moved);
+    }
+
+    /// Returns the number of the component of a node: configurations joined by segments share a
+    /// number, the number of one of them.
+    #[must_use]
+    pub fn component(&self, node: usize) -> usize {
+        self.numbers[node]
+    }
+
+    /// Returns the components, each with its number and nodes.
+    pub(crate) fn components(&self) -> impl Iterator<Item = (usize, &[usize])> {
+        self.components
+            .iter()
+            .map(|(number, nodes)| (*number, nodes.as_slice()))
+    }
+
+    /// Returns the nodes that segments join with each node.
+    fn neighbours(&self) -> Vec<Vec<usize>> {
+        let mut beside: Vec<Vec<usize>> = std::vec![Vec::new(); self.nodes.len()];
+        for Edge { ends: [a, b], .. } in &self.edges {
+            beside[*a].push(*b);
+            beside[*b].push(*a);
+        }
+        beside
+    }
+
+    /// Returns the nodes of a shortest way between two nodes by the lengths of segments.
+    pub(crate) fn way(&self, from: usize, to: usize, length: impl Fn(&[f64], &[f64]) -> f64) -> Option<Vec<usize>> {
+        let beside = self.neighbours();
+        let mut best = std::vec![(f64::INFINITY, usize::MAX); self.nodes.len()];
+        best[from] = (0.0, from);
+        let mut heap = BinaryHeap::from([Reverse(Reached { far: 0.0, node: from })]);
+        while let Some(Reverse(Reached { far, node })) = heap.pop() {
+            if node == to {
+                break;
+            }
+            if far > best[node].0 {
+                continue;
+            }
+            for &next in &beside[node] {
+                let far = far + length(&self.nodes[node], &self.nodes[next]);
+                if far < best[next].0 {
+                    best[next] = (far, node);
+                    heap.push(Reverse(Reached { far, node: next }));
+                }
+            }
+        }
+        if best[to].0 == f64::INFINITY {
+            return None;
+        }
+        let mut way = std::vec![to];
+        let mut node = to;
+        while node != from {
+            node = best[node].1;
+            way.push(node);
+        }
+        way.reverse();
+        Some(way)
+    }
+}
+
+/// A node on the front of the search.
+#[derive(Clone, Copy, Debug)]
+struct Reached {
+    far: f64,
+    node: usize,
+}
+
+impl PartialEq for Reached {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Reached {}
+
+impl PartialOrd for Reached {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Reached {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.far.total_cmp(&other.far).then(self.node.cmp(&other.node))
+    }
+}

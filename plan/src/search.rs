@@ -1,0 +1,220 @@
+//! The search of the opportunistic planner.
+
+use std::vec::Vec;
+
+use crate::ascent::{ClearConfiguration, Slice, dot};
+use crate::clearance::NearPair;
+use crate::error::PlanError;
+use crate::freeway::FreewayEnd;
+use crate::links::{apart, spaced};
+use crate::opportunistic::PathSearch;
+use crate::path::Path;
+use crate::roadmap::{EdgeKind, Freeway};
+use crate::space::ConfigurationSpace;
+use crate::tuning::{CLOSED, DEPTH, KNOWN, OPPOSITE, SHORT};
+
+const START: usize = 0;
+const GOAL: usize = 1;
+
+impl<C: ConfigurationSpace> PathSearch<'_, C> {
+    pub(crate) fn run(&mut self, start: &[f64], goal: &[f64], slices: u64) -> Result<(), PlanError> {
+        self.roadmap.add(start.into());
+        self.roadmap.add(goal.into());
+        if self.tried(START, GOAL)? {
+            return Ok(());
+        }
+        for node in [START, GOAL] {
+            for coordinate in 0..self.checker.space.bounds().len() {
+                let slice = self.lengths.clone();
+                self.explore(node, coordinate, &slice, 0)?;
+                if self.is_over() {
+                    return Ok(());
+                }
+            }
+        }
+        while self.work.slices < slices && !self.is_over() {
+            self.work.slices += 1;
+            self.random_slice()?;
+        }
+        Ok(())
+    }
+
+    pub(crate) fn is_solved(&self) -> bool {
+        self.roadmap.component(START) == self.roadmap.component(GOAL)
+    }
+
+    fn is_over(&mut self) -> bool {
+        let spent = self.checker.work.since(&self.before);
+        self.is_solved() || spent.queries + spent.measures >= self.queries || (self.stop)()
+    }
+
+    pub(crate) fn path(&self) -> Option<Path> {
+        let space = &self.checker.space;
+        let way = self.roadmap.way(START, GOAL, |a, b| space.distance(a, b))?;
+        Some(way.into_iter().map(|k| self.roadmap.nodes[k].clone()).collect())
+    }
+
+    /// Begins a slice between two obstacles if a feeler finds such a place, else at a random
+    /// configuration.
+    fn random_slice(&mut self) -> Result<(), PlanError> {
+        let outer = self.lengths.clone();
+        if let Some((node, coordinate)) = self.feeler()? {
+            return self.explore(node, coordinate, &outer, 0);
+        }
+        if self.is_solved() {
+            return Ok(());
+        }
+        let coordinate = self.random.below(self.checker.space.bounds().len());
+        let mut slice = outer.clone();
+        slice.fixed[coordinate] = true;
+        match self.uniform(&slice)? {
+            Some(node) if !self.is_solved() => self.explore(node, coordinate, &outer, 0),
+            _ => Ok(()),
+        }
+    }
+
+    /// Ascends within a slice from a configuration that is uniform, in contact or not.
+    fn uniform(&mut self, slice: &Slice) -> Result<Option<usize>, PlanError> {
+        let random = &mut self.random;
+        let sample = self.checker.space.sample(&mut || random.uniform());
+        let mut passed = self.checker.ascend(sample, slice)?;
+        let margin = self.checker.margin();
+        passed.retain(|place| place.distance > margin);
+        let mut places = passed.into_iter();
+        let Some(first) = places.next() else {
+            return Ok(None);
+        };
+        let node = self.roadmap.add(first.q);
+        let last = self.chain(node, &places.collect::<Vec<_>>(), EdgeKind::Ascent)?;
+        self.link(&[node, last])?;
+        Ok(Some(last))
+    }
+
+    /// Goes from a near node straight towards a uniform configuration as far as the way is proven
+    /// free, adds the place reached, and tries to link the place to another component. Returns the
+    /// place, and the sweep coordinate along the channel, if the place lies between obstacles on
+    /// opposite sides: where channels split and join.
+    fn feeler(&mut self) -> Result<Option<(usize, usize)>, PlanError> {
+        let random = &mut self.random;
+        let goal = self.checker.space.sample(&mut || random.uniform());
+        let Some(node) = self.near_one(&goal, None) else {
+            return Ok(None);
+        };
+        let from = self.roadmap.nodes[node].clone();
+        let safe = self.checker.certify(&from, &goal)?.safe();
+        let part = if safe < 1.0 { safe * (1.0 - SHORT) } else { 1.0 };
+        let reached = self.checker.space.between(&from, &goal, part);
+        let is_short = self.checker.space.distance(&from, &reached) < 16.0 * self.lengths.shortest;
+        if is_short || !self.checker.is_free(&from, &reached)? {
+            return Ok(None);
+        }
+        let next = self.roadmap.add(reached.clone());
+        self.roadmap.join(node, next, EdgeKind::Link);
+        if let Some(other) = self.near_one(&reached, Some(next)) {
+            self.tried(next, other)?;
+        }
+        if safe >= 1.0 || self.is_solved() {
+            return Ok(None);
+        }
+        let near = self.checker.nearest(&reached, self.lengths.enough)?;
+        Ok(self.channel(&near).map(|coordinate| (next, coordinate)))
+    }
+
+    /// Returns the sweep coordinate that changes the distances of two opposite pairs least; `None`
+    /// if no two pairs are opposite: a step away from one is a step towards the other.
+    fn channel(&self, near: &[NearPair]) -> Option<usize> {
+        let norm = |g: &[f64]| f64::sqrt(dot(g, g));
+        let opposite = near.iter().enumerate().find_map(|(k, x)| {
+            let is_opposite =
+                |y: &&NearPair| dot(&x.gradient, &y.gradient) < -OPPOSITE * norm(&x.gradient) * norm(&y.gradient);
+            near[..k].iter().find(is_opposite).map(|y| (x, y))
+        });
+        let (x, y) = opposite?;
+        let change = |k: &usize| x.gradient[*k].abs() + y.gradient[*k].abs();
+        (0..self.checker.space.bounds().len()).min_by(|i, j| change(i).total_cmp(&change(j)))
+    }
+
+    /// Climbs from a node to the freeway of its slice, follows it both ways, links what is new to
+    /// the rest, and does the same within the slices of its ends, with one dimension less.
+    fn explore(&mut self, node: usize, coordinate: usize, outer: &Slice, depth: usize) -> Result<(), PlanError> {
+        let mut slice = outer.clone();
+        slice.fixed[coordinate] = true;
+        let mut passed = self.checker.ascend(self.roadmap.nodes[node].clone(), &slice)?;
+        let Some(top) = passed.last().cloned() else {
+            return Ok(());
+        };
+        if self.is_known(&top, depth) {
+            return Ok(());
+        }
+        let foot = self.chain(node, &passed.split_off(1), EdgeKind::Ascent)?;
+        if self.roadmap.nodes[foot] != top.q {
+            return Ok(());
+        }
+        let least = self.checker.margin() + CLOSED * slice.shortest;
+        for (tip, end) in self.follow((foot, &top), coordinate, &slice, depth)? {
+            // Where a channel has closed altogether, its slice holds nothing about it.
+            let is_open = |near: NearPair| near.distance > least;
+            let q = &self.roadmap.nodes[tip];
+            if end != FreewayEnd::Bound && self.checker.clearance(q)?.is_some_and(is_open) {
+                self.bridge(tip, &slice, depth)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Follows the freeway through a node both ways and links what is new to the rest. Returns the
+    /// nodes at which the freeway ends.
+    fn follow(
+        &mut self,
+        (foot, top): (usize, &ClearConfiguration),
+        coordinate: usize,
+        slice: &Slice,
+        depth: usize,
+    ) -> Result<[(usize, FreewayEnd); 2], PlanError> {
+        let (down, lower) = self.checker.trace(top, coordinate, -1.0, slice)?;
+        let (up, upper) = self.checker.trace(top, coordinate, 1.0, slice)?;
+        let (kind, count) = match depth {
+            0 => (EdgeKind::Freeway, &mut self.work.freeways),
+            _ => (EdgeKind::Bridge, &mut self.work.bridges),
+        };
+        *count += 1;
+        let mut nodes = self.strung(foot, down, kind);
+        nodes.reverse();
+        nodes.push(foot);
+        nodes.extend(self.strung(foot, up, kind));
+        self.link(&spaced(&nodes))?;
+        let tips = [(nodes[0], lower), (nodes[nodes.len() - 1], upper)];
+        let ends = [lower, upper];
+        self.roadmap.freeways.push(Freeway {
+            coordinate,
+            depth,
+            nodes,
+            ends,
+        });
+        Ok(tips)
+    }
+
+    /// Explores the slice of an end of a freeway, swept along another coordinate.
+    fn bridge(&mut self, node: usize, slice: &Slice, depth: usize) -> Result<(), PlanError> {
+        let bounds = self.checker.space.bounds().len();
+        let open: Vec<usize> = (0..bounds).filter(|&k| !slice.fixed[k]).collect();
+        if depth >= DEPTH || open.is_empty() || self.is_over() {
+            return Ok(());
+        }
+        let coordinate = open[self.random.below(open.len())];
+        self.explore(node, coordinate, slice, depth + 1)
+    }
+
+    /// Returns whether a place lies so near a place of a freeway, or for a place in a slice of a
+    /// bridge, that the ball of its clearance holds nothing new.
+    fn is_known(&self, top: &ClearConfiguration, depth: usize) -> bool {
+        let (roadmap, space) = (&self.roadmap, &self.checker.space);
+        let near = KNOWN * top.distance;
+        let freeways = roadmap.freeways.iter().filter(|f| f.depth == depth);
+        let freeways = freeways.flat_map(|f| &f.nodes);
+        let mut close = freeways
+            .map(|&k| &roadmap.nodes[k])
+            .filter(|q| apart(space, &top.q, q) < near);
+        close.any(|q| space.distance(&top.q, q) < near)
+    }
+}

@@ -1,0 +1,208 @@
+//! The seam of planning: where bodies are at a configuration, and how they move along a segment.
+
+use std::vec::Vec;
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use crate::error::PlanError;
+use lin_canny::motion::{Course, Motion};
+
+/// A configuration space: configurations are lists of numbers, and each places all bodies of a
+/// robot.
+///
+/// A *configuration* has [`coordinates`](Self::coordinates) numbers. A *step* is a tangent vector
+/// with one component for each degree of freedom, [`freedom`](Self::freedom) in number. The first
+/// components belong to the *sweep coordinates*: component k of a step changes coordinate k of a
+/// configuration alone, for each k below the number of [`bounds`](Self::bounds). The rest, such as
+/// the three components of a rotation, have no bounds.
+pub trait ConfigurationSpace {
+    /// The motion of all bodies along a segment.
+    type Segment: SegmentMotion;
+
+    /// Returns the number of numbers of a configuration.
+    fn coordinates(&self) -> usize;
+
+    /// Returns the number of degrees of freedom, the components of a step.
+    fn freedom(&self) -> usize;
+
+    /// Returns the number of bodies that a configuration places.
+    fn bodies(&self) -> usize;
+
+    /// Returns the least and the greatest value of each sweep coordinate.
+    fn bounds(&self) -> &[[f64; 2]];
+
+    /// Returns the length that a unit of each component of a step stands for: 1 for a length, the
+    /// radius of the robot for an angle.
+    fn scales(&self) -> &[f64];
+
+    /// Refuses a configuration that is not of this space.
+    ///
+    /// # Errors
+    /// The coordinate that is wrong.
+    fn check(&self, configuration: &[f64]) -> Result<(), PlanError>;
+
+    /// Writes the poses of all bodies at a configuration, in the order of the bodies.
+    fn place(&self, configuration: &[f64], poses: &mut Vec<Isometry3<f64>>);
+
+    /// Returns the motion along the segment between two configurations, over the times 0 to 1.
+    ///
+    /// The segment with its ends exchanged must be the same motion backwards, half a turn
+    /// included: a roadmap drives its segments both ways.
+    ///
+    /// # Errors
+    /// Numbers that are out of range.
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError>;
+
+    /// Returns the step along the segment from one configuration to another.
+    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64>;
+
+    /// Returns the configuration after a step; sweep coordinates end at their bounds.
+    fn moved(&self, from: &[f64], step: &[f64]) -> Vec<f64>;
+
+    /// Returns a random configuration within the bounds, from numbers uniform in `[0, 1)`.
+    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64>;
+
+    /// Writes the gradient of `direction . p` by a step, p being the point of a body that is at
+    /// `point` in the world at this configuration.
+    fn gradient(
+        &self,
+        configuration: &[f64],
+        body: usize,
+        point: &Point3<f64>,
+        direction: &Vector3<f64>,
+        gradient: &mut [f64],
+    );
+
+    /// Returns whether two bodies keep their relative pose at all configurations: such pairs are
+    /// never measured.
+    fn is_rigid(&self, a: usize, b: usize) -> bool {
+        a == b
+    }
+
+    /// Returns the configuration at `t` along the segment from one configuration to another.
+    fn between(&self, from: &[f64], to: &[f64], t: f64) -> Vec<f64> {
+        let mut step = self.difference(from, to);
+        step.iter_mut().for_each(|x| *x *= t);
+        self.moved(from, &step)
+    }
+
+    /// Returns the length of a segment: the norm of the step with the
+    /// [`scales`](Self::scales).
+    fn distance(&self, from: &[f64], to: &[f64]) -> f64 {
+        let step = self.difference(from, to);
+        let squares = step.iter().zip(self.scales()).map(|(x, s)| (x * s) * (x * s));
+        f64::sqrt(squares.sum())
+    }
+}
+
+impl<C: ConfigurationSpace + ?Sized> ConfigurationSpace for &C {
+    type Segment = C::Segment;
+
+    fn coordinates(&self) -> usize {
+        (**self).coordinates()
+    }
+    fn freedom(&self) -> usize {
+        (**self).freedom()
+    }
+    fn bodies(&self) -> usize {
+        (**self).bodies()
+    }
+    fn bounds(&self) -> &[[f64; 2]] {
+        (**self).bounds()
+    }
+    fn scales(&self) -> &[f64] {
+        (**self).scales()
+    }
+    fn check(&self, configuration: &[f64]) -> Result<(), PlanError> {
+        (**self).check(configuration)
+    }
+    fn place(&self, configuration: &[f64], poses: &mut Vec<Isometry3<f64>>) {
+        (**self).place(configuration, poses);
+    }
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<Self::Segment, PlanError> {
+        (**self).segment(from, to)
+    }
+    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        (**self).difference(from, to)
+    }
+    fn moved(&self, from: &[f64], step: &[f64]) -> Vec<f64> {
+        (**self).moved(from, step)
+    }
+    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        (**self).sample(uniform)
+    }
+    fn gradient(&self, q: &[f64], body: usize, point: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
+        (**self).gradient(q, body, point, direction, gradient);
+    }
+    fn is_rigid(&self, a: usize, b: usize) -> bool {
+        (**self).is_rigid(a, b)
+    }
+}
+
+/// The motion of all bodies along a segment, over the times 0 to 1. Each body keeps the contract of
+/// [`Motion`].
+pub trait SegmentMotion {
+    /// Returns the pose of a body at a time.
+    fn pose(&self, body: usize, time: f64) -> Isometry3<f64>;
+
+    /// Returns the velocities of a body at a time and bounds of the deviation within `span` from
+    /// then on.
+    fn course(&self, body: usize, time: f64, span: f64) -> Course;
+}
+
+/// The motion of one body along a segment.
+#[derive(Clone, Copy, Debug)]
+pub struct BodyMotion<'a, M: ?Sized> {
+    /// The motion of all bodies.
+    pub segment: &'a M,
+    /// The number of the body.
+    pub body: usize,
+}
+
+impl<M: SegmentMotion + ?Sized> Motion for BodyMotion<'_, M> {
+    fn pose(&self, time: f64) -> Isometry3<f64> {
+        self.segment.pose(self.body, time)
+    }
+
+    fn course(&self, time: f64, span: f64) -> Course {
+        self.segment.course(self.body, time, span)
+    }
+}
+
+/// Refuses a configuration of a wrong length, or with a sweep coordinate that is not within its
+/// bounds.
+pub(crate) fn check(configuration: &[f64], coordinates: usize, bounds: &[[f64; 2]]) -> Result<(), PlanError> {
+    if configuration.len() != coordinates {
+        return Err(PlanError::Length {
+            expected: coordinates,
+            found: configuration.len(),
+        });
+    }
+    for (index, (&value, [low, high])) in configuration.iter().zip(bounds).enumerate() {
+        if !(*low..=*high).contains(&value) {
+            return Err(PlanError::Coordinate { index, value });
+        }
+    }
+    Ok(())
+}
+
+/// Refuses bounds that are not finite or empty.
+pub(crate) fn check_bounds(what: &'static str, bounds: &[[f64; 2]]) -> Result<(), PlanError> {
+    use lin_canny::tolerance::EXTENT_MAX;
+    for [low, high] in bounds {
+        for &value in [low, high] {
+            if !(value.abs() <= EXTENT_MAX) {
+                return Err(PlanError::Value { what, value });
+            }
+        }
+        if !(low <= high) {
+            return Err(PlanError::Value { what, value: *high });
+        }
+    }
+    Ok(())
+}
+
+/// Returns a sweep coordinate after a step, within its bounds.
+pub(crate) fn within(value: f64, [low, high]: [f64; 2]) -> f64 {
+    value.max(low).min(high)
+}

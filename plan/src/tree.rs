@@ -1,0 +1,328 @@
+//! Trees of joints: branches, joints that mimic another, joints that never move.
+
+use std::vec::Vec;
+
+use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
+
+use crate::arm::JointKind;
+use crate::error::PlanError;
+use crate::space::{ConfigurationSpace, check, check_bounds, within};
+use crate::tree_motion::{LinkTree, TreeSegment};
+use lin_canny::motion::Velocity;
+use lin_canny::tolerance::{EXTENT_MAX, POSE_UNIT};
+use lin_canny::{RelativePose, normalize};
+
+/// What sets the value of a joint: `factor` times a coordinate of the configuration, plus `offset`.
+/// Joints with the same coordinate mimic each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Drive {
+    /// The index of the coordinate.
+    pub coordinate: usize,
+    /// The change of the value for a unit of the coordinate.
+    pub factor: f64,
+    /// The value at the coordinate 0.
+    pub offset: f64,
+}
+
+impl Drive {
+    /// Returns the drive of a joint whose value is a coordinate.
+    #[must_use]
+    pub fn by(coordinate: usize) -> Self {
+        Self {
+            coordinate,
+            factor: 1.0,
+            offset: 0.0,
+        }
+    }
+}
+
+/// A joint of a tree, and the link that the joint moves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TreeJoint {
+    /// The link before: 0 for the base, k for the link that joint k - 1 moves.
+    pub parent: usize,
+    /// The kind.
+    pub kind: JointKind,
+    /// The pose of the joint's frame in the frame of the link before.
+    pub origin: Isometry3<f64>,
+    /// The axis through the origin of the joint's frame, in that frame.
+    pub axis: Unit<Vector3<f64>>,
+    /// What moves the joint; a joint without a drive keeps the value 0: it is fixed.
+    pub drive: Option<Drive>,
+}
+
+impl TreeJoint {
+    /// Returns a joint that never moves.
+    #[must_use]
+    pub fn fixed(parent: usize, origin: Isometry3<f64>) -> Self {
+        Self {
+            parent,
+            kind: JointKind::Prismatic,
+            origin,
+            axis: Vector3::z_axis(),
+            drive: None,
+        }
+    }
+
+    /// Returns the value at a configuration.
+    pub(crate) fn value(&self, configuration: &[f64]) -> f64 {
+        self.drive
+            .map_or(0.0, |d| d.factor * configuration[d.coordinate] + d.offset)
+    }
+
+    /// Returns the pose that the value of the joint adds.
+    pub(crate) fn moved(&self, value: f64) -> Isometry3<f64> {
+        let way = self.axis.into_inner() * value;
+        match self.kind {
+            JointKind::Revolute => Velocity::new(Vector3::zeros(), way).applied(&Isometry3::identity(), 1.0),
+            JointKind::Prismatic => Isometry3::from_parts(way.into(), UnitQuaternion::identity()),
+        }
+    }
+
+    /// Returns the pose of the link after the joint from the pose of the link before.
+    pub(crate) fn after(&self, parent: &Isometry3<f64>, value: f64) -> Isometry3<f64> {
+        normalize(&(parent * self.origin * self.moved(value)))
+    }
+
+    fn check(&self, index: usize, limits: &[[f64; 2]]) -> Result<(), PlanError> {
+        RelativePose::from_isometry(&self.origin)?;
+        let refused = |what, value| Err(PlanError::Value { what, value });
+        let square = self.axis.norm_squared();
+        if !((square - 1.0).abs() <= POSE_UNIT) {
+            return refused("length of an axis", square);
+        }
+        if self.parent > index {
+            return refused("number of a parent link", self.parent as f64);
+        }
+        let Some(drive) = self.drive else {
+            return Ok(());
+        };
+        let Some([low, high]) = limits.get(drive.coordinate) else {
+            return refused("coordinate of a drive", drive.coordinate as f64);
+        };
+        let most = drive.factor.abs() * low.abs().max(high.abs()) + drive.offset.abs();
+        if most <= EXTENT_MAX {
+            Ok(())
+        } else {
+            refused("value of a joint", most)
+        }
+    }
+}
+
+/// A robot of joints in a tree: each joint moves a link, and a link carries any number of bodies
+/// and of further joints. Coordinates drive joints; one coordinate may drive several. All joints
+/// move evenly along a segment.
+///
+/// The frame of a link is the frame of its joint, moved by the value of the joint. Link 0 is the
+/// base, and link k is moved by joint k - 1.
+///
+/// Two fingers of a gripper that open together:
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny_plan::{Checker, Drive, JointKind, JointTree, TreeJoint, World};
+/// use lin_canny::polyhedron::solids;
+///
+/// let finger = |factor: f64| TreeJoint {
+///     parent: 1,
+///     kind: JointKind::Prismatic,
+///     origin: Isometry3::translation(0.0, factor * 0.02, 0.1),
+///     axis: Vector3::y_axis(),
+///     drive: Some(Drive { coordinate: 1, factor, offset: 0.0 }),
+/// };
+/// let wrist = TreeJoint {
+///     parent: 0,
+///     kind: JointKind::Revolute,
+///     origin: Isometry3::identity(),
+///     axis: Vector3::z_axis(),
+///     drive: Some(Drive::by(0)),
+/// };
+/// let joints = vec![wrist, finger(1.0), finger(-1.0)];
+/// let limits = vec![[-3.0, 3.0], [0.0, 0.04]];
+/// let (base, radii) = (Isometry3::identity(), vec![0.0, 0.0, 0.1, 0.1]);
+/// let hand = JointTree::new(base, joints, limits, vec![2, 3], radii)?;
+/// let rod = solids::cuboid(Vector3::new(0.01, 0.01, 0.05))?;
+/// let mut world = World::new();
+/// world.robot_body("left", rod.clone());
+/// world.robot_body("right", rod);
+///
+/// let mut checker = Checker::new(hand, world)?;
+/// let apart = checker.clearance(&[0.5, 0.03])?.unwrap().distance;
+/// assert!((apart - 0.08).abs() < 1e-12);
+/// assert!(checker.is_free(&[0.0, 0.04], &[2.0, 0.0])?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct JointTree {
+    tree: LinkTree,
+    limits: Vec<[f64; 2]>,
+    scales: Vec<f64>,
+    /// The link of each body.
+    links: Vec<usize>,
+    /// The first of the links that keep their relative pose to a link.
+    rigid: Vec<usize>,
+}
+
+impl JointTree {
+    /// Returns the robot whose base stands at a pose of the world.
+    ///
+    /// `limits` are those of the coordinates. `links` names the link of each body, in the order of
+    /// the bodies. `radii` gives for each link, the base first, the distance from the link's
+    /// origin to the farthest point of its bodies: these and the lengths of the links set the
+    /// length that a radian of each coordinate stands for.
+    ///
+    /// # Errors
+    /// Poses, limits or radii that are not finite or out of range; a parent that does not come
+    /// before its joint; a link or coordinate that does not exist.
+    pub fn new(
+        base: Isometry3<f64>,
+        joints: Vec<TreeJoint>,
+        limits: Vec<[f64; 2]>,
+        links: Vec<usize>,
+        radii: Vec<f64>,
+    ) -> Result<Self, PlanError> {
+        RelativePose::from_isometry(&base)?;
+        check_bounds("limit of a joint", &limits)?;
+        for (index, joint) in joints.iter().enumerate() {
+            joint.check(index, &limits)?;
+        }
+        let refused = |what, value| Err(PlanError::Value { what, value });
+        if radii.len() != joints.len() + 1 {
+            return refused("number of radii", radii.len() as f64);
+        }
+        if let Some(&radius) = radii.iter().find(|r| !(0.0..=EXTENT_MAX).contains(*r)) {
+            return refused("reach", radius);
+        }
+        if let Some(&link) = links.iter().find(|l| **l > joints.len()) {
+            return refused("number of a link", link as f64);
+        }
+        Ok(Self {
+            scales: scales(&joints, &limits, radii),
+            rigid: rigid(&joints),
+            tree: LinkTree::new(&base, joints),
+            limits,
+            links,
+        })
+    }
+
+    /// Returns the pose of a link at a configuration: 0 for the base.
+    ///
+    /// # Errors
+    /// A configuration that is not of the space, or a link that does not exist.
+    pub fn link_pose(&self, configuration: &[f64], link: usize) -> Result<Isometry3<f64>, PlanError> {
+        self.check(configuration)?;
+        let poses = self.tree.poses(configuration);
+        poses.get(link).copied().ok_or(PlanError::Value {
+            what: "number of a link",
+            value: link as f64,
+        })
+    }
+
+    /// Returns the link of each body.
+    #[must_use]
+    pub fn links(&self) -> &[usize] {
+        &self.links
+    }
+}
+
+/// The length of a unit of each coordinate: of the joints that it drives the greatest of the factor
+/// of a slide, and for a turn the factor times the distance to the farthest point beyond. 1 for a
+/// coordinate that moves nothing.
+fn scales(joints: &[TreeJoint], limits: &[[f64; 2]], mut beyond: Vec<f64>) -> Vec<f64> {
+    let mut scales = std::vec![0.0f64; limits.len()];
+    for (index, joint) in joints.iter().enumerate().rev() {
+        let mut reach = beyond[index + 1];
+        if let Some(drive) = joint.drive {
+            let scale = match joint.kind {
+                JointKind::Revolute => reach,
+                JointKind::Prismatic => {
+                    let ends = limits[drive.coordinate].map(|q| (drive.factor * q + drive.offset).abs());
+                    reach += ends[0].max(ends[1]);
+                    1.0
+                }
+            };
+            scales[drive.coordinate] = scales[drive.coordinate].max(scale * drive.factor.abs());
+        }
+        reach += joint.origin.translation.vector.norm();
+        beyond[joint.parent] = beyond[joint.parent].max(reach);
+    }
+    let known = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
+    scales.into_iter().map(known).collect()
+}
+
+/// The first of the links that keep their relative pose to each link: links that fixed joints
+/// connect.
+fn rigid(joints: &[TreeJoint]) -> Vec<usize> {
+    let mut first = std::vec![0];
+    for (index, joint) in joints.iter().enumerate() {
+        let moves = joint.drive.is_some_and(|d| d.factor != 0.0);
+        first.push(if moves { index + 1 } else { first[joint.parent] });
+    }
+    first
+}
+
+impl ConfigurationSpace for JointTree {
+    type Segment = TreeSegment;
+
+    fn coordinates(&self) -> usize {
+        self.limits.len()
+    }
+    fn freedom(&self) -> usize {
+        self.limits.len()
+    }
+    fn bodies(&self) -> usize {
+        self.links.len()
+    }
+    fn bounds(&self) -> &[[f64; 2]] {
+        &self.limits
+    }
+    fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+    fn check(&self, q: &[f64]) -> Result<(), PlanError> {
+        check(q, self.limits.len(), &self.limits)
+    }
+
+    fn place(&self, q: &[f64], poses: &mut Vec<Isometry3<f64>>) {
+        let of_links = self.tree.poses(q);
+        poses.clear();
+        poses.extend(self.links.iter().map(|&link| of_links[link]));
+    }
+
+    fn segment(&self, from: &[f64], to: &[f64]) -> Result<TreeSegment, PlanError> {
+        Ok(TreeSegment::new(&self.tree, &self.links, from, to))
+    }
+
+    fn difference(&self, from: &[f64], to: &[f64]) -> Vec<f64> {
+        from.iter().zip(to).map(|(a, b)| b - a).collect()
+    }
+
+    fn moved(&self, q: &[f64], step: &[f64]) -> Vec<f64> {
+        let joints = q.iter().zip(step).zip(&self.limits);
+        joints.map(|((x, dx), limits)| within(x + dx, *limits)).collect()
+    }
+
+    fn sample(&self, uniform: &mut dyn FnMut() -> f64) -> Vec<f64> {
+        let each = self.limits.iter();
+        each.map(|[low, high]| low + (high - low) * uniform()).collect()
+    }
+
+    fn gradient(&self, q: &[f64], body: usize, point: &Point3<f64>, direction: &Vector3<f64>, gradient: &mut [f64]) {
+        gradient.fill(0.0);
+        let mut pose = *self.tree.base();
+        for (_, joint) in self.tree.path(self.links[body]) {
+            pose = joint.after(&pose, joint.value(q));
+            let Some(drive) = joint.drive else { continue };
+            let axis = pose.rotation * joint.axis.into_inner();
+            let change = match joint.kind {
+                JointKind::Revolute => axis.dot(&(point - pose.translation.vector).coords.cross(direction)),
+                JointKind::Prismatic => axis.dot(direction),
+            };
+            gradient[drive.coordinate] += change * drive.factor;
+        }
+    }
+
+    fn is_rigid(&self, a: usize, b: usize) -> bool {
+        self.rigid[self.links[a]] == self.rigid[self.links[b]]
+    }
+}

@@ -1,0 +1,292 @@
+//! The motion of the links of a tree of joints that all move evenly.
+//!
+//! # Bounds
+//!
+//! All sums run along the path from the base to a link, whatever branches off.
+//!
+//! Link k turns at `w = sum q'_i z_i` over its revolute joints, `z_i` the axis of joint i in the
+//! world, and `z_i' = w_{i-1} x z_i`. So the angular velocity changes at most at the rate
+//! `sum |q'_i| W_{i-1}`, with `W_i` the sum of the rates of the revolute joints up to i.
+//!
+//! The origin of the link is the sum of vectors `R_1 .. R_i u_i`, each turned by the joints before
+//! it. Each turn has a constant rate about a fixed axis of the frame before, so by Leibniz's rule
+//! the n-th derivative of a vector of constant length is at most `W_i^n |u_i|`, and of a vector
+//! along a prismatic joint of value d `W^3 |d| + 3 W^2 |d'|` for n = 3. Velocity and acceleration
+//! at an instant are those of the forward recursion of Newton and Euler (Luh, Walker and Paul
+//! 1980); the sum of the third derivatives bounds the deviation from there.
+//!
+//! Errors of rounding grow with the number of joints on the path: see `ARM_TURN`, `ARM_PLACE` and
+//! `ARM_VALUE`.
+
+use std::sync::Arc;
+use std::vec::Vec;
+
+use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
+
+use crate::arm::JointKind;
+use crate::space::SegmentMotion;
+use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE};
+use crate::tree::TreeJoint;
+use lin_canny::motion::{Course, Drift};
+use lin_canny::normalize;
+
+/// Base, joints and paths, shared by a space and its segments.
+#[derive(Clone, Debug)]
+pub(crate) struct LinkTree(Arc<Paths>);
+
+#[derive(Debug)]
+struct Paths {
+    base: Isometry3<f64>,
+    joints: Vec<TreeJoint>,
+    /// The joints between the base and each link, outward.
+    paths: Vec<Vec<usize>>,
+}
+
+impl LinkTree {
+    /// Normalises rotations and axes: bounds take them as unit to rounding. The parent of each
+    /// joint must come before the joint.
+    pub(crate) fn new(base: &Isometry3<f64>, mut joints: Vec<TreeJoint>) -> Self {
+        let mut paths: Vec<Vec<usize>> = std::vec![Vec::new()];
+        for (index, joint) in joints.iter_mut().enumerate() {
+            joint.origin = normalize(&joint.origin);
+            joint.axis = Unit::new_normalize(joint.axis.into_inner());
+            let mut path = paths[joint.parent].clone();
+            path.push(index);
+            paths.push(path);
+        }
+        let base = normalize(base);
+        Self(Arc::new(Paths { base, joints, paths }))
+    }
+
+    pub(crate) fn base(&self) -> &Isometry3<f64> {
+        &self.0.base
+    }
+
+    pub(crate) fn joints(&self) -> &[TreeJoint] {
+        &self.0.joints
+    }
+
+    /// Returns the joints between the base and a link, outward.
+    pub(crate) fn path(&self, link: usize) -> impl Iterator<Item = (usize, &TreeJoint)> {
+        self.0.paths[link].iter().map(|&k| (k, &self.0.joints[k]))
+    }
+
+    /// Returns the poses of the base and of all links.
+    pub(crate) fn poses(&self, configuration: &[f64]) -> Vec<Isometry3<f64>> {
+        let mut poses = std::vec![self.0.base];
+        for joint in &self.0.joints {
+            poses.push(joint.after(&poses[joint.parent], joint.value(configuration)));
+        }
+        poses
+    }
+}
+
+/// The values of a joint along a segment.
+#[derive(Clone, Copy, Debug)]
+struct JointCourse {
+    from: f64,
+    rate: f64,
+    /// The greater absolute value at the ends.
+    most: f64,
+    /// Upper bound of all that is added up to a value: what its rounding is in units of.
+    size: f64,
+}
+
+impl JointCourse {
+    fn new(joint: &TreeJoint, from: &[f64], to: &[f64]) -> Self {
+        let ends = [joint.value(from), joint.value(to)];
+        let size = joint.drive.map_or(0.0, |drive| {
+            let most = from[drive.coordinate].abs().max(to[drive.coordinate].abs());
+            drive.factor.abs() * most + drive.offset.abs()
+        });
+        Self {
+            from: ends[0],
+            rate: ends[1] - ends[0],
+            most: ends[0].abs().max(ends[1].abs()),
+            size,
+        }
+    }
+
+    fn at(&self, time: f64) -> f64 {
+        self.from + self.rate * time
+    }
+}
+
+/// The motion of the bodies of a [`JointTree`](super::JointTree) along a segment.
+#[derive(Clone, Debug)]
+pub struct TreeSegment {
+    tree: LinkTree,
+    links: Vec<usize>,
+    joints: Vec<JointCourse>,
+    /// Pose and course of each link at the begin, where every pair is looked at first.
+    begin: Vec<(Isometry3<f64>, Course)>,
+}
+
+impl TreeSegment {
+    pub(crate) fn new(tree: &LinkTree, links: &[usize], from: &[f64], to: &[f64]) -> Self {
+        let joints: Vec<_> = tree.joints().iter().map(|j| JointCourse::new(j, from, to)).collect();
+        let mut motions = std::vec![LinkMotion::new(tree.base())];
+        for (joint, course) in tree.joints().iter().zip(&joints) {
+            let mut motion = motions[joint.parent].clone();
+            motion.pass(joint, course, 0.0);
+            motions.push(motion);
+        }
+        let courses = motions.iter().map(LinkMotion::course);
+        Self {
+            begin: tree.poses(from).into_iter().zip(courses).collect(),
+            tree: tree.clone(),
+            links: links.into(),
+            joints,
+        }
+    }
+}
+
+impl SegmentMotion for TreeSegment {
+    fn pose(&self, body: usize, time: f64) -> Isometry3<f64> {
+        let link = self.links[body];
+        if time == 0.0 {
+            return self.begin[link].0;
+        }
+        let path = self.tree.path(link);
+        path.fold(*self.tree.base(), |pose, (k, joint)| {
+            joint.after(&pose, self.joints[k].at(time))
+        })
+    }
+
+    fn course(&self, body: usize, time: f64, _: f64) -> Course {
+        let link = self.links[body];
+        if time == 0.0 {
+            return self.begin[link].1;
+        }
+        let mut motion = LinkMotion::new(self.tree.base());
+        for (k, joint) in self.tree.path(link) {
+            motion.pass(joint, &self.joints[k], time);
+        }
+        motion.course()
+    }
+}
+
+/// A link while the recursion runs outward.
+#[derive(Clone)]
+struct LinkMotion {
+    rotation: UnitQuaternion<f64>,
+    linear: Vector3<f64>,
+    acceleration: Vector3<f64>,
+    angular: Vector3<f64>,
+    angular_acceleration: Vector3<f64>,
+    bounds: RateBounds,
+}
+
+/// Upper bounds of magnitudes.
+#[derive(Clone, Default)]
+struct RateBounds {
+    /// Sum of the rates of revolute joints.
+    rate: f64,
+    /// Rate of change of the angular velocity.
+    bend: f64,
+    /// Sum of the lengths from the world's origin.
+    length: f64,
+    /// First, second and third derivative of the place of the origin.
+    speed: f64,
+    push: f64,
+    jerk: f64,
+    /// Error of the angle and of the place, by rounding.
+    turn: f64,
+    place: f64,
+}
+
+impl LinkMotion {
+    fn new(base: &Isometry3<f64>) -> Self {
+        let length = base.translation.vector.abs().sum();
+        Self {
+            rotation: base.rotation,
+            linear: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+            angular: Vector3::zeros(),
+            angular_acceleration: Vector3::zeros(),
+            bounds: RateBounds {
+                length,
+                turn: ARM_TURN,
+                place: ARM_PLACE * length,
+                ..RateBounds::default()
+            },
+        }
+    }
+
+    /// Goes on to the link behind a joint at a time.
+    fn pass(&mut self, joint: &TreeJoint, course: &JointCourse, time: f64) {
+        let (value, rate) = (course.at(time), course.rate);
+        self.carry(&joint.origin.translation.vector, 0.0, None);
+        self.turn_by(&joint.origin.rotation);
+        self.bounds.turn += ARM_TURN + ARM_VALUE * course.size;
+        let axis = self.rotation * joint.axis.into_inner();
+        match joint.kind {
+            JointKind::Revolute => {
+                self.spin(&axis, rate);
+                self.turn_by(&joint.moved(value).rotation);
+            }
+            JointKind::Prismatic => {
+                // What the rounding of a value that mimics exceeds the part in `ARM_PLACE` by.
+                self.bounds.place += ARM_VALUE * (course.size - course.most).max(0.0);
+                let slide = joint.axis.into_inner() * value;
+                self.carry(&slide, course.most - value.abs(), Some((axis, rate)));
+            }
+        }
+    }
+
+    fn turn_by(&mut self, rotation: &UnitQuaternion<f64>) {
+        let turned = self.rotation.into_inner() * rotation.into_inner();
+        let norm = f64::sqrt(turned.norm_squared());
+        self.rotation = UnitQuaternion::new_unchecked(turned / norm);
+    }
+
+    /// Goes along a vector of the link's frame, which is up to `longer` longer at other times, and
+    /// slides along an axis of the world at a rate.
+    fn carry(&mut self, vector: &Vector3<f64>, longer: f64, slide: Option<(Vector3<f64>, f64)>) {
+        let (w, along) = (self.angular, self.rotation * vector);
+        self.linear += w.cross(&along);
+        self.acceleration += self.angular_acceleration.cross(&along) + w.cross(&w.cross(&along));
+        let bounds = &mut self.bounds;
+        let length = vector.abs().sum() + longer;
+        let rate = bounds.rate;
+        bounds.length += length;
+        bounds.place += (bounds.turn + ARM_PLACE) * length + ARM_PLACE * bounds.length;
+        bounds.speed += rate * length;
+        bounds.push += rate * rate * length;
+        bounds.jerk += rate * rate * rate * length;
+        if let Some((axis, pace)) = slide {
+            self.linear += axis * pace;
+            self.acceleration += w.cross(&axis) * (2.0 * pace);
+            bounds.speed += pace.abs();
+            bounds.push += 2.0 * rate * pace.abs();
+            bounds.jerk += 3.0 * rate * rate * pace.abs();
+        }
+    }
+
+    fn spin(&mut self, axis: &Vector3<f64>, rate: f64) {
+        self.angular_acceleration += self.angular.cross(axis) * rate;
+        self.angular += axis * rate;
+        self.bounds.bend += rate.abs() * self.bounds.rate;
+        self.bounds.rate += rate.abs();
+    }
+
+    /// Errors count twice: a bound begins at a pose that is placed, and ends at another.
+    fn course(&self) -> Course {
+        let b = &self.bounds;
+        let error = 2.0 * b.turn + ARM_PLACE;
+        let growth = 1.0 + ARM_PLACE;
+        Course {
+            pivot: Point3::origin(),
+            linear: self.linear,
+            angular: self.angular,
+            acceleration: self.acceleration,
+            shift: Drift([
+                2.0 * b.place,
+                2.0 * error * b.speed,
+                4.0 * error * b.push,
+                b.jerk * growth,
+            ]),
+            turn: Drift([2.0 * b.turn, error * b.rate, b.bend * growth, 0.0]),
+        }
+    }
+}

@@ -1,0 +1,88 @@
+//! The arm of the example `arm` in its cell, through a window in a wall that stands between the bins.
+
+use cpu_time::ThreadTime;
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm, World};
+use std::time::Duration;
+
+#[path = "../../../examples/clearance/cell.rs"]
+mod cell;
+#[allow(dead_code, reason = "shared with the examples `arm` and `clearance`")]
+#[path = "../../../examples/clearance/motion.rs"]
+mod motion;
+#[path = "../../examples/arm/robot.rs"]
+mod robot;
+
+/// The cell with a wall that the arm can pass through a window alone, so many metres high.
+fn checker(window: f64) -> Checker<SerialArm> {
+    const TOP: f64 = 1.7;
+    const SILL: f64 = 0.4;
+    let mut world = World::new();
+    let arm = robot::arm(&mut world).expect("an arm");
+    for (name, shape, pose) in cell::things(&[]).expect("the built-in cell") {
+        world.obstacle(name, shape, pose);
+    }
+    for (name, x, [low, high]) in [
+        ("sill", 0.65, [0.0, SILL]),
+        ("lintel", 0.65, [SILL + window, TOP]),
+        ("back wall", -0.65, [0.0, TOP]),
+    ] {
+        let wall = solids::cuboid(Vector3::new(0.5, 0.01, 0.5 * (high - low))).expect("a box");
+        world.obstacle(name, wall, Isometry3::translation(x, 0.0, 0.5 * (low + high)));
+    }
+    robot::exclude(&mut world, true).expect("names of the arm");
+    Checker::new(arm, world).expect("a cell")
+}
+
+/// Every configuration of a dense sample is apart, by distances alone.
+fn judge(checker: &mut Checker<SerialArm>, path: &[Vec<f64>]) {
+    assert!(checker.certify_path(path).expect("a path").1.is_free());
+    for ends in path.windows(2) {
+        for k in 0..=200 {
+            let q = checker.space().between(&ends[0], &ends[1], f64::from(k) / 200.0);
+            let near = checker.clearance(&q).expect("a configuration").expect("a pair");
+            assert!(near.lower > 0.0, "{near:?} at {q:?}");
+        }
+    }
+}
+
+/// From bin to bin: how many seeds find a way within 10 s of processor time, and the longest time.
+fn window(height: f64, seeds: u64) -> (u64, Duration) {
+    let (mut solved, mut longest) = (0, Duration::ZERO);
+    for seed in 0..seeds {
+        let mut checker = checker(height);
+        let [start, goal] = [0.2, 0.6].map(motion::carry);
+        let options = PlanOptions::default().seed(seed);
+        let began = ThreadTime::now();
+        let limit = Duration::from_secs(10);
+        let plan = checker
+            .plan_until(&start, &goal, &options, &mut || began.elapsed() > limit)
+            .expect("free ends");
+        let took = began.elapsed();
+        longest = longest.max(took);
+        println!("window {height} seed {seed}: {took:?} {:?}", plan.work);
+        let Some(path) = plan.path else { continue };
+        solved += 1;
+        assert_eq!((&path[0], &path[path.len() - 1]), (&start, &goal));
+        judge(&mut checker, &path);
+        let short = checker.shorten(&path, 100, seed).expect("a path");
+        judge(&mut checker, &short);
+    }
+    (solved, longest)
+}
+
+#[test]
+fn an_arm_passes_a_window() {
+    let (solved, longest) = window(0.5, 2);
+    assert!(solved == 2, "{solved} in up to {longest:?}");
+}
+
+#[test]
+#[ignore = "a minute: 20 seeds for each window"]
+fn windows_are_passed_for_twenty_seeds() {
+    // The gripper is 0.14 wide and 0.05 thick, the forearm 0.10 by 0.09.
+    let found = [0.5, 0.35].map(|height| (height, window(height, 20)));
+    println!("{found:?}");
+    assert!(found.iter().all(|(_, (solved, _))| *solved >= 19), "{found:?}");
+}

@@ -1,0 +1,118 @@
+//! Free or not at a single configuration: an arm of meshes in its cell.
+
+use lab::cells::Cell;
+use lab::pose::Pose;
+use lab::rng::Rng;
+use lab::{brute, soups::Soup};
+use lin_canny::nalgebra::Isometry3;
+use lin_canny_plan::{Checker, ConfigurationSpace, SerialArm};
+
+fn posed(pose: &Isometry3<f64>) -> Pose {
+    let (q, t) = (pose.rotation.coords, pose.translation.vector);
+    Pose {
+        q: [q.x, q.y, q.z, q.w],
+        t: t.into(),
+    }
+}
+
+/// Whether two solids share a point: all pairs of triangles, and a point of each in the other. `None` if rounding hides it.
+fn meet((a, p): (&Soup, &Isometry3<f64>), (b, q): (&Soup, &Isometry3<f64>)) -> Option<bool> {
+    if (q.translation.vector - p.translation.vector).norm() > a.radius() + b.radius() {
+        return Some(false);
+    }
+    let at = posed(&(p.inverse() * q));
+    let distance = brute::distance(a, b, &at).0;
+    let is_inside = |s: &Soup, p| brute::winding(s, p).abs() > 0.5;
+    match distance {
+        0.0 => Some(true),
+        d if d < 1e-12 => None,
+        _ => Some(is_inside(a, at.apply(b.points[0])) || is_inside(b, at.apply_inverse(a.points[0]))),
+    }
+}
+
+/// Whether a configuration is free, by brute force.
+fn is_free(cell: &Cell, arm: &SerialArm, q: &[f64]) -> Option<bool> {
+    let mut poses = Vec::new();
+    arm.place(q, &mut poses);
+    for (i, link) in cell.links.iter().enumerate() {
+        let obstacles = cell.obstacles.iter().enumerate().filter(|(k, _)| (i, *k) != (0, 0));
+        let others = obstacles.map(|(_, (soup, pose))| (soup, pose));
+        let own = (i + 1..cell.links.len()).filter(|&k| !Cell::is_excluded(i, k));
+        for other in others.chain(own.map(|k| (&cell.links[k], &poses[k]))) {
+            if meet((link, &poses[i]), other)? {
+                return Some(false);
+            }
+        }
+    }
+    Some(true)
+}
+
+/// Compares warm and cold answers with brute force; returns how many configurations are free and how many are not.
+fn judge(count: usize, seed: u64) -> [usize; 2] {
+    let cell = Cell::new(5);
+    let arm = cell.arm();
+    let mut warm = Checker::new(cell.arm(), cell.world()).expect("a cell");
+    let (mut rng, mut tally, mut q) = (Rng::new(seed), [0; 2], Vec::new());
+    for k in 0..count {
+        // Every other configuration is near the last one.
+        q = match k % 2 {
+            0 => Cell::sample(&mut rng),
+            _ => arm.moved(&q, &[0; 6].map(|_| rng.range(-0.02, 0.02))),
+        };
+        let Some(truth) = is_free(&cell, &arm, &q) else {
+            continue;
+        };
+        assert_eq!(warm.free_at(&q).expect("a configuration"), truth, "{k} {q:?}");
+        if k % 16 == 0 {
+            let mut cold = Checker::new(cell.arm(), cell.world()).expect("a cell");
+            assert_eq!(cold.free_at(&q).expect("a configuration"), truth, "{k} {q:?}");
+        }
+        tally[usize::from(truth)] += 1;
+    }
+    let work = warm.work();
+    assert_eq!((work.queries, work.measures), (0, 0), "{work:?}");
+    tally
+}
+
+#[test]
+fn free_or_not_equals_brute_force() {
+    let tally = judge(1_500, 31);
+    assert!(tally.iter().all(|n| *n > 300), "{tally:?}");
+}
+
+#[test]
+#[ignore = "a hundred thousand configurations"]
+fn free_or_not_equals_brute_force_a_hundred_thousand_times() {
+    let tally = judge(100_000, 32);
+    assert!(tally.iter().all(|n| *n > 20_000), "{tally:?}");
+}
+
+#[test]
+fn a_margin_makes_configurations_blocked_that_are_nearer() {
+    let cell = Cell::new(8);
+    let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+    let (mut rng, mut tally) = (Rng::new(33), [0; 2]);
+    for _ in 0..200 {
+        let q = Cell::sample(&mut rng);
+        let near = checker.clearance(&q).expect("a configuration").expect("a pair");
+        if !(near.lower > 0.0) {
+            continue;
+        }
+        for (part, is_free) in [(0.999, true), (1.001, false)] {
+            checker.set_margin(near.distance * part).expect("a margin");
+            assert_eq!(checker.free_at(&q).expect("a configuration"), is_free, "{near:?}");
+            assert_eq!(checker.is_free(&q, &q).expect("a configuration"), is_free, "{near:?}");
+            tally[usize::from(is_free)] += 1;
+        }
+        checker.set_margin(0.0).expect("a margin");
+    }
+    assert!(tally[0] > 20, "{tally:?}");
+}
+
+#[test]
+fn a_configuration_of_another_space_is_refused() {
+    let cell = Cell::new(5);
+    let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+    assert!(checker.free_at(&[0.0; 5]).is_err());
+    assert!(checker.free_at(&[f64::NAN; 6]).is_err());
+}
