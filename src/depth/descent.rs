@@ -182,7 +182,7 @@ fn leaving_edge(
 }
 
 /// The facet of two edges.
-struct EdgeFacet<'a, 'b> {
+pub(super) struct EdgeFacet<'a, 'b> {
     posed: &'a PosedPair<'b>,
     names: (EdgeId, EdgeId),
     edges: (EdgeSpan<'a>, EdgeSpan<'a>),
@@ -201,7 +201,7 @@ struct EdgeFacet<'a, 'b> {
 impl<'a, 'b> EdgeFacet<'a, 'b> {
     /// Returns the facet of an edge of A and an edge of B; `None` if the edges are parallel.
     #[inline]
-    fn new(posed: &'a PosedPair<'b>, e: EdgeId, g: EdgeId) -> Option<Self> {
+    pub(super) fn new(posed: &'a PosedPair<'b>, e: EdgeId, g: EdgeId) -> Option<Self> {
         let (ea, eb) = (EdgeSpan::new(posed.a, e), EdgeSpan::new(posed.b, g));
         let (p, q) = (PackedVec3::new(&ea.p), PackedVec3::new(&eb.p));
         let (u, w_in_b) = (PackedVec3::new(&ea.q) - p, PackedVec3::new(&eb.q) - q);
@@ -262,7 +262,7 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
 
     /// Returns the normal and the support along the normal, if signs prove both edges extreme.
     #[inline]
-    fn support(&self) -> Option<(Vec3<f64>, f64)> {
+    pub(super) fn support(&self) -> Option<(Vec3<f64>, f64)> {
         let (uu, ww, nn) = (self.u.norm_squared(), self.w.norm_squared(), self.normal.norm_squared());
         let is_proven = falls_into_both_faces(self.weights[0], ww) && falls_into_both_faces(self.weights[1], uu);
         (is_proven && nn >= NEARLY_PARALLEL * uu * ww).then(|| {

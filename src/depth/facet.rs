@@ -17,6 +17,7 @@ use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, 
 use crate::pose::Operand;
 use crate::tolerance::{AGREE_DEPTH, NEARLY_PARALLEL};
 
+use crate::depth::descent::EdgeFacet;
 use crate::depth::direction::unit;
 use crate::pair::difference::support;
 
@@ -55,8 +56,9 @@ pub(super) fn height_of(posed: &PosedPair, frame: &Transform<f64>, facet: Featur
         (Feature::Vertex(v), Feature::Face(f)) if posed.same_scale() => {
             let plane = &posed.b.planes[f.index()];
             let n = -posed.vector_in_a(&plane.normal);
-            let a = posed.a.support_certified(&n, v);
-            (n, a.value + (plane.offset - posed.height_of_b_origin(&n)))
+            let a = posed.a.support_certified(&n, v).vertex;
+            let at = posed.point_in_b(&posed.a.points[a.index()]);
+            (n, plane.offset - plane.normal.dot(&at))
         }
         _ => {
             if let Some((n, height)) = height_of_edges(posed, facet) {
@@ -79,6 +81,9 @@ fn height_of_edges(posed: &PosedPair, facet: FeaturePair) -> Option<(Vector3<f64
     let (Feature::Edge(e), Feature::Edge(g), true) = (facet.a, facet.b, posed.same_scale()) else {
         return None;
     };
+    if let Some(proven) = EdgeFacet::new(posed, e, g).and_then(|facet| facet.support()) {
+        return Some((proven.0.into(), proven.1));
+    }
     let (a, b) = (EdgeSpan::new(posed.a, e), EdgeSpan::new(posed.b, g));
     let u = a.q - a.p;
     let (v, at_b) = (posed.vector_in_a(&(b.q - b.p)), posed.point_in_a(&b.p));

@@ -176,7 +176,16 @@ fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, draft: &m
     let term = CERTIFICATE * T::UNIT * posed.error_scale::<T>().total();
     draft.work.points_added += found.points_added;
     let lower = -round_outward(found.height, term);
-    let upper = (-round_outward(found.radius, -term)).min(0.0);
+    // All closed searches have the same width, so that the surface that proved the depth shows in
+    // no bit.
+    let accepted = T::from(1.5 * AGREE_DEPTH / UNIT * T::UNIT * posed.error_scale::<T>().total());
+    let is_wider = found.end == SearchEnd::Closed && found.radius > found.height - accepted;
+    let radius = if is_wider {
+        found.height - accepted
+    } else {
+        found.radius
+    };
+    let upper = (-round_outward(radius, -term)).min(0.0);
     if draft.lower.is_finite() && !(upper - lower < draft.upper - draft.lower) {
         return;
     }

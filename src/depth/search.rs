@@ -321,6 +321,23 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         Some((n, dot(&n, &support(self.posed, &self.frame, &n, on).w)))
     }
 
+    /// Returns the lowest of the facets that may contain three vertices if the facet is as low as
+    /// the best direction up to rounding: of a facet the height is computed from its own features,
+    /// whatever way a search took to the facet.
+    fn facet_at(&self, vertices: &[MinkowskiPoint<T>; 3], best: &Best<T>) -> Option<Best<T>> {
+        let facets = facets(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
+        let heights = facets.into_iter().flatten().filter_map(|facet| {
+            let (normal, height) = self.height_of(facet, &vertices[0])?;
+            Some(Best {
+                normal,
+                height,
+                features: Some(facet),
+            })
+        });
+        let lowest = heights.min_by(|x, y| x.height.value().total_cmp(&y.height.value()))?;
+        (lowest.height <= best.height + T::from(0.5) * self.accepted_gap(T::UNIT)).then_some(lowest)
+    }
+
     /// Returns the final result; `winds` must be true only if the surface encloses the origin.
     fn end(&mut self, end: SearchEnd, winds: bool) -> SearchResult<T> {
         let zero = T::from(0.0);
@@ -331,12 +348,19 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
             self.probe(t, &direction);
         }
         let bound = self.bound();
-        let best = self.best.unwrap_or(Best {
+        let mut best = self.best.unwrap_or(Best {
             normal: [T::from(1.0), zero, zero],
             height: T::from(f64::INFINITY),
             features: None,
         });
-        let (vertices, witnesses) = self.deepest(&best, weakest.unwrap_or(0), end);
+        let (mut vertices, mut witnesses) = self.deepest(&best, weakest.unwrap_or(0), end);
+        if end == SearchEnd::Closed
+            && best.features.is_none()
+            && let Some(facet) = self.facet_at(&vertices, &best)
+        {
+            best = facet;
+            (vertices, witnesses) = self.deepest(&best, weakest.unwrap_or(0), end);
+        }
         SearchResult {
             end,
             normal: best.normal,
