@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 
-use crate::depth::local::PyramidSide;
+use crate::depth::pyramid::PyramidSide;
 use crate::num::double_double::DoubleDouble;
 use crate::num::packed::{PackedRotation, PackedVec3};
 use crate::num::{scalar, sign};

@@ -23,7 +23,7 @@ impl<T: Scalar> DepthSearch<'_, T> {
         weakest: u32,
         end: SearchEnd,
     ) -> ([MinkowskiPoint<T>; 3], WitnessPoints) {
-        if let Some(foot) = best.features.and_then(|f| foot(self.posed, f, &best.rounded())) {
+        if let Some(foot) = best.facet.and_then(|f| foot(self.posed, f, &best.rounded())) {
             return (self.surface.vertices(weakest), foot);
         }
         // Relative to L in either arithmetic, not to the distance of far origins.

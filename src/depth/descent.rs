@@ -23,18 +23,19 @@ use nalgebra::Vector3;
 
 use crate::num::packed::PackedVec3;
 use crate::num::scalar::{Vec3, sqrt};
+use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::edge::EdgeSpan;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::star::falls_into_both_faces;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, FeaturePair, VertexId};
 use crate::pose::Operand;
 use crate::tolerance::{FOOT, NEARLY_PARALLEL, PARALLEL};
 use crate::tuning::depth::{DESCENTS, FAN};
 
 /// A facet that holds the foot of the origin, up to rounding.
 pub(super) struct LowFacet {
-    pub(super) features: FeaturePair,
+    pub(super) facet: DifferenceFacet,
     /// Outward unit normal and proven support of the difference along the normal, if a proof came
     /// with the look.
     pub(super) support: Option<(Vec3<f64>, f64)>,
@@ -45,7 +46,7 @@ pub(super) enum Descent {
     /// At a facet that holds the foot of the origin.
     Facet(LowFacet),
     /// At a facet with the origin outside: the bodies seem to be apart.
-    Outside(FeaturePair),
+    Outside(DifferenceFacet),
     /// Nowhere: too many facets, long fans, parallel edges, or no facets at all.
     Lost,
 }
@@ -55,9 +56,9 @@ enum Look {
     /// The foot of the origin lies in this facet.
     Holds(LowFacet),
     /// The origin lies outside this facet.
-    Outside(FeaturePair),
+    Outside(DifferenceFacet),
     /// A facet that is no higher.
-    Lower(FeaturePair),
+    Lower(DifferenceFacet),
 }
 
 /// Walks from the facet that `from` names, or from a facet at the vertices of `from`. The bodies
@@ -68,11 +69,10 @@ pub(super) fn descend(posed: &PosedPair, from: FeaturePair, visited: &mut u32) -
     };
     for _ in 0..DESCENTS {
         *visited += 1;
-        let look = match (at.a, at.b) {
-            (Feature::Edge(e), Feature::Edge(g)) => EdgeFacet::new(posed, e, g).and_then(|f| f.look()),
-            (Feature::Vertex(v), Feature::Face(f)) => look_at_face(&AFirst(posed), v, f),
-            (Feature::Face(f), Feature::Vertex(v)) => look_at_face(&BFirst(posed), v, f),
-            _ => None,
+        let look = match at {
+            DifferenceFacet::Edges(e, g) => EdgeFacet::new(posed, e, g).and_then(|f| f.look()),
+            DifferenceFacet::VertexFace(v, f) => look_at_face(&AFirst(posed), v, f),
+            DifferenceFacet::FaceVertex(f, v) => look_at_face(&BFirst(posed), v, f),
         };
         match look {
             Some(Look::Lower(next)) => at = next,
@@ -86,9 +86,9 @@ pub(super) fn descend(posed: &PosedPair, from: FeaturePair, visited: &mut u32) -
 
 /// Returns `from` if it names a facet, else the lowest of the faces at its vertices, with the
 /// vertex opposite.
-fn first_facet(posed: &PosedPair, from: FeaturePair) -> Option<FeaturePair> {
-    if from.a.dimension() + from.b.dimension() == 2 {
-        return Some(from);
+fn first_facet(posed: &PosedPair, from: FeaturePair) -> Option<DifferenceFacet> {
+    if let Some(facet) = DifferenceFacet::of(from) {
+        return Some(facet);
     }
     let (v, w) = from.vertices_of(posed.a, posed.b);
     let (p, q) = (posed.a.points[v.index()], posed.b.points[w.index()]);
@@ -102,8 +102,10 @@ fn first_facet(posed: &PosedPair, from: FeaturePair) -> Option<FeaturePair> {
         let height = |f: FaceId| body.planes[f.index()].offset - body.planes[f.index()].normal.dot(&x);
         faces.map(|f| (height(f), f)).min_by(|x, y| x.0.total_cmp(&y.0))
     };
-    let of_a = lowest(posed.a, v, posed.point_in_a(&q)).map(|(h, f)| (h, FeaturePair::vertex_face(Operand::B, w, f)));
-    let of_b = lowest(posed.b, w, posed.point_in_b(&p)).map(|(h, f)| (h, FeaturePair::vertex_face(Operand::A, v, f)));
+    let of_a =
+        lowest(posed.a, v, posed.point_in_a(&q)).map(|(h, f)| (h, DifferenceFacet::vertex_face(Operand::B, w, f)));
+    let of_b =
+        lowest(posed.b, w, posed.point_in_b(&p)).map(|(h, f)| (h, DifferenceFacet::vertex_face(Operand::A, v, f)));
     let facets = of_a.into_iter().chain(of_b);
     facets.min_by(|x, y| x.0.total_cmp(&y.0)).map(|(_, facet)| facet)
 }
@@ -116,7 +118,7 @@ fn look_at_face<S: OrderedPair>(pair: &S, vertex: VertexId, face: FaceId) -> Opt
     let plane = &other.planes[face.index()];
     let n = pair.direction_in_first(&plane.normal);
     let vertex = body.support_certified(&-n, vertex).vertex;
-    let facet = FeaturePair::vertex_face(S::FIRST, vertex, face);
+    let facet = DifferenceFacet::vertex_face(S::FIRST, vertex, face);
     let x = pair.point_in_second(&body.points[vertex.index()]);
     let height = plane.offset - plane.normal.dot(&x);
     if height < 0.0 {
@@ -133,10 +135,7 @@ fn look_at_face<S: OrderedPair>(pair: &S, vertex: VertexId, face: FaceId) -> Opt
     let FaceLocation::Outside(edge) = location else {
         // A degenerate face has no normal.
         let support = (plane.normal.norm_squared() > 0.5).then(|| (pair.normal(&plane.normal).into(), height));
-        return Some(Look::Holds(LowFacet {
-            features: facet,
-            support,
-        }));
+        return Some(Look::Holds(LowFacet { facet, support }));
     };
     let e = other.topology.half_edge(edge.half_edge());
     let across = if e.face == face {
@@ -147,8 +146,8 @@ fn look_at_face<S: OrderedPair>(pair: &S, vertex: VertexId, face: FaceId) -> Opt
     let end = pair.direction_in_first(&other.planes[across.index()].normal);
     let met = leaving_edge(body, vertex, &-n, &-end)?;
     Some(Look::Lower(match met {
-        Some(met) => FeaturePair::edges(S::FIRST, met, edge),
-        None => FeaturePair::vertex_face(S::FIRST, vertex, across),
+        Some(met) => DifferenceFacet::edges(S::FIRST, met, edge),
+        None => DifferenceFacet::vertex_face(S::FIRST, vertex, across),
     }))
 }
 
@@ -232,7 +231,7 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         if let Some(other) = self.face_beyond() {
             return Some(Look::Lower(other));
         }
-        let facet = FeaturePair::edges(Operand::A, self.names.0, self.names.1);
+        let facet = DifferenceFacet::edges(Operand::A, self.names.0, self.names.1);
         if self.normal.dot(self.between) > 0.0 {
             return Some(Look::Outside(facet));
         }
@@ -249,10 +248,7 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         let close = FOOT * self.posed.size();
         if off_a.max(off_b) <= close * close {
             let support = self.support();
-            Some(Look::Holds(LowFacet {
-                features: facet,
-                support,
-            }))
+            Some(Look::Holds(LowFacet { facet, support }))
         } else if off_a >= off_b {
             self.past_end_of_a(s > 0.5).map(Look::Lower)
         } else {
@@ -273,7 +269,7 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
 
     /// Returns a facet of a face beyond which the normal lies, if the two edges span no facet.
     #[inline]
-    fn face_beyond(&self) -> Option<FeaturePair> {
+    fn face_beyond(&self) -> Option<DifferenceFacet> {
         let [(left_a, right_a), (left_b, right_b)] = self.weights;
         // A negative weight of one face puts the normal beyond the other face.
         let (t, u) = (&self.posed.a.topology, &self.posed.b.topology);
@@ -283,17 +279,17 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         );
         if left_a.min(right_a) < 0.0 {
             let face = if left_a < 0.0 { t.half_edge(e.twin).face } else { e.face };
-            Some(FeaturePair::vertex_face(Operand::B, g.to, face))
+            Some(DifferenceFacet::vertex_face(Operand::B, g.to, face))
         } else if left_b.min(right_b) < 0.0 {
             let face = if left_b < 0.0 { u.half_edge(g.twin).face } else { g.face };
-            Some(FeaturePair::vertex_face(Operand::A, e.to, face))
+            Some(DifferenceFacet::vertex_face(Operand::A, e.to, face))
         } else {
             None
         }
     }
 
     /// Returns the facet across the ridge of the edge of B with an end of the edge of A.
-    fn past_end_of_a(&self, head: bool) -> Option<FeaturePair> {
+    fn past_end_of_a(&self, head: bool) -> Option<DifferenceFacet> {
         let (ea, eb) = &self.edges;
         let (vertex, outward) = if head { (ea.head, 1.0) } else { (ea.tail, -1.0) };
         // The end of the arc of B's edge along which the vertex is higher than the other end.
@@ -301,16 +297,16 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         let end = -self.posed.vector_in_a(&if is_left { eb.left } else { eb.right }.normal);
         let met = leaving_edge(self.posed.a, vertex, &self.unit_normal(), &end)?;
         Some(match met {
-            Some(met) => FeaturePair::edges(Operand::A, met, self.names.1),
+            Some(met) => DifferenceFacet::edges(Operand::A, met, self.names.1),
             None => {
                 let face = face_of(self.posed.b, self.names.1, is_left);
-                FeaturePair::vertex_face(Operand::A, vertex, face)
+                DifferenceFacet::vertex_face(Operand::A, vertex, face)
             }
         })
     }
 
     /// Returns the facet across the ridge of the edge of A with an end of the edge of B.
-    fn past_end_of_b(&self, head: bool) -> Option<FeaturePair> {
+    fn past_end_of_b(&self, head: bool) -> Option<DifferenceFacet> {
         let (ea, eb) = &self.edges;
         let (vertex, outward) = if head { (eb.head, 1.0) } else { (eb.tail, -1.0) };
         let is_left = -self.w.dot(PackedVec3::new(&ea.left.normal)) * outward > 0.0;
@@ -320,10 +316,10 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         let start = -self.posed.direction_in_b(&self.unit_normal());
         let met = leaving_edge(self.posed.b, vertex, &start, &end)?;
         Some(match met {
-            Some(met) => FeaturePair::edges(Operand::A, self.names.0, met),
+            Some(met) => DifferenceFacet::edges(Operand::A, self.names.0, met),
             None => {
                 let face = face_of(self.posed.a, self.names.0, is_left);
-                FeaturePair::vertex_face(Operand::B, vertex, face)
+                DifferenceFacet::vertex_face(Operand::B, vertex, face)
             }
         })
     }

@@ -20,13 +20,13 @@ use crate::pair::draft::Draft;
 use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, Feature, FeaturePair, HalfEdgeId, VertexId};
-use crate::pose::Operand;
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, HalfEdgeId, VertexId};
 use crate::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
 use crate::tuning::depth::{MAX_EDGE_PAIRS, MAX_EVALUATIONS, MAX_MEASURED};
 
-use crate::depth::facet::{edge, normal_of};
+use crate::depth::facet::edge;
 use crate::pair::difference::support;
+use crate::pair::difference_facet::DifferenceFacet;
 
 /// Resolves the depth of bodies with intersecting interiors; returns whether the depth was
 /// resolved.
@@ -44,8 +44,8 @@ pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>
 }
 
 /// Keeps the pairs that may have the least height, as far as the arithmetic `T` can decide.
-fn keep_lowest<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut Vec<FeaturePair>) {
-    let heights: Vec<(f64, f64)> = pairs.iter().map(|&pair| height_bounds(posed, frame, pair)).collect();
+fn keep_lowest<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut Vec<DifferenceFacet>) {
+    let heights: Vec<(f64, f64)> = pairs.iter().map(|&facet| height_bounds(posed, frame, facet)).collect();
     let least = heights.iter().fold(f64::INFINITY, |least, (_, most)| least.min(*most));
     let mut lowest = heights.iter().map(|(lower, _)| lower);
     // NaN keeps the pair.
@@ -54,11 +54,11 @@ fn keep_lowest<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut V
 
 /// Returns all feature pairs that may span a facet; `None` if there are too many, or if a stored
 /// face stands for several unlisted faces.
-fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<FeaturePair>> {
+fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Option<Vec<DifferenceFacet>> {
     let (a, b) = (posed.a, posed.b);
-    let of_a = a.faces().map(|f| FeaturePair::vertex_face(Operand::B, VertexId(0), f));
-    let of_b = b.faces().map(|f| FeaturePair::vertex_face(Operand::A, VertexId(0), f));
-    let mut pairs: Vec<FeaturePair> = of_a.chain(of_b).collect();
+    let of_a = a.faces().map(|f| DifferenceFacet::FaceVertex(f, VertexId(0)));
+    let of_b = b.faces().map(|f| DifferenceFacet::VertexFace(VertexId(0), f));
+    let mut pairs: Vec<_> = of_a.chain(of_b).collect();
     let on_b: Vec<_> = b.edges().map(|g| (g, EdgeSpan::new(b, g))).collect();
     let too_many = pairs.len() > MAX_MEASURED || a.edges().count() * on_b.len() > MAX_EDGE_PAIRS;
     if too_many || ![a, b].into_iter().all(has_flat_faces) {
@@ -78,7 +78,7 @@ fn candidate_facets(posed: &PosedPair, frame: &Transform<DoubleDouble>) -> Optio
                 return None;
             }
             if may_share_normal(posed, frame, e, *g) {
-                pairs.push(FeaturePair::edges(Operand::A, e, *g));
+                pairs.push(DifferenceFacet::Edges(e, *g));
             }
         }
     }
@@ -137,15 +137,15 @@ impl EdgeSpan<'_> {
 
 /// Returns lower and upper bounds of the support of A - B along the facet normal, covering rounding
 /// and L times the angular error of the normal.
-fn height_bounds<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pair: FeaturePair) -> (f64, f64) {
-    let (a, b) = pair.vertices_of(posed.a, posed.b);
+fn height_bounds<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, facet: DifferenceFacet) -> (f64, f64) {
+    let (a, b) = facet.features().vertices_of(posed.a, posed.b);
     let on = difference_point(posed, frame, a, b);
-    let Some(n) = normal_of(posed, frame, pair, &on) else {
+    let Some(n) = facet.normal(posed, frame, &on) else {
         return (f64::NEG_INFINITY, f64::INFINITY);
     };
     let rounding = 2.0 * CERTIFICATE * T::UNIT;
-    let off = match (pair.a, pair.b) {
-        (Feature::Edge(e), Feature::Edge(g)) => {
+    let off = match facet {
+        DifferenceFacet::Edges(e, g) => {
             let perpendicular = cross(&edge(posed.a, e), &frame.vector(&edge(posed.b, g)));
             rounding / root(dot(&perpendicular, &perpendicular)).value()
         }
@@ -167,7 +167,7 @@ mod tests {
     use super::*;
     use crate::depth::{Memory, penetration_depth};
     use crate::pair::outcome::{Accuracy, Class, Solver};
-    use crate::polyhedron::solids;
+    use crate::polyhedron::{FeaturePair, solids};
     use crate::pose::RelativePose;
     use crate::solve::solve;
     use nalgebra::{Isometry3, Vector3};

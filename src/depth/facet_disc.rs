@@ -33,7 +33,7 @@ use crate::num::scalar::{Vec3, cross, dot, sqrt, sub};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, HalfEdgeId};
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, HalfEdgeId};
 use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, DISC, DISC_MOST, UNIT};
 use crate::tuning::depth::MAX_EXCHANGES;
 
@@ -41,6 +41,7 @@ use crate::depth::direction::{min_height, unit};
 use crate::depth::foot::{WitnessPoints, sample_rim};
 use crate::depth::result::Best;
 use crate::pair::difference::support;
+use crate::pair::difference_facet::DifferenceFacet;
 
 /// Returns three points of the facet pierced by `axis`, starting from a pierced triangle
 /// (counter-clockwise seen from outside); `None` if `axis` misses the triangle. Points in `known`
@@ -120,16 +121,16 @@ fn slack(posed: &PosedPair) -> f64 {
 /// about its foot.
 pub(super) fn holds_disc(
     posed: &PosedPair,
-    facet: FeaturePair,
+    facet: DifferenceFacet,
     (p, q): &WitnessPoints,
     (normal, height): &(Vec3<f64>, f64),
     rho: f64,
 ) -> bool {
     let (p, q, n) = (p.coords, q.coords, Vector3::from(*normal));
-    match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(_)) => face_holds(posed.a, f, &p, rho, slack(posed)),
-        (Feature::Vertex(_), Feature::Face(f)) => face_holds(posed.b, f, &q, rho, slack(posed)),
-        (Feature::Edge(e), Feature::Edge(g)) => {
+    match facet {
+        DifferenceFacet::FaceVertex(f, _) => face_holds(posed.a, f, &p, rho, slack(posed)),
+        DifferenceFacet::VertexFace(_, f) => face_holds(posed.b, f, &q, rho, slack(posed)),
+        DifferenceFacet::Edges(e, g) => {
             let ends = |body: &ConvexPolyhedron, e: EdgeId| {
                 let (t, h) = (&body.topology, e.half_edge());
                 [t.from(h), t.half_edge(h).to].map(|v| body.points[v.index()])
@@ -148,7 +149,6 @@ pub(super) fn holds_disc(
                 && is_clear(q - q0, &perpendicular_a)
                 && is_clear(q1 - q, &perpendicular_a)
         }
-        _ => false,
     }
 }
 
@@ -172,7 +172,6 @@ fn face_holds(body: &ConvexPolyhedron, f: FaceId, x: &Vector3<f64>, rho: f64, sl
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::depth::facet::height_of;
     use crate::depth::foot::foot;
     use crate::rng::Rng;
     use crate::{Class, RelativePose, Tracker};
@@ -198,7 +197,7 @@ mod tests {
             let best = Best {
                 normal: [0.0, 0.0, 1.0],
                 height: 1.0,
-                features: None,
+                facet: None,
             };
             let right = dot(&cross(&sub(&w[1], &w[0]), &sub(&w[2], &w[0])), &best.normal) > 0.0;
             let w = if right { w } else { [w[1], w[0], w[2]] };
@@ -236,15 +235,18 @@ mod tests {
             let pose = RelativePose::from_isometry(&at(Vector3::zeros())).expect("a pose");
             let o = Tracker::new().closest(&a, &b, &pose);
             let posed = PosedPair::new(&a, &b, &pose).ok().expect("near");
-            let Some((n, height)) = height_of(&posed, &Transform::of(&posed), o.features) else {
+            let Some(facet) = DifferenceFacet::of(o.features) else {
                 continue;
             };
-            let Some(witnesses) = foot(&posed, o.features, &(n, height)) else {
+            let Some((n, height)) = facet.height(&posed, &Transform::of(&posed)) else {
+                continue;
+            };
+            let Some(witnesses) = foot(&posed, facet, &(n, height)) else {
                 continue;
             };
             for k in 1..8 {
                 let rho = 0.5_f64.powi(k);
-                let holds = holds_disc(&posed, o.features, &witnesses, &(n, height), rho);
+                let holds = holds_disc(&posed, facet, &witnesses, &(n, height), rho);
                 let kind = o.features.a.dimension();
                 counts[kind][usize::from(holds)] += 1;
                 let normal = Vector3::from(n);

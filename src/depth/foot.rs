@@ -6,11 +6,11 @@
 use nalgebra::{Point3, Vector3};
 
 use crate::num::scalar::Vec3;
+use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::topology::Topology;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, HalfEdgeId, VertexId};
-use crate::pose::Operand;
+use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::tolerance::{AGREE_DEPTH, FOOT};
 use crate::tuning::depth::SMALL;
 use crate::tuning::polyhedron::LARGE;
@@ -22,23 +22,23 @@ pub(super) type WitnessPoints = (Point3<f64>, Point3<f64>);
 /// ahead; `None` if the features of the facet contain no such points.
 pub(super) fn foot(
     posed: &PosedPair,
-    facet: FeaturePair,
+    facet: DifferenceFacet,
     (normal, height): &(Vec3<f64>, f64),
 ) -> Option<WitnessPoints> {
     let (ahead, close) = (Vector3::from(*normal) * *height, AGREE_DEPTH * posed.size());
-    let (p, q) = match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(v)) => {
+    let (p, q) = match facet {
+        DifferenceFacet::FaceVertex(f, v) => {
             let q = posed.b.points[v.index()];
             let p = posed.point_in_a(&q) + ahead;
             (is_on(posed.a, f, &p, close).then_some(p)?, q)
         }
-        (Feature::Vertex(v), Feature::Face(f)) if posed.same_scale() => {
+        DifferenceFacet::VertexFace(v, f) if posed.same_scale() => {
             let p = posed.a.points[v.index()];
             let q = posed.point_in_b(&(p - ahead));
             (p, is_on(posed.b, f, &q, close).then_some(q)?)
         }
-        (Feature::Edge(e), Feature::Edge(g)) => crossing(posed, e, g, &ahead, close)?,
-        _ => return None,
+        DifferenceFacet::Edges(e, g) => crossing(posed, e, g, &ahead, close)?,
+        DifferenceFacet::VertexFace(..) => return None,
     };
     Some((p.into(), q.into()))
 }
@@ -49,19 +49,19 @@ pub(super) fn foot(
 #[cold]
 pub(super) fn flush(
     posed: &PosedPair,
-    facet: FeaturePair,
+    facet: DifferenceFacet,
     best: &(Vec3<f64>, f64),
-) -> Option<(FeaturePair, WitnessPoints)> {
+) -> Option<(DifferenceFacet, WitnessPoints)> {
     let n = Vector3::from(best.0);
-    let (f, g) = match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(v)) => (f, face_towards(posed.b, v, &-posed.direction_in_b(&n))?),
-        (Feature::Vertex(v), Feature::Face(g)) => (face_towards(posed.a, v, &n)?, g),
-        _ => return None,
+    let (f, g) = match facet {
+        DifferenceFacet::FaceVertex(f, v) => (f, face_towards(posed.b, v, &-posed.direction_in_b(&n))?),
+        DifferenceFacet::VertexFace(v, g) => (face_towards(posed.a, v, &n)?, g),
+        DifferenceFacet::Edges(..) => return None,
     };
-    let with_witnesses = |pair: FeaturePair| Some((pair, foot(posed, pair, best)?));
+    let with_witnesses = |facet| Some((facet, foot(posed, facet, best)?));
     let t = [&posed.a.topology, &posed.b.topology];
-    let of_b = || sample_rim(posed.b, g).map(|h| FeaturePair::vertex_face(Operand::B, t[1].from(h), f));
-    let of_a = || sample_rim(posed.a, f).map(|h| FeaturePair::vertex_face(Operand::A, t[0].from(h), g));
+    let of_b = || sample_rim(posed.b, g).map(|h| DifferenceFacet::FaceVertex(f, t[1].from(h)));
+    let of_a = || sample_rim(posed.a, f).map(|h| DifferenceFacet::VertexFace(t[0].from(h), g));
     if let Some(found) = of_b().chain(of_a()).find_map(with_witnesses) {
         return Some(found);
     }
@@ -70,7 +70,7 @@ pub(super) fn flush(
         return None;
     }
     let pairs = t[0].rim(f).flat_map(|h| t[1].rim(g).map(move |k| (h, k)));
-    let edges = |(h, k)| FeaturePair::edges(Operand::A, t[0].edge(h), t[1].edge(k));
+    let edges = |(h, k)| DifferenceFacet::Edges(t[0].edge(h), t[1].edge(k));
     pairs.map(edges).find_map(with_witnesses)
 }
 

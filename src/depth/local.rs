@@ -12,19 +12,16 @@
 //! open.
 
 use crate::depth::descent::{Descent, LowFacet, descend};
-use crate::depth::foot::{flush, foot, sample_rim};
+use crate::depth::foot::{flush, foot};
 use crate::depth::memory::Memory;
 use crate::depth::nearest::{NearestFeature, touch_or_open};
-use crate::depth::result::{Best, SearchResult};
+use crate::depth::pyramid::Pyramid;
+use crate::depth::result::SearchResult;
 use crate::depth::write_overlap;
 use crate::minimum::overlap_proof::OverlapProof;
-use crate::num::packed::PackedVec3;
-use crate::num::scalar::sqrt;
 use crate::pair::draft::Draft;
-use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{Feature, FeaturePair};
-use crate::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, UNIT};
+use crate::polyhedron::FeaturePair;
 
 /// Writes the height of the facet on which a descent from the features `from` ends, if the bodies
 /// are proven to overlap.
@@ -39,14 +36,14 @@ pub(crate) fn local_depth(
     }
     let facet = match descend(posed, from, &mut draft.work.facets) {
         Descent::Facet(facet) => facet,
-        Descent::Outside(facet) => return NearestFeature::Apart(facet),
+        Descent::Outside(facet) => return NearestFeature::Apart(facet.features()),
         Descent::Lost => return NearestFeature::Open(None),
     };
     let Some(found) = overlap_at(posed, &facet, proof, draft) else {
         return touch_or_open(posed, &facet, draft);
     };
     memory.clear();
-    memory.move_to(facet.features);
+    memory.move_to(facet.facet);
     write_overlap(posed, &found, draft);
     NearestFeature::Proven
 }
@@ -59,17 +56,17 @@ fn overlap_at(
     proof: &mut Option<OverlapProof>,
     draft: &mut Draft,
 ) -> Option<SearchResult<f64>> {
-    let (features, best) = (facet.features, facet.best(posed)?);
+    let (facet, best) = (facet.facet, facet.best(posed)?);
     let at = best.rounded();
-    let own = foot(posed, features, &at).map(|witnesses| (features, witnesses));
-    let (witness_features, witnesses) = own.or_else(|| flush(posed, features, &at))?;
-    let radius = match pyramid_radius(posed, features, &best) {
+    let own = foot(posed, facet, &at).map(|witnesses| (facet, witnesses));
+    let (witness_facet, witnesses) = own.or_else(|| flush(posed, facet, &at))?;
+    let radius = match Pyramid::new(posed, facet, &best).radius() {
         Some(radius) => radius,
-        None if is_enclosed(posed, features, proof, draft) => 0.0,
+        None if is_enclosed(posed, facet.features(), proof, draft) => 0.0,
         None => return None,
     };
     Some(SearchResult {
-        features: Some(witness_features),
+        features: Some(witness_facet.features()),
         ..SearchResult::of_facet(&best, witnesses, radius)
     })
 }
@@ -81,121 +78,4 @@ fn is_enclosed(posed: &PosedPair, facet: FeaturePair, proof: &mut Option<Overlap
     *proof = proof.unwrap_or_default().renewed(posed, facet, &mut solved);
     draft.work = solved.work;
     proof.is_some()
-}
-
-/// Returns the radius of a ball about the origin that the pyramid over a facet contains; `None` if
-/// the origin is not certainly inside the pyramid.
-fn pyramid_radius(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) -> Option<f64> {
-    let on_a = |p: &_| PackedVec3::new(p);
-    let on_b = |q: &_| posed.rotation.times(PackedVec3::new(q)) + posed.translation;
-    let (a, b) = (posed.a, posed.b);
-    // The means of the vertices lie in the bodies up to rounding, and off the surface of solid
-    // bodies.
-    let apex = on_a(&a.vertex_mean) - on_b(&b.vertex_mean);
-    let normal = PackedVec3::new(&best.normal.into());
-    let pyramid = |apex, normal| Pyramid::new(posed, best, apex, normal);
-    match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(v)) => {
-            let q = on_b(&b.points[v.index()]);
-            let corner = |h| on_a(&a.points[a.topology.from(h).index()]) - q;
-            pyramid(apex, normal).over(sample_rim(a, f).map(corner))
-        }
-        (Feature::Vertex(v), Feature::Face(f)) => {
-            // Reflected in the origin, so that the facet is turned like the face.
-            let p = on_a(&a.points[v.index()]);
-            let corner = |h| on_b(&b.points[b.topology.from(h).index()]) - p;
-            pyramid(-apex, -normal).over(sample_rim(b, f).map(corner))
-        }
-        (Feature::Edge(e), Feature::Edge(g)) => {
-            let (e, g) = (EdgeSpan::new(a, e), EdgeSpan::new(b, g));
-            let (p, q, x, y) = (on_a(&e.p), on_a(&e.q), on_b(&g.p), on_b(&g.q));
-            let is_left = normal.dot((q - p).cross(x - y)) > 0.0;
-            let (p, q) = if is_left { (p, q) } else { (q, p) };
-            pyramid(apex, normal).over([p - x, q - x, q - y, p - y].into_iter())
-        }
-        _ => None,
-    }
-}
-
-/// A pyramid over a facet, given by the corners of the facet counter-clockwise as seen from
-/// outside.
-struct Pyramid {
-    apex: PackedVec3,
-    normal: PackedVec3,
-    /// Least height of a corner of the facet along the normal.
-    least_height: f64,
-    /// Rounding of the orientation of a side, see [`ORIENTATION`].
-    noise: f64,
-    /// Square of the height of the plane of the nearest side: a quotient, as a comparison of
-    /// products would be of degree ten and leave f64 (see [`tolerance`](crate::tolerance)).
-    nearest_squared: f64,
-    height: f64,
-    margin: f64,
-}
-
-impl Pyramid {
-    #[inline(always)]
-    fn new(posed: &PosedPair, best: &Best<f64>, apex: PackedVec3, normal: PackedVec3) -> Self {
-        let size = posed.size();
-        Self {
-            apex,
-            normal,
-            least_height: best.height - 0.5 * AGREE_DEPTH * size,
-            noise: ORIENTATION * size,
-            nearest_squared: f64::INFINITY,
-            height: best.height,
-            margin: 2.0 * CERTIFICATE * UNIT * size,
-        }
-    }
-
-    /// Returns the radius of a ball about the origin that the pyramid over these corners contains.
-    #[inline(always)]
-    fn over(mut self, mut corners: impl Iterator<Item = PackedVec3>) -> Option<f64> {
-        let first = corners.next()?;
-        let mut from = first;
-        for to in corners {
-            if !self.is_behind(from, to) {
-                return None;
-            }
-            from = to;
-        }
-        if !self.is_behind(from, first) {
-            return None;
-        }
-        let radius = sqrt(self.nearest_squared).min(self.height);
-        // Comparisons with NaN are false.
-        (radius > self.margin).then_some(radius)
-    }
-
-    /// Returns whether the origin lies certainly behind the side over an edge of the facet, and the
-    /// edge begins in the plane of the facet.
-    #[inline(always)]
-    fn is_behind(&mut self, from: PackedVec3, to: PackedVec3) -> bool {
-        let PyramidSide { n, height, squares } = PyramidSide::new(self.apex, from, to);
-        let low = height - self.noise * squares;
-        self.nearest_squared = self.nearest_squared.min(low * low / n.norm_squared());
-        low > 0.0 && self.normal.dot(from) >= self.least_height
-    }
-}
-
-/// A side of a pyramid.
-pub(crate) struct PyramidSide {
-    pub(crate) n: PackedVec3,
-    /// Depth of the origin behind the side, times the length of `n`.
-    pub(crate) height: f64,
-    /// The sum of the squares of both edges.
-    pub(crate) squares: f64,
-}
-
-impl PyramidSide {
-    #[inline(always)]
-    pub(crate) fn new(apex: PackedVec3, from: PackedVec3, to: PackedVec3) -> Self {
-        let (u, v) = (from - to, apex - to);
-        let n = u.cross(v);
-        Self {
-            n,
-            height: n.dot(to),
-            squares: u.norm_squared() + v.norm_squared(),
-        }
-    }
 }

@@ -10,6 +10,7 @@ use alloc::vec::Vec;
 
 use crate::num::scalar::Vec3;
 use crate::pair::difference::MinkowskiPoint;
+use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::posed::PosedPair;
 use crate::polyhedron::{FeaturePair, VertexId};
 use crate::tuning::depth::{GAIN, MAX_TRIANGLES};
@@ -173,8 +174,8 @@ impl Memory {
     }
 
     /// Makes another facet the deepest. The surface stays: a surface is checked before use.
-    pub(crate) fn move_to(&mut self, facet: FeaturePair) {
-        (self.facet, self.witness_features) = (Some(facet), None);
+    pub(crate) fn move_to(&mut self, facet: DifferenceFacet) {
+        (self.facet, self.witness_features) = (Some(facet.features()), None);
     }
 
     /// Forgets the surface and keeps the allocations.

@@ -5,7 +5,6 @@
 //! are nearest only in their neighbourhood.
 
 use crate::depth::descent::{Descent, LowFacet, descend};
-use crate::depth::facet::height_of;
 use crate::depth::foot::foot;
 use crate::depth::memory::Memory;
 use crate::depth::pyramid::proves;
@@ -13,6 +12,7 @@ use crate::depth::result::{Best, SearchResult};
 use crate::depth::seed::search_from;
 use crate::depth::write_overlap;
 use crate::pair::answer::unit;
+use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::draft::Draft;
 use crate::pair::outcome::Class;
 use crate::pair::posed::PosedPair;
@@ -31,7 +31,7 @@ pub(crate) enum NearestFeature {
     /// direction of the touch.
     Touch,
     /// Neither; the facet on which a descent ended, if any, is a start for a search.
-    Open(Option<FeaturePair>),
+    Open(Option<DifferenceFacet>),
 }
 
 /// Searches for the nearest facet from the features `from`, and writes the depth if proven.
@@ -46,18 +46,18 @@ pub(crate) fn nearest_facet(
     }
     let facet = match descend(posed, from, &mut draft.work.facets) {
         Descent::Facet(facet) => facet,
-        Descent::Outside(facet) => return NearestFeature::Apart(facet),
+        Descent::Outside(facet) => return NearestFeature::Apart(facet.features()),
         Descent::Lost => return NearestFeature::Open(None),
     };
     let Some(found) = prove(posed, &facet) else {
         if !memory.is_empty() {
-            memory.move_to(facet.features);
+            memory.move_to(facet.facet);
         }
         return touch_or_open(posed, &facet, draft);
     };
     // The next query asks the facet before a surface.
     memory.clear();
-    memory.move_to(facet.features);
+    memory.move_to(facet.facet);
     write_overlap(posed, &found, draft);
     NearestFeature::Proven
 }
@@ -67,7 +67,7 @@ pub(super) fn touch_or_open(posed: &PosedPair, facet: &LowFacet, draft: &mut Dra
     if writes_touch(posed, facet, draft) {
         NearestFeature::Touch
     } else {
-        NearestFeature::Open(Some(facet.features))
+        NearestFeature::Open(Some(facet.facet))
     }
 }
 
@@ -75,11 +75,11 @@ pub(super) fn touch_or_open(posed: &PosedPair, facet: &LowFacet, draft: &mut Dra
 /// higher facet.
 fn writes_touch(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> bool {
     let at = facet.support.filter(|at| at.1 <= AGREE_DEPTH * posed.size());
-    let Some((at, witnesses)) = at.and_then(|at| Some((at, foot(posed, facet.features, &at)?))) else {
+    let Some((at, witnesses)) = at.and_then(|at| Some((at, foot(posed, facet.facet, &at)?))) else {
         return false;
     };
     draft.class = Class::Touching;
-    draft.features = facet.features;
+    draft.features = facet.facet.features();
     draft.normal = unit(&at.0.into());
     (draft.point_on_a, draft.point_on_b) = witnesses;
     true
@@ -88,7 +88,7 @@ fn writes_touch(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> bool 
 /// Searches for the depth of bodies not yet known to overlap, from a facet; returns false, with no
 /// statement about the bodies, if the search does not close.
 #[cold]
-pub(crate) fn depth_from(posed: &PosedPair, facet: FeaturePair, memory: &mut Memory, draft: &mut Draft) -> bool {
+pub(crate) fn depth_from(posed: &PosedPair, facet: DifferenceFacet, memory: &mut Memory, draft: &mut Draft) -> bool {
     let frame = Transform::of(posed);
     memory.with_scratch(|memory, scratch| {
         let Some(found) = search_from(posed, &frame, facet, &mut scratch.surface) else {
@@ -103,10 +103,10 @@ pub(crate) fn depth_from(posed: &PosedPair, facet: FeaturePair, memory: &mut Mem
 /// Returns the depth if the facet proves the depth.
 fn prove(posed: &PosedPair, facet: &LowFacet) -> Option<SearchResult<f64>> {
     let best = facet.best(posed)?;
-    if !proves(posed, facet.features, &best) {
+    if !proves(posed, facet.facet, &best) {
         return None;
     }
-    let witnesses = foot(posed, facet.features, &best.rounded())?;
+    let witnesses = foot(posed, facet.facet, &best.rounded())?;
     Some(SearchResult::proven(&best, witnesses, posed.size()))
 }
 
@@ -114,12 +114,12 @@ impl LowFacet {
     /// Returns normal and height of the facet; `None` if the features have no normal.
     #[inline(always)]
     pub(super) fn best(&self, posed: &PosedPair) -> Option<Best<f64>> {
-        let of_features = || height_of(posed, &Transform::of(posed), self.features);
+        let of_features = || self.facet.height(posed, &Transform::of(posed));
         let (normal, height) = self.support.or_else(of_features)?;
         Some(Best {
             normal,
             height,
-            features: Some(self.features),
+            facet: Some(self.facet),
         })
     }
 }

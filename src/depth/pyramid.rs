@@ -25,84 +25,189 @@ use nalgebra::Vector3;
 use crate::depth::direction::unit;
 use crate::depth::result::Best;
 use crate::depth::verify_surface::Target;
-use crate::num::scalar::{Vec3, cross, dot, neg, sub};
+use crate::num::packed::PackedVec3;
+use crate::num::scalar::{Vec3, cross, dot, neg, sqrt, sub};
+use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{ConvexPolyhedron, FaceId, Feature, FeaturePair, HalfEdgeId};
-use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT};
+use crate::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId};
+use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, ORIENTATION, UNIT};
 use crate::tuning::depth::{CORNERS, SUPPORTS};
 use crate::tuning::polyhedron::LARGE;
 
-/// Returns whether the pyramid over a facet proves the height of the facet to be the depth.
-pub(super) fn proves(posed: &PosedPair, facet: FeaturePair, best: &Best<f64>) -> bool {
+/// A facet joined to a point deep in A - B. Over a face of B all points are those of B - A, so that
+/// the facet is turned like the face.
+pub(super) struct Pyramid<'a, 'b> {
+    posed: &'a PosedPair<'b>,
+    facet: DifferenceFacet,
+    apex: PackedVec3,
+    normal: PackedVec3,
+    height: f64,
+}
+
+impl<'a, 'b> Pyramid<'a, 'b> {
+    #[inline(always)]
+    pub(super) fn new(posed: &'a PosedPair<'b>, facet: DifferenceFacet, best: &Best<f64>) -> Self {
+        // The means of the vertices lie in the bodies up to rounding, which the error term of the
+        // depth covers like that of a vertex, and off the surface of solid bodies.
+        let (p, q) = (PackedVec3::new(&posed.a.vertex_mean), &posed.b.vertex_mean);
+        let apex = p - (posed.rotation.times(PackedVec3::new(q)) + posed.translation);
+        let normal = PackedVec3::new(&best.normal.into());
+        let is_reflected = matches!(facet, DifferenceFacet::VertexFace(..));
+        Self {
+            posed,
+            facet,
+            apex: if is_reflected { -apex } else { apex },
+            normal: if is_reflected { -normal } else { normal },
+            height: best.height,
+        }
+    }
+
+    fn is_reflected(&self) -> bool {
+        matches!(self.facet, DifferenceFacet::VertexFace(..))
+    }
+
+    /// Returns whether `side` holds for every edge of the facet, counter-clockwise seen from
+    /// outside, and all corners lie in the plane of the facet up to rounding. Of a face, some
+    /// `most` corners stand for all.
+    #[inline(always)]
+    fn all_sides(&self, most: usize, side: impl FnMut(PackedVec3, PackedVec3) -> bool) -> bool {
+        let (a, b) = (self.posed.a, self.posed.b);
+        let in_a = |q: &Vector3<f64>| self.posed.rotation.times(PackedVec3::new(q)) + self.posed.translation;
+        match self.facet {
+            DifferenceFacet::FaceVertex(f, v) => {
+                let q = in_a(&b.points[v.index()]);
+                self.all_of(rim(a, f, most).map(|p| PackedVec3::new(p) - q), side)
+            }
+            DifferenceFacet::VertexFace(v, f) => {
+                let p = PackedVec3::new(&a.points[v.index()]);
+                self.all_of(rim(b, f, most).map(|q| in_a(q) - p), side)
+            }
+            DifferenceFacet::Edges(e, g) => {
+                let (e, g) = (EdgeSpan::new(a, e), EdgeSpan::new(b, g));
+                let (p, q, x, y) = (PackedVec3::new(&e.p), PackedVec3::new(&e.q), in_a(&g.p), in_a(&g.q));
+                let is_left = self.normal.dot((q - p).cross(x - y)) > 0.0;
+                let (p, q) = if is_left { (p, q) } else { (q, p) };
+                self.all_of([p - x, q - x, q - y, p - y].into_iter(), side)
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn all_of(
+        &self,
+        mut corners: impl Iterator<Item = PackedVec3>,
+        mut side: impl FnMut(PackedVec3, PackedVec3) -> bool,
+    ) -> bool {
+        let least = self.height - 0.5 * AGREE_DEPTH * self.posed.size();
+        let Some(first) = corners.next() else { return false };
+        let mut from = first;
+        for to in corners {
+            // NaN is not in the plane.
+            if !(side(from, to) && self.normal.dot(from) >= least) {
+                return false;
+            }
+            from = to;
+        }
+        side(from, first) && self.normal.dot(from) >= least
+    }
+
+    /// Returns the radius of a ball about the origin that the pyramid contains; `None` if the
+    /// origin is not certainly inside the pyramid.
+    #[inline(always)]
+    pub(super) fn radius(&self) -> Option<f64> {
+        let size = self.posed.size();
+        let noise = ORIENTATION * size;
+        // The square of the height of the plane of the nearest side: a quotient, as a comparison of
+        // products would be of degree ten and leave f64 (see `tolerance`).
+        let mut nearest_squared = f64::INFINITY;
+        let is_behind = |from, to| {
+            let PyramidSide { n, height, squares } = PyramidSide::new(self.apex, from, to);
+            let low = height - noise * squares;
+            nearest_squared = nearest_squared.min(low * low / n.norm_squared());
+            low > 0.0
+        };
+        if !self.all_sides(LARGE, is_behind) {
+            return None;
+        }
+        let radius = sqrt(nearest_squared).min(self.height);
+        // Comparisons with NaN are false.
+        (radius > 2.0 * CERTIFICATE * UNIT * size).then_some(radius)
+    }
+}
+
+/// Returns the corners of a face; of a face of more than `most`, evenly spaced ones.
+#[inline(always)]
+fn rim(body: &ConvexPolyhedron, face: FaceId, most: usize) -> impl Iterator<Item = &Vector3<f64>> {
+    let t = &body.topology;
+    let ring = t.ring(face);
+    let count = ring.map_or_else(|| t.rim(face).count(), <[_]>::len);
+    let step = count.div_ceil(most);
+    let of_ring = ring.into_iter().flatten().copied().step_by(step);
+    let of_rim = t.rim(face).take(if ring.is_none() { count } else { 0 }).step_by(step);
+    of_rim
+        .chain(of_ring)
+        .map(move |h: HalfEdgeId| &body.points[t.from(h).index()])
+}
+
+/// A side of a pyramid.
+pub(crate) struct PyramidSide {
+    pub(crate) n: PackedVec3,
+    /// Depth of the origin behind the side, times the length of `n`.
+    pub(crate) height: f64,
+    /// The sum of the squares of both edges.
+    pub(crate) squares: f64,
+}
+
+impl PyramidSide {
+    #[inline(always)]
+    pub(crate) fn new(apex: PackedVec3, from: PackedVec3, to: PackedVec3) -> Self {
+        let (u, v) = (from - to, apex - to);
+        let n = u.cross(v);
+        Self {
+            n,
+            height: n.dot(to),
+            squares: u.norm_squared() + v.norm_squared(),
+        }
+    }
+}
+
+/// Returns whether the pyramid over a facet proves the height of the facet to be the depth. Few
+/// corners of a face stand for the face if they do, and a sample for a large face.
+pub(super) fn proves(posed: &PosedPair, facet: DifferenceFacet, best: &Best<f64>) -> bool {
     let target = Target::new(best, posed.size());
     if !target.is_deep() {
         return false;
     }
-    // The means of the vertices lie in the bodies up to rounding, which the error term of the depth
-    // covers like that of a vertex, and off the surface of solid bodies.
-    let apex = posed.a.vertex_mean - posed.point_in_a(&posed.b.vertex_mean);
-    let mut sides = PyramidSides {
-        posed,
-        target,
-        apex: apex.into(),
-        is_reflected: false,
-        supports: SUPPORTS,
+    let pyramid = Pyramid::new(posed, facet, best);
+    let target = if pyramid.is_reflected() {
+        target.reflected()
+    } else {
+        target
     };
-    let slack = 0.25 * AGREE_DEPTH * posed.size();
-    match (facet.a, facet.b) {
-        (Feature::Face(f), Feature::Vertex(v)) => {
-            let q = posed.point_in_a(&posed.b.points[v.index()]);
-            let place = |p: &Vector3<f64>| p - q;
-            sides.of_face(posed.a, f, slack, place)
-        }
-        (Feature::Vertex(v), Feature::Face(f)) => {
-            // The reflected facet is turned like the face.
-            let p = posed.a.points[v.index()];
-            let place = |q: &Vector3<f64>| posed.point_in_a(q) - p;
-            sides.reflected().of_face(posed.b, f, slack, place)
-        }
-        (Feature::Edge(e), Feature::Edge(g)) => {
-            let (a, b) = (EdgeSpan::new(posed.a, e), EdgeSpan::new(posed.b, g));
-            let (x, y) = (posed.point_in_a(&b.p), posed.point_in_a(&b.q));
-            let n = Vector3::from(best.normal);
-            let is_left = n.dot(&(a.q - a.p).cross(&(x - y))) > 0.0;
-            let (p, q) = if is_left { (a.p, a.q) } else { (a.q, a.p) };
-            let corners = [p - x, q - x, q - y, p - y];
-            let low = corners.iter().fold(f64::INFINITY, |low, w| low.min(n.dot(w)));
-            low >= best.height - 2.0 * slack && (0..4).all(|k| sides.is_far(&corners[k], &corners[(k + 1) % 4]))
-        }
-        _ => false,
-    }
+    [CORNERS, LARGE].into_iter().any(|most| {
+        let mut sides = FarSides {
+            pyramid: &pyramid,
+            target: &target,
+            supports: SUPPORTS,
+        };
+        pyramid.all_sides(most, |from, to| sides.is_far(from, to))
+    })
 }
 
-/// The sides of a pyramid.
-struct PyramidSides<'a, 'b> {
-    posed: &'a PosedPair<'b>,
-    target: Target,
-    apex: Vec3<f64>,
-    /// Whether all points are those of B - A.
-    is_reflected: bool,
+/// The sides of a pyramid beside a target.
+struct FarSides<'a, 'p, 'b> {
+    pyramid: &'a Pyramid<'p, 'b>,
+    target: &'a Target,
     /// Support points that may still be added.
     supports: u32,
 }
 
-impl PyramidSides<'_, '_> {
-    /// Returns the sides of the pyramid reflected in the origin.
-    fn reflected(self) -> Self {
-        Self {
-            target: self.target.reflected(),
-            apex: neg(&self.apex),
-            is_reflected: true,
-            ..self
-        }
-    }
-
-    /// Returns whether the side over an edge of the facet, which runs counter-clockwise seen from
-    /// outside, is beyond the target.
+impl FarSides<'_, '_, '_> {
+    /// Returns whether the side over an edge of the facet is beyond the target.
     #[inline(always)]
-    fn is_far(&mut self, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
-        let side = [(*to).into(), (*from).into(), self.apex];
+    fn is_far(&mut self, from: PackedVec3, to: PackedVec3) -> bool {
+        let side = [to, from, self.pyramid.apex].map(|w| w.vector().into());
         match self.target.judge(&side) {
             Some(false) => self.is_far_beyond(&side),
             judged => judged == Some(true),
@@ -120,7 +225,7 @@ impl PyramidSides<'_, '_> {
         let normal = unit(&cross(&sub(&side[1], &side[0]), &sub(&side[2], &side[0])));
         let tip = self.support(&normal);
         // No point outside: the side is a facet, and nearer than the target.
-        dot(&normal, &tip) > dot(&normal, &side[0]) + ALMOST_FLAT * self.posed.size()
+        dot(&normal, &tip) > dot(&normal, &side[0]) + ALMOST_FLAT * self.pyramid.posed.size()
             && (0..3).all(|k| {
                 let part = [side[k], side[(k + 1) % 3], tip];
                 match self.target.judge(&part) {
@@ -132,63 +237,11 @@ impl PyramidSides<'_, '_> {
 
     /// Returns the support point along a unit direction.
     fn support(&self, normal: &Vec3<f64>) -> Vec3<f64> {
-        let along = if self.is_reflected { neg(normal) } else { *normal };
-        let (a, b) = (Vector3::from(along), -self.posed.direction_in_b(&along.into()));
-        let (p, q) = (self.posed.a.support_cold(&a), self.posed.b.support_cold(&b));
-        let tip = self.posed.a.points[p.index()] - self.posed.point_in_a(&self.posed.b.points[q.index()]);
-        if self.is_reflected { (-tip).into() } else { tip.into() }
-    }
-
-    /// Returns whether the sides over a face, placed by `place`, are beyond the target, and the
-    /// corners in the plane of the face up to `slack`. Few corners stand for the face if they do,
-    /// and a sample for a large face.
-    #[inline(always)]
-    fn of_face(
-        &mut self,
-        body: &ConvexPolyhedron,
-        face: FaceId,
-        slack: f64,
-        place: impl Fn(&Vector3<f64>) -> Vector3<f64>,
-    ) -> bool {
-        let t = &body.topology;
-        let count = t.ring(face).map_or_else(|| t.rim(face).count(), <[_]>::len);
-        let (coarse, fine) = (count.div_ceil(CORNERS), count.div_ceil(LARGE));
-        if coarse > fine {
-            let supports = core::mem::take(&mut self.supports);
-            if self.of_sample(body, face, coarse, slack, &place) {
-                return true;
-            }
-            self.supports = supports;
-        }
-        self.of_sample(body, face, fine, slack, &place)
-    }
-
-    /// As [`of_face`](Self::of_face), over every `step`-th corner.
-    #[inline]
-    fn of_sample(
-        &mut self,
-        body: &ConvexPolyhedron,
-        face: FaceId,
-        step: usize,
-        slack: f64,
-        place: &impl Fn(&Vector3<f64>) -> Vector3<f64>,
-    ) -> bool {
-        let (t, plane) = (&body.topology, &body.planes[face.index()]);
-        let corner = |h: HalfEdgeId| body.points[t.from(h).index()];
-        let (mut first, mut from) = (None, Vector3::zeros());
-        let mut is_far = |h: HalfEdgeId| {
-            let at = corner(h);
-            let to = place(&at);
-            let is_first = first.is_none();
-            let is_far = is_first || self.is_far(&from, &to);
-            from = to;
-            first.get_or_insert(to);
-            is_far && plane.normal.dot(&at) >= plane.offset - slack
-        };
-        let all_far = match t.ring(face) {
-            Some(ring) => ring.iter().step_by(step).all(|&h| is_far(h)),
-            None => t.rim(face).step_by(step).all(is_far),
-        };
-        all_far && first.is_some_and(|to| self.is_far(&from, &to))
+        let (posed, is_reflected) = (self.pyramid.posed, self.pyramid.is_reflected());
+        let along = if is_reflected { neg(normal) } else { *normal };
+        let (a, b) = (Vector3::from(along), -posed.direction_in_b(&along.into()));
+        let (p, q) = (posed.a.support_cold(&a), posed.b.support_cold(&b));
+        let tip = posed.a.points[p.index()] - posed.point_in_a(&posed.b.points[q.index()]);
+        if is_reflected { (-tip).into() } else { tip.into() }
     }
 }

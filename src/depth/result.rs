@@ -6,6 +6,7 @@ use crate::polyhedron::FeaturePair;
 use crate::tolerance::AGREE_DEPTH;
 
 use crate::depth::foot::WitnessPoints;
+use crate::pair::difference_facet::DifferenceFacet;
 
 /// Why a search ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,18 +53,18 @@ impl SearchResult<f64> {
             radius,
             vertices: [MinkowskiPoint::default(); 3],
             witnesses: Some(witnesses),
-            features: best.features,
+            features: best.facet.map(DifferenceFacet::features),
             points_added: 0,
         }
     }
 }
 
-/// A direction, the support along the direction, and the features it comes from.
+/// A direction, the support along the direction, and the facet it is the normal of.
 #[derive(Clone, Copy)]
 pub(super) struct Best<T> {
     pub(super) normal: Vec3<T>,
     pub(super) height: T,
-    pub(super) features: Option<FeaturePair>,
+    pub(super) facet: Option<DifferenceFacet>,
 }
 
 impl<T: Scalar> Best<T> {

@@ -17,7 +17,6 @@ use crate::polyhedron::{FeaturePair, VertexId};
 use crate::tolerance::{AGREE_DEPTH, ORIGIN_SHIFTS};
 use crate::tuning::depth::{FEW_POINTS, FEW_TRIANGLES};
 
-use crate::depth::facet::{facets, height_of};
 use crate::depth::facet_disc::{disc_radius, holds_disc, pierced_facet};
 use crate::depth::foot::{WitnessPoints, flush, foot};
 use crate::depth::memory::{MAX_POINTS, Memory, Scratch};
@@ -27,29 +26,33 @@ use crate::depth::search::{DepthSearch, search};
 use crate::depth::seed::search_from;
 use crate::depth::verify_surface::{SurfaceState, verify_surface};
 use crate::depth::write_overlap;
+use crate::pair::difference_facet::DifferenceFacet;
 
 /// Resumes the depth from the deepest facet and the cached surface. Unless proven, nothing is said
 /// about the bodies.
 pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> NearestFeature {
-    let Some(facet) = memory.facet.filter(|f| f.is_of(posed.a, posed.b)) else {
+    let Some(features) = memory.facet_of(posed) else {
         return NearestFeature::Open(None);
     };
     let frame = Transform::of(posed);
     if memory.triangles.is_empty() {
-        return match nearest_facet(posed, facet, memory, draft) {
+        return match nearest_facet(posed, features, memory, draft) {
             NearestFeature::Open(_) => {
                 memory.with_scratch(|memory, scratch| restart(posed, &frame, memory, scratch, draft))
             }
             done => done,
         };
     }
-    let Some((normal, height)) = height_of(posed, &frame, facet) else {
-        return NearestFeature::Open(None);
+    let of_facet = |facet: DifferenceFacet| {
+        let (normal, height) = facet.height(posed, &frame)?;
+        Some(Best {
+            normal,
+            height,
+            facet: Some(facet),
+        })
     };
-    let best = Best {
-        normal,
-        height,
-        features: Some(facet),
+    let Some(best) = DifferenceFacet::of(features).and_then(of_facet) else {
+        return NearestFeature::Open(None);
     };
     memory.with_scratch(|memory, scratch| {
         if memory.points.len() <= FEW_POINTS {
@@ -80,17 +83,17 @@ fn resume_with<const N: usize>(
     let mut state = verify_surface(&memory.triangles, &positions, &best, size, &mut scratch.below_target);
     let positions = &positions[..memory.points.len()];
     if state != SurfaceState::Proven {
-        let Some(facet) = best.features else {
+        let Some(facet) = best.facet else {
             return NearestFeature::Open(None);
         };
-        match nearest_facet(posed, facet, memory, draft) {
+        match nearest_facet(posed, facet.features(), memory, draft) {
             NearestFeature::Open(nearest) => best.try_facet(posed, frame, nearest.unwrap_or(facet)),
             done => return done,
         }
     }
     if state == SurfaceState::Encloses {
         if let Some(witnesses) = memory.prove_by_disc(posed, frame, (&scratch.below_target, positions), &mut best) {
-            (memory.facet, memory.witness_features) = (best.features, None);
+            (memory.facet, memory.witness_features) = (best.facet.map(DifferenceFacet::features), None);
             write_overlap(posed, &SearchResult::proven(&best, witnesses, size), draft);
             return NearestFeature::Proven;
         }
@@ -168,7 +171,7 @@ fn restart(
         return NearestFeature::Open(None);
     };
     let surface = &mut scratch.surface;
-    let seeded = search_from(posed, frame, facet, surface);
+    let seeded = DifferenceFacet::of(facet).and_then(|facet| search_from(posed, frame, facet, surface));
     match seeded.or_else(|| search(posed, frame, facet, &ORIGIN_SHIFTS[..1], surface)) {
         Some(found) if found.end == SearchEnd::Closed => {
             write_overlap(posed, &found, draft);
@@ -188,18 +191,18 @@ impl Best<f64> {
         triangles: impl Iterator<Item = [[VertexId; 3]; 2]>,
     ) {
         for [on_a, on_b] in triangles {
-            for facet in facets(posed, &on_a, &on_b).into_iter().flatten() {
+            for facet in DifferenceFacet::at(posed, &on_a, &on_b).into_iter().flatten() {
                 self.try_facet(posed, frame, facet);
             }
         }
     }
 
     /// Makes a facet the best if the support along its normal is lower.
-    fn try_facet(&mut self, posed: &PosedPair, frame: &Transform<f64>, facet: FeaturePair) {
-        if let Some((normal, height)) = height_of(posed, frame, facet)
+    fn try_facet(&mut self, posed: &PosedPair, frame: &Transform<f64>, facet: DifferenceFacet) {
+        if let Some((normal, height)) = facet.height(posed, frame)
             && height < self.height
         {
-            (self.normal, self.height, self.features) = (normal, height, Some(facet));
+            (self.normal, self.height, self.facet) = (normal, height, Some(facet));
         }
     }
 }
@@ -243,7 +246,7 @@ impl Memory {
         let vertex_pairs = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
         best.try_facets(posed, frame, vertex_pairs.into_iter());
         let rho = self.disc(below_target, positions, best, posed.size())?;
-        let (facet, at) = (best.features?, best.rounded());
+        let (facet, at) = (best.facet?, best.rounded());
         let witnesses = foot(posed, facet, &at)?;
         holds_disc(posed, facet, &witnesses, &at, rho).then_some(witnesses)
     }
@@ -252,12 +255,12 @@ impl Memory {
     /// facet's own.
     #[inline(always)]
     fn find_witnesses(&mut self, posed: &PosedPair, best: &Best<f64>) -> Option<(FeaturePair, WitnessPoints)> {
-        let (facet, at) = (best.features?, best.rounded());
-        self.facet = Some(facet);
+        let (facet, at) = (best.facet?, best.rounded());
+        self.facet = Some(facet.features());
         if self.witness_features.is_none()
             && let Some(witnesses) = foot(posed, facet, &at)
         {
-            return Some((facet, witnesses));
+            return Some((facet.features(), witnesses));
         }
         self.find_other_witnesses(posed, facet, &at)
     }
@@ -269,21 +272,20 @@ impl Memory {
     fn find_other_witnesses(
         &mut self,
         posed: &PosedPair,
-        facet: FeaturePair,
+        facet: DifferenceFacet,
         at: &(Vec3<f64>, f64),
     ) -> Option<(FeaturePair, WitnessPoints)> {
         let old = self.witness_features.take().filter(|f| f.is_of(posed.a, posed.b));
-        let held = |f: FeaturePair| Some((f, foot(posed, f, at)?));
+        let held = |f: DifferenceFacet| Some((f, foot(posed, f, at)?));
         let own = || held(facet).or_else(|| flush(posed, facet, at));
-        let (features, witnesses) = old.and_then(held).or_else(own)?;
-        let face = |f: &FeaturePair| [f.a, f.b].into_iter().find(|x| x.dimension() == 2);
-        let is_same = face(&features).is_some() && face(&features) == face(&facet);
+        let (found, witnesses) = old.and_then(DifferenceFacet::of).and_then(held).or_else(own)?;
+        let features = Some(found.features());
         // A different vertex on the same face names the same facet.
-        if is_same && (features.a.dimension() == 2) == (facet.a.dimension() == 2) {
-            self.facet = Some(features);
+        if found.is_on_face_of(facet) {
+            self.facet = features;
         } else {
-            self.witness_features = Some(features);
+            self.witness_features = features;
         }
-        Some((features, witnesses))
+        Some((found.features(), witnesses))
     }
 }

@@ -15,9 +15,9 @@ use crate::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, PLATEAU, SHIFT_DIR
 use crate::tuning::depth::REPEATS;
 
 use crate::depth::direction::unit;
-use crate::depth::facet::{facets, height_of, normal_of};
 use crate::depth::result::{Best, SearchEnd, SearchResult};
 use crate::depth::surface::{EnclosingSurface, Filter};
+use crate::pair::difference_facet::DifferenceFacet;
 
 /// A surface on the way to the deepest facet.
 pub(super) struct DepthSearch<'a, T: Scalar> {
@@ -285,7 +285,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         self.improve(Best {
             normal: *n,
             height: dot(n, &top.w),
-            features: None,
+            facet: None,
         });
         top
     }
@@ -295,7 +295,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
     fn probe_facets(&mut self, t: u32) -> bool {
         let vertices = self.surface.vertices(t);
         let mut improved = false;
-        let facets = facets(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
+        let facets = DifferenceFacet::at(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
         for facet in facets.into_iter().flatten() {
             let Some((normal, height)) = self.height_of(facet, &vertices[0]) else {
                 continue;
@@ -303,7 +303,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
             self.improve(Best {
                 normal,
                 height,
-                features: Some(facet),
+                facet: Some(facet),
             });
             improved |= self.surface.improve_bound(t, &normal);
         }
@@ -312,12 +312,12 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
 
     /// Returns the normal of a facet that contains `on`, and the support along the normal: from the
     /// face planes if the arithmetic is f64 and B is not perturbed.
-    fn height_of(&self, facet: FeaturePair, on: &MinkowskiPoint<T>) -> Option<(Vec3<T>, T)> {
+    fn height_of(&self, facet: DifferenceFacet, on: &MinkowskiPoint<T>) -> Option<(Vec3<T>, T)> {
         if T::UNIT == UNIT && !self.is_shifted {
-            let (n, height) = height_of(self.posed, &Transform::of(self.posed), facet)?;
+            let (n, height) = facet.height(self.posed, &Transform::of(self.posed))?;
             return Some((n.map(T::from), T::from(height)));
         }
-        let n = normal_of(self.posed, &self.frame, facet, on)?;
+        let n = facet.normal(self.posed, &self.frame, on)?;
         Some((n, dot(&n, &support(self.posed, &self.frame, &n, on).w)))
     }
 
@@ -325,13 +325,13 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
     /// the best direction up to rounding: of a facet the height is computed from its own features,
     /// whatever way a search took to the facet.
     fn facet_at(&self, vertices: &[MinkowskiPoint<T>; 3], best: &Best<T>) -> Option<Best<T>> {
-        let facets = facets(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
+        let facets = DifferenceFacet::at(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
         let heights = facets.into_iter().flatten().filter_map(|facet| {
             let (normal, height) = self.height_of(facet, &vertices[0])?;
             Some(Best {
                 normal,
                 height,
-                features: Some(facet),
+                facet: Some(facet),
             })
         });
         let lowest = heights.min_by(|x, y| x.height.value().total_cmp(&y.height.value()))?;
@@ -351,11 +351,11 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
         let mut best = self.best.unwrap_or(Best {
             normal: [T::from(1.0), zero, zero],
             height: T::from(f64::INFINITY),
-            features: None,
+            facet: None,
         });
         let (mut vertices, mut witnesses) = self.deepest(&best, weakest.unwrap_or(0), end);
         if end == SearchEnd::Closed
-            && best.features.is_none()
+            && best.facet.is_none()
             && let Some(facet) = self.facet_at(&vertices, &best)
         {
             best = facet;
@@ -368,7 +368,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
             radius: if winds && bound > zero { bound } else { zero },
             vertices,
             witnesses: Some(witnesses),
-            features: best.features,
+            features: best.facet.map(DifferenceFacet::features),
             points_added: self.points_added,
         }
     }

@@ -5,7 +5,6 @@
 //! start, and the surface grows only where P is in doubt. The bodies need not be known to overlap:
 //! the tetrahedron proves that they do.
 
-use crate::depth::facet::height_of;
 use crate::depth::foot::sample_rim;
 use crate::depth::result::{Best, SearchEnd, SearchResult};
 use crate::depth::search::DepthSearch;
@@ -13,19 +12,20 @@ use crate::depth::surface::EnclosingSurface;
 use crate::minimum::simplex::Simplex;
 use crate::num::scalar::{Vec3, cross, dot, neg, sub};
 use crate::pair::difference::{MinkowskiPoint, difference_point, support};
+use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::{Feature, FeaturePair, VertexId};
+use crate::polyhedron::VertexId;
 
 /// Searches for the depth from a facet; `None` if the search does not close.
 pub(super) fn search_from(
     posed: &PosedPair,
     frame: &Transform<f64>,
-    facet: FeaturePair,
+    facet: DifferenceFacet,
     surface: &mut EnclosingSurface<f64>,
 ) -> Option<SearchResult<f64>> {
-    let (normal, height) = height_of(posed, frame, facet)?;
-    let (v, w) = facet.vertices_of(posed.a, posed.b);
+    let (normal, height) = facet.height(posed, frame)?;
+    let (v, w) = facet.features().vertices_of(posed.a, posed.b);
     let apex = support(posed, frame, &neg(&normal), &difference_point(posed, frame, v, w));
     let [p, q, r] = pierced(posed, frame, facet, &normal, &apex.w)?;
     let simplex = Simplex::tetrahedron([p, q, r, apex], posed.error_scale::<f64>());
@@ -35,7 +35,7 @@ pub(super) fn search_from(
     let best = Best {
         normal,
         height,
-        features: Some(facet),
+        facet: Some(facet),
     };
     let found = DepthSearch::resumed(posed, frame, surface, best).run(frame, 0.0);
     (found.end == SearchEnd::Closed).then_some(found)
@@ -45,7 +45,7 @@ pub(super) fn search_from(
 fn pierced(
     posed: &PosedPair,
     frame: &Transform<f64>,
-    facet: FeaturePair,
+    facet: DifferenceFacet,
     normal: &Vec3<f64>,
     apex: &Vec3<f64>,
 ) -> Option<[MinkowskiPoint<f64>; 3]> {
@@ -56,8 +56,8 @@ fn pierced(
         dot(&along, &cross(&sub(&p.w, apex), &sub(&q.w, apex))) >= 0.0
     };
     let corner = |k: u32, v: VertexId, w: VertexId| if k == 0 { (v, w) } else { (w, v) };
-    let (first, rest) = match (facet.a, facet.b) {
-        (Feature::Edge(e), Feature::Edge(g)) => {
+    let (first, rest) = match facet {
+        DifferenceFacet::Edges(e, g) => {
             let (t, u) = (&posed.a.topology, &posed.b.topology);
             let (e, g) = (e.half_edge(), g.half_edge());
             let ((p, q), (x, y)) = ((t.from(e), t.half_edge(e).to), (u.from(g), u.half_edge(g).to));
@@ -70,9 +70,8 @@ fn pierced(
             };
             return Some(if is_left(&p, &r) { [p, r, s] } else { [p, q, r] });
         }
-        (Feature::Face(f), Feature::Vertex(v)) => ((0, v), sample_rim(posed.a, f)),
-        (Feature::Vertex(v), Feature::Face(f)) => ((1, v), sample_rim(posed.b, f)),
-        _ => return None,
+        DifferenceFacet::FaceVertex(f, v) => ((0, v), sample_rim(posed.a, f)),
+        DifferenceFacet::VertexFace(v, f) => ((1, v), sample_rim(posed.b, f)),
     };
     let (side, other) = first;
     let body = if side == 0 { posed.a } else { posed.b };

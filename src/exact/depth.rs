@@ -8,10 +8,11 @@ use crate::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sig
 use crate::exact::simplex::{ExactPoint, minimize};
 use crate::exact::{RotatedBody, ScaledPair, witnesses};
 use crate::pair::answer::{unit, walk_state};
+use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::draft::Draft;
 use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{EdgeId, FaceId, Feature, FeaturePair, HalfEdgeId, VertexId};
+use crate::polyhedron::{EdgeId, FaceId, HalfEdgeId, VertexId};
 
 /// A facet of A - B: a normal, and the height along the normal times the normal's length.
 struct ExactFacet {
@@ -58,14 +59,14 @@ impl ScaledPair<'_> {
     fn facet(
         &self,
         posed: &PosedPair,
-        features: FeaturePair,
+        facet: DifferenceFacet,
         best: Option<&ExactFacet>,
     ) -> Result<Option<ExactFacet>, NotFlat> {
-        let hint = features.vertices_of(posed.a, posed.b);
-        let normal = match (features.a, features.b) {
-            (Feature::Face(f), _) => self.a.normal(f, self.exponent).ok_or(NotFlat)?,
-            (_, Feature::Face(f)) => neg(&self.b.normal(f, self.exponent).ok_or(NotFlat)?),
-            (Feature::Edge(e), Feature::Edge(f)) => {
+        let hint = facet.features().vertices_of(posed.a, posed.b);
+        let normal = match facet {
+            DifferenceFacet::FaceVertex(f, _) => self.a.normal(f, self.exponent).ok_or(NotFlat)?,
+            DifferenceFacet::VertexFace(_, f) => neg(&self.b.normal(f, self.exponent).ok_or(NotFlat)?),
+            DifferenceFacet::Edges(e, f) => {
                 let n = cross(&self.a.edge(e, self.exponent), &self.b.edge(f, self.exponent));
                 // The origin is inside, so the facet is ahead of the origin.
                 let ahead = dot(&n, &self.corner(hint.0, hint.1).w);
@@ -81,7 +82,6 @@ impl ScaledPair<'_> {
                 }
                 facet.normal
             }
-            _ => return Ok(None),
         };
         let height = dot(&normal, &self.support_exact(&normal, hint).w);
         Ok((height.is_positive() && !height.is_zero()).then_some(ExactFacet { normal, height, hint }))
@@ -94,7 +94,7 @@ struct NotFlat;
 /// Computes the depth from the deepest facet among the candidate pairs, for bodies with
 /// intersecting interiors; returns whether the depth was resolved. The depth is correct to less
 /// than one unit in the last place of the stored unit, with bounds one such unit on either side.
-pub(crate) fn deepest(posed: &PosedPair, facets: &[FeaturePair], draft: &mut Draft) -> bool {
+pub(crate) fn deepest(posed: &PosedPair, facets: &[DifferenceFacet], draft: &mut Draft) -> bool {
     let pair = ScaledPair::new(posed.a, posed.b, posed.pose);
     let mut best: Option<ExactFacet> = None;
     for &features in facets {

@@ -6,6 +6,7 @@
 pub(crate) mod answer;
 pub(crate) mod certificate;
 pub(crate) mod difference;
+pub(crate) mod difference_facet;
 pub(crate) mod draft;
 pub(crate) mod edge;
 pub(crate) mod face;
