@@ -28,11 +28,11 @@ use super::kept::Kept;
 use super::parts::Parted;
 use super::search::split_pair;
 use super::state::PosedTrees;
-use crate::motion::{Course, Drift, length};
-use crate::num::scalar::{greater, sqrt};
-use crate::separation::{Flight, Measure};
-use crate::tolerance::{LEAST_SQUARE, ROOT};
-use crate::tuning::composite::{AHEAD_ITEMS, AHEAD_PAIRS, HORIZONS};
+use crate::base::motion::{Course, Drift, length};
+use crate::base::num::scalar::{greater, sqrt};
+use crate::base::tolerance::{LEAST_SQUARE, ROOT};
+use crate::base::tuning::composite::{AHEAD_ITEMS, AHEAD_PAIRS, HORIZONS};
+use crate::time::separation::{Flight, Measure};
 
 /// One body at the instant.
 struct Mover {

@@ -9,7 +9,7 @@ use super::frame::TreeFrame;
 use super::front::{Front, NodePair};
 use super::mesh::Mesh;
 use super::search::split_pair;
-use crate::num::scalar::sqrt;
+use crate::base::num::scalar::sqrt;
 
 /// What is wrong with a front.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -101,8 +101,8 @@ mod tests {
     use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
     use super::*;
+    use crate::base::pose::RelativePose;
     use crate::composite::tracker::MeshTracker;
-    use crate::pose::RelativePose;
 
     /// A torus of `n` times `m` squares about z, its tube `thick` and wavy by `wave`.
     fn torus(n: u32, m: u32, thick: f64, wave: f64) -> Mesh {

@@ -17,8 +17,8 @@ use wide::f32x4;
 use super::frame::Single;
 use super::front::NodePair;
 use super::tree::{OrientedBox, Tree};
-use crate::tolerance::PARALLEL_SIDES;
-use crate::tuning::composite::LONG_BOX;
+use crate::base::tolerance::PARALLEL_SIDES;
+use crate::base::tuning::composite::LONG_BOX;
 
 /// Pairs of boxes bounded at once: the width of a register on every target.
 pub(super) const WIDTH: usize = 4;

@@ -20,11 +20,11 @@ use super::mesh::{Mesh, MeshError};
 use super::parts::{Parted, PartsRef};
 use super::pieces::Composite;
 use super::state::{Inside, PosedTrees};
-use crate::num::scalar::sqrt;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::pair::outcome::{Class, Distance};
 use crate::pair::spot::Answer;
-use crate::pose::RelativePose;
-use crate::tolerance::{CERTIFICATE, UNIT};
 
 /// How far convex pieces and a mesh are apart, in the caller's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]

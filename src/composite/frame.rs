@@ -5,10 +5,10 @@ use nalgebra::{Matrix3, Vector3};
 use wide::f32x4;
 
 use super::tree::{Tree, up};
-use crate::num::scalar::sqrt;
-use crate::polyhedron::power_of_two;
-use crate::pose::RelativePose;
-use crate::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
+use crate::body::polyhedron::power_of_two;
 
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]

@@ -26,7 +26,7 @@ use wide::f32x4;
 use super::bounds::WIDTH;
 use super::frame::{Single, Way};
 use super::tree::{OrientedBox, Tree};
-use crate::tuning::composite::MOST_ENTRIES;
+use crate::base::tuning::composite::MOST_ENTRIES;
 
 /// A node of A and a node of B.
 pub(super) type NodePair = [u32; 2];

@@ -11,12 +11,12 @@ use super::greatest::greatest;
 use super::mesh::{Mesh, MeshError};
 use super::pieces::{Composite, Piece};
 use super::triangle::Triangle;
-use crate::num::scalar::sqrt;
-use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::RelativePose;
-use crate::shape::Core;
-use crate::tracker::Tracker;
-use crate::tuning::composite::GAP;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tuning::composite::GAP;
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::shape::Core;
+use crate::convex::tracker::Tracker;
 
 /// A piece that is a polyhedron.
 pub(super) struct PieceHull<'a> {

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::scalar::sqrt;
 use crate::composite::tree::Tree;
-use crate::num::scalar::sqrt;
 
 /// Returns a vector divided by its length if the length is near one.
 pub(super) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {

@@ -14,11 +14,11 @@ use nalgebra::Vector3;
 use super::mesh::Mesh;
 use super::tree::{Below, OrientedBox, Tree};
 use super::triangle;
-use crate::num::scalar::sqrt;
-use crate::num::sign;
-use crate::polyhedron::{exponent_of, power_of_two};
-use crate::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
-use crate::tuning::composite::SEGMENTS;
+use crate::base::num::scalar::sqrt;
+use crate::base::num::sign;
+use crate::base::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
+use crate::base::tuning::composite::SEGMENTS;
+use crate::body::polyhedron::{exponent_of, power_of_two};
 
 impl Mesh {
     /// The winding number about a point in stored coordinates that does not lie on the surface.

@@ -8,9 +8,9 @@ use super::front::{EntryId, Front, NodePair};
 use super::search::{Judge, TreeSearch};
 use super::work::MeshWork;
 use super::worth::FrontWorth;
-use crate::num::count::Counter;
-use crate::num::scalar::sqrt;
-use crate::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR, STALE};
+use crate::base::num::count::Counter;
+use crate::base::num::scalar::sqrt;
+use crate::base::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR, STALE};
 
 /// Front, last pairs and buffers.
 #[derive(Clone, Debug, Default)]

@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::front::NodePair;
 use super::search::{GapProof, Judge, TreeSearch, TriedDirection};
 use super::tree::{Below, LEAF};
-use crate::num::scalar::{greater, lesser};
+use crate::base::num::scalar::{greater, lesser};
 
 /// Pairs of items of two leaves that are not proven yet.
 struct OpenLeafPair {

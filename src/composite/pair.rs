@@ -10,12 +10,12 @@ use super::search::{Judge, Measured};
 use super::shared::Touching;
 use super::state::PosedTrees;
 use super::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
-use crate::num::scalar::{lesser, sqrt};
+use crate::base::num::scalar::{lesser, sqrt};
+use crate::base::tuning::composite::SHARP;
+use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
+use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Outcome;
 use crate::pair::spot::Spot;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
-use crate::tracker::Tracker;
-use crate::tuning::composite::SHARP;
 
 /// Judges pairs of triangles.
 pub(super) struct TriangleJudge<'a> {

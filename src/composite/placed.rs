@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, UnitQuaternion};
 
 use super::parts::Parted;
-use crate::pose::RelativePose;
+use crate::base::pose::RelativePose;
 
 /// Returns B in A's frame, right up to rounding.
 pub(super) fn relative(pose: &RelativePose) -> Isometry3<f64> {

@@ -10,7 +10,7 @@ use super::heights::{height, unit};
 use super::shared::Touching;
 use super::tree::{Below, Tree};
 use super::work::MeshWork;
-use crate::tuning::composite::{AT_ONCE, CROWD, FEW_ITEMS};
+use crate::base::tuning::composite::{AT_ONCE, CROWD, FEW_ITEMS};
 
 /// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
 pub(super) trait Judge {

@@ -14,10 +14,10 @@ use super::parts::{Parted, PartsRef};
 use super::pieces::CompositeTracker;
 use super::state::PosedTrees;
 use super::tracker::MeshTracker;
-use crate::num::scalar::sqrt;
-use crate::pose::{Operand, RelativePose};
-use crate::separation::{Flight, Free, Measure, Proof, Separation};
-use crate::tolerance::BOX_TURNED;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tolerance::BOX_TURNED;
+use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
 
 /// Two composites, or a composite and a mesh, that can be measured over time.
 #[derive(Debug)]

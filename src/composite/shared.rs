@@ -14,8 +14,8 @@ use super::parts::{Parted, PartsRef};
 use super::search::Measured;
 use super::state::{Inside, PosedTrees};
 use super::triangle::{self, Triangle};
-use crate::num::scalar::sqrt;
-use crate::tuning::composite::{PARTED, SPREAD, TOUCHES};
+use crate::base::num::scalar::sqrt;
+use crate::base::tuning::composite::{PARTED, SPREAD, TOUCHES};
 
 /// Pairs of items at distance zero, up to rounding.
 pub(super) struct Touching {

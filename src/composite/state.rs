@@ -8,12 +8,12 @@ use super::kept::Kept;
 use super::parts::Parted;
 use super::search::{Judge, Measured, MeshGoal, TreeSearch};
 use super::shared::Touching;
-use crate::motion::BallAtPose;
-use crate::num::count::Counter;
-use crate::num::fingerprint::Fingerprint;
+use crate::base::motion::BallAtPose;
+use crate::base::num::count::Counter;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::{Operand, RelativePose};
 use crate::pair::outcome::{Class, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
-use crate::pose::{Operand, RelativePose};
 
 /// The state of a tracker between queries. Saving a state (feature `serde`) keeps the counters
 /// alone: claims in a file prove nothing.

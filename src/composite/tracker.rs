@@ -7,9 +7,9 @@ use super::pair::{TriangleJudge, spots};
 use super::state::{PosedTrees, TreeAnswer, TreeState};
 use super::triangle::TriangleSpot;
 use super::work::MeshWork;
-use crate::num::count::Counter;
+use crate::base::num::count::Counter;
+use crate::base::pose::RelativePose;
 use crate::pair::spot::Answer;
-use crate::pose::RelativePose;
 
 /// The front of the last answer for one pair of meshes, from which the next query starts, and
 /// counters.

@@ -5,7 +5,7 @@
 //! searches, twice as many each time, another one is tried.
 
 use super::work::MeshWork;
-use crate::tuning::composite::{ENTRY_WORK, LEAF_WORK, LONGEST_WAIT, MEASURE_WORK};
+use crate::base::tuning::composite::{ENTRY_WORK, LEAF_WORK, LONGEST_WAIT, MEASURE_WORK};
 
 /// What fronts have been worth lately.
 #[derive(Clone, Copy, Debug, Default)]

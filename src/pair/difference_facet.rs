@@ -1,8 +1,8 @@
 //! Facets of the Minkowski difference A - B by the features of both bodies.
 
+use crate::base::pose::Operand;
+use crate::body::polyhedron::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{EdgeId, FaceId, Feature, FeaturePair, VertexId};
-use crate::pose::Operand;
 
 /// A facet of A - B, by the features of the bodies that span it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

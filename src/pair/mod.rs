@@ -14,6 +14,7 @@ pub(crate) mod outcome;
 pub(crate) mod posed;
 pub(crate) mod question;
 pub(crate) mod rounding;
+pub(crate) mod soundness;
 pub(crate) mod spot;
 pub(crate) mod star;
 pub(crate) mod transform;

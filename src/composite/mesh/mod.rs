@@ -19,7 +19,7 @@ pub use inspect::MeshInspection;
 pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
 
 use super::tree::Tree;
-use crate::num::fingerprint::Fingerprint;
+use crate::base::num::fingerprint::Fingerprint;
 
 /// A body made of triangles: the mesh as the caller brought it, not a decomposition.
 ///
@@ -141,7 +141,7 @@ impl Mesh {
 
     /// One stored unit in the caller's.
     pub(crate) fn unit(&self) -> f64 {
-        crate::polyhedron::power_of_two(self.exponent)
+        crate::body::polyhedron::power_of_two(self.exponent)
     }
 
     /// The middle of a triangle in stored coordinates.

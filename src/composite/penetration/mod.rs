@@ -29,13 +29,13 @@ use super::pieces::CompositeTracker;
 use super::placed::relative;
 use super::state::PosedTrees;
 use super::tracker::MeshTracker;
-use crate::num::scalar::sqrt;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{CERTIFICATE, UNIT};
+use crate::base::tuning::composite::{BEYOND, CELL_REACH, HALVINGS, PUSHES};
+use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
+use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Class;
-use crate::polyhedron::{BuildError, ConvexPolyhedron};
-use crate::pose::RelativePose;
-use crate::tolerance::{CERTIFICATE, UNIT};
-use crate::tracker::Tracker;
-use crate::tuning::composite::{BEYOND, CELL_REACH, HALVINGS, PUSHES};
 
 /// Bounds of the penetration depth of two bodies: an interval, not a distance. The depth is the
 /// length of the shortest translation of B after which the bodies share no inner point.
