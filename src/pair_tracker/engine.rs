@@ -10,7 +10,7 @@ use super::work::PairWork;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::composite::contact::{ContactPatches, PatchContacts};
-use crate::composite::tracker::MeshTracker;
+use crate::composite::mesh::tracker::MeshTracker;
 use crate::convex::contact::{Manifold, ManifoldOptions, Query};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::{Tracker, Workspace};

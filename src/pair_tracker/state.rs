@@ -7,7 +7,7 @@ use super::pair::Asked;
 use super::tracker::PairTracker;
 use super::work::PairWork;
 use crate::base::pose::RelativePose;
-use crate::composite::tracker::MeshTracker;
+use crate::composite::mesh::tracker::MeshTracker;
 use crate::convex::replay::Replay;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::patch::{Surface, SurfacePart};

@@ -13,7 +13,7 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::composite::parts::Parted;
 use crate::composite::pieces::{Composite, Piece};
-use crate::composite::placed::Placed;
+use crate::composite::placement::Placed;
 use crate::composite::separation::ball_about;
 use crate::pair::spot::Answer;
 

@@ -9,7 +9,7 @@ use super::surface::{Borne, PatchedMesh};
 use super::union::{Under, is_covered, is_end, under};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::body::shape::Shape;
-use crate::composite::frame::TreeSide;
+use crate::composite::meet::frame::TreeSide;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::Composite;

@@ -12,9 +12,9 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::COVERS;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId};
 use crate::body::shape::{Core, Shape};
+use crate::composite::meet::triangle;
 use crate::composite::parts::Parted;
 use crate::composite::pieces::{Composite, Piece};
-use crate::composite::triangle;
 use crate::convex::shape_tracker::ShapeTracker;
 
 /// Whether the surface of the union is as far from a point inside as `depth`, as far as faces and

@@ -30,16 +30,16 @@ use nalgebra::{Unit, Vector3};
 
 pub use body::ContactPatches;
 
-use super::bounds::{BoundAim, MOST, bounds};
-use super::frame::TreeFrame;
-use super::front::NodePair;
-use super::pieces::CompositeTracker;
-use super::placed::Placed;
-use super::search::split_pair;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::ACROSS;
 use crate::base::tuning::composite::ALIKE;
+use crate::composite::front::NodePair;
+use crate::composite::meet::bounds::{BoundAim, MOST, bounds};
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::search::split_pair;
+use crate::composite::pieces::CompositeTracker;
+use crate::composite::placement::Placed;
 use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
 use near::NearPatches;
 use parting::parting;

@@ -13,7 +13,7 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::base::tuning::composite::WAY_BACK;
 use crate::composite::pieces::CompositeTracker;
-use crate::composite::placed::relative;
+use crate::composite::placement::relative;
 use crate::convex::contact::ContactPoint;
 use crate::pair::outcome::Class;
 

@@ -12,10 +12,10 @@ use crate::base::tolerance::ACROSS;
 use crate::base::tuning::composite::{CONE, DEPTH, MANY_TRIANGLES};
 use crate::body::polyhedron::{ConvexPolyhedron, bounding_box};
 use crate::body::shape::Shape;
-use crate::composite::frame::TreeSide;
+use crate::composite::meet::frame::TreeSide;
+use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
 use crate::composite::tree::Tree;
-use crate::composite::triangle;
 
 /// How far a mesh admits a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -27,11 +27,11 @@ use crate::base::tolerance::CELL;
 use crate::base::tuning::composite::{BEYOND, CELL_HALVINGS, CELL_PLANES};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
-use crate::composite::heights::height;
+use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
 use crate::composite::mesh::nearest::From;
 use crate::composite::tree::Below;
-use crate::composite::triangle;
+use crate::composite::tree::height::height;
 
 /// Returns a convex body inside a solid mesh, in the caller's unit, about a point in stored
 /// coordinates, at most `reach` wide to each side; `None` if none is found.

@@ -26,11 +26,11 @@ use crate::base::pose::RelativePose;
 use crate::base::tuning::composite::{DEEP_POINTS, SINKS};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
+use crate::composite::meet::state::PosedTrees;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::{Composite, Piece};
-use crate::composite::placed::Placed;
-use crate::composite::state::PosedTrees;
+use crate::composite::placement::Placed;
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::{Class, Outcome};
 

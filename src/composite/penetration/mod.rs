@@ -23,17 +23,17 @@ mod inner;
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
-use super::mesh::Mesh;
-use super::parts::{Parted, PartsRef};
-use super::pieces::CompositeTracker;
-use super::placed::relative;
-use super::state::PosedTrees;
-use super::tracker::MeshTracker;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::base::tuning::composite::{BEYOND, CELL_REACH, HALVINGS, PUSHES};
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
+use crate::composite::meet::state::PosedTrees;
+use crate::composite::mesh::Mesh;
+use crate::composite::mesh::tracker::MeshTracker;
+use crate::composite::parts::{Parted, PartsRef};
+use crate::composite::pieces::CompositeTracker;
+use crate::composite::placement::relative;
 use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Class;
 

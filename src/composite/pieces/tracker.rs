@@ -8,9 +8,9 @@ use crate::base::pose::RelativePose;
 use crate::base::tuning::composite::TRACKERS;
 use crate::body::polyhedron::FeaturePair;
 use crate::composite::front::NodePair;
-use crate::composite::kept::Kept;
+use crate::composite::front::memory::FrontMemory;
+use crate::composite::meet::state::{PosedTrees, TreeAnswer, TreeState};
 use crate::composite::parts::Parted;
-use crate::composite::state::{PosedTrees, TreeAnswer, TreeState};
 use crate::composite::work::MeshWork;
 use crate::pair::spot::{Answer, Spot};
 
@@ -44,7 +44,7 @@ impl CompositeTracker {
         self.state.kept.work
     }
 
-    pub(in crate::composite) fn kept(&self) -> &Kept {
+    pub(in crate::composite) fn kept(&self) -> &FrontMemory {
         &self.state.kept
     }
 

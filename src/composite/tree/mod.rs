@@ -6,6 +6,8 @@
 
 mod eigen;
 mod fit;
+pub(in crate::composite) mod height;
+pub(in crate::composite) mod maximum;
 pub(super) use fit::up;
 mod split;
 

@@ -4,12 +4,12 @@
 //! to frame that a front costs more than a search anew. Such a front is dropped, and after some
 //! searches, twice as many each time, another one is tried.
 
-use super::work::MeshWork;
 use crate::base::tuning::composite::{ENTRY_WORK, LEAF_WORK, LONGEST_WAIT, MEASURE_WORK};
+use crate::composite::work::MeshWork;
 
 /// What fronts have been worth lately.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct FrontWorth {
+pub(in crate::composite) struct FrontWorth {
     /// The work of the last search without a front; zero before the first.
     search: u64,
     /// Searches to go before a front is tried.
@@ -20,34 +20,34 @@ pub(super) struct FrontWorth {
 
 impl FrontWorth {
     /// Returns the work of a query, in bounds of boxes.
-    pub(super) fn work(done: &MeshWork) -> u64 {
+    pub(in crate::composite) fn work(done: &MeshWork) -> u64 {
         done.bounds + done.entries / ENTRY_WORK + LEAF_WORK * done.leaves + MEASURE_WORK * done.measured
     }
 
     /// Returns whether the search to come is to keep a front.
-    pub(super) fn is_due(&mut self) -> bool {
+    pub(in crate::composite) fn is_due(&mut self) -> bool {
         let is_due = self.left == 0;
         self.left = self.left.saturating_sub(1);
         is_due
     }
 
     /// Takes the work of a search without a front.
-    pub(super) fn searched(&mut self, work: u64) {
+    pub(in crate::composite) fn searched(&mut self, work: u64) {
         self.search = work;
     }
 
     /// Returns whether work with a front is more than a search takes.
-    pub(super) fn is_dearer(&self, work: u64) -> bool {
+    pub(in crate::composite) fn is_dearer(&self, work: u64) -> bool {
         self.search > 0 && work > self.search
     }
 
     /// A front paid: the next one is tried at once.
-    pub(super) fn paid(&mut self) {
+    pub(in crate::composite) fn paid(&mut self) {
         self.wait = 0;
     }
 
     /// A front did not pay.
-    pub(super) fn lost(&mut self) {
+    pub(in crate::composite) fn lost(&mut self) {
         self.wait = (2 * self.wait + 1).min(LONGEST_WAIT);
         self.left = self.wait;
     }

@@ -12,7 +12,7 @@ use wide::f64x4;
 /// A feature of a triangle by the number of its vertex, of its edge (from the vertex of that number
 /// to the next), or the inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TriangleSpot {
+pub(in crate::composite) enum TriangleSpot {
     Vertex(u8),
     Edge(u8),
     Inside,
@@ -20,25 +20,25 @@ pub(super) enum TriangleSpot {
 
 /// The closest points found.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Closest {
-    pub(super) square: f64,
-    pub(super) on_p: Vector3<f64>,
-    pub(super) on_q: Vector3<f64>,
-    pub(super) spots: [TriangleSpot; 2],
+pub(in crate::composite) struct Closest {
+    pub(in crate::composite) square: f64,
+    pub(in crate::composite) on_p: Vector3<f64>,
+    pub(in crate::composite) on_q: Vector3<f64>,
+    pub(in crate::composite) spots: [TriangleSpot; 2],
     /// Whether an edge of one passes through the other, as far as rounding can tell.
-    pub(super) pierces: bool,
+    pub(in crate::composite) pierces: bool,
 }
 
-pub(super) type Triangle = [Vector3<f64>; 3];
+pub(in crate::composite) type Triangle = [Vector3<f64>; 3];
 
 /// The normal of a triangle, with twice its area as length.
 #[inline(always)]
-pub(super) fn normal([a, b, c]: &Triangle) -> Vector3<f64> {
+pub(in crate::composite) fn normal([a, b, c]: &Triangle) -> Vector3<f64> {
     (b - a).cross(&(c - a))
 }
 
 /// The closest points of two triangles.
-pub(super) fn closest(p: &Triangle, q: &Triangle) -> Closest {
+pub(in crate::composite) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     let mut best = Closest {
         square: f64::INFINITY,
         on_p: p[0],
@@ -67,7 +67,7 @@ pub(super) fn closest(p: &Triangle, q: &Triangle) -> Closest {
 }
 
 /// The squared distance of a point from a triangle, and the nearest feature.
-pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, TriangleSpot) {
+pub(in crate::composite) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, TriangleSpot) {
     let mut best = Closest {
         square: f64::INFINITY,
         on_p: *point,
@@ -86,7 +86,7 @@ pub(super) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, TriangleSpot)
 }
 
 /// The squared distance of a point from a triangle, and the nearest point.
-pub(super) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
+pub(in crate::composite) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
     let (square, spot) = nearest(point, y);
     let foot = match spot {
         TriangleSpot::Vertex(k) => y[k as usize % 3],
@@ -266,7 +266,7 @@ fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) ->
 ///
 /// A determinant of three differences up to `s` of points that are each off by `error` is off by
 /// `6 error s^2` to first order, its rounding by `14 UNIT s^3`; `error` is more than `64 UNIT s`.
-pub(super) fn certainly_cross(p: &Triangle, q: &Triangle, error: f64) -> bool {
+pub(in crate::composite) fn certainly_cross(p: &Triangle, q: &Triangle, error: f64) -> bool {
     let s = p.iter().chain(q).fold(0.0, |m: f64, x| m.max((x - p[0]).amax()));
     // Differences between any two of the six are at most twice the largest from one of them, and
     // 1.8 times their largest coordinate.

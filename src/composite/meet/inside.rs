@@ -11,25 +11,25 @@
 use alloc::vec;
 use nalgebra::Vector3;
 
-use super::mesh::Mesh;
-use super::tree::{Below, OrientedBox, Tree};
-use super::triangle;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
 use crate::base::tuning::composite::SEGMENTS;
 use crate::body::polyhedron::{exponent_of, power_of_two};
+use crate::composite::meet::triangle;
+use crate::composite::mesh::Mesh;
+use crate::composite::tree::{Below, OrientedBox, Tree};
 
 impl Mesh {
     /// The winding number about a point in stored coordinates that does not lie on the surface.
     /// `None` if every segment met an edge or passed through a vertex.
-    pub(super) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
+    pub(in crate::composite) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
         self.winding_of(point, |_| true)
     }
 
     /// The winding number of some of the triangles, which close a surface on which the point does
     /// not lie.
-    pub(super) fn winding_of(&self, point: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
+    pub(in crate::composite) fn winding_of(&self, point: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
         let flush = power_of_two(exponent_of(self.radius) - FLUSH_EXPONENT);
         let p = point.map(|x| if x.abs() < flush { 0.0 } else { x });
         if (0..3).any(|k| !(p[k] >= self.low[k] && p[k] <= self.high[k])) {
@@ -83,7 +83,7 @@ impl Mesh {
     }
 
     /// Whether the surface is certainly farther than `error` from a point in stored coordinates.
-    pub(super) fn is_clear_of(&self, point: &Vector3<f64>, error: f64) -> bool {
+    pub(in crate::composite) fn is_clear_of(&self, point: &Vector3<f64>, error: f64) -> bool {
         !self.tree.any_near(point, error, |t| {
             let (square, _) = triangle::nearest(point, &self.corners(t));
             !(square > 4.0 * error * error)
@@ -105,13 +105,18 @@ impl Mesh {
 
     /// Whether a segment certainly passes through a triangle from which its first end is farther
     /// than `skin`.
-    pub(super) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
+    pub(in crate::composite) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
         self.any_crossed(from, to, |corners| triangle::nearest(from, corners).0 > skin * skin)
     }
 
     /// The part of a segment before it first passes through a triangle farther along than `skin`,
     /// right up to rounding; triangles of which only an edge is met are left out.
-    pub(super) fn first_crossing(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> Option<f64> {
+    pub(in crate::composite) fn first_crossing(
+        &self,
+        from: &Vector3<f64>,
+        to: &Vector3<f64>,
+        skin: f64,
+    ) -> Option<f64> {
         let least = skin / sqrt((to - from).norm_squared());
         let mut first = None;
         self.any_crossed(from, to, |corners| {

@@ -5,11 +5,11 @@ use alloc::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use super::frame::TreeFrame;
-use super::front::{Front, NodePair};
-use super::mesh::Mesh;
-use super::search::split_pair;
 use crate::base::num::scalar::sqrt;
+use crate::composite::front::{Front, NodePair};
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::search::split_pair;
+use crate::composite::mesh::Mesh;
 
 /// What is wrong with a front.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -34,7 +34,7 @@ pub(crate) enum FrontFault {
 }
 
 /// Checks a front at the pose of its last test.
-pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &TreeFrame) -> Result<(), FrontFault> {
+pub(in crate::composite) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &TreeFrame) -> Result<(), FrontFault> {
     let mut entries = BTreeMap::new();
     let mut fault = None;
     front.gaps(&frame.single, |place, pair, gap| {
@@ -102,7 +102,7 @@ mod tests {
 
     use super::*;
     use crate::base::pose::RelativePose;
-    use crate::composite::tracker::MeshTracker;
+    use crate::composite::mesh::tracker::MeshTracker;
 
     /// A torus of `n` times `m` squares about z, its tube `thick` and wavy by `wave`.
     fn torus(n: u32, m: u32, thick: f64, wave: f64) -> Mesh {

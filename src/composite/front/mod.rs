@@ -20,16 +20,20 @@
 //! X is the larger of the two nodes: rho is the radius of the smaller. A budget of path length
 //! instead of a direction fails ten times as often.
 
+pub(crate) mod audit;
+pub(in crate::composite) mod memory;
+mod worth;
+
 use alloc::vec::Vec;
 use wide::f32x4;
 
-use super::bounds::WIDTH;
-use super::frame::{Single, Way};
-use super::tree::{OrientedBox, Tree};
 use crate::base::tuning::composite::MOST_ENTRIES;
+use crate::composite::meet::bounds::WIDTH;
+use crate::composite::meet::frame::{Single, Way};
+use crate::composite::tree::{OrientedBox, Tree};
 
 /// A node of A and a node of B.
-pub(super) type NodePair = [u32; 2];
+pub(in crate::composite) type NodePair = [u32; 2];
 
 /// The numbers of an entry.
 const NUMBERS: usize = 14;
@@ -47,24 +51,24 @@ struct FrontHalf {
 
 /// The place of an entry: the half, and the number there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct EntryId {
+pub(in crate::composite) struct EntryId {
     half: u8,
     at: u32,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Front {
+pub(in crate::composite) struct Front {
     /// Entries with directions in A's frame, then those with directions in B's.
     halves: [FrontHalf; 2],
     /// The largest error of single precision since the front was empty: entries carry the rounding
     /// of the pose at which they were made.
     error: f32,
     /// Entries at the last cut.
-    pub(super) cut: usize,
+    pub(in crate::composite) cut: usize,
 }
 
 impl Front {
-    pub(super) fn clear(&mut self) {
+    pub(in crate::composite) fn clear(&mut self) {
         for half in &mut self.halves {
             half.blocks.clear();
             half.pairs.clear();
@@ -72,42 +76,42 @@ impl Front {
         (self.error, self.cut) = (0.0, 0);
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(in crate::composite) fn len(&self) -> usize {
         self.halves[0].pairs.len() + self.halves[1].pairs.len()
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    pub(in crate::composite) fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Whether no more entries are taken: the front does not cover all pairs any more and must be
     /// cleared at the end of the query.
-    pub(super) fn is_full(&self) -> bool {
+    pub(in crate::composite) fn is_full(&self) -> bool {
         self.len() >= MOST_ENTRIES
     }
 
-    pub(super) fn pairs(&self) -> impl Iterator<Item = NodePair> + '_ {
+    pub(in crate::composite) fn pairs(&self) -> impl Iterator<Item = NodePair> + '_ {
         self.halves.iter().flat_map(|h| h.pairs.iter().copied())
     }
 
-    pub(super) fn pair(&self, place: EntryId) -> NodePair {
+    pub(in crate::composite) fn pair(&self, place: EntryId) -> NodePair {
         self.halves[place.half as usize].pairs[place.at as usize]
     }
 
-    pub(super) fn heap_bytes(&self) -> usize {
+    pub(in crate::composite) fn heap_bytes(&self) -> usize {
         let of =
             |h: &FrontHalf| h.blocks.capacity() * size_of::<FrontBlock>() + h.pairs.capacity() * size_of::<NodePair>();
         self.halves.iter().map(of).sum()
     }
 
     /// Takes the error of a pose. Must be called before entries are tested or made.
-    pub(super) fn meet(&mut self, frame: &Single) {
+    pub(in crate::composite) fn meet(&mut self, frame: &Single) {
         self.error = self.error.max(frame.error);
     }
 
     /// Calls `failed` with the place of every entry that is not proven to be at least `distance`
     /// apart: the places in each half rise.
-    pub(super) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(EntryId)) {
+    pub(in crate::composite) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(EntryId)) {
         let level = f32x4::splat(distance + self.error);
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
             for (k, block) in (0u32..).zip(&entries.blocks) {
@@ -124,7 +128,7 @@ impl Front {
     }
 
     /// Calls `each` with every entry, its pair and the proven gap at this pose.
-    pub(super) fn gaps(&self, frame: &Single, mut each: impl FnMut(EntryId, NodePair, f32)) {
+    pub(in crate::composite) fn gaps(&self, frame: &Single, mut each: impl FnMut(EntryId, NodePair, f32)) {
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
             for (k, (block, pairs)) in (0u32..).zip(entries.blocks.iter().zip(entries.pairs.chunks(WIDTH))) {
                 for (at, (pair, gap)) in (WIDTH as u32 * k..).zip(pairs.iter().zip(block.gaps(way).to_array())) {
@@ -136,7 +140,14 @@ impl Front {
 
     /// Adds an entry whose gap along `normal`, in A's frame, is at least `gap` at this pose, unless
     /// the front is full.
-    pub(super) fn push(&mut self, frame: &Single, trees: (&Tree, &Tree), pair: NodePair, normal: [f32; 3], gap: f32) {
+    pub(in crate::composite) fn push(
+        &mut self,
+        frame: &Single,
+        trees: (&Tree, &Tree),
+        pair: NodePair,
+        normal: [f32; 3],
+        gap: f32,
+    ) {
         if self.is_full() {
             return;
         }
@@ -151,7 +162,14 @@ impl Front {
     }
 
     /// Gives an entry another direction, in A's frame.
-    pub(super) fn set(&mut self, frame: &Single, (a, b): (&Tree, &Tree), place: EntryId, normal: [f32; 3], gap: f32) {
+    pub(in crate::composite) fn set(
+        &mut self,
+        frame: &Single,
+        (a, b): (&Tree, &Tree),
+        place: EntryId,
+        normal: [f32; 3],
+        gap: f32,
+    ) {
         let entries = &mut self.halves[place.half as usize];
         let [x, y] = entries.pairs[place.at as usize];
         let way = &frame.ways[place.half as usize];
@@ -174,7 +192,7 @@ impl Front {
     }
 
     /// Removes an entry; the last one of the half takes its place.
-    pub(super) fn remove(&mut self, place: EntryId) {
+    pub(in crate::composite) fn remove(&mut self, place: EntryId) {
         let (entries, k) = (&mut self.halves[place.half as usize], place.at as usize);
         let last = entries.pairs.len() - 1;
         entries.pairs.swap_remove(k);
@@ -189,20 +207,20 @@ impl Front {
 
     /// Spoils an entry, so that a test can see it found.
     #[cfg(test)]
-    pub(super) fn corrupt(&mut self, place: EntryId, by: f32) {
+    pub(in crate::composite) fn corrupt(&mut self, place: EntryId, by: f32) {
         self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0[10][place.at as usize % WIDTH] += by;
     }
 
     /// The place of an entry by its number.
     #[cfg(test)]
-    pub(super) fn place(&self, k: usize) -> EntryId {
+    pub(in crate::composite) fn place(&self, k: usize) -> EntryId {
         let first = self.halves[0].pairs.len();
         let (half, at) = if k < first { (0, k) } else { (1, k - first) };
         EntryId { half, at: at as u32 }
     }
 
     /// The direction of an entry at a pose, in A's frame.
-    pub(super) fn normal(&self, frame: &Single, place: EntryId) -> [f32; 3] {
+    pub(in crate::composite) fn normal(&self, frame: &Single, place: EntryId) -> [f32; 3] {
         let block = &self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0;
         let n = [0, 1, 2].map(|c| block[c][place.at as usize % WIDTH]);
         if place.half == 0 {

@@ -14,28 +14,28 @@
 
 use wide::f32x4;
 
-use super::frame::Single;
-use super::front::NodePair;
-use super::tree::{OrientedBox, Tree};
 use crate::base::tolerance::PARALLEL_SIDES;
 use crate::base::tuning::composite::LONG_BOX;
+use crate::composite::front::NodePair;
+use crate::composite::meet::frame::Single;
+use crate::composite::tree::{OrientedBox, Tree};
 
 /// Pairs of boxes bounded at once: the width of a register on every target.
-pub(super) const WIDTH: usize = 4;
+pub(in crate::composite) const WIDTH: usize = 4;
 
 /// Most pairs of a call.
-pub(super) const MOST: usize = 8;
+pub(in crate::composite) const MOST: usize = 8;
 
 /// Gaps along unit directions in A's frame, in the unit of the frame in single precision.
 #[derive(Clone, Copy)]
-pub(super) struct BoxGaps {
-    pub(super) gap: [f32; MOST],
-    pub(super) normal: [[f32; 3]; MOST],
+pub(in crate::composite) struct BoxGaps {
+    pub(in crate::composite) gap: [f32; MOST],
+    pub(in crate::composite) normal: [[f32; 3]; MOST],
 }
 
 impl BoxGaps {
     /// Of pairs about which nothing is known.
-    pub(super) const NONE: Self = Self {
+    pub(in crate::composite) const NONE: Self = Self {
         gap: [-f32::MAX; MOST],
         normal: [[0.0; 3]; MOST],
     };
@@ -43,16 +43,16 @@ impl BoxGaps {
 
 /// What is asked of bounds.
 #[derive(Clone, Copy)]
-pub(super) struct BoundAim {
+pub(in crate::composite) struct BoundAim {
     /// The gap that is enough: no more directions are tried once all four pairs have it.
-    pub(super) level: f32,
+    pub(in crate::composite) level: f32,
     /// A direction in A's frame that may prove it.
-    pub(super) known: Option<[f32; 3]>,
+    pub(in crate::composite) known: Option<[f32; 3]>,
 }
 
 impl BoundAim {
     /// A gap that is enough, without a direction that may prove it.
-    pub(super) const fn to(level: f32) -> Self {
+    pub(in crate::composite) const fn to(level: f32) -> Self {
         Self { level, known: None }
     }
 }
@@ -175,7 +175,12 @@ impl BestGaps {
 }
 
 /// The best gap of each of up to eight pairs of nodes, and its direction.
-pub(super) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[NodePair], aim: &BoundAim) -> BoxGaps {
+pub(in crate::composite) fn bounds(
+    frame: &Single,
+    (a, b): (&Tree, &Tree),
+    pairs: &[NodePair],
+    aim: &BoundAim,
+) -> BoxGaps {
     debug_assert!(pairs.len() <= MOST, "{} pairs", pairs.len());
     let mut found = BoxGaps::NONE;
     if !frame.error.is_finite() {

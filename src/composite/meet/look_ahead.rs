@@ -21,17 +21,17 @@
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Vector3};
 
-use super::bounds::{BoundAim, bounds};
-use super::front::NodePair;
-use super::heights::height;
-use super::kept::Kept;
-use super::parts::Parted;
-use super::search::split_pair;
-use super::state::PosedTrees;
 use crate::base::motion::{Course, Drift, length};
 use crate::base::num::scalar::{greater, sqrt};
 use crate::base::tolerance::{LEAST_SQUARE, ROOT};
 use crate::base::tuning::composite::{AHEAD_ITEMS, AHEAD_PAIRS, HORIZONS};
+use crate::composite::front::NodePair;
+use crate::composite::front::memory::FrontMemory;
+use crate::composite::meet::bounds::{BoundAim, bounds};
+use crate::composite::meet::search::split_pair;
+use crate::composite::meet::state::PosedTrees;
+use crate::composite::parts::Parted;
+use crate::composite::tree::height::height;
 use crate::time::separation::{Flight, Measure};
 
 /// One body at the instant.
@@ -58,7 +58,7 @@ impl Mover {
 }
 
 /// The bodies on a flight.
-pub(super) struct LookAhead<'a, A, B> {
+pub(in crate::composite) struct LookAhead<'a, A, B> {
     posed: &'a PosedTrees<'a, A, B>,
     flight: &'a Flight,
     movers: [Mover; 2],
@@ -74,7 +74,12 @@ type Claim = (NodePair, Vector3<f64>, f64);
 
 impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     /// `noise` is the effect of rounding on a distance, `radii` those about the pivots.
-    pub(super) fn new(posed: &'a PosedTrees<'a, A, B>, flight: &'a Flight, noise: f64, radii: [f64; 2]) -> Self {
+    pub(in crate::composite) fn new(
+        posed: &'a PosedTrees<'a, A, B>,
+        flight: &'a Flight,
+        noise: f64,
+        radii: [f64; 2],
+    ) -> Self {
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
         let (a, b) = (&flight.course_a, &flight.course_b);
         Self {
@@ -91,7 +96,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     }
 
     /// Returns the time for which all pairs of parts are proven apart: at most the flight's span.
-    pub(super) fn span(&mut self, kept: &Kept, seen: &Measure) -> f64 {
+    pub(in crate::composite) fn span(&mut self, kept: &FrontMemory, seen: &Measure) -> f64 {
         let goal = self.goal(seen);
         let mut stack: Vec<Claim> = Vec::new();
         let (single, unit) = (&self.posed.frame.single, self.posed.a.stored_unit());
@@ -191,7 +196,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
             return 0.0;
         }
         let (a, b) = (self.posed.a, self.posed.b);
-        let ball = |tree: &super::tree::Tree, node: u32, unit: f64| {
+        let ball = |tree: &crate::composite::tree::Tree, node: u32, unit: f64| {
             let of = &tree.boxes[node as usize];
             let scale = tree.unit() * unit;
             (tree.centre * unit + of.centre() * scale, f64::from(of.radius()) * scale)

@@ -3,10 +3,10 @@
 
 use nalgebra::Vector3;
 
-use super::front::NodePair;
-use super::search::{GapProof, Judge, TreeSearch, TriedDirection};
-use super::tree::{Below, LEAF};
 use crate::base::num::scalar::{greater, lesser};
+use crate::composite::front::NodePair;
+use crate::composite::meet::search::{GapProof, Judge, TreeSearch, TriedDirection};
+use crate::composite::tree::{Below, LEAF};
 
 /// Pairs of items of two leaves that are not proven yet.
 struct OpenLeafPair {
@@ -45,7 +45,7 @@ impl<J: Judge> TreeSearch<'_, J> {
     /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by
     /// measuring. The proof returned is the best single direction, whether it proves the pair far
     /// enough or not.
-    pub(super) fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
+    pub(in crate::composite) fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
         self.work.leaves += 1;
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
             return (normal, -f32::MAX);

@@ -3,7 +3,7 @@
 use alloc::collections::BinaryHeap;
 use core::cmp::Ordering;
 
-use super::triangle::Triangle;
+use crate::composite::meet::triangle::Triangle;
 
 /// Triangles that are halved at most; a tenth of a second and more. Not measured.
 const HALVED: usize = 1 << 16;
@@ -19,7 +19,7 @@ const ENOUGH: f64 = 1.0 / 16.0;
 ///
 /// Triangles are halved, that with the greatest bound first (branch and bound: Land and Doig 1960),
 /// until no bound exceeds the greatest value found by more than `resolution`.
-pub(super) fn greatest(
+pub(in crate::composite) fn greatest(
     triangles: impl Iterator<Item = Triangle>,
     resolution: f64,
     mut judge: impl FnMut(&Triangle, f64) -> (f64, f64),

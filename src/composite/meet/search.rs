@@ -3,17 +3,17 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::bounds::{BoundAim, BoxGaps, bounds};
-use super::frame::TreeFrame;
-use super::front::{Front, NodePair};
-use super::heights::{height, unit};
-use super::shared::Touching;
-use super::tree::{Below, Tree};
-use super::work::MeshWork;
 use crate::base::tuning::composite::{AT_ONCE, CROWD, FEW_ITEMS};
+use crate::composite::front::{Front, NodePair};
+use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::shared::Touching;
+use crate::composite::tree::height::{height, unit};
+use crate::composite::tree::{Below, Tree};
+use crate::composite::work::MeshWork;
 
 /// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
-pub(super) trait Judge {
+pub(in crate::composite) trait Judge {
     /// The features of a pair, told with points and bounds.
     type Features: Copy;
 
@@ -39,20 +39,20 @@ pub(super) trait Judge {
 
 /// Two items and how far they are apart, in A's stored units.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Measured<F> {
-    pub(super) pair: NodePair,
+pub(in crate::composite) struct Measured<F> {
+    pub(in crate::composite) pair: NodePair,
     /// The distance as computed.
-    pub(super) distance: f64,
-    pub(super) lower: f64,
-    pub(super) upper: f64,
+    pub(in crate::composite) distance: f64,
+    pub(in crate::composite) lower: f64,
+    pub(in crate::composite) upper: f64,
     /// Unit direction from A to B, in A's frame.
-    pub(super) normal: Vector3<f64>,
+    pub(in crate::composite) normal: Vector3<f64>,
     /// In A's and B's stored frames.
-    pub(super) on_a: Vector3<f64>,
-    pub(super) on_b: Vector3<f64>,
-    pub(super) features: F,
+    pub(in crate::composite) on_a: Vector3<f64>,
+    pub(in crate::composite) on_b: Vector3<f64>,
+    pub(in crate::composite) features: F,
     /// Whether the items certainly share inner points.
-    pub(super) crosses: bool,
+    pub(in crate::composite) crosses: bool,
 }
 
 impl<F> Measured<F> {
@@ -64,7 +64,7 @@ impl<F> Measured<F> {
 
 /// The question.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum MeshGoal {
+pub(in crate::composite) enum MeshGoal {
     /// The least distance.
     Least,
     /// Whether any pair is at most this far apart, in A's stored units.
@@ -72,45 +72,45 @@ pub(super) enum MeshGoal {
 }
 
 /// A search in progress.
-pub(super) struct TreeSearch<'a, J: Judge> {
-    pub(super) a: &'a Tree,
-    pub(super) b: &'a Tree,
-    pub(super) frame: &'a TreeFrame,
-    pub(super) judge: J,
-    pub(super) goal: MeshGoal,
+pub(in crate::composite) struct TreeSearch<'a, J: Judge> {
+    pub(in crate::composite) a: &'a Tree,
+    pub(in crate::composite) b: &'a Tree,
+    pub(in crate::composite) frame: &'a TreeFrame,
+    pub(in crate::composite) judge: J,
+    pub(in crate::composite) goal: MeshGoal,
     /// The closest pair so far.
-    pub(super) best: Option<Measured<J::Features>>,
+    pub(in crate::composite) best: Option<Measured<J::Features>>,
     /// Lower bound over all pairs pruned so far.
-    pub(super) lower: f64,
+    pub(in crate::composite) lower: f64,
     /// Directions of the latest best pairs; two, because flush contact alternates.
-    pub(super) directions: [Option<(NodePair, TriedDirection)>; 2],
+    pub(in crate::composite) directions: [Option<(NodePair, TriedDirection)>; 2],
     /// Pairs at distance zero, up to rounding, that were met.
-    pub(super) touching: Touching,
+    pub(in crate::composite) touching: Touching,
     /// Whether contact without a crossing is all that is asked of the least distance: of surfaces,
     /// which share no inner points.
-    pub(super) ends_in_contact: bool,
+    pub(in crate::composite) ends_in_contact: bool,
     /// Pairs measured that are in contact.
     contacts: u32,
     /// The level in single precision.
     single: f32,
     /// The least gap that single precision has proven.
     least: f32,
-    pub(super) work: MeshWork,
+    pub(in crate::composite) work: MeshWork,
 }
 
 /// A unit direction from A to B.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct TriedDirection {
+pub(in crate::composite) struct TriedDirection {
     /// In A's stored frame and in B's.
-    pub(super) in_a: Vector3<f64>,
-    pub(super) in_b: Vector3<f64>,
+    pub(in crate::composite) in_a: Vector3<f64>,
+    pub(in crate::composite) in_b: Vector3<f64>,
     /// The height of the origin of B's frame.
-    pub(super) lift: f64,
+    pub(in crate::composite) lift: f64,
 }
 
 impl TriedDirection {
     #[inline(always)]
-    pub(super) fn new(frame: &TreeFrame, n: &Vector3<f64>) -> Self {
+    pub(in crate::composite) fn new(frame: &TreeFrame, n: &Vector3<f64>) -> Self {
         Self {
             in_a: *n,
             in_b: frame.direction_in_b(n),
@@ -120,10 +120,15 @@ impl TriedDirection {
 }
 
 /// A direction and a gap along it that are proven, in single precision.
-pub(super) type GapProof = ([f32; 3], f32);
+pub(in crate::composite) type GapProof = ([f32; 3], f32);
 
 impl<'a, J: Judge> TreeSearch<'a, J> {
-    pub(super) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a TreeFrame, judge: J, goal: MeshGoal) -> Self {
+    pub(in crate::composite) fn new(
+        (a, b): (&'a Tree, &'a Tree),
+        frame: &'a TreeFrame,
+        judge: J,
+        goal: MeshGoal,
+    ) -> Self {
         let mut search = Self {
             a,
             b,
@@ -145,7 +150,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// The gap that a pair must exceed to be passed by, in A's stored units.
-    pub(super) fn level(&self) -> f64 {
+    pub(in crate::composite) fn level(&self) -> f64 {
         match self.goal {
             MeshGoal::Within(d) => d,
             MeshGoal::Least => self.best.as_ref().map_or(f64::INFINITY, |b| b.distance),
@@ -154,7 +159,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Lower bound of the distance of all pairs, in A's stored units, at the end of a search that
     /// is not over.
-    pub(super) fn proven(&self) -> f64 {
+    pub(in crate::composite) fn proven(&self) -> f64 {
         let measured = self.best.as_ref().map_or(f64::INFINITY, |b| b.lower);
         let proven = self.lower.min(f64::from(self.least) * self.frame.single.unit);
         proven.min(measured)
@@ -170,7 +175,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Whether the answer is known already.
-    pub(super) fn is_over(&self) -> bool {
+    pub(in crate::composite) fn is_over(&self) -> bool {
         let Some(best) = &self.best else { return false };
         match self.goal {
             MeshGoal::Least => best.crosses || self.ends_in_contact && best.is_contact(self.frame),
@@ -179,7 +184,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Measures a pair of items and keeps it if it is closer than any before.
-    pub(super) fn measure(&mut self, pair: NodePair) -> (Vector3<f64>, f64) {
+    pub(in crate::composite) fn measure(&mut self, pair: NodePair) -> (Vector3<f64>, f64) {
         self.work.measured += 1;
         let found = self.judge.measure(self.frame, pair, self.level());
         let result = (found.normal, found.lower);
@@ -225,7 +230,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Returns whether a proven gap prunes the pair, and remembers the gap.
     #[inline(always)]
-    pub(super) fn passes(&mut self, gap: f64) -> bool {
+    pub(in crate::composite) fn passes(&mut self, gap: f64) -> bool {
         let passes = match self.goal {
             MeshGoal::Least => gap >= self.level() - self.frame.tie,
             MeshGoal::Within(d) => gap > d,
@@ -237,7 +242,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Bounds up to eight pairs of boxes.
-    pub(super) fn bound(&mut self, pairs: &[NodePair]) -> BoxGaps {
+    pub(in crate::composite) fn bound(&mut self, pairs: &[NodePair]) -> BoxGaps {
         self.work.bounds += pairs.len() as u64;
         let single = |(_, n): &(NodePair, TriedDirection)| [n.in_a.x as f32, n.in_a.y as f32, n.in_a.z as f32];
         let aim = BoundAim {
@@ -249,7 +254,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
     #[inline(always)]
-    pub(super) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
+    pub(in crate::composite) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
         let proven = gap - self.frame.single.error;
         if proven >= self.single {
             self.least = self.least.min(proven);
@@ -311,13 +316,13 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// The direction along which two boxes are parted best.
-    pub(super) fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
+    pub(in crate::composite) fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
         let n = unit(&Vector3::from(normal.map(f64::from)))?;
         Some(TriedDirection::new(self.frame, &n))
     }
 
     /// A direction and a gap in double precision, as an entry of the front keeps them.
-    pub(super) fn proof(&self, n: &Vector3<f64>, gap: f64) -> GapProof {
+    pub(in crate::composite) fn proof(&self, n: &Vector3<f64>, gap: f64) -> GapProof {
         // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
         // precision is far more.
         let gap = (gap * self.frame.single.per_unit) as f32 - self.frame.single.error;
@@ -353,7 +358,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the
     /// front, if one is kept.
-    pub(super) fn descend(&mut self, stack: &mut Vec<NodePair>, mut front: Option<&mut Front>) {
+    pub(in crate::composite) fn descend(&mut self, stack: &mut Vec<NodePair>, mut front: Option<&mut Front>) {
         while !stack.is_empty() && !self.is_over() {
             let mut halves = [[0; 2]; 2 * AT_ONCE];
             let mut count = 0;
@@ -392,7 +397,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Both roots, settled or on the stack.
-    pub(super) fn start(&mut self, stack: &mut Vec<NodePair>, front: Option<&mut Front>) {
+    pub(in crate::composite) fn start(&mut self, stack: &mut Vec<NodePair>, front: Option<&mut Front>) {
         stack.clear();
         let root = [0, 0];
         let found = self.bound(&[root]);
@@ -407,7 +412,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Finds a close pair of items: the few most promising pairs of nodes, level by level.
-    pub(super) fn seed(&mut self) {
+    pub(in crate::composite) fn seed(&mut self) {
         let mut beam = [[0u32; 2]; AT_ONCE];
         let mut width = 1;
         let mut leaves = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
@@ -446,7 +451,11 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
 /// The two halves of a pair: of the box with the larger surface, unless that is a leaf. Not of the
 /// longer box: parts of a long thin one may be as long.
-pub(super) fn split_pair((a, b): (&Tree, &Tree), frame: &TreeFrame, [x, y]: NodePair) -> Option<[NodePair; 2]> {
+pub(in crate::composite) fn split_pair(
+    (a, b): (&Tree, &Tree),
+    frame: &TreeFrame,
+    [x, y]: NodePair,
+) -> Option<[NodePair; 2]> {
     let is_a_larger = || {
         let (of_a, of_b) = (&a.boxes[x as usize], &b.boxes[y as usize]);
         let (scale_a, scale_b) = (frame.single.scale_a, frame.single.scale_b);

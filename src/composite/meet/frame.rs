@@ -4,20 +4,20 @@
 use nalgebra::{Matrix3, Vector3};
 use wide::f32x4;
 
-use super::tree::{Tree, up};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
 use crate::body::polyhedron::power_of_two;
+use crate::composite::tree::{Tree, up};
 
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]
 pub(crate) struct TreeSide<'a> {
-    pub(super) tree: &'a Tree,
+    pub(in crate::composite) tree: &'a Tree,
     /// Stored lengths times `2^exponent` are the caller's.
-    pub(super) exponent: i32,
+    pub(in crate::composite) exponent: i32,
     /// Largest distance of a point from the body's origin, in stored units.
-    pub(super) radius: f64,
+    pub(in crate::composite) radius: f64,
 }
 
 /// Sizes beyond this, in the unit of single precision, are left to double precision. Squares stay
@@ -28,40 +28,40 @@ const SINGLE_MOST: f32 = (1u64 << 30) as f32;
 const LEAST: f32 = 1.0 / (1u64 << 60) as f32;
 
 /// `a_from_b` between stored frames, and between the frames of the trees.
-pub(super) struct TreeFrame {
+pub(in crate::composite) struct TreeFrame {
     /// A rotation times the unit of B's stored frame in A's.
-    pub(super) matrix: Matrix3<f64>,
-    pub(super) translation: Vector3<f64>,
+    pub(in crate::composite) matrix: Matrix3<f64>,
+    pub(in crate::composite) translation: Vector3<f64>,
     /// The rotation alone.
-    pub(super) rotation: Matrix3<f64>,
+    pub(in crate::composite) rotation: Matrix3<f64>,
     /// One unit of B's stored frame in A's.
-    pub(super) scale: f64,
+    pub(in crate::composite) scale: f64,
     /// L in A's stored units.
-    pub(super) size: f64,
+    pub(in crate::composite) size: f64,
     /// Error of a distance and of a height in double precision.
-    pub(super) error: f64,
+    pub(in crate::composite) error: f64,
     /// Tolerance below the distance within which a proven gap still prunes.
-    pub(super) tie: f64,
-    pub(super) single: Single,
+    pub(in crate::composite) tie: f64,
+    pub(in crate::composite) single: Single,
 }
 
 /// The frame in single precision, in a unit in which the larger tree has a size of about one.
-pub(super) struct Single {
+pub(in crate::composite) struct Single {
     /// The unit in A's stored units, a power of two, and its inverse.
-    pub(super) unit: f64,
-    pub(super) per_unit: f64,
+    pub(in crate::composite) unit: f64,
+    pub(in crate::composite) per_unit: f64,
     /// From B's tree to A's, and back.
-    pub(super) ways: [Way; 2],
-    pub(super) scale_a: f32,
-    pub(super) scale_b: f32,
+    pub(in crate::composite) ways: [Way; 2],
+    pub(in crate::composite) scale_a: f32,
+    pub(in crate::composite) scale_b: f32,
     /// Error of a gap; infinite if single precision cannot help.
-    pub(super) error: f32,
+    pub(in crate::composite) error: f32,
 }
 
 /// A map `x -> R x + t` in single precision.
-pub(super) struct Way {
-    pub(super) rotation: [f32x4; 9],
-    pub(super) translation: [f32x4; 3],
+pub(in crate::composite) struct Way {
+    pub(in crate::composite) rotation: [f32x4; 9],
+    pub(in crate::composite) translation: [f32x4; 3],
     /// Rotation and translation for unpacked points.
     r: [f32; 9],
     t: [f32; 3],
@@ -81,7 +81,7 @@ impl Way {
 
     /// The image of a point.
     #[inline(always)]
-    pub(super) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    pub(in crate::composite) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let (r, t) = (&self.r, &self.t);
         [
             r[0] * x + r[1] * y + r[2] * z + t[0],
@@ -92,7 +92,7 @@ impl Way {
 
     /// The direction that the map turns to `n`.
     #[inline(always)]
-    pub(super) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    pub(in crate::composite) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let r = &self.r;
         [
             r[0] * x + r[3] * y + r[6] * z,
@@ -105,7 +105,7 @@ impl Way {
 impl TreeFrame {
     /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the
     /// range of f64.
-    pub(super) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
+    pub(in crate::composite) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
         let scale = power_of_two((b.exponent - a.exponent).clamp(-1000, 1000));
         let rotation = pose.rotation();
         let translation = pose.translation() * power_of_two(-a.exponent);
@@ -129,19 +129,19 @@ impl TreeFrame {
 
     /// Returns the place of a stored point of B in A's stored frame.
     #[inline(always)]
-    pub(super) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    pub(in crate::composite) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.matrix * p + self.translation
     }
 
     /// Returns the direction of B's stored frame along which points rise as along `n` in A's.
     #[inline(always)]
-    pub(super) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
+    pub(in crate::composite) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.matrix.tr_mul(n)
     }
 
     /// Lengths in A's stored units in the unit of single precision, rounded up.
     #[inline(always)]
-    pub(super) fn single_up(&self, length: f64) -> f32 {
+    pub(in crate::composite) fn single_up(&self, length: f64) -> f32 {
         up(length * self.single.per_unit)
     }
 }
@@ -178,7 +178,7 @@ impl Single {
 
 /// The distance of two bodies' origins in the caller's unit, by how much the distance of the bodies
 /// may differ, and the direction.
-pub(super) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+pub(in crate::composite) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
     let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();
     let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };

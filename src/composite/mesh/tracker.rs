@@ -1,14 +1,14 @@
 //! The state of a pair of meshes, and the queries.
 
-use super::audit::{FrontFault, audit};
-use super::kept::Kept;
-use super::mesh::Mesh;
-use super::pair::{TriangleJudge, spots};
-use super::state::{PosedTrees, TreeAnswer, TreeState};
-use super::triangle::TriangleSpot;
-use super::work::MeshWork;
 use crate::base::num::count::Counter;
 use crate::base::pose::RelativePose;
+use crate::composite::front::audit::{FrontFault, audit};
+use crate::composite::front::memory::FrontMemory;
+use crate::composite::meet::state::{PosedTrees, TreeAnswer, TreeState};
+use crate::composite::meet::triangle::TriangleSpot;
+use crate::composite::mesh::Mesh;
+use crate::composite::mesh::pair::{TriangleJudge, spots};
+use crate::composite::work::MeshWork;
 use crate::pair::spot::Answer;
 
 /// The front of the last answer for one pair of meshes, from which the next query starts, and
@@ -30,11 +30,11 @@ impl MeshTracker {
         self.state.kept.work
     }
 
-    pub(super) fn kept(&self) -> &Kept {
+    pub(in crate::composite) fn kept(&self) -> &FrontMemory {
         &self.state.kept
     }
 
-    pub(super) fn count_windings(&mut self, taken: u64) {
+    pub(in crate::composite) fn count_windings(&mut self, taken: u64) {
         self.state.kept.work.windings.count(taken);
     }
 
@@ -65,14 +65,14 @@ impl MeshTracker {
 
     /// Adds to the claim of an entry.
     #[cfg(test)]
-    pub(super) fn spoil(&mut self, entry: usize, by: f32) {
+    pub(in crate::composite) fn spoil(&mut self, entry: usize, by: f32) {
         let front = &mut self.state.kept.front;
         front.corrupt(front.place(entry % front.len()), by);
     }
 
     /// Loses an entry.
     #[cfg(test)]
-    pub(super) fn drop_entry(&mut self, entry: usize) {
+    pub(in crate::composite) fn drop_entry(&mut self, entry: usize) {
         let front = &mut self.state.kept.front;
         front.remove(front.place(entry % front.len()));
     }

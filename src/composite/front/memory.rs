@@ -3,21 +3,21 @@
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-use super::frame::TreeFrame;
-use super::front::{EntryId, Front, NodePair};
-use super::search::{Judge, TreeSearch};
-use super::work::MeshWork;
-use super::worth::FrontWorth;
 use crate::base::num::count::Counter;
 use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR, STALE};
+use crate::composite::front::worth::FrontWorth;
+use crate::composite::front::{EntryId, Front, NodePair};
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::search::{Judge, TreeSearch};
+use crate::composite::work::MeshWork;
 
 /// Front, last pairs and buffers.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct Kept {
+pub(in crate::composite) struct FrontMemory {
     #[cfg_attr(feature = "serde", serde(skip))]
-    pub(super) front: Front,
+    pub(in crate::composite) front: Front,
     /// The two closest pairs of items of the last answers.
     #[cfg_attr(feature = "serde", serde(skip))]
     last: [Option<NodePair>; 2],
@@ -32,18 +32,18 @@ pub(super) struct Kept {
     stack: Vec<NodePair>,
     #[cfg_attr(feature = "serde", serde(skip))]
     failed: Vec<EntryId>,
-    pub(super) work: MeshWork,
+    pub(in crate::composite) work: MeshWork,
 }
 
-impl Kept {
-    pub(super) fn heap_bytes(&self) -> usize {
+impl FrontMemory {
+    pub(in crate::composite) fn heap_bytes(&self) -> usize {
         self.front.heap_bytes()
             + self.stack.capacity() * size_of::<NodePair>()
             + self.failed.capacity() * size_of::<EntryId>()
     }
 
     /// Finds the closest pair of items, by the front if there is one.
-    pub(super) fn closest<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
+    pub(in crate::composite) fn closest<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         let motion = self.motion(search.frame);
         self.pose = Some((search.frame.rotation, search.frame.translation));
         if motion < JUMP {
@@ -72,7 +72,7 @@ impl Kept {
 
     /// Whether any pair of items is within the distance that the search asks for. Unless the roots
     /// are far apart, the pairs that decided last are tried first.
-    pub(super) fn is_within<J: Judge>(&mut self, search: &mut TreeSearch<J>) -> bool {
+    pub(in crate::composite) fn is_within<J: Judge>(&mut self, search: &mut TreeSearch<J>) -> bool {
         search.start(&mut self.stack, None);
         if !self.stack.is_empty() {
             for pair in self.last.into_iter().flatten() {

@@ -2,23 +2,23 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::frame::TreeFrame;
-use super::front::NodePair;
-use super::mesh::Mesh;
-use super::parts::Parted;
-use super::search::{Judge, Measured};
-use super::shared::Touching;
-use super::state::PosedTrees;
-use super::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
 use crate::base::num::scalar::{lesser, sqrt};
 use crate::base::tuning::composite::SHARP;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
+use crate::composite::front::NodePair;
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::search::{Judge, Measured};
+use crate::composite::meet::shared::Touching;
+use crate::composite::meet::state::PosedTrees;
+use crate::composite::meet::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
+use crate::composite::mesh::Mesh;
+use crate::composite::parts::Parted;
 use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Outcome;
 use crate::pair::spot::Spot;
 
 /// Judges pairs of triangles.
-pub(super) struct TriangleJudge<'a> {
+pub(in crate::composite) struct TriangleJudge<'a> {
     posed: &'a PosedTrees<'a, Mesh, Mesh>,
     /// The distance in question, in the caller's unit, if that is the question.
     within: Option<f64>,
@@ -27,7 +27,7 @@ pub(super) struct TriangleJudge<'a> {
 }
 
 impl<'a> TriangleJudge<'a> {
-    pub(super) fn new(posed: &'a PosedTrees<'a, Mesh, Mesh>, within: Option<f64>) -> Self {
+    pub(in crate::composite) fn new(posed: &'a PosedTrees<'a, Mesh, Mesh>, within: Option<f64>) -> Self {
         Self {
             posed,
             within,
@@ -91,7 +91,7 @@ impl<'a> TriangleJudge<'a> {
 }
 
 /// Returns the triangles of a pair of items by the caller's numbers, and their features.
-pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> [Spot; 2] {
+pub(in crate::composite) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> [Spot; 2] {
     [spot(a, i, spots[0]), spot(b, j, spots[1])]
 }
 

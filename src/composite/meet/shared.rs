@@ -7,29 +7,29 @@
 
 use nalgebra::Vector3;
 
-use super::front::NodePair;
-use super::heights::height;
-use super::mesh::Mesh;
-use super::parts::{Parted, PartsRef};
-use super::search::Measured;
-use super::state::{Inside, PosedTrees};
-use super::triangle::{self, Triangle};
 use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::{PARTED, SPREAD, TOUCHES};
+use crate::composite::front::NodePair;
+use crate::composite::meet::search::Measured;
+use crate::composite::meet::state::{Inside, PosedTrees};
+use crate::composite::meet::triangle::{self, Triangle};
+use crate::composite::mesh::Mesh;
+use crate::composite::parts::{Parted, PartsRef};
+use crate::composite::tree::height::height;
 
 /// Pairs of items at distance zero, up to rounding.
-pub(super) struct Touching {
+pub(in crate::composite) struct Touching {
     pairs: [NodePair; TOUCHES],
     count: usize,
 }
 
 impl Touching {
-    pub(super) const NONE: Self = Self {
+    pub(in crate::composite) const NONE: Self = Self {
         pairs: [[0; 2]; TOUCHES],
         count: 0,
     };
 
-    pub(super) fn push(&mut self, pair: NodePair) {
+    pub(in crate::composite) fn push(&mut self, pair: NodePair) {
         if self.count < TOUCHES {
             self.pairs[self.count] = pair;
             self.count += 1;
@@ -95,7 +95,7 @@ impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
     ///
     /// Where the normal parts the bodies, middles on their own side of the plane of contact are not
     /// looked at: in flush contact none is left.
-    pub(super) fn shares_inside<F>(&self, touching: &Touching, found: &Measured<F>) -> (bool, u64) {
+    pub(in crate::composite) fn shares_inside<F>(&self, touching: &Touching, found: &Measured<F>) -> (bool, u64) {
         if !(self.a.is_solid() && self.b.is_solid()) {
             return (false, 0);
         }

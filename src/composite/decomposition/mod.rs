@@ -11,18 +11,20 @@
 //! function. This bounds the shortfall by the piece nearest to the centroid, and the excess by the
 //! triangle nearest to it.
 
+mod shortfall;
+
 use alloc::sync::Arc;
 use core::fmt;
 
-use super::gaps::{PieceHull, excess, hulls, shortfall};
-use super::mesh::hull::RESOLUTION;
-use super::mesh::{Mesh, MeshError};
-use super::parts::{Parted, PartsRef};
-use super::pieces::Composite;
-use super::state::{Inside, PosedTrees};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
+use crate::composite::decomposition::shortfall::{PieceHull, excess, hulls, shortfall};
+use crate::composite::meet::state::{Inside, PosedTrees};
+use crate::composite::mesh::hull::RESOLUTION;
+use crate::composite::mesh::{Mesh, MeshError};
+use crate::composite::parts::{Parted, PartsRef};
+use crate::composite::pieces::Composite;
 use crate::pair::outcome::{Class, Distance};
 use crate::pair::spot::Answer;
 

@@ -7,19 +7,19 @@
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::greatest::greatest;
-use super::mesh::{Mesh, MeshError};
-use super::pieces::{Composite, Piece};
-use super::triangle::Triangle;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tuning::composite::GAP;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Core;
+use crate::composite::meet::triangle::Triangle;
+use crate::composite::mesh::{Mesh, MeshError};
+use crate::composite::pieces::{Composite, Piece};
+use crate::composite::tree::maximum::greatest;
 use crate::convex::tracker::Tracker;
 
 /// A piece that is a polyhedron.
-pub(super) struct PieceHull<'a> {
+pub(in crate::composite) struct PieceHull<'a> {
     body: &'a ConvexPolyhedron,
     pose: &'a Isometry3<f64>,
     /// A ball about the piece in the body's frame.
@@ -38,7 +38,7 @@ struct InnerPlanes {
     last: usize,
 }
 
-pub(super) fn hulls(pieces: &Composite) -> Result<Vec<PieceHull<'_>>, MeshError> {
+pub(in crate::composite) fn hulls(pieces: &Composite) -> Result<Vec<PieceHull<'_>>, MeshError> {
     let mut hulls = Vec::with_capacity(pieces.pieces().len());
     for (piece, Piece { shape, pose, .. }) in pieces.pieces().iter().enumerate() {
         let (Core::Polyhedron(body), 0.0) = (shape.core(), shape.round()) else {
@@ -116,14 +116,14 @@ impl PieceHull<'_> {
     }
 
     /// Half the shortest side of the box: no point of the piece is deeper inside.
-    pub(super) fn depth(&self) -> f64 {
+    pub(in crate::composite) fn depth(&self) -> f64 {
         let (low, high) = self.body.aabb();
         0.5 * (high - low).min()
     }
 }
 
 /// Bounds of the farthest point of the pieces' surface from the mesh, in stored units of the mesh.
-pub(super) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64) -> (f64, f64) {
+pub(in crate::composite) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64) -> (f64, f64) {
     let scale = 1.0 / mesh.unit();
     let triangles = hulls.iter().flat_map(|hull| {
         let at = |v| {
@@ -157,7 +157,7 @@ pub(super) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64) -> (f64,
 }
 
 /// Bounds of the farthest point of the mesh's surface from the pieces, in stored units of the mesh.
-pub(super) fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], resolution: f64) -> (f64, f64) {
+pub(in crate::composite) fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], resolution: f64) -> (f64, f64) {
     let (unit, scale) = (mesh.unit(), 1.0 / mesh.unit());
     let triangles = (0..mesh.triangles.len() as u32).map(|t| mesh.corners(t));
     let (mut last, slack) = (0, GAP * resolution * unit);

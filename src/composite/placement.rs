@@ -2,11 +2,11 @@
 
 use nalgebra::{Isometry3, UnitQuaternion};
 
-use super::parts::Parted;
 use crate::base::pose::RelativePose;
+use crate::composite::parts::Parted;
 
 /// Returns B in A's frame, right up to rounding.
-pub(super) fn relative(pose: &RelativePose) -> Isometry3<f64> {
+pub(in crate::composite) fn relative(pose: &RelativePose) -> Isometry3<f64> {
     let (pose_a, pose_b) = pose.poses();
     let unit = |q: UnitQuaternion<f64>| UnitQuaternion::new_normalize(q.into_inner());
     let rotation = unit(unit(pose_a.rotation).inverse() * unit(pose_b.rotation));
@@ -27,7 +27,7 @@ impl<'a> Placed<'a> {
         Self { pose, composed }
     }
 
-    pub(super) fn of(pose: &'a RelativePose, a: &impl Parted, b: &impl Parted) -> Self {
+    pub(in crate::composite) fn of(pose: &'a RelativePose, a: &impl Parted, b: &impl Parted) -> Self {
         Self::new(pose, a.is_in_place() && b.is_in_place())
     }
 

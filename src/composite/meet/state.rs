@@ -2,16 +2,16 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::frame::{TreeFrame, TreeSide};
-use super::front::NodePair;
-use super::kept::Kept;
-use super::parts::Parted;
-use super::search::{Judge, Measured, MeshGoal, TreeSearch};
-use super::shared::Touching;
 use crate::base::motion::BallAtPose;
 use crate::base::num::count::Counter;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};
+use crate::composite::front::NodePair;
+use crate::composite::front::memory::FrontMemory;
+use crate::composite::meet::frame::{TreeFrame, TreeSide};
+use crate::composite::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
+use crate::composite::meet::shared::Touching;
+use crate::composite::parts::Parted;
 use crate::pair::outcome::{Class, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
 
@@ -19,38 +19,38 @@ use crate::pair::spot::{Answer, Spot, features_on};
 /// alone: claims in a file prove nothing.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(super) struct TreeState {
+pub(in crate::composite) struct TreeState {
     #[cfg_attr(feature = "serde", serde(skip))]
     fingerprints: [Fingerprint; 2],
-    pub(super) kept: Kept,
+    pub(in crate::composite) kept: FrontMemory,
     /// Last proof that the bodies do not contain each other: clearance and B's pose.
     #[cfg_attr(feature = "serde", serde(skip))]
     free: Option<(f64, BallAtPose)>,
 }
 
 /// Two bodies at a pose.
-pub(super) struct PosedTrees<'a, A, B> {
-    pub(super) a: &'a A,
-    pub(super) b: &'a B,
-    pub(super) pose: &'a RelativePose,
-    pub(super) frame: TreeFrame,
+pub(in crate::composite) struct PosedTrees<'a, A, B> {
+    pub(in crate::composite) a: &'a A,
+    pub(in crate::composite) b: &'a B,
+    pub(in crate::composite) pose: &'a RelativePose,
+    pub(in crate::composite) frame: TreeFrame,
 }
 
 /// The closest points, in the caller's units and the bodies' own frames.
-pub(super) struct TreeAnswer<F> {
-    pub(super) class: Class,
-    pub(super) distance: f64,
-    pub(super) lower: f64,
-    pub(super) upper: f64,
+pub(in crate::composite) struct TreeAnswer<F> {
+    pub(in crate::composite) class: Class,
+    pub(in crate::composite) distance: f64,
+    pub(in crate::composite) lower: f64,
+    pub(in crate::composite) upper: f64,
     /// The closest items and their features; `None` for bodies too far apart to look at.
-    pub(super) of: Option<(NodePair, F)>,
-    pub(super) point_on_a: Point3<f64>,
-    pub(super) point_on_b: Point3<f64>,
-    pub(super) normal: Unit<Vector3<f64>>,
+    pub(in crate::composite) of: Option<(NodePair, F)>,
+    pub(in crate::composite) point_on_a: Point3<f64>,
+    pub(in crate::composite) point_on_b: Point3<f64>,
+    pub(in crate::composite) normal: Unit<Vector3<f64>>,
 }
 
 /// Whether one body is inside the other.
-pub(super) enum Inside {
+pub(in crate::composite) enum Inside {
     No,
     /// At a point of the inner one, in A's frame and in B's.
     At(Vector3<f64>, Vector3<f64>),
@@ -61,14 +61,14 @@ pub(super) enum Inside {
 impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the range
     /// of f64.
-    pub(super) fn new(a: &'a A, b: &'a B, pose: &'a RelativePose) -> Option<Self> {
+    pub(in crate::composite) fn new(a: &'a A, b: &'a B, pose: &'a RelativePose) -> Option<Self> {
         let frame = TreeFrame::new(a.side(), b.side(), pose)?;
         Some(Self { a, b, pose, frame })
     }
 
     /// Whether the pair is answered as B and A: lengths leave the range in the unit of A, and B's
     /// is larger.
-    pub(super) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
+    pub(in crate::composite) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
         a.side().exponent < b.side().exponent && TreeFrame::new(a.side(), b.side(), pose).is_none()
     }
 
@@ -87,14 +87,14 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     }
 
     /// A point of A in B's stored frame.
-    pub(super) fn back(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    pub(in crate::composite) fn back(&self, p: &Vector3<f64>) -> Vector3<f64> {
         let ratio = self.a.stored_unit() / self.b.stored_unit();
         self.frame.rotation.tr_mul(&(p - self.frame.translation)) * ratio
     }
 
     /// Whether a part of one body is inside the other, whose surfaces are proven to be `lower`
     /// apart; and the winding numbers taken.
-    pub(super) fn inside(&self, lower: f64) -> (Inside, u64) {
+    pub(in crate::composite) fn inside(&self, lower: f64) -> (Inside, u64) {
         // A point moved to the other frame is off its place by the error of the frame: on its side
         // of a surface that is farther.
         let error = self.frame.error;
@@ -129,8 +129,8 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
 
     /// Bodies so far apart, or so small beside their distance, that only balls about their origins
     /// count.
-    pub(super) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
-        let (distance, slack, normal) = super::frame::far(a.side(), b.side(), pose);
+    pub(in crate::composite) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
+        let (distance, slack, normal) = crate::composite::meet::frame::far(a.side(), b.side(), pose);
         let lower = (distance - slack).max(0.0);
         let middle = |side: TreeSide, unit: f64| Point3::from(side.tree.centre * unit);
         TreeAnswer {
@@ -158,7 +158,7 @@ fn probes<A: Parted>(body: &A, part: usize) -> impl Iterator<Item = Vector3<f64>
 
 impl TreeState {
     /// Forgets the state of other bodies; returns whether anything was forgotten.
-    pub(super) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> bool {
+    pub(in crate::composite) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> bool {
         let fingerprints = [a.fingerprint(), b.fingerprint()];
         let is_new = self.fingerprints != fingerprints;
         if is_new {
@@ -170,7 +170,7 @@ impl TreeState {
     }
 
     /// The closest points, by the front if there is one.
-    pub(super) fn closest<A: Parted, B: Parted, J: Judge>(
+    pub(in crate::composite) fn closest<A: Parted, B: Parted, J: Judge>(
         &mut self,
         posed: &PosedTrees<A, B>,
         judge: J,
@@ -256,7 +256,7 @@ impl TreeState {
     }
 
     /// Whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
-    pub(super) fn within<A: Parted, B: Parted, J: Judge>(
+    pub(in crate::composite) fn within<A: Parted, B: Parted, J: Judge>(
         &mut self,
         posed: &PosedTrees<A, B>,
         judge: J,
@@ -279,7 +279,7 @@ impl TreeState {
     }
 
     /// A lower bound of the distance in the caller's unit, by the state alone.
-    pub(super) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) -> f64 {
+    pub(in crate::composite) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) -> f64 {
         let moved = |(lower, then): &(f64, BallAtPose)| lower - posed.place().displacement(then);
         let carried = self.free.as_ref().map_or(0.0, moved);
         if self.kept.front.is_empty() {
@@ -299,7 +299,7 @@ impl TreeState {
 
 impl<F> TreeAnswer<F> {
     /// Returns the answer with the places of the witnesses.
-    pub(super) fn on(&self, on: [Spot; 2]) -> Answer {
+    pub(in crate::composite) fn on(&self, on: [Spot; 2]) -> Answer {
         let outcome = Outcome {
             class: self.class,
             distance: self.distance,
