@@ -56,6 +56,7 @@
 //! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
 //! | When do they meet? | [`impact::cast`], [`impact::cast_within`] | a proven bracket or a proven miss |
+//! | Where does a ray enter a body? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a proven bracket, point, normal, feature |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | The same of any two geometries: rounded and curved [`Shape`]s, [`Composite`]s of convex pieces, [`Mesh`]es, [`patch::Surface`]s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
 //! | Which points hold any two solids apart? | [`PairTracker::contacts`] | [`PatchContacts`]: points by direction, with names that last |
@@ -345,6 +346,7 @@ pub use pair::question::Question;
 pub use pair::spot::{Answer, Spot};
 pub use pair::world::WorldWitnesses;
 pub use pair_tracker::geometry::{Geometry, GeometryRef, ShapeKind};
+pub use pair_tracker::ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use pair_tracker::{OverTime, PairError, PairTracker, PairWork};
 pub use time::{impact, schedule, separation};
 

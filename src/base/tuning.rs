@@ -276,6 +276,14 @@ pub(crate) mod impact {
     /// of 0.2 tolerances.
     pub(crate) const AIM: f64 = 0.3;
 
+    /// Width of the bracket of a ray cast, over the size of the pair: above the rounding of a
+    /// place, so that a short piece of the ray proves a crossing. Not measured.
+    pub(crate) const RAY_WIDTH: f64 = 1.0 / (1u64 << 40) as f64;
+
+    /// Pieces of a ray that are tried for a crossing, each twice as long as the one before. Not
+    /// measured.
+    pub(crate) const RAY_CROSSINGS: u32 = 8;
+
     /// Distance of the balls, over the sum of both radii, from which on a cast jumps by balls
     /// without a query. Not measured.
     pub(crate) const CLEAR: f64 = 0.1;

@@ -7,6 +7,7 @@ pub(crate) mod geometry;
 mod mixed;
 mod over;
 mod pair;
+pub(crate) mod ray;
 mod state;
 mod tracker;
 mod work;

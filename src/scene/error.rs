@@ -4,6 +4,7 @@ use super::{BodyId, Group};
 use crate::base::pose::PoseError;
 use crate::broad::BroadPhaseError;
 use crate::pair_tracker::geometry::ShapeKind;
+use crate::pair_tracker::ray::RayError;
 
 /// A refused call. The error names the fault, and the scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -97,6 +98,9 @@ pub enum SceneError {
     /// No more indices: a scene holds at most 2^31 - 1 bodies.
     #[error("a scene holds at most 2147483647 bodies")]
     TooManyBodies,
+    /// A ray, or its length.
+    #[error(transparent)]
+    Ray(#[from] RayError),
 }
 
 impl From<BroadPhaseError> for SceneError {

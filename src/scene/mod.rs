@@ -158,6 +158,7 @@ mod narrow_phase;
 mod pair_table;
 #[cfg(feature = "parallel")]
 mod parallel;
+mod ray;
 mod report;
 mod search;
 #[cfg(feature = "serde")]

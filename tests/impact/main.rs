@@ -8,6 +8,7 @@ mod judge;
 mod pairs;
 mod parallel;
 mod planes;
+mod ray;
 mod scales;
 mod shapes;
 

@@ -101,6 +101,7 @@ const PROSE: &[&str] = &[
     "PLANE",
     "PLANE_OFFSET",
     "PLATEAU",
+    "RAY",
     "REGION",
     "SHAPE_POINT",
     "SPECK",

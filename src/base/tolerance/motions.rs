@@ -131,3 +131,9 @@ pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 /// rounding, and no pair could be skipped. With [`CERTIFICATE`](super::CERTIFICATE) above and
 /// below, the bounds are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
 pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
+
+/// Error of the part of a ray in a ball, in units of the radius and the absolute coordinates of the
+/// ray's origin and of the ball's middle: a place by a quaternion errs by 33 UNIT (see [`PLANE`]),
+/// the difference, the product with the direction, which is of unit length within 4 UNIT, and the
+/// foot by 16 together.
+pub(crate) const RAY: f64 = 64.0 * UNIT;

@@ -245,7 +245,7 @@ fn push_vertex_of_b(a: &ProjectedFeature, b: &ProjectedFeature, k: usize, candid
 }
 
 /// Two faces, and the number of rays cast so far.
-pub(super) struct RayCaster<'a> {
+pub(super) struct RimRays<'a> {
     a: &'a ProjectedFeature<'a>,
     b: &'a ProjectedFeature<'a>,
     rays: &'a mut Rays,
@@ -268,7 +268,7 @@ pub(super) fn clip(
         share_line(a, b, candidates);
         return;
     };
-    let mut caster = RayCaster { a, b, rays, count: 0 };
+    let mut caster = RimRays { a, b, rays, count: 0 };
     let first = candidates.all().len();
     let mut half = [0.0; 2];
     for k in 0..2 {
@@ -297,7 +297,7 @@ pub(super) fn clip(
     }
 }
 
-impl RayCaster<'_> {
+impl RimRays<'_> {
     /// Casts a further ray from the middle of the longest untried side of the candidates found;
     /// returns the middle.
     fn widen(&mut self, first: usize, tried: &[Point2], candidates: &mut Candidates) -> Point2 {

@@ -38,8 +38,11 @@ impl DifferenceFacet {
                 let at = posed.point_in_b(&posed.a.points[a.index()]);
                 (n, plane.offset - plane.normal.dot(&at))
             }
-            Self::Edges(e, g) if let Some(height) = height_of_edges(posed, e, g) => return Some(height),
-            _ => return self.height_by_support(posed, frame),
+            Self::Edges(e, g) => {
+                let proven = height_of_edges(posed, e, g);
+                return proven.or_else(|| self.height_by_support(posed, frame));
+            }
+            Self::VertexFace(..) => return self.height_by_support(posed, frame),
         };
         let n: Vec3<f64> = n.into();
         // A degenerate face has no normal.
