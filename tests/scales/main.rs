@@ -2,9 +2,7 @@
 //! bodies.
 
 mod calls;
-#[path = "../support/mod.rs"]
-mod support;
-
+use lab::support;
 use std::cmp::Ordering;
 
 use lab::bound;
@@ -12,8 +10,8 @@ use lab::motion::{Frame, random_poses};
 use lab::pose::{add, norm, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
+use lab::support::{body, relative};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
-use support::{body, relative};
 
 fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {
     let mut pair = || {
