@@ -2,8 +2,10 @@
 
 mod frames;
 mod hard;
+mod history;
 mod local;
 mod nearest;
+
 use lab::exact;
 use lab::motion::Frame;
 use lab::pose::{norm, radius, scale, sub};

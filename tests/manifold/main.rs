@@ -7,6 +7,7 @@ mod hard;
 mod judge;
 mod planar;
 mod rims;
+
 use judge::judge;
 use lab::motion::Frame;
 use lab::pose::unit;

@@ -27,24 +27,28 @@ fn files_of_the_readme_exist() {
         .for_each(|name| assert!(!read(name).is_empty(), "{name} is empty"));
 }
 
-/// Every `cargo ... --test NAME` and `--example NAME` of the README names one that exists.
+/// Every `cargo ... --test NAME`, `--example NAME` and `--bin NAME` of the README and of BENCHMARKS.md names one that exists in a
+/// package of the workspace.
 #[test]
 fn commands_of_the_readme_exist() {
-    let readme = read("README.md");
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut seen = 0;
-    for (flag, folder) in [("--test ", "tests"), ("--example ", "examples")] {
-        for rest in readme.split(flag).skip(1) {
+    let texts = [read("README.md"), read("BENCHMARKS.md")];
+    for (flag, folder) in [("--test ", "tests"), ("--example ", "examples"), ("--bin ", "src/bin")] {
+        for rest in texts.iter().flat_map(|text| text.split(flag).skip(1)) {
             let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            let file = root.join(folder).join(format!("{name}.rs"));
+            let is_there = |package: &str| {
+                let folder = root.join(package).join(folder);
+                folder.join(format!("{name}.rs")).exists() || folder.join(&name).join("main.rs").exists()
+            };
             assert!(
-                file.exists() || root.join(folder).join(&name).join("main.rs").exists(),
+                name == "NAME" || [".", "lab", "plan", "rapier"].into_iter().any(is_there),
                 "{flag}{name}"
             );
             seen += 1;
         }
     }
-    assert!(seen > 2, "{seen}");
+    assert!(seen > 20, "{seen}");
 }
 
 /// Every example of the table of examples exists, and every example stands in the table.

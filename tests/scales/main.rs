@@ -2,6 +2,7 @@
 //! bodies.
 
 mod calls;
+
 use lab::support;
 use std::cmp::Ordering;
 

@@ -1,5 +1,6 @@
 //! Promise: whatever is called in whatever order, a scene says what is true.
 
+use crate::{NONE, group, read_back};
 use lab::driven::scenes;
 use lab::driven::scenes::Mix;
 use lab::rng::Rng;
@@ -11,21 +12,6 @@ use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
 use lin_canny::{Class, ManifoldOptions, Mesh, RelativePose, Tracker, Velocity};
 use std::sync::Arc;
-
-const NONE: Effects = Effects::none();
-
-fn group(k: u8) -> Group {
-    Group::new(k).unwrap()
-}
-
-/// The scene as a file gives it back, if files are compiled in.
-fn read_back(scene: &Scene) -> Scene {
-    #[cfg(feature = "serde")]
-    let read = serde_json::from_str(&serde_json::to_string(scene).unwrap()).unwrap();
-    #[cfg(not(feature = "serde"))]
-    let read = scene.clone();
-    read
-}
 
 /// The bytes of a generator lead everywhere.
 #[test]

@@ -1,15 +1,11 @@
 //! Promise: a scene finds what brute force over all pairs finds, on every frame, whatever is called for and however cheaply.
 
+use crate::{ALL, Keys, NONE, Replay};
 use lab::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Change, Effects, Event, Group, Scene};
 use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
-
-type Keys = BTreeSet<(BodyId, BodyId)>;
-
-const NONE: Effects = Effects::none();
-const DEFAULT: Group = Group::new(0).unwrap();
 
 /// A crowd in a scene.
 struct Play {
@@ -24,8 +20,8 @@ impl Play {
             kind,
             n,
             |_| Body::moving,
-            |_| DEFAULT,
-            |scene| scene.call_for(DEFAULT, DEFAULT, effects).unwrap(),
+            |_| ALL,
+            |scene| scene.call_for(ALL, ALL, effects).unwrap(),
         )
     }
 
@@ -85,33 +81,6 @@ fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracke
         }
     }
     (overlapping, within, distances)
-}
-
-/// Pairs as events tell them.
-#[derive(Default)]
-struct Replay {
-    boxes: Keys,
-    overlapping: Keys,
-    within: Keys,
-}
-
-impl Replay {
-    fn apply(&mut self, events: &[Event]) {
-        assert!(events.is_sorted_by_key(|e| (e.a.index, e.b.index, e.change)));
-        for e in events {
-            assert!(e.a.index < e.b.index);
-            let key = (e.a, e.b);
-            let done = match e.change {
-                Change::BoxesMet => self.boxes.insert(key),
-                Change::BoxesParted => self.boxes.remove(&key),
-                Change::OverlapBegan => self.overlapping.insert(key),
-                Change::OverlapEnded => self.overlapping.remove(&key),
-                Change::CameWithin => self.within.insert(key),
-                _ => self.within.remove(&key),
-            };
-            assert!(done, "{e:?} twice");
-        }
-    }
 }
 
 const D: f64 = 0.15;

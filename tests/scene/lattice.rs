@@ -1,6 +1,7 @@
 //! Promise: a scene reports what brute force reports if bounds are equal everywhere: unit cubes on lattices that jump, are
 //! removed and inserted again, and slide slowly. Coordinates are multiples of 1/8, so touching is exact in any arithmetic.
 
+use crate::ALL;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -9,8 +10,6 @@ use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene};
-
-const GROUP: Group = Group::new(0).unwrap();
 
 type Place = [i32; 3];
 
@@ -33,7 +32,7 @@ impl World {
         let cube = Arc::new(solids::cuboid(Vector3::repeat(0.5)).expect("a cube"));
         let mut scene = Scene::new();
         let effects = Effects::none().overlap(true);
-        scene.call_for(GROUP, GROUP, effects).expect("finite effects");
+        scene.call_for(ALL, ALL, effects).expect("finite effects");
         let mut world = Self {
             scene,
             cube,
@@ -51,7 +50,7 @@ impl World {
     }
 
     fn insert(&mut self, place: Place) -> BodyId {
-        let body = Body::moving(self.cube.clone()).group(GROUP);
+        let body = Body::moving(self.cube.clone()).group(ALL);
         self.scene.insert(body, pose(place)).expect("a finite pose")
     }
 

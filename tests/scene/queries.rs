@@ -1,5 +1,6 @@
 //! Scenes beside brute force: the closest pair of two groups, ignored pairs, effects for all groups.
 
+use crate::group;
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -7,10 +8,6 @@ use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
 use lin_canny::{Class, Outcome, RelativePose, Tracker};
 
 const BOXES: Effects = Effects::none().boxes(true);
-
-fn group(k: u8) -> Group {
-    Group::new(k).unwrap()
-}
 
 fn pose(rng: &mut Rng, room: f64) -> Isometry3<f64> {
     let (q, t) = (rng.quat(), [0; 3].map(|_| rng.range(-room, room)));

@@ -1,6 +1,7 @@
 //! Promise: a scene of bodies of every kind finds what brute force over all pairs finds, on every frame; and effects that a
 //! pair of kinds cannot answer are refused by name.
 
+use crate::{ALL, NONE, Replay, read_back};
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -12,10 +13,6 @@ use lin_canny::{
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-type Keys = BTreeSet<(BodyId, BodyId)>;
-
-const ALL: Group = Group::new(0).unwrap();
-const NONE: Effects = Effects::none();
 const D: f64 = 0.2;
 
 /// The convex pieces of a body, placed in the frame of the body.
@@ -85,28 +82,6 @@ fn brute(scene: &Scene, a: &Known, b: &Known) -> (f64, f64, bool, bool) {
         }
     }
     (lower, upper, overlaps, within)
-}
-
-/// Pairs as events tell them.
-#[derive(Default)]
-struct Replay {
-    overlapping: Keys,
-    within: Keys,
-}
-
-impl Replay {
-    fn apply(&mut self, scene: &Scene) {
-        for e in scene.events() {
-            let key = (e.a, e.b);
-            assert!(match e.change {
-                Change::OverlapBegan => self.overlapping.insert(key),
-                Change::OverlapEnded => self.overlapping.remove(&key),
-                Change::CameWithin => self.within.insert(key),
-                Change::LeftWithin => self.within.remove(&key),
-                _ => true,
-            });
-        }
-    }
 }
 
 /// What was seen: pairs apart, overlapping, within, measured, depths.
@@ -182,11 +157,11 @@ fn play(effects: Effects, bodies: Vec<(Geometry, Pieces)>, seed: u64) -> Mix {
     let (mut replay, mut mix) = (Replay::default(), Mix::default());
     for frame in 0..40 {
         if frame == 20 {
-            scene = through_text(&scene);
+            scene = read_back(&scene);
         }
         scene.step();
         mix.skipped += scene.report().counts.skipped;
-        replay.apply(&scene);
+        replay.apply(scene.events());
         check_frame(&scene, &known, &replay, &effects, &mut mix);
         for body in &known {
             let at = *scene.pose(body.id).unwrap();
@@ -204,17 +179,6 @@ fn play(effects: Effects, bodies: Vec<(Geometry, Pieces)>, seed: u64) -> Mix {
         }
     }
     mix
-}
-
-/// The scene as written and read back.
-#[cfg(feature = "serde")]
-fn through_text(scene: &Scene) -> Scene {
-    serde_json::from_str(&serde_json::to_string(scene).unwrap()).unwrap()
-}
-
-#[cfg(not(feature = "serde"))]
-fn through_text(scene: &Scene) -> Scene {
-    scene.clone()
 }
 
 fn predicates() -> Effects {
@@ -423,7 +387,7 @@ fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
             scene.set_pose(id, at).unwrap();
         }
         if frame == 20 {
-            scene = through_text(&scene);
+            scene = read_back(&scene);
         }
         scene.step();
         for &(below, id, count) in &pairs {

@@ -1,5 +1,6 @@
 //! Promise: surfaces of patches stand in scenes beside surfaces and convex shapes; what no tracker answers is refused by name.
 
+use crate::{ALL, NONE, read_back};
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::patch::{Surface, revolution};
@@ -7,8 +8,6 @@ use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
 use lin_canny::{Class, Composite, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
 
-const ALL: Group = Group::new(0).unwrap();
-const NONE: Effects = Effects::none();
 const D: f64 = 0.2;
 const FAR: f64 = 0.5;
 
@@ -155,9 +154,8 @@ fn shells_fall_and_rest_and_are_read_back_in_the_middle_of_a_tick() {
             }
             scene.advance(1.0 / 60.0).unwrap();
         }
-        #[cfg(feature = "serde")]
         if tick % 4 == 1 {
-            scenes[2] = serde_json::from_str(&serde_json::to_string(&scenes[2]).unwrap()).unwrap();
+            scenes[2] = read_back(&scenes[2]);
         }
         for scene in &mut scenes {
             scene.step();

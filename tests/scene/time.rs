@@ -1,6 +1,7 @@
 //! Promise: bodies with velocities are looked at when a proof ends and no sooner, with the same events; and no body passes
 //! through another where impacts are called for.
 
+use crate::{ALL, NONE, read_back};
 use lab::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
@@ -11,9 +12,6 @@ use lin_canny::schedule::Schedule;
 use lin_canny::{Composite, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-const ALL: Group = Group::new(0).unwrap();
-const NONE: Effects = Effects::none();
 
 /// How a scene decides which pairs to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -414,9 +412,8 @@ fn schedules_survive_every_kind_of_disturbance() {
             other.swaps = one.swaps;
             assert_eq!(one, other);
             events += all[0].len();
-            #[cfg(feature = "serde")]
             if round % 20 == 10 {
-                scenes[2] = serde_json::from_str(&serde_json::to_string(&scenes[2]).unwrap()).unwrap();
+                scenes[2] = read_back(&scenes[2]);
             }
         }
     }
