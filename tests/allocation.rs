@@ -1,5 +1,5 @@
 //! Queries allocate nothing, whatever layer below the exact rung answers, overlaps in a tracker that has taken its memory
-//! before: counted by an allocator that counts.
+//! before: counted by an allocator that counts, and so a process of its own.
 
 use std::alloc::System;
 

@@ -1,5 +1,6 @@
 //! Bodies of every kind that a scene takes, and the distance of two of them without a scene.
 
+use crate::soups::Soup;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::{Surface, revolution};
 use lin_canny::polyhedron::solids;
@@ -56,11 +57,21 @@ fn cross() -> Composite {
     Composite::new(vec![Piece::new(rod), upright]).expect("two rods")
 }
 
-fn ball_of_patches(r: f64) -> Surface {
+/// Returns a sphere as eight rational octants.
+pub fn sphere(r: f64) -> Surface {
     let half = 0.5_f64.sqrt();
     let south: &[[f64; 3]] = &[[0.0, -r, 1.0], [r, -r, half], [r, 0.0, 1.0]];
     let north: &[[f64; 3]] = &[[r, 0.0, 1.0], [r, r, half], [0.0, r, 1.0]];
     revolution(&[south, north]).expect("a sphere")
+}
+
+/// Returns the mesh of a soup.
+///
+/// # Panics
+/// The soup is no mesh.
+pub fn mesh(soup: &Soup) -> Mesh {
+    let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+    Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
 }
 
 /// The bodies of a world: polyhedra alone, curved shapes too, meshes and composites too, or surfaces and composites too.
@@ -97,7 +108,7 @@ pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
         all.push((sheet.clone().into(), Form::Mesh(sheet)));
     }
     if kind == 3 {
-        let shell = ball_of_patches(0.45);
+        let shell = sphere(0.45);
         all.push((shell.clone().into(), Form::Surface(shell)));
     }
     all

@@ -1,7 +1,8 @@
 //! Bodies scaled, moved and drawn; hulls of meshes and what they add.
 
+use lab::forms::mesh;
 use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use lab::soups;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, solids};
 use lin_canny::{HullFit, Mesh, RelativePose, Tracker};
@@ -85,11 +86,6 @@ fn triangles_close_the_surface() {
         let faces = body.faces().map(|f| body.face_vertices(f).count() - 2);
         assert_eq!(body.triangles().count(), faces.sum::<usize>());
     }
-}
-
-fn mesh(soup: &Soup) -> Mesh {
-    let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
-    Mesh::new(&points, &soup.triangles).unwrap()
 }
 
 /// The distance of a point from the nearest triangle, each as a polygon of its own.

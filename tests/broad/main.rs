@@ -3,7 +3,6 @@
 mod calls;
 mod frames;
 mod lattice;
-mod parallel;
 mod queries;
 mod state;
 mod steps;

@@ -82,13 +82,6 @@ fn starts(a: &ConvexPolyhedron, b: &ConvexPolyhedron, most: usize) -> Vec<Featur
     all.into_iter().step_by(step).collect()
 }
 
-fn times(p: &Pose, unit: f64) -> Pose {
-    Pose {
-        q: p.q,
-        t: p.t.map(|x| x * unit),
-    }
-}
-
 fn run(c: &Case) {
     let (a, b) = (body(&c.a), body(&c.b));
     ask(c, &a, &b, (&c.pose_a, &c.pose_b), 1.0, "as it is");
@@ -105,7 +98,7 @@ fn run(c: &Case) {
             continue;
         }
         let scaled = |s: &Shape| body(&s.clone().stretched([unit; 3]));
-        let poses = (&times(&c.pose_a, unit), &times(&c.pose_b, unit));
+        let poses = (&c.pose_a.scaled(unit), &c.pose_b.scaled(unit));
         ask(c, &scaled(&c.a), &scaled(&c.b), poses, unit, &format!("times 2^{k}"));
     }
     let mut rng = Rng::new(71);

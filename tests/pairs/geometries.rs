@@ -2,7 +2,7 @@
 
 use lab::Pose;
 use lab::forms;
-use lab::forms::{Form, TIE, forms};
+use lab::forms::{Form, TIE, forms, sphere};
 use lab::pose::scale;
 use lab::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
@@ -197,13 +197,6 @@ fn meshes_that_no_surface_stands_for_have_bounds() {
     assert_eq!(tracker.within(&huge, &sphere(0.5), &at, 1e80), Decision::Yes);
     assert_eq!(tracker.within(&huge, &sphere(0.5), &at, f64::NAN), Decision::No);
     assert!(tracker.over(&huge, &sphere(0.5)).measure(&at).lower <= 1e70);
-}
-
-fn sphere(r: f64) -> Surface {
-    let half = 0.5_f64.sqrt();
-    let south: &[[f64; 3]] = &[[0.0, -r, 1.0], [r, -r, half], [r, 0.0, 1.0]];
-    let north: &[[f64; 3]] = &[[r, 0.0, 1.0], [r, r, half], [0.0, r, 1.0]];
-    lin_canny::patch::revolution(&[south, north]).unwrap()
 }
 
 /// Two convex geometries have the points of their manifold, other solids those of patches, a surface none.

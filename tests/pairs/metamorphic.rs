@@ -69,17 +69,6 @@ fn bits(o: &Outcome, unit: f64) -> Vec<u64> {
     scaled.chain(o.normal.iter().map(|x| x.to_bits())).collect()
 }
 
-fn scaled(s: &Shape, unit: f64) -> Shape {
-    s.clone().stretched([unit; 3])
-}
-
-fn times(p: &Pose, unit: f64) -> Pose {
-    Pose {
-        q: p.q,
-        t: p.t.map(|x| x * unit),
-    }
-}
-
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
@@ -101,8 +90,8 @@ proptest! {
         let k = 210 * step + k;
         let (a, b, frame) = scene(seed);
         let unit = 2f64.powi(k);
-        let big = Frame { a: times(&frame.a, unit), b: times(&frame.b, unit) };
-        let (x, y) = (ask(&a, &b, &relative(&frame)), ask(&scaled(&a, unit), &scaled(&b, unit), &relative(&big)));
+        let big = frame.scaled(unit);
+        let (x, y) = (ask(&a, &b, &relative(&frame)), ask(&a.clone().scaled(unit), &b.clone().scaled(unit), &relative(&big)));
         for (x, y) in x.iter().zip(&y) {
             prop_assert_eq!(bits(x, unit), bits(y, 1.0), "{:?} {:?}", x, y);
             prop_assert_eq!((x.class, x.solver, x.features), (y.class, y.solver, y.features));

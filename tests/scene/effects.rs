@@ -2,9 +2,9 @@
 
 use crate::{ALL, Keys, NONE, Replay};
 use lab::crowd::{Crowd, Kind};
-use lin_canny::scene::{Body, BodyId, Change, Effects, Event, Group, Scene};
+use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
 use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A crowd in a scene.

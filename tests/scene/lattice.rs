@@ -9,7 +9,7 @@ use lab::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene};
+use lin_canny::scene::{Body, BodyId, Change, Effects, Scene};
 
 type Place = [i32; 3];
 

@@ -5,12 +5,11 @@ use crate::{ALL, NONE, Replay, read_back};
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
 use lin_canny::{
     Class, Composite, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose,
     Shape, ShapeKind, Tracker, Velocity,
 };
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 const D: f64 = 0.2;

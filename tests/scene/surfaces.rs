@@ -1,22 +1,15 @@
 //! Promise: surfaces of patches stand in scenes beside surfaces and convex shapes; what no tracker answers is refused by name.
 
 use crate::{ALL, NONE, read_back};
+use lab::forms::sphere;
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::patch::{Surface, revolution};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Effects, Scene, SceneError};
 use lin_canny::{Class, Composite, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
 
 const D: f64 = 0.2;
 const FAR: f64 = 0.5;
-
-fn sphere(r: f64) -> Surface {
-    let half = 0.5_f64.sqrt();
-    let south: &[[f64; 3]] = &[[0.0, -r, 1.0], [r, -r, half], [r, 0.0, 1.0]];
-    let north: &[[f64; 3]] = &[[r, 0.0, 1.0], [r, r, half], [0.0, r, 1.0]];
-    revolution(&[south, north]).unwrap()
-}
 
 /// Bodies that are all round, with their radii; surfaces and shapes take turns.
 fn round_bodies(scene: &mut Scene, rng: &mut Rng, count: usize) -> Vec<(BodyId, f64, bool)> {

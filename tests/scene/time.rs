@@ -7,7 +7,7 @@ use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Counts, Effects, Event, Group, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Change, Counts, Effects, Event, Scene, SceneError};
 use lin_canny::schedule::Schedule;
 use lin_canny::{Composite, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity};
 use std::collections::BTreeMap;

@@ -5,6 +5,7 @@
 //! (column `shape`: the gap). `link-over-tray`: the link of a robot hovers over a tray and swings. `terrain`: a rock rolls over hills;
 //! `n` is the number of the terrain's triangles.
 
+use lab::forms::mesh;
 use std::hint::black_box;
 
 use lab::Pose;
@@ -14,7 +15,7 @@ use lab::soups::{self, Soup};
 use lab::turned;
 use lin_canny::{Mesh, PairTracker, RelativePose};
 
-use crate::meshes::{mesh, time};
+use crate::meshes::time;
 use lab::race::{Options, Rows};
 
 pub(crate) const SCENES: [&str; 4] = ["crossing-shafts", "shaft-in-bore", "link-over-tray", "terrain"];

@@ -8,6 +8,7 @@
 //! hole, where most of both is nearly equally close. In `pieces` rings and knots are made of convex pieces, a rock by parry's VHACD, and `n`
 //! is the number of pieces: ours as a `Composite`, parry's as a `Compound`. The scenes of `cad.rs` are raced by ours alone.
 
+use lab::forms::mesh;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
@@ -52,11 +53,6 @@ struct Race {
     a: Soup,
     b: Soup,
     poses: Vec<Pose>,
-}
-
-pub(crate) fn mesh(soup: &Soup) -> Mesh {
-    let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
-    Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
 }
 
 fn trimesh(soup: &Soup) -> TriMesh {

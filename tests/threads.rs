@@ -1,4 +1,6 @@
 //! Feature `parallel`: any number of threads gives the same events, slots, errors and questions to the filter.
+//!
+//! A process of its own: the global pool of threads is made once in a process.
 #![cfg(feature = "parallel")]
 
 use lab::boxes::{Kind, Scene};
