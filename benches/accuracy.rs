@@ -1,16 +1,12 @@
-//! What accuracy costs: the axes of the example `accuracy_cost`, for following one of them over time.
+//! What accuracy costs: the axes of the instrument `accuracy_cost`, for following one of them over time.
 //!
 //! `cargo bench --bench accuracy`, with `-- --save-baseline NAME` before a change and `-- --baseline NAME` after it. Errors,
-//! and all engines interleaved: `cargo run --release --example accuracy_cost`.
-
-#[allow(dead_code)] // the example needs more of them
-#[path = "../examples/accuracy_cost/bodies.rs"]
-mod bodies;
+//! and all engines interleaved: `cargo run --release -p lab --bin accuracy_cost`.
 
 use std::hint::black_box;
 
-use bodies::{Body, Pair, ball};
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
+use lab::pairs::{Body, Pair, ball};
 use lab::parry::GjkCached;
 use lin_canny::{RelativePose, Tracker};
 

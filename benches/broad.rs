@@ -1,4 +1,4 @@
-//! A step of the broad phase, all scenes: `cargo bench --bench broad`. Against other libraries: `--example race`.
+//! A step of the broad phase, all scenes: `cargo bench --bench broad`. Against other libraries: `race`.
 //!
 //! What threads do: `RAYON_NUM_THREADS=2 cargo bench --features parallel --bench broad -- 'pencils/(uniform|pile)/10*$'`, and the same
 //! with one.

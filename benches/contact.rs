@@ -1,7 +1,7 @@
 //! Bodies in contact: depth and manifold, beside parry's.
 //!
 //! `cargo bench --bench contact`. Scenes, shapes, sizes and engines are those of the race
-//! (`cargo run --release --example race -- contact`), which runs the engines interleaved and compares their answers; these
+//! (`cargo run --release -p lab --bin race -- contact`), which runs the engines interleaved and compares their answers; these
 //! benches are for following one of them over time.
 
 use std::hint::black_box;

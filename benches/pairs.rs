@@ -1,6 +1,6 @@
 //! Pairs of bodies: tracked and cold queries, the build of a hull and its box, beside parry.
 //!
-//! `cargo bench --bench pairs`. The race (`cargo run --release --example race -- pairs`) runs the same motions with all
+//! `cargo bench --bench pairs`. The race (`cargo run --release -p lab --bin race -- pairs`) runs the same motions with all
 //! engines interleaved; these benches are for following one of them over time.
 
 use std::hint::black_box;

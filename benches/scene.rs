@@ -1,4 +1,4 @@
-//! A step of a scene, by what is called for: `cargo bench --bench scene`. Against other libraries: `--example race -- scene`.
+//! A step of a scene, by what is called for: `cargo bench --bench scene`. Against other libraries: `race scene`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lab::crowd::{Crowd, Kind};

@@ -11,7 +11,7 @@
 //!
 //! *Left: a tracked pair, the Voronoi region of the closest face, and the features met on the way.
 //! Right: feature pairs tested per frame against the motion per frame. Pictures of this page:
-//! `cargo run --release --example figures`.*
+//! `cargo run --release -p lab --bin figures`.*
 //!
 //! # Quick start
 //!

@@ -1,16 +1,14 @@
 //! Queries allocate nothing, whatever layer below the exact rung answers, overlaps in a tracker that has taken its memory
-//! before: counted by an allocator that counts.
-
-mod support;
+//! before: counted by an allocator that counts, and so a process of its own.
 
 use std::alloc::System;
 
 use lab::rng::Rng;
 use lab::shapes;
+use lab::support::body;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::{Class, Manifold, ManifoldOptions, RelativePose, Solver, Tracker};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
-use support::body;
 
 #[global_allocator]
 static COUNTING: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;

@@ -3,15 +3,13 @@
 //!
 //! `cargo run --release --example clearance -- [--urdf FILE] [--cell X.obj ..] [--frames N] [--out FILE.svg]`
 
-mod cell;
-mod draw;
-mod motion;
 mod robot;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use lab::arm::{Trouble, cell, draw, motion};
 use lab::command::Arguments;
 use lab::plot::Chart;
 use lab::progress::Progress;
@@ -19,8 +17,6 @@ use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::scene::{Body, BodyId, ClosestPair, Effects, Group, Scene};
 use robot::Robot;
-
-pub(crate) type Trouble = Box<dyn std::error::Error>;
 
 const ARM: Group = Group::new(1).unwrap();
 const CELL: Group = Group::new(2).unwrap();
@@ -70,11 +66,11 @@ fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
 }
 
 /// A body to draw: its name, its shape, and the link that moves it.
-pub(crate) struct Part {
-    pub(crate) id: BodyId,
-    pub(crate) name: String,
-    pub(crate) shape: ConvexPolyhedron,
-    pub(crate) link: Option<usize>,
+struct Part {
+    id: BodyId,
+    name: String,
+    shape: ConvexPolyhedron,
+    link: Option<usize>,
 }
 
 /// The scene, the robot, and what the bodies are; the user data of a body is its number among the parts.
@@ -264,7 +260,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let caption = format!("{title}, frame {frame}: {:.4}, {name}", near.outcome.distance);
     let picture = draw::Picture {
         caption,
-        parts: &stage.parts,
+        bodies: stage.parts.iter().map(|p| (&p.shape, p.link.is_some())).collect(),
         poses,
         points,
     };

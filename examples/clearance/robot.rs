@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use lab::arm::Trouble;
 use lab::meshes;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, Unit, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use urdf_rs::{Geometry, JointType};
-
-use crate::Trouble;
 
 /// Vertices of the circles that stand for the circles of cylinders. The polygon lies inside: a cylinder of radius r is at
 /// most 0.0022 r thinner than given.

@@ -7,8 +7,8 @@
 //! lines and those that begin with `#` are skipped. The answer is `distance lower upper`, 17 digits each, line for line.
 
 mod draw;
-mod parse;
 
+use lab::curved::parse;
 use lin_canny::PairTracker;
 
 fn main() -> Result<(), String> {

@@ -1,9 +1,7 @@
-//! Arbitrary bytes are bodies, poses and queries, or are refused: the entry of the test `bytes`.
+//! Arbitrary bytes are bodies, poses and queries, or are refused: the entry of the test `files`.
 #![no_main]
 
-#[path = "../../tests/support/bytes.rs"]
-#[allow(dead_code)]
-mod bytes;
+use lab::driven::bytes;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     bytes::drive(data);

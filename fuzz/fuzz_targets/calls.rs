@@ -1,9 +1,7 @@
-//! Arbitrary bytes are a sequence of calls of the broad phase: the entry of the test `broad_calls`.
+//! Arbitrary bytes are a sequence of calls of the broad phase: the entry of the test `broad`.
 #![no_main]
 
-#[path = "../../tests/support/calls.rs"]
-#[allow(dead_code)]
-mod calls;
+use lab::driven::calls;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     calls::drive(data);

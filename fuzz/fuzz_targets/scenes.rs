@@ -1,10 +1,7 @@
-//! Arbitrary bytes are a sequence of calls of a scene: the entry of the test `scene_calls`.
+//! Arbitrary bytes are a sequence of calls of a scene: the entry of the test `scene`.
 #![no_main]
 
-#[path = "../../tests/support/scenes.rs"]
-#[allow(dead_code)]
-mod scenes;
-
+use lab::driven::scenes;
 use lin_canny::scene::Scene;
 
 fn read_back(scene: &Scene) -> Scene {

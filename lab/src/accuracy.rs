@@ -2,7 +2,7 @@
 //!
 //! Families name bodies and motion: `sphere 0.5deg`, `sphere random`, `motion 0.1deg` (spheres too), `sphere gap 1e-3`, `ball`
 //! (a sphere replaced by a hull), `curved cylinder-cone` (n = 0: as themselves), `nonconvex rings`
-//! (n: triangles or pieces), `asking 0.05deg`. Engines and levels are those of the example
+//! (n: triangles or pieces), `asking 0.05deg`. Engines and levels are those of the instrument
 //! `accuracy_cost`.
 
 use crate::plot::{Chart, Spread};

@@ -1,8 +1,8 @@
 //! The cell of a robot, all of meshes: an arm of six axes whose links are turned parts, a table, two trays, posts and a wall.
 
-use lin_canny::Mesh;
+use crate::forms::mesh;
 use lin_canny_plan::{Joint, SerialArm, World};
-use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::rng::Rng;
 use crate::soups::{self, Soup};
@@ -49,11 +49,6 @@ fn link(n: usize, [r, low, high]: [f64; 3]) -> Soup {
         [0.9 * r, high],
     ];
     turned::turned(n, &profile)
-}
-
-fn mesh(soup: &Soup) -> Mesh {
-    let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
-    Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
 }
 
 impl Cell {

@@ -1,4 +1,4 @@
-//! The frame of an example with options.
+//! The frame of a program with options.
 
 use std::fmt::Display;
 use std::process::ExitCode;
@@ -30,7 +30,7 @@ pub fn main<O, W: Display, T: Display>(
     }
 }
 
-/// The words of a command line, from which an example takes its options one by one.
+/// The words of a command line, from which a program takes its options one by one.
 #[derive(Debug)]
 pub struct Arguments {
     words: Vec<String>,

@@ -1,8 +1,10 @@
-//! What the tests, benches and examples of `lin-canny` share.
+//! What the tests, benches and examples of `lin-canny` share. The instruments that measure the crate are programs of this
+//! package, each by `cargo run --release -p lab --bin NAME`.
 //!
 //! Everything here works on plain data: a point is `[f64; 3]`, a face is a list of point indices counter-clockwise
 //! from outside, a pose is [`Pose`]. So a judge never borrows the code it judges;
-//! only [`boxes`], [`casts`], [`crowd`], [`curved`], [`rooms`] and [`contacts`] speak the crate's own types.
+//! only [`arm`], [`boxes`], [`casts`], [`crowd`], [`curved`], [`driven`], [`forms`], [`pairs`], [`race`], [`rooms`], [`support`] and
+//! [`contacts`] speak the crate's own types.
 //!
 //! | module | what it gives |
 //! |---|---|
@@ -13,7 +15,10 @@
 //! | [`contacts`] | scenes of two bodies in contact |
 //! | [`casts`] | bodies thrown at each other, and conservative advancement |
 //! | [`rooms`] | rooms full of hulls, and a robot that goes through them |
-//! | [`cells`] | an arm of meshes in its cell |
+//! | [`cells`], [`arm`] | an arm of meshes in its cell; an arm of hulls in its cell, drawn |
+//! | [`support`], [`forms`] | plain data as bodies and poses of the crate; bodies of every kind |
+//! | [`driven`] | calls drawn from bytes and seeds, judged by brute force |
+//! | [`pairs`], [`race`] | pairs in the form of each engine; what the races share |
 //! | [`nets`] | control points of curved surfaces |
 //! | [`soups`], [`turned`], [`brute`] | meshes that are not convex, some as CAD has them, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
@@ -25,12 +30,13 @@
 //! | [`parry`], [`parry_f32`] | the reference engine and the competitors |
 //! | [`meshes`] | OBJ and STL files |
 //! | [`record`], [`accuracy`] | measurements as CSV, and the pictures of what accuracy costs |
-//! | [`plot`], [`progress`], [`command`] | charts as SVG, progress bars, the frame of an example with options |
+//! | [`plot`], [`svg`], [`progress`], [`command`] | charts and shapes as SVG, progress bars, the frame of a program with options |
 //!
 //! Below `exact` and `bound` lie [`body`] (placed bodies), [`rational`] (exact arithmetic) and [`verdict`] (the oracle's
 //! answer); [`pose`] holds the pose and a few vector helpers.
 
 pub mod accuracy;
+pub mod arm;
 pub mod body;
 pub mod bound;
 pub mod boxes;
@@ -43,18 +49,22 @@ pub mod contacts;
 pub mod corpus;
 pub mod crowd;
 pub mod curved;
+pub mod driven;
 mod ears;
 pub mod exact;
 pub mod faults;
+pub mod forms;
 pub mod meshes;
 pub mod motion;
 pub mod nets;
+pub mod pairs;
 pub mod parry;
 pub mod parry_f32;
 pub mod plot;
 pub mod pose;
 pub mod progress;
 pub mod proofs;
+pub mod race;
 pub mod rational;
 pub mod record;
 #[path = "../../tests/support/rng.rs"]
@@ -63,6 +73,8 @@ pub mod rooms;
 pub mod shapes;
 pub mod soups;
 pub mod suite;
+pub mod support;
+pub mod svg;
 pub mod turned;
 pub mod verdict;
 pub mod workload;

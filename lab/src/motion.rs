@@ -24,6 +24,14 @@ impl Frame {
         Pose::relative(&self.a, &self.b)
     }
 
+    /// The same frame in another unit of length.
+    pub fn scaled(&self, by: f64) -> Self {
+        Self {
+            a: self.a.scaled(by),
+            b: self.b.scaled(by),
+        }
+    }
+
     /// The same two bodies with the letters exchanged.
     pub fn swapped(&self) -> Self {
         Self { a: self.b, b: self.a }

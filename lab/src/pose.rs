@@ -41,6 +41,14 @@ impl Pose {
         add(self.rotate(v), self.t)
     }
 
+    /// The same pose in another unit of length.
+    pub fn scaled(&self, by: f64) -> Self {
+        Self {
+            q: self.q,
+            t: scale(self.t, by),
+        }
+    }
+
     /// The very bits as the crate takes them.
     pub fn isometry(&self) -> Isometry3<f64> {
         let [x, y, z, w] = self.q;

@@ -1,12 +1,9 @@
 //! The piano mover's problem in the plane: an L through a door. Draws the freeways, the bridges and the path.
 //!
-//! `cargo run --release --example piano -- [--door WIDTH] [--seed N] [--out FILE.svg]`
-
-#[allow(dead_code, reason = "shared with the pictures of the documentation")]
-#[path = "../../examples/figures/svg.rs"]
-mod svg;
+//! `cargo run --release -p lin-canny-plan --example piano -- [--door WIDTH] [--seed N] [--out FILE.svg]`
 
 use lab::command::Arguments;
+use lab::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -14,7 +11,6 @@ use lin_canny_plan::{Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, Pl
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 
 const USAGE: &str = "\
 usage: piano [--door WIDTH] [--seed N] [--seconds S] [--out FILE.svg]

@@ -1,7 +1,7 @@
 //! A path of a rigid robot among obstacles, from a file: every segment of the path is proven free.
 //!
 //! ```text
-//! cargo run --release --example plan -- FILE.json --out PATH.csv
+//! cargo run --release -p lin-canny-plan --example plan -- FILE.json --out PATH.csv
 //! ```
 //!
 //! `--help` describes the file.

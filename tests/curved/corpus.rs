@@ -1,12 +1,8 @@
 //! Every line of `corpus.txt`, cold and warm, A to B and B to A.
 
-#[path = "../../examples/shapes/parse.rs"]
-#[allow(unreachable_pub)]
-mod parse;
-
 use super::Mix;
 use super::suites::sampled;
-use lab::curved::{Kind, Place};
+use lab::curved::{Kind, Place, parse};
 use lab::rng::Rng;
 use lin_canny::shape::Core;
 use lin_canny::{Class, Outcome, PairTracker, RelativePose, Shape};

@@ -1,11 +1,12 @@
 //! A depth over frames: it is continuous, and what is kept changes what it costs and not what it is.
 
-use crate::{both, closest, pushed, support};
+use crate::{both, closest, pushed};
 use lab::contacts::widest_face;
 use lab::motion::{self, Frame};
 use lab::pose::{norm, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes;
+use lab::support;
 use lab::{Pose, workload};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;

@@ -1,10 +1,11 @@
 //! Bodies and places at which rounding hides the depth, or its witnesses.
 
-use crate::{both, closest, judge, judge_both, support};
+use crate::{both, closest, judge, judge_both};
 use lab::Pose;
 use lab::pose::{scale, sub};
 use lab::rng::Rng;
 use lab::shapes;
+use lab::support;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Replay, Solver};

@@ -1,11 +1,11 @@
 //! The depth of an overlap is a function of the bodies and the pose: what a tracker was asked before shows in no bit.
 
-use super::support;
 use lab::Pose;
 use lab::motion::Frame;
 use lab::pose::{quat, quat_mul, scale};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
+use lab::support;
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 
 /// Overlaps asked of a tracker that comes from elsewhere, and of a new one.

@@ -2,12 +2,12 @@
 //! tracker of a proven depth, and with the letters exchanged. Bodies apart are answered as ever.
 
 use crate::nearest::{nudged, pose, shape};
-use crate::support;
 use lab::exact::{self, Exact};
 use lab::motion::{self, Frame};
 use lab::pose::{dot, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
+use lab::support;
 use lab::{Body, Pose, bound};
 use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, PairTracker, Question, Tracker, Until};
 

@@ -5,14 +5,13 @@ mod hard;
 mod history;
 mod local;
 mod nearest;
-#[path = "../support/mod.rs"]
-mod support;
 
 use lab::exact;
 use lab::motion::Frame;
 use lab::pose::{norm, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
+use lab::support;
 use lab::{Body, Pose};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 

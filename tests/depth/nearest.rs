@@ -1,12 +1,13 @@
 //! The nearest facet answers shallow overlaps, and never takes a facet for the nearest that is not: exact depths of hard and
 //! ordinary bodies, warm, cold, from a hint, and with the letters exchanged.
 
-use crate::{both, support};
+use crate::both;
 use lab::contacts::widest_face;
 use lab::motion::Frame;
 use lab::pose::{add, quat, quat_mul, radius, scale, unit_quat};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
+use lab::support;
 use lab::{Body, Pose, exact, workload};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
 

@@ -2,12 +2,13 @@
 
 use crate::judge::judge;
 use crate::planar::spanned;
-use crate::{exact, flush, manifold, support};
+use crate::{exact, flush, manifold};
 use lab::contacts::widest_face;
 use lab::motion::Frame;
 use lab::pose::{add, cross, quat, quat_mul, scale, unit, unit_quat};
 use lab::rng::Rng;
 use lab::shapes;
+use lab::support;
 use lab::{Pose, workload};
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 

@@ -1,11 +1,11 @@
 //! A manifold over frames: names last, old ones keep their bounds.
 
-use crate::support;
 use lab::contacts::widest_face;
 use lab::motion::{self, Frame};
 use lab::pose::{add, radius};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
+use lab::support;
 use lab::{Pose, workload};
 use lin_canny::{ConvexPolyhedron, FeaturePair, Manifold, ManifoldOptions, Tracker};
 

@@ -1,11 +1,12 @@
 //! Bodies and poses that are hard on purpose.
 
 use crate::judge::judge;
-use crate::{exact, flush, manifold, support};
+use crate::{exact, flush, manifold};
 use lab::motion::Frame;
 use lab::pose::{add, dot, norm, quat, quat_mul, radius, scale, unit_quat};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
+use lab::support;
 use lab::{Point, Pose};
 use lin_canny::{ConvexPolyhedron, FaceId, Feature, FeaturePair, Manifold, ManifoldOptions, Tracker};
 

@@ -7,13 +7,12 @@ mod hard;
 mod judge;
 mod planar;
 mod rims;
-#[path = "../support/mod.rs"]
-mod support;
 
 use judge::judge;
 use lab::motion::Frame;
 use lab::pose::unit;
 use lab::shapes;
+use lab::support;
 use lab::{Point, Pose};
 use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 

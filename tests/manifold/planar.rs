@@ -1,8 +1,8 @@
 //! What two faces share and what points span, in the plane across the normal, by brute force.
 
-use crate::support;
 use lab::motion::Frame;
 use lab::pose::{cross, dot, unit};
+use lab::support;
 use lab::{Point, Pose};
 use lin_canny::{ContactPoint, ConvexPolyhedron, Feature, Manifold};
 

@@ -1,11 +1,12 @@
 //! Straight rims of faces of many corners beside, above and over straight edges: what the faces share is a line or a strip.
 
 use crate::judge::judge;
-use crate::{exact, manifold, support};
+use crate::{exact, manifold};
 use lab::motion::Frame;
 use lab::pose::scale;
 use lab::rng::Rng;
 use lab::shapes;
+use lab::support;
 use lab::{Point, Pose};
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 

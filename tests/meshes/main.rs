@@ -20,16 +20,11 @@ mod shallow;
 mod shapes;
 mod valleys;
 
+pub(crate) use lab::forms::mesh;
 use lab::rng::Rng;
 use lab::soups::{self, Soup};
 use lab::{Pose, brute};
-use lin_canny::nalgebra::Point3;
 use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
-
-pub(crate) fn mesh(soup: &Soup) -> Mesh {
-    let points: Vec<Point3<f64>> = soup.points.iter().map(|p| Point3::from(*p)).collect();
-    Mesh::new(&points, &soup.triangles).unwrap()
-}
 
 pub(crate) fn relative(pose: &Pose) -> RelativePose {
     RelativePose::from_isometry(&pose.isometry()).unwrap()

@@ -1,18 +1,12 @@
 //! Surfaces of the tests.
 
+pub(crate) use lab::forms::sphere;
 use lab::rng::Rng;
 use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface, revolution};
 
 pub(crate) const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
-
-/// A sphere as eight rational octants.
-pub(crate) fn sphere(r: f64) -> Surface {
-    let south: &[[f64; 3]] = &[[0.0, -r, 1.0], [r, -r, HALF], [r, 0.0, 1.0]];
-    let north: &[[f64; 3]] = &[[r, 0.0, 1.0], [r, r, HALF], [0.0, r, 1.0]];
-    revolution(&[south, north]).expect("a sphere")
-}
 
 /// The side of a cylinder about z.
 pub(crate) fn tube(r: f64, h: f64) -> Surface {

@@ -6,9 +6,9 @@ mod named;
 mod words;
 mod worlds;
 
-use crate::support::body;
 use lab::rng::Rng;
 use lab::shapes;
+use lab::support::body;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::{

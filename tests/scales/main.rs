@@ -2,9 +2,8 @@
 //! bodies.
 
 mod calls;
-#[path = "../support/mod.rs"]
-mod support;
 
+use lab::support;
 use std::cmp::Ordering;
 
 use lab::bound;
@@ -12,8 +11,8 @@ use lab::motion::{Frame, random_poses};
 use lab::pose::{add, norm, radius, scale, sub};
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
+use lab::support::{body, relative};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
-use support::{body, relative};
 
 fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {
     let mut pair = || {
@@ -23,16 +22,6 @@ fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {
         (a, b, frames)
     };
     (0..40).map(|_| pair()).collect()
-}
-
-fn scaled(shape: &Shape, by: f64) -> Shape {
-    shape.clone().stretched([by; 3])
-}
-
-fn scaled_frame(f: &Frame, by: f64) -> Frame {
-    let mut g = *f;
-    (g.a.t, g.b.t) = (scale(g.a.t, by), scale(g.b.t, by));
-    g
 }
 
 /// `x` is `y` times the power of two, bit for bit.
@@ -73,11 +62,11 @@ fn powers_of_two_change_no_bit() {
         let plain = (body(&a), body(&b));
         for e in [-300, -105, -41, -3, 1, 38, 105, 106, 150, 300] {
             let by = 2f64.powi(e);
-            let large = (body(&scaled(&a, by)), body(&scaled(&b, by)));
+            let large = (body(&a.clone().scaled(by)), body(&b.clone().scaled(by)));
             let one_unit = window(&large.0) == window(&large.1);
             for f in &frames {
                 let one = Tracker::new().closest(&plain.0, &plain.1, &relative(f));
-                let two = Tracker::new().closest(&large.0, &large.1, &relative(&scaled_frame(f, by)));
+                let two = Tracker::new().closest(&large.0, &large.1, &relative(&f.scaled(by)));
                 if one_unit {
                     is_scaled(&two, &one, by);
                     separated += usize::from(one.class == Class::Separated);
@@ -102,9 +91,9 @@ fn extents_from_1e_minus_100_to_1e100() {
     for (a, b, frames) in pairs(&mut Rng::new(602)) {
         // Some sizes are no powers of two, so bodies are rounded: the exact oracle sees the rounded ones.
         for by in [1e-99, 1e-60, 1e-13, 1e13, 1e60, 1e99] {
-            let (a, b) = (scaled(&a, by), scaled(&b, by));
+            let (a, b) = (a.clone().scaled(by), b.clone().scaled(by));
             let (body_a, body_b) = (body(&a), body(&b));
-            for f in frames.iter().map(|f| scaled_frame(f, by)) {
+            for f in frames.iter().map(|f| f.scaled(by)) {
                 let mut t = Tracker::new();
                 let o = t.closest(&body_a, &body_b, &relative(&f));
                 assert_eq!(
@@ -143,7 +132,7 @@ fn a_grain_beside_a_mountain() {
     let mut rng = Rng::new(603);
     for ratio in [1e3, 1e6, 1e9, 1e12] {
         for _ in 0..30 {
-            let (a, b) = (scaled(&shapes::small(&mut rng), ratio), shapes::small(&mut rng));
+            let (a, b) = (shapes::small(&mut rng).scaled(ratio), shapes::small(&mut rng));
             let (body_a, body_b) = (body(&a), body(&b));
             for mut f in random_poses(&mut rng, 4, (ratio, 1.0), (0.7, 1.1), 0.0) {
                 f.a.t = [0.0; 3];
@@ -251,7 +240,7 @@ fn points_in_and_beside_bodies_of_any_size() {
         [cold, t.closest(body, point, pose), back]
     };
     for by in [1e-99, 1e-95, 1e-90, 1e-60, 1.0, 1e60, 1e99] {
-        let octahedron = body(&scaled(&shapes::octahedron(), by));
+        let octahedron = body(&shapes::octahedron().scaled(by));
         for place in [[0.0; 3], [0.3, -2.0, 7.0], [5e8, 2.0, -1.0]] {
             let p = scale(place, by);
             let point = ConvexPolyhedron::point(p.into()).unwrap();

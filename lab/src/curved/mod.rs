@@ -4,6 +4,7 @@
 //! points and how far they are outside their shapes is an upper bound.
 
 mod kinds;
+pub mod parse;
 pub mod special;
 mod wide;
 

@@ -45,6 +45,11 @@ impl Shape {
         self
     }
 
+    /// The same points in another unit of length; faces are kept.
+    pub fn scaled(self, by: f64) -> Self {
+        self.stretched([by; 3])
+    }
+
     /// The same points stretched along the axes by positive factors; faces are kept.
     pub fn stretched(mut self, by: Point) -> Self {
         self.points

@@ -1,18 +1,11 @@
 //! The arm of the example `arm` in its cell, through a window in a wall that stands between the bins.
 
 use cpu_time::ThreadTime;
+use lab::arm::{cell, motion, robot};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm, World};
 use std::time::Duration;
-
-#[path = "../../../examples/clearance/cell.rs"]
-mod cell;
-#[allow(dead_code, reason = "shared with the examples `arm` and `clearance`")]
-#[path = "../../../examples/clearance/motion.rs"]
-mod motion;
-#[path = "../../examples/arm/robot.rs"]
-mod robot;
 
 /// The cell with a wall that the arm can pass through a window alone, so many metres high.
 fn checker(window: f64) -> Checker<SerialArm> {

@@ -7,4 +7,3 @@ mod free;
 mod judge;
 mod planner;
 mod spaces;
-pub(crate) type Trouble = Box<dyn std::error::Error>;

@@ -1,7 +1,7 @@
 //! The broad phase of rapier.
 
-use crate::boxes::engines::Engine;
 use lab::boxes::Scene;
+use lab::race::boxes::engines::Engine;
 use lin_canny_rapier::single::rapier::prelude::*;
 
 /// rapier's broad phase at its best: cuboids without bodies, no prediction distance.

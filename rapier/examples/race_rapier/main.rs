@@ -4,26 +4,15 @@
 //! cargo run --release -p lin-canny-rapier --example race_rapier -- boxes|scene [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 //!
-//! The races are those of example `race` of `lin-canny`; `rapier` is the broad phase of rapier alone, `rapier-collision` its
+//! The races are those of the instrument `race`; `rapier` is the broad phase of rapier alone, `rapier-collision` its
 //! `CollisionPipeline`: events, contact manifolds within 0.02, approximate depth.
 
-#[path = "../../../examples/race/boxes/mod.rs"]
-mod boxes;
 mod broad;
-#[path = "../../../examples/race/common.rs"]
-#[expect(dead_code, reason = "what races of pairs share is in the same file")]
-mod common;
-#[path = "../../../examples/race/hulls.rs"]
-mod hulls;
 mod pipeline;
-#[path = "../../../examples/race/scene/mod.rs"]
-mod scene;
-#[path = "../../../examples/race/tree.rs"]
-mod tree;
 
 use broad::Broad;
-use common::{Options, Rows};
 use lab::boxes::Kind;
+use lab::race::{self, Options, Rows, boxes, scene};
 use pipeline::Pipeline;
 use std::process::ExitCode;
 
@@ -38,7 +27,7 @@ Boxes of many bodies and whole scenes: ours and parry's parts against rapier.
   --upto N       no more bodies than these";
 
 fn main() -> ExitCode {
-    let parsed = common::parse(std::env::args().skip(1));
+    let parsed = race::parse(std::env::args().skip(1));
     lab::command::main("race_rapier", USAGE, parsed, race)
 }
 

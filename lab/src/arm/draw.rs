@@ -1,0 +1,181 @@
+//! A scene in three dimensions: convex bodies from back to front.
+
+use std::fmt::Write as _;
+
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
+
+/// Width and height of the picture, and the height of the caption.
+const SIZE: [f64; 2] = [860.0, 520.0];
+const CAPTION: f64 = 36.0;
+
+/// Direction to the viewer, and the direction of the light; not of unit length.
+const VIEWER: Vector3<f64> = Vector3::new(1.0, -0.75, 0.62);
+const LIGHT: Vector3<f64> = Vector3::new(0.5, -0.9, 1.6);
+
+/// Bodies at their poses, and the two points to connect.
+pub struct Picture<'a> {
+    /// Text above the picture.
+    pub caption: String,
+    /// Shapes; whether each belongs to the robot.
+    pub bodies: Vec<(&'a ConvexPolyhedron, bool)>,
+    /// Poses of the shapes, in the same order.
+    pub poses: Vec<Isometry3<f64>>,
+    /// Points joined by a red line.
+    pub points: [Point3<f64>; 2],
+}
+
+/// A parallel projection: axes to the right and up in the picture, and to the viewer.
+struct View {
+    right: Vector3<f64>,
+    up: Vector3<f64>,
+    near: Vector3<f64>,
+    /// Pixels per unit, and where the origin is drawn.
+    scale: f64,
+    origin: [f64; 2],
+}
+
+impl View {
+    /// The view in which all points fill the picture.
+    fn of(points: &[Point3<f64>]) -> Self {
+        let near = VIEWER.normalize();
+        let right = Vector3::z().cross(&near).normalize();
+        let up = near.cross(&right);
+        let span = |axis: &Vector3<f64>| {
+            let along = points.iter().map(|p| p.coords.dot(axis));
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
+        };
+        let ((left, end), (low, high)) = (span(&right), span(&up));
+        let room = [SIZE[0] - 40.0, SIZE[1] - CAPTION - 20.0];
+        let scale = (room[0] / (end - left)).min(room[1] / (high - low));
+        let middle = [0.5 * (left + end), 0.5 * (low + high)];
+        let origin = [
+            0.5 * SIZE[0] - scale * middle[0],
+            CAPTION + 0.5 * room[1] + scale * middle[1],
+        ];
+        Self {
+            right,
+            up,
+            near,
+            scale,
+            origin,
+        }
+    }
+
+    fn place(&self, p: &Point3<f64>) -> [f64; 2] {
+        [
+            self.origin[0] + self.scale * p.coords.dot(&self.right),
+            self.origin[1] - self.scale * p.coords.dot(&self.up),
+        ]
+    }
+}
+
+impl Picture<'_> {
+    /// The picture above a chart, which is an SVG of its own.
+    pub fn above(&self, chart: &str) -> String {
+        let size = |word: &str| {
+            let value = chart.split_once(word).and_then(|(_, rest)| rest.split('"').nth(1));
+            value.and_then(|v| v.parse::<f64>().ok()).unwrap_or(SIZE[0])
+        };
+        let [width, height] = [SIZE[0].max(size("width=")), SIZE[1] + size("height=")];
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+             font-family=\"sans-serif\" role=\"img\">\n<title>{0}</title>\n<rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n\
+             <text x=\"20\" y=\"24\" font-size=\"17\">{0}</text>\n",
+            escaped(&self.caption)
+        );
+        self.draw(&mut svg);
+        // Inside another picture the chart keeps the size in its attributes: its style is for pages.
+        let chart = chart.replacen("height:auto", "", 1).replacen("max-width:100%;", "", 1);
+        let chart = chart.replacen("<svg ", &format!("<svg y=\"{}\" ", SIZE[1]), 1);
+        let _ = writeln!(svg, "{chart}\n</svg>");
+        svg
+    }
+
+    fn draw(&self, svg: &mut String) {
+        let placed = self.bodies.iter().zip(&self.poses);
+        let corners = placed.flat_map(|((shape, _), pose)| shape.vertex_points().map(move |p| pose * p));
+        let view = View::of(&corners.collect::<Vec<_>>());
+        for k in self.order(&view) {
+            self.draw_body(k, &view, svg);
+        }
+        let [p, q] = self.points.map(|p| view.place(&p));
+        let _ = writeln!(
+            svg,
+            "<path d=\"M{:.1} {:.1}L{:.1} {:.1}\" stroke=\"#c00\" stroke-width=\"3\"/>",
+            p[0], p[1], q[0], q[1]
+        );
+        for [x, y] in [p, q] {
+            let _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4.5\" fill=\"#c00\"/>");
+        }
+    }
+
+    /// Faces that look to the viewer.
+    fn draw_body(&self, k: usize, view: &View, svg: &mut String) {
+        let ((shape, is_of_robot), pose) = (self.bodies[k], &self.poses[k]);
+        let hue = if is_of_robot { 205 } else { 35 };
+        let light = LIGHT.normalize();
+        for face in shape.faces() {
+            let Some((normal, _)) = shape.face_plane(face) else {
+                continue;
+            };
+            let normal = pose * normal.into_inner();
+            if normal.dot(&view.near) <= 0.0 {
+                continue;
+            }
+            let rim = shape.face_vertices(face).filter_map(|v| shape.vertex(v));
+            let path = rim.map(|p| view.place(&(pose * p)));
+            let path: Vec<_> = path.map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+            let tone = 62.0 + 22.0 * normal.dot(&light);
+            let edge = tone - 14.0;
+            let _ = writeln!(
+                svg,
+                "<polygon points=\"{}\" fill=\"hsl({hue},50%,{tone:.0}%)\" stroke=\"hsl({hue},45%,{edge:.0}%)\" stroke-width=\"0.6\"/>",
+                path.join(" ")
+            );
+        }
+    }
+
+    /// Bodies from back to front. Of two bodies the one on the viewer's side is in front, by the normal of their distance or
+    /// depth. If bodies hide each other in a circle, the one whose centre is farthest away comes first.
+    fn order(&self, view: &View) -> Vec<usize> {
+        let depth = |k: usize| (self.poses[k] * self.bodies[k].0.centroid()).coords.dot(&view.near);
+        let mut left: Vec<usize> = (0..self.bodies.len()).collect();
+        left.sort_by(|&i, &j| depth(i).total_cmp(&depth(j)));
+        let is_behind = |i: usize, j: usize| {
+            let Ok(pose) = RelativePose::new(&self.poses[i], &self.poses[j]) else {
+                return false;
+            };
+            let found = Tracker::new().closest(self.bodies[i].0, self.bodies[j].0, &pose);
+            (self.poses[i] * found.normal.into_inner()).dot(&view.near) > 0.0
+        };
+        let mut order = Vec::new();
+        while !left.is_empty() {
+            let next = left.iter().position(|&i| {
+                left.iter()
+                    .all(|&j| i == j || !self.may_hide(i, j, view) || is_behind(i, j))
+            });
+            order.push(left.remove(next.unwrap_or(0)));
+        }
+        order
+    }
+
+    /// Whether the boxes of two bodies in the picture overlap.
+    fn may_hide(&self, i: usize, j: usize, view: &View) -> bool {
+        let span = |k: usize, axis: usize| {
+            let along = self.bodies[k]
+                .0
+                .vertex_points()
+                .map(|p| view.place(&(self.poses[k] * p))[axis]);
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)))
+        };
+        (0..2).all(|axis| {
+            let ((low_i, high_i), (low_j, high_j)) = (span(i, axis), span(j, axis));
+            low_i <= high_j && low_j <= high_i
+        })
+    }
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
+}

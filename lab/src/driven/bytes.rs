@@ -1,0 +1,125 @@
+//! Bodies, poses and queries from arbitrary bytes: what is built is queried in every way, and nothing may panic, hang or
+//! say NaN. The test `files` and the target `bytes` of `fuzz/` share this.
+
+use super::Bytes;
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
+
+/// What came of some bytes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tally {
+    /// Bodies built and refused.
+    pub bodies: [u32; 2],
+    /// Poses built and refused.
+    pub poses: [u32; 2],
+    /// Queries by class: separated, touching, overlapping, undecided.
+    pub classes: [u32; 4],
+}
+
+impl Bytes<'_> {
+    /// Any f64: small whole numbers (so that points coincide and faces are flat), those times a power of two, or bits.
+    fn number(&mut self) -> f64 {
+        let kind = self.byte();
+        let whole = f64::from(self.byte() as i8);
+        match kind % 8 {
+            0..4 => whole.rem_euclid(5.0) - 2.0,
+            4 => whole * 2f64.powi(i32::from(self.byte() as i8)),
+            5 => whole + 2f64.powi(-40 - i32::from(self.byte() % 16)),
+            6 => whole / 7.0,
+            _ => f64::from_bits(u64::from_le_bytes(std::array::from_fn(|_| self.byte()))),
+        }
+    }
+
+    fn points(&mut self) -> Vec<Point3<f64>> {
+        let n = self.byte() % 16;
+        (0..n)
+            .map(|_| Point3::new(self.number(), self.number(), self.number()))
+            .collect()
+    }
+
+    fn body(&mut self) -> Option<ConvexPolyhedron> {
+        let kind = self.byte();
+        let points = self.points();
+        let at = |i: usize| points.get(i).copied().unwrap_or_else(Point3::origin);
+        match kind % 8 {
+            0 => ConvexPolyhedron::point(at(0)).ok(),
+            1 => ConvexPolyhedron::segment(at(0), at(1)).ok(),
+            2 => ConvexPolyhedron::polygon(&points).ok(),
+            3 => {
+                let face = |bytes: &mut Self| (0..bytes.byte() % 6).map(|_| u32::from(bytes.byte() % 18)).collect();
+                let faces: Vec<Vec<u32>> = (0..self.byte() % 12).map(|_| face(self)).collect();
+                ConvexPolyhedron::from_faces(&points, &faces).ok()
+            }
+            _ => ConvexPolyhedron::from_points(&points).ok(),
+        }
+    }
+
+    fn isometry(&mut self) -> Isometry3<f64> {
+        let turned = self.byte();
+        let q = Quaternion::new(self.number(), self.number(), self.number(), self.number());
+        let q = match turned % 4 {
+            0 => UnitQuaternion::new_unchecked(q),
+            1 | 2 if q.norm() > 1e-100 && q.norm() < 1e100 => UnitQuaternion::new_normalize(q),
+            _ => UnitQuaternion::identity(),
+        };
+        Isometry3::from_parts(Translation3::new(self.number(), self.number(), self.number()), q)
+    }
+}
+
+/// Builds what the bytes say and asks everything about it.
+pub fn drive(bytes: &[u8]) -> Tally {
+    let mut bytes = Bytes(bytes);
+    let mut tally = Tally::default();
+    let bodies: Vec<_> = (0..3).map(|_| bytes.body()).collect();
+    for body in &bodies {
+        tally.bodies[usize::from(body.is_none())] += 1;
+        assert_eq!(body.as_ref().map_or(Ok(()), ConvexPolyhedron::check), Ok(()));
+    }
+    let bodies: Vec<_> = bodies.into_iter().flatten().collect();
+    // One tracker for all pairs: its features are foreign to most.
+    let mut stray = Tracker::new();
+    for (a, b) in bodies.iter().flat_map(|a| bodies.iter().map(move |b| (a, b))) {
+        let pose = RelativePose::new(&bytes.isometry(), &bytes.isometry());
+        tally.poses[usize::from(pose.is_err())] += 1;
+        if let Ok(pose) = pose {
+            let class = query(a, b, &pose, &mut stray, bytes.number());
+            tally.classes[class as usize] += 1;
+        }
+    }
+    tally
+}
+
+/// Asks everything about a pair; its class.
+pub fn query(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, stray: &mut Tracker, d: f64) -> Class {
+    let p = stray.propose(a, b, pose);
+    assert!(!p.distance.is_some_and(f64::is_nan), "{p:?}");
+    let local = stray.clone().closest_with_local_depth(a, b, pose);
+    let hinted = Tracker::resuming(p.features, Class::Overlapping, a, b).closest_with_local_depth(a, b, pose);
+    let warm = stray.closest(a, b, pose);
+    let cold = Tracker::new().closest(a, b, pose);
+    let swapped = Tracker::new().closest(b, a, &pose.swapped());
+    let exact = stray.closest_exact(a, b, pose);
+    for o in [&warm, &cold, &swapped, &exact, &local, &hinted] {
+        sane(o);
+        assert_eq!(o.class, exact.class, "{o:?} {exact:?}");
+        assert!(o.lower <= exact.upper && exact.lower <= o.upper, "{o:?} {exact:?}");
+    }
+    assert_ne!(exact.class, Class::Undecided, "{exact:?}");
+    assert_eq!(stray.intersects(a, b, pose), exact.class != Class::Separated);
+    let within = stray.within(a, b, pose, d);
+    assert!(within == Tracker::new().within(a, b, pose, d) && (d >= 0.0 || !within));
+    assert_eq!(stray.distance(a, b, pose).class, exact.class);
+    assert_eq!(stray.check(), Ok(()));
+    exact.class
+}
+
+/// No NaN, and what every outcome promises.
+fn sane(o: &Outcome) {
+    assert!(
+        o.lower <= o.distance && o.distance <= o.upper && o.distance.is_finite(),
+        "{o:?}"
+    );
+    let numbers = o.point_on_a.iter().chain(o.point_on_b.iter()).chain(o.normal.iter());
+    assert!(numbers.copied().all(f64::is_finite), "{o:?}");
+    assert!((o.normal.norm() - 1.0).abs() < 1e-14, "{o:?}");
+}

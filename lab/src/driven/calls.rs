@@ -1,0 +1,287 @@
+//! Sequences of calls of the broad phase from arbitrary bytes: nothing may panic, both structures must agree, and the pairs
+//! are those of brute force. The test `broad` and the target `calls` of `fuzz/` share this.
+
+use super::Bytes;
+use lin_canny::broad::*;
+use lin_canny::nalgebra::{Point3, Vector3};
+
+/// What came of some bytes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Tally {
+    /// Calls accepted and refused, steps aside.
+    pub calls: [u32; 2],
+    /// Steps.
+    pub steps: u32,
+    /// Events of all steps.
+    pub events: u32,
+    /// Pairs of all steps.
+    pub pairs: u32,
+}
+
+/// Most calls of one input: brute force is quadratic.
+const CALLS: usize = 300;
+
+impl Bytes<'_> {
+    fn signed(&mut self) -> f64 {
+        f64::from(self.byte() as i8)
+    }
+
+    /// Numbers that meet each other often, and a few that break things.
+    fn coordinate(&mut self) -> f64 {
+        const HARD: [f64; 11] = [
+            f64::NAN,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            1e300,
+            -1e300,
+            1e30,
+            -0.0,
+            5e-324,
+            -1e-60,
+            3.4e38,
+            1e7,
+        ];
+        match self.byte() {
+            0..190 => (self.signed() / 3.0).round() * 0.25,
+            190..250 => self.signed() / 12.7 + self.signed() / 2000.0,
+            k => HARD[usize::from(k.wrapping_mul(37) ^ self.byte()) % HARD.len()],
+        }
+    }
+
+    fn point(&mut self) -> Point3<f64> {
+        Point3::new(self.coordinate(), self.coordinate(), self.coordinate())
+    }
+
+    /// Not negative, up to `most`.
+    fn side(&mut self, most: f64) -> f64 {
+        f64::from(self.byte()) / 255.0 * most
+    }
+
+    fn aabb(&mut self) -> Aabb {
+        let kind = self.byte() % 10;
+        let p = self.point();
+        match kind {
+            0 => Aabb::new(p, self.point()),
+            1 => Aabb::new(p, p + Vector3::new(0.0, self.side(100.0), self.side(100.0))),
+            _ => Aabb::new(p, p + Vector3::new(self.side(3.0), self.side(3.0), self.side(3.0))),
+        }
+    }
+
+    fn groups(&mut self) -> Groups {
+        Groups {
+            member_of: u32::from(self.byte() % 4),
+            pairs_with: u32::from(self.byte() % 4),
+        }
+    }
+
+    fn options(&mut self) -> BodyOptions {
+        let kind = self.byte();
+        let body = if kind.is_multiple_of(2) {
+            BodyOptions::moving()
+        } else {
+            BodyOptions::fixed()
+        };
+        match kind / 2 % 3 {
+            0 => body.groups(self.groups()),
+            1 if kind > 250 => body.margin(f64::NAN),
+            1 => body.margin(f64::from(kind / 64) / 4.0).lookahead(2.0),
+            _ => body,
+        }
+    }
+}
+
+/// Both structures, fed alike.
+#[derive(Default)]
+struct Fed {
+    pencils: PencilSweep,
+    axes: SortedAxes,
+    ids: Vec<BodyId>,
+    tally: Tally,
+}
+
+impl Fed {
+    /// One of the ids given so far, of removed bodies too; or one that nobody was given.
+    fn id(&self, k: u8) -> BodyId {
+        self.ids
+            .get(usize::from(k) % self.ids.len().max(1))
+            .copied()
+            .unwrap_or(BodyId {
+                index: u32::from(k),
+                generation: 1,
+            })
+    }
+
+    fn count<T>(&mut self, done: &Result<T, impl core::fmt::Debug>) {
+        self.tally.calls[usize::from(done.is_err())] += 1;
+    }
+
+    fn call(&mut self, bytes: &mut Bytes) {
+        // What was found before these three stays what it was.
+        let kind = match bytes.byte() {
+            220..226 => return self.wall(bytes),
+            226..234 => return self.replace(bytes),
+            234..250 => return self.slide(bytes),
+            kind => kind,
+        };
+        match kind % 21 {
+            0..6 => {
+                let (aabb, body) = (bytes.aabb(), bytes.options());
+                self.insert(&aabb, body);
+            }
+            6 => {
+                let aabb = bytes.aabb();
+                let id = self.pencils.insert_unbounded(&aabb, BodyOptions::moving());
+                assert_eq!(self.axes.insert_unbounded(&aabb, BodyOptions::moving()), id);
+                self.count(&id);
+                self.ids.extend(id.ok());
+            }
+            7..9 => {
+                let id = self.id(bytes.byte());
+                let done = self.pencils.remove(id);
+                assert_eq!(done, self.axes.remove(id));
+                self.count(&done);
+            }
+            9..15 => self.set(bytes),
+            15 => {
+                let n = bytes.byte() % 20;
+                let batch: Vec<_> = (0..n).map(|_| (self.id(bytes.byte()), bytes.aabb())).collect();
+                let done = self.pencils.set_boxes(&batch);
+                assert_eq!(done, self.axes.set_boxes(&batch));
+                self.count(&done);
+            }
+            16 => {
+                let (id, groups) = (self.id(bytes.byte()), bytes.groups());
+                let done = self.pencils.set_groups(id, groups);
+                assert_eq!(done, self.axes.set_groups(id, groups));
+                self.count(&done);
+            }
+            _ => self.step(),
+        }
+    }
+
+    /// Bodies of equal sides on a lattice: equal bounds on every axis.
+    fn wall(&mut self, bytes: &mut Bytes) {
+        let (size, gap) = (bytes.byte(), 0.5 + f64::from(bytes.byte() % 4) / 2.0);
+        for i in 0..1 + size % 4 {
+            for j in 0..1 + size / 4 % 8 {
+                let low = Point3::new(f64::from(i), f64::from(j), 0.0) * gap;
+                self.insert(&Aabb::new(low, low + Vector3::repeat(1.0)), BodyOptions::moving());
+            }
+        }
+    }
+
+    fn insert(&mut self, aabb: &Aabb, body: BodyOptions) {
+        let id = self.pencils.insert(aabb, body);
+        assert_eq!(self.axes.insert(aabb, body), id);
+        self.count(&id);
+        self.ids.extend(id.ok());
+    }
+
+    /// The box of a body as it is stored.
+    fn present(&self, id: BodyId) -> Option<Aabb> {
+        let stored = self.pencils.stored_box(id)?;
+        let [min, max] = [stored.lo, stored.hi].map(|p| Point3::from(p.map(f64::from)));
+        Some(Aabb::new(min, max))
+    }
+
+    /// Another body takes the place of one, mostly under the same index.
+    fn replace(&mut self, bytes: &mut Bytes) {
+        let id = self.id(bytes.byte());
+        let Some(place) = self.present(id) else { return };
+        let done = self.pencils.remove(id);
+        assert_eq!(self.axes.remove(id), done);
+        self.count(&done);
+        if bytes.byte() < 200 {
+            self.step(); // the index is free only now
+        }
+        self.insert(&place, BodyOptions::moving());
+    }
+
+    /// A body goes by a fraction of a unit, or to where another is, a step at a time.
+    fn slide(&mut self, bytes: &mut Bytes) {
+        let (id, other) = (self.id(bytes.byte()), self.id(bytes.byte()));
+        let (axis, by) = (usize::from(bytes.byte() % 3), 0.125 * (bytes.signed() / 32.0).round());
+        if bytes.byte() < 40 {
+            let place = self.present(other);
+            self.set_to(id, place);
+        }
+        for _ in 0..bytes.byte() % 8 {
+            let place = self.present(id).map(|aabb| {
+                let mut step = Vector3::zeros();
+                step[axis] = by;
+                Aabb::new(aabb.min + step, aabb.max + step)
+            });
+            self.set_to(id, place);
+            self.step();
+        }
+    }
+
+    fn set_to(&mut self, id: BodyId, place: Option<Aabb>) {
+        let Some(aabb) = place else { return };
+        let done = self.pencils.set_box(id, &aabb);
+        assert_eq!(self.axes.set_box(id, &aabb), done);
+        self.count(&done);
+    }
+
+    fn set(&mut self, bytes: &mut Bytes) {
+        let (id, aabb) = (self.id(bytes.byte()), bytes.aabb());
+        let before = self.pencils.stored_box(id);
+        let done = self.pencils.set_box(id, &aabb);
+        assert_eq!(self.axes.set_box(id, &aabb), done);
+        self.count(&done);
+        match done {
+            Err(_) => assert_eq!(self.pencils.stored_box(id), before),
+            Ok(()) => {
+                let given = StoredBox::outward(&aabb, &Point3::origin());
+                assert!(self.pencils.stored_box(id).is_some_and(|b| b.contains(&given)));
+            }
+        }
+    }
+
+    fn step(&mut self) {
+        let events = self.pencils.step();
+        assert_eq!(self.axes.step(), events);
+        self.tally.steps += 1;
+        self.tally.events += (events.began.len() + events.ended.len()) as u32;
+        assert_eq!((self.pencils.check(), self.axes.check()), (Ok(()), Ok(())));
+        assert!(self.pencils.pairs().eq(self.axes.pairs()));
+        let mut present: Vec<_> = self.pencils.pairs().map(|p| (p.a, p.b)).collect();
+        present.sort_unstable();
+        self.tally.pairs += present.len() as u32;
+        assert_eq!(present, self.expected());
+    }
+
+    /// The obvious way.
+    fn expected(&self) -> Vec<(BodyId, BodyId)> {
+        let bodies: Vec<_> = self
+            .pencils
+            .bodies()
+            .filter_map(|id| Some((id, self.pencils.stored_box(id)?, self.pencils.body(id)?)))
+            .collect();
+        let mut pairs = Vec::new();
+        for (k, (a, box_a, body_a)) in bodies.iter().enumerate() {
+            for (b, box_b, body_b) in &bodies[k + 1..] {
+                let may = !(body_a.fixed && body_b.fixed) && body_a.groups.meet(body_b.groups);
+                if may && box_a.overlaps(box_b) {
+                    pairs.push((*a, *b));
+                }
+            }
+        }
+        pairs.sort_unstable();
+        pairs
+    }
+}
+
+/// Makes the calls that the bytes say, and one step at the end.
+pub fn drive(bytes: &[u8]) -> Tally {
+    let mut bytes = Bytes(bytes);
+    let mut both = Fed::default();
+    for _ in 0..CALLS {
+        if bytes.0.is_empty() {
+            break;
+        }
+        both.call(&mut bytes);
+    }
+    both.step();
+    both.tally
+}

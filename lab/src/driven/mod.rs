@@ -1,0 +1,19 @@
+//! Sequences of calls that are drawn from bytes or seeds and judged by brute force: for tests, `soak` and `fuzz/`.
+
+pub mod bytes;
+pub mod calls;
+pub mod lattice;
+pub mod scenes;
+
+/// The input of a test that is driven by bytes: reads from the front, zero when nothing is left.
+#[derive(Debug)]
+pub struct Bytes<'a>(pub &'a [u8]);
+
+impl Bytes<'_> {
+    /// Returns the next byte.
+    pub fn byte(&mut self) -> u8 {
+        let first = self.0.first().copied().unwrap_or(0);
+        self.0 = self.0.get(1..).unwrap_or(&[]);
+        first
+    }
+}

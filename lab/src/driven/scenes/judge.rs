@@ -1,0 +1,208 @@
+//! What the scenes of a world say after a step, among themselves and beside what is true.
+
+use super::{Keys, NONE, World};
+use crate::forms::{self, Form};
+use lin_canny::impact::Impact;
+use lin_canny::scene::{BodyId, Change, Effects, PairAnswer, Scene};
+use lin_canny::{Class, RelativePose};
+
+/// Instants of a tick at which impacts are looked for.
+const INSTANTS: u32 = 5;
+
+impl<C: Fn(&Scene) -> Scene> World<C> {
+    /// The scenes among themselves.
+    pub(super) fn compare_scenes(&mut self) {
+        let [main, plain, threads, saved] = &self.scenes[..] else {
+            unreachable!("there are four scenes")
+        };
+        for other in [plain, threads, saved] {
+            assert_eq!(main.events(), other.events());
+        }
+        assert_eq!(main.report().counts, threads.report().counts);
+        assert!(main.pairs().eq(threads.pairs()) && main.impacts() == threads.impacts());
+        let met = |scene: &Scene| -> Keys { scene.impacts().iter().map(|i| (i.a, i.b)).collect() };
+        assert_eq!(met(main), met(saved));
+        // Trackers of bodies of parts begin anew.
+        if self.kind < 2 {
+            // So do sorted lists.
+            let mut counts = saved.report().counts;
+            counts.swaps = main.report().counts.swaps;
+            assert_eq!(counts, main.report().counts);
+            assert!(main.pairs().eq(saved.pairs()) && main.impacts() == saved.impacts());
+        }
+        // What one proves, the other may not refute.
+        for (one, other) in [(main, plain), (plain, main)] {
+            let hits = one.impacts().iter().filter(|i| matches!(i.impact, Impact::Hit { .. }));
+            let all = met(other);
+            hits.for_each(|i| assert!(all.contains(&(i.a, i.b)), "{i:?} {all:?}"));
+        }
+    }
+
+    /// The pairs of bodies that are not both fixed.
+    pub(super) fn pairs(&self) -> impl Iterator<Item = (BodyId, BodyId)> + '_ {
+        let others = |a: BodyId| self.bodies.iter().map(move |b| (a, b)).filter(move |(a, b)| a < b.0);
+        let pairs = self
+            .bodies
+            .iter()
+            .flat_map(move |(a, (_, fixed))| others(*a).map(move |(a, b)| (a, b, *fixed)));
+        pairs
+            .filter(|(_, b, fixed)| !(*fixed && b.1.1))
+            .map(|(a, b, _)| (a, *b.0))
+    }
+
+    pub(super) fn called(&self, a: BodyId, b: BodyId) -> Effects {
+        if self.main().is_ignored(a, b) {
+            return NONE;
+        }
+        let [g, h] = [a, b].map(|id| self.main().group(id).expect("the body lives"));
+        self.main().effects(g, h)
+    }
+
+    fn forms_of(&self, a: BodyId, b: BodyId) -> [&Form; 2] {
+        [a, b].map(|id| &self.forms[self.bodies[&id].0].1)
+    }
+
+    fn between(&self, a: BodyId, b: BodyId) -> RelativePose {
+        let [p, q] = [a, b].map(|id| self.main().pose(id).expect("the body lives"));
+        RelativePose::new(p, q).expect("poses of a scene")
+    }
+
+    /// What the scene says of a pair, beside what is true.
+    pub(super) fn judge(&mut self, a: BodyId, b: BodyId, now: &mut [Keys; 2]) {
+        let found = self.main().pair(a, b);
+        let effects = self.called(a, b);
+        let (pose, [x, y]) = (self.between(a, b), self.forms_of(a, b));
+        let at_most = |d: f64| {
+            if d == f64::INFINITY {
+                Some(true)
+            } else {
+                forms::within(x, y, &pose, d)
+            }
+        };
+        let mut is_said = |said: Option<bool>, d: Option<f64>, keys: usize| {
+            let Some(d) = d else { return };
+            let said = said == Some(true);
+            assert!(
+                at_most(d).is_none_or(|truth| truth == said),
+                "{a} {b}: within {d} is said to be {said}"
+            );
+            if said {
+                now[keys].insert((a, b));
+            }
+        };
+        is_said(found.and_then(|p| p.overlaps), effects.overlap.then_some(0.0), 0);
+        is_said(found.and_then(|p| p.within), effects.within, 1);
+        let distance = found.and_then(|p| p.distance);
+        let is_measured = range(&effects).map_or(Some(false), at_most);
+        assert!(
+            is_measured.is_none_or(|truth| truth == distance.is_some()),
+            "{a} {b}: {effects:?} {distance:?}"
+        );
+        let whole = effects.features || effects.manifold.is_some();
+        assert_eq!(found.and_then(|p| p.outcome).is_some(), distance.is_some() && whole);
+        let near = effects.manifold.map_or(Some(false), |m| at_most(m.prediction));
+        let has_contacts = |p: &PairAnswer<'_>| p.manifold.is_some() || p.contacts.is_some();
+        let has_contacts = found.as_ref().is_some_and(has_contacts);
+        assert!(
+            near.is_none_or(|truth| truth == has_contacts),
+            "{a} {b}: contacts {has_contacts}"
+        );
+        let Some(d) = distance else { return };
+        let is_deep = effects.depth || effects.local_depth || effects.manifold.is_some();
+        if d.class != Class::Overlapping || is_deep && x.is_convex() && y.is_convex() {
+            let truth = forms::distance(x, y, &pose);
+            let tie = forms::TIE;
+            assert!(
+                d.lower <= truth.upper + tie && truth.lower <= d.upper + tie,
+                "{d:?} {truth:?}"
+            );
+        }
+        self.mix.distances[0] += 1;
+        self.mix.distances[1] += u64::from(d.class == Class::Overlapping);
+    }
+
+    /// The events of the step, beside what has changed since the last.
+    pub(super) fn judge_events(&mut self, now: &[Keys; 2]) {
+        let events = self.main().events();
+        assert!(events.is_sorted_by_key(|e| (e.a.index, e.b.index, e.change)));
+        let of = |change: Change| -> Keys {
+            let those = events.iter().filter(|e| e.change == change);
+            those.map(|e| (e.a, e.b)).collect()
+        };
+        let is_overlap = |e: &Effects| e.overlap;
+        let is_within = |e: &Effects| e.within.is_some();
+        let [overlaps, withins] = [
+            (of(Change::OverlapBegan), of(Change::OverlapEnded)),
+            (of(Change::CameWithin), of(Change::LeftWithin)),
+        ];
+        self.judge_changes((&self.overlapping, &now[0]), &overlaps, is_overlap);
+        self.judge_changes((&self.within, &now[1]), &withins, is_within);
+        let boxes: Keys = self.main().pairs().map(|p| (p.a, p.b)).collect();
+        let boxes: Keys = boxes.into_iter().filter(|(a, b)| self.called(*a, *b).boxes).collect();
+        assert_eq!(of(Change::BoxesMet), boxes.difference(&self.boxes).copied().collect());
+        let sum = overlaps.0.len() + overlaps.1.len() + withins.0.len() + withins.1.len();
+        self.boxes = boxes;
+        self.mix.events += sum as u64;
+    }
+
+    fn judge_changes(
+        &self,
+        (before, now): (&Keys, &Keys),
+        (began, ended): &(Keys, Keys),
+        called: fn(&Effects) -> bool,
+    ) {
+        assert_eq!(*began, now.difference(before).copied().collect());
+        // What is no longer called for may be forgotten in silence.
+        let may: Keys = before.difference(now).copied().collect();
+        let is_called = |(a, b): &(BodyId, BodyId)| {
+            let groups = self.main().group(*a).zip(self.main().group(*b));
+            groups.is_some_and(|(g, h)| called(&self.main().effects(g, h)))
+        };
+        let must: Keys = may.iter().copied().filter(is_called).collect();
+        assert!(
+            must.is_subset(ended) && ended.is_subset(&may),
+            "{must:?} {ended:?} {may:?}"
+        );
+    }
+
+    /// The impacts of the step, beside samples of the motions of its tick.
+    pub(super) fn judge_impacts(&mut self, called: &Keys) {
+        let impacts: Keys = self.main().impacts().iter().map(|i| (i.a, i.b)).collect();
+        self.mix.impacts += impacts.len() as u64;
+        let Some((length, motions)) = self.motions.take() else {
+            return assert!(self.has_tick || impacts.is_empty());
+        };
+        for &(a, b) in called {
+            let (Some((p, v)), Some((q, w))) = (motions.get(&a), motions.get(&b)) else {
+                continue;
+            };
+            let [x, y] = self.forms_of(a, b);
+            let is_slow = v.angular.norm() < 1e6 && w.angular.norm() < 1e6;
+            if !x.is_convex() || !y.is_convex() || !is_slow {
+                continue;
+            }
+            let at = |k: u32| length * f64::from(k) / f64::from(INSTANTS);
+            let meets = |k: u32| {
+                let pose = RelativePose::new(&v.applied(p, at(k)), &w.applied(q, at(k)));
+                forms::within(x, y, &pose.expect("poses of a tick"), 0.0)
+            };
+            let is_hit = meets(0) == Some(false) && (1..=INSTANTS).any(|k| meets(k) == Some(true));
+            assert!(
+                !is_hit || impacts.contains(&(a, b)),
+                "{a} and {b} pass through each other"
+            );
+            assert!(
+                meets(0) != Some(true) || !impacts.contains(&(a, b)),
+                "{a} and {b} were not apart"
+            );
+        }
+    }
+}
+
+/// How far apart bodies may be for a distance to be called for; none where it is not.
+fn range(effects: &Effects) -> Option<f64> {
+    let is_measured = effects.distance.is_some() || effects.depth || effects.local_depth || effects.features;
+    let own = is_measured.then(|| effects.distance.or(effects.within).unwrap_or(0.0));
+    let prediction = effects.manifold.map(|m| m.prediction);
+    own.into_iter().chain(prediction).reduce(f64::max)
+}

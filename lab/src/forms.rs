@@ -1,0 +1,140 @@
+//! Bodies of every kind that a scene takes, and the distance of two of them without a scene.
+
+use crate::soups::Soup;
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::patch::{Surface, revolution};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, Composite, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
+use lin_canny::{Question, RelativePose, Shape, Tracker};
+
+/// Bodies of which one is no sharp polyhedron, and whose bounds are as near to a threshold as this, may be either side of it.
+pub const TIE: f64 = 1e-7;
+
+/// A body as its trackers take it. Few are made, and none is moved often.
+#[allow(clippy::large_enum_variant)]
+pub enum Form {
+    /// A sharp polyhedron, of which every predicate is exact.
+    Sharp(ConvexPolyhedron),
+    /// A convex shape, curved or rounded.
+    Convex(Shape),
+    /// A body of convex pieces.
+    Pieces(Composite),
+    /// A triangle mesh.
+    Mesh(Mesh),
+    /// A surface of patches.
+    Surface(Surface),
+}
+
+impl Form {
+    /// Returns whether the body is convex.
+    pub fn is_convex(&self) -> bool {
+        matches!(self, Self::Sharp(..) | Self::Convex(_))
+    }
+
+    fn lent(&self) -> GeometryRef<'_> {
+        match self {
+            Self::Sharp(body) => body.into(),
+            Self::Convex(shape) => shape.into(),
+            Self::Pieces(body) => body.into(),
+            Self::Mesh(mesh) => mesh.into(),
+            Self::Surface(surface) => surface.into(),
+        }
+    }
+}
+
+fn sharp(body: ConvexPolyhedron) -> (Geometry, Form) {
+    (body.clone().into(), Form::Sharp(body))
+}
+
+fn convex(shape: Shape) -> (Geometry, Form) {
+    (shape.clone().into(), Form::Convex(shape))
+}
+
+fn cross() -> Composite {
+    let rod = solids::cuboid(Vector3::new(0.1, 0.1, 0.6)).expect("a rod");
+    let mut upright = Piece::new(rod.clone());
+    upright.pose = Isometry3::new(Vector3::new(0.0, 0.4, 0.0), Vector3::x() * 1.5);
+    Composite::new(vec![Piece::new(rod), upright]).expect("two rods")
+}
+
+/// Returns a sphere as eight rational octants.
+pub fn sphere(r: f64) -> Surface {
+    let half = 0.5_f64.sqrt();
+    let south: &[[f64; 3]] = &[[0.0, -r, 1.0], [r, -r, half], [r, 0.0, 1.0]];
+    let north: &[[f64; 3]] = &[[r, 0.0, 1.0], [r, r, half], [0.0, r, 1.0]];
+    revolution(&[south, north]).expect("a sphere")
+}
+
+/// Returns the mesh of a soup.
+///
+/// # Panics
+/// The soup is no mesh.
+pub fn mesh(soup: &Soup) -> Mesh {
+    let points: Vec<_> = soup.points.iter().map(|p| Point3::from(*p)).collect();
+    Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
+}
+
+/// The bodies of a world: polyhedra alone, curved shapes too, meshes and composites too, or surfaces and composites too.
+pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
+    let far = [-1.0, 1.0].map(|x| Point3::new(x + 3.0, 0.2, 0.3));
+    let mut all = vec![
+        sharp(solids::cuboid(Vector3::repeat(0.5)).expect("a cube")),
+        sharp(solids::cuboid(Vector3::new(0.9, 0.9, 0.05)).expect("a plate")),
+        sharp(solids::octahedron(0.7).expect("an octahedron")),
+        sharp(solids::random_hull(14, Vector3::new(0.8, 0.5, 0.3), 3).expect("a hull")),
+        sharp(ConvexPolyhedron::segment(far[0], far[1]).expect("a segment")),
+        sharp(ConvexPolyhedron::point(Point3::new(0.1, 0.2, 0.3)).expect("a point")),
+    ];
+    if kind > 0 {
+        all.push(convex(Shape::ball(0.4).expect("a ball")));
+        all.push(convex(Shape::capsule(0.5, 0.1).expect("a capsule")));
+        let cuboid = Shape::cuboid(Vector3::new(0.3, 0.2, 0.5)).expect("a cuboid");
+        all.push(convex(cuboid.rounded(0.1).expect("a rounded cuboid")));
+        all.push(convex(Shape::cylinder(0.3, 0.5).expect("a cylinder")));
+        all.push(convex(
+            Shape::ellipsoid(Vector3::new(0.6, 0.3, 0.4)).expect("an ellipsoid"),
+        ));
+    }
+    if kind > 1 {
+        // Bodies of parts against each other, mostly.
+        all.drain(3..6);
+        all.push((cross().into(), Form::Pieces(cross())));
+    }
+    if kind == 2 {
+        let solid = Mesh::from_convex(&solids::icosahedron(0.6).expect("an icosahedron")).expect("a mesh");
+        all.push((solid.clone().into(), Form::Mesh(solid)));
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [1.0, 1.0, 0.5]].map(Point3::from);
+        let sheet = Mesh::new(&corners, &[[0, 1, 2], [2, 1, 3]]).expect("a sheet");
+        all.push((sheet.clone().into(), Form::Mesh(sheet)));
+    }
+    if kind == 3 {
+        let shell = sphere(0.45);
+        all.push((shell.clone().into(), Form::Surface(shell)));
+    }
+    all
+}
+
+/// The signed distance of two bodies by a tracker without a past.
+pub fn distance(a: &Form, b: &Form, pose: &RelativePose) -> Distance {
+    let narrow = Question::new().width(1e-9);
+    Distance::from(&PairTracker::new().ask(a.lent(), b.lent(), pose, &narrow))
+}
+
+/// Whether two bodies are at most `d` apart; `None` if that is too close to call.
+pub fn within(a: &Form, b: &Form, pose: &RelativePose, d: f64) -> Option<bool> {
+    if let (Form::Sharp(x), Form::Sharp(y)) = (a, b) {
+        return Some(Tracker::new().within(x, y, pose, d));
+    }
+    let found = distance(a, b, pose);
+    let is_proven = match (a, b) {
+        (Form::Surface(_), _) | (_, Form::Surface(_)) => found.class == Class::Touching,
+        _ => found.class == Class::Overlapping && !(a.is_convex() && b.is_convex()),
+    };
+    if is_proven || found.upper <= d - TIE {
+        Some(true)
+    } else if found.lower > d + TIE {
+        Some(false)
+    } else {
+        None
+    }
+}

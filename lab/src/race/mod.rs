@@ -1,0 +1,108 @@
+//! What the races share: options and results of the instrument `race`, and the races of many bodies, which take further
+//! engines.
+
+pub mod boxes;
+pub mod hulls;
+pub mod scene;
+mod tree;
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// How long an engine runs before a pass of it counts.
+pub const WARM_UP: Duration = Duration::from_millis(3);
+
+/// What a race of many bodies is cut down to.
+const QUICK: usize = 1000;
+
+/// Options of a race.
+#[derive(Default)]
+pub struct Options {
+    csv: Option<PathBuf>,
+    /// Whether fewer frames and bodies are raced.
+    pub quick: bool,
+    only: Option<String>,
+    upto: Option<usize>,
+}
+
+/// The race and its options, or what to tell the user: `Ok(None)` when asked for help.
+pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<(String, Options)>, String> {
+    let mut o = Options::default();
+    let mut race = None;
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or(format!("{word} needs a value"));
+        match word.as_str() {
+            "-h" | "--help" => return Ok(None),
+            "--csv" => o.csv = Some(value()?.into()),
+            "--quick" => o.quick = true,
+            "--only" => o.only = Some(value()?),
+            "--upto" => o.upto = Some(value()?.parse().map_err(|_| "--upto needs a number")?),
+            _ if word.starts_with('-') || race.is_some() => return Err(format!("{word} is no option")),
+            _ => race = Some(word),
+        }
+    }
+    Ok(Some((race.ok_or("which race?")?, o)))
+}
+
+impl Options {
+    /// Refuses a scene that is none of the race's.
+    pub fn check(&self, scenes: &[&str]) -> Result<(), String> {
+        match &self.only {
+            Some(only) if !scenes.contains(&only.as_str()) => {
+                Err(format!("no scene is called {only}; there are {}", scenes.join(", ")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns whether a scene is raced.
+    pub fn wants(&self, scene: &str) -> bool {
+        self.only.as_deref().is_none_or(|only| only == scene)
+    }
+
+    /// Whether all scenes are raced.
+    pub fn wants_all(&self) -> bool {
+        self.only.is_none()
+    }
+
+    /// Those of some numbers of bodies that are raced.
+    pub fn sizes<const N: usize>(&self, all: [usize; N]) -> impl Iterator<Item = usize> {
+        let most = self.upto.unwrap_or(if self.quick { QUICK } else { usize::MAX });
+        all.into_iter().filter(move |n| *n <= most)
+    }
+
+    /// Writes the file asked for.
+    pub fn save(&self, rows: &Rows) -> Result<(), String> {
+        let Some(file) = &self.csv else { return Ok(()) };
+        std::fs::write(file, &rows.text).map_err(|e| format!("{}: {e}", file.display()))
+    }
+}
+
+/// Results as CSV: scene, shape, number of vertices or bodies, engine, nanoseconds.
+#[derive(Debug)]
+pub struct Rows {
+    text: String,
+}
+
+impl Default for Rows {
+    /// Returns a table without rows.
+    fn default() -> Self {
+        Self {
+            text: "scene,shape,n,engine,ns\n".into(),
+        }
+    }
+}
+
+impl Rows {
+    /// One result with so many digits behind the point.
+    pub fn push(&mut self, (scene, shape, n): (&str, &str, usize), engine: &str, ns: f64, digits: usize) {
+        let _ = writeln!(self.text, "{scene},{shape},{n},{engine},{ns:.digits$}");
+    }
+}
+
+/// Returns the median of the numbers, and sorts them.
+pub fn median(list: &mut [f64]) -> f64 {
+    list.sort_by(f64::total_cmp);
+    list[list.len() / 2]
+}

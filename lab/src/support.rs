@@ -1,0 +1,132 @@
+//! What several tests share: plain data of the laboratory as bodies and poses of the crate, and the judgement of an
+//! answer by the exact oracle.
+
+use crate::motion::Frame;
+use crate::shapes::Shape;
+use crate::{Exact, Point, Pose};
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, Feature, FeaturePair, Outcome, RelativePose};
+
+/// B as seen from A, of poses in the world.
+pub fn between(a: &Pose, b: &Pose) -> RelativePose {
+    RelativePose::new(&a.isometry(), &b.isometry()).expect("poses of a test are poses")
+}
+
+/// The same in a frame of a motion.
+pub fn relative(frame: &Frame) -> RelativePose {
+    between(&frame.a, &frame.b)
+}
+
+/// B shifted, A at rest.
+pub fn shifted(by: Point) -> RelativePose {
+    between(&Pose::IDENTITY, &Pose::shift(by))
+}
+
+/// The body of a shape: a hull, or a point, a segment or a polygon.
+pub fn body(s: &Shape) -> ConvexPolyhedron {
+    let points: Vec<_> = s.points.iter().map(|&p| Point3::from(p)).collect();
+    let flat = |_| ConvexPolyhedron::polygon(&points);
+    let body = match *points {
+        [p] => ConvexPolyhedron::point(p),
+        [p, q] => ConvexPolyhedron::segment(p, q),
+        _ => ConvexPolyhedron::from_points(&points).or_else(flat),
+    };
+    body.unwrap_or_else(|e| panic!("{}: {e}", s.name))
+}
+
+/// A body as plain data, with the faces it says it has.
+pub fn plain(body: &ConvexPolyhedron) -> Shape {
+    let (points, faces) = crate::contacts::plain(body);
+    let mut shape = Shape::hull("body", points);
+    shape.faces = faces;
+    shape
+}
+
+/// The size L of a placed pair: both radii about the middles of the boxes, and the distance of the middles.
+pub fn size(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame) -> f64 {
+    let ((middle_a, radius_a), (middle_b, radius_b)) = (a.bounding_ball(), b.bounding_ball());
+    let apart = frame.b.isometry() * middle_b - frame.a.isometry() * middle_a;
+    radius_a + radius_b + apart.norm()
+}
+
+/// One of each shipped solid, none larger than 2 across, with at most 42 vertices.
+pub fn shipped() -> Vec<ConvexPolyhedron> {
+    let all = [
+        solids::cuboid(Vector3::new(0.5, 0.5, 0.5)),
+        solids::cuboid(Vector3::new(0.9, 0.3, 0.1)),
+        solids::tetrahedron(1.0),
+        solids::octahedron(1.0),
+        solids::icosahedron(1.0),
+        solids::dodecahedron(1.0),
+        solids::prism(3, 0.5, 0.8),
+        solids::prism(16, 0.4, 0.8),
+        solids::cone(5, 0.5, 0.7),
+        solids::cone(24, 0.3, 0.9),
+        solids::geodesic_sphere(1, 1.0),
+    ];
+    all.into_iter().map(|b| b.expect("a shipped solid")).collect()
+}
+
+/// Dimensions of the features of A and of B.
+pub fn kinds(pair: FeaturePair) -> (usize, usize) {
+    (pair.a.dimension(), pair.b.dimension())
+}
+
+/// Whether both features are those of the bodies.
+pub fn are_of(pair: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> bool {
+    let known = |body: &ConvexPolyhedron, feature| match feature {
+        Feature::Vertex(v) => body.vertex(v).is_some(),
+        Feature::Edge(e) => body.edge_vertices(e).is_some(),
+        Feature::Face(f) => body.face_plane(f).is_some(),
+    };
+    known(a, pair.a) && known(b, pair.b)
+}
+
+/// All features of a body.
+pub fn features(body: &ConvexPolyhedron) -> Vec<Feature> {
+    let vertices = body.vertices().map(Feature::Vertex);
+    let edges = body.edges().map(Feature::Edge);
+    vertices.chain(edges).chain(body.faces().map(Feature::Face)).collect()
+}
+
+/// All pairs of features.
+pub fn pairs(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Vec<FeaturePair> {
+    let of_b = features(b);
+    let with = |a: Feature| of_b.iter().map(move |&b| FeaturePair { a, b });
+    features(a).into_iter().flat_map(with).collect()
+}
+
+/// The oracle's class in the words of the crate.
+pub fn class(exact: crate::Class) -> Class {
+    match exact {
+        crate::Class::Separated => Class::Separated,
+        crate::Class::Touching => Class::Touching,
+        crate::Class::Overlapping => Class::Overlapping,
+    }
+}
+
+/// Fails unless the class is that of the oracle and the true distance is between the bounds, to the last bit.
+pub fn assert_right(o: &Outcome, truth: &Exact, what: &str) {
+    assert_eq!(o.class, class(truth.class), "{what}: {o:?}, truth {}", truth.distance);
+    // The differences are small and hence exact, or so large that their sign is not in doubt.
+    let above = (o.lower - truth.distance) - truth.remainder;
+    let below = (o.upper - truth.distance) - truth.remainder;
+    assert!(
+        above <= 0.0 && below >= 0.0,
+        "{what}: {o:?} misses {} + {}",
+        truth.distance,
+        truth.remainder
+    );
+    assert!(o.lower <= o.distance && o.distance <= o.upper, "{what}: {o:?}");
+}
+
+/// Fails unless the distance of a separated pair is within one unit in the last place of the truth.
+pub fn assert_exact(o: &Outcome, truth: &Exact, what: &str) {
+    assert_right(o, truth, what);
+    let d = truth.distance;
+    let ulp = d.next_up() - d;
+    if truth.class == crate::Class::Separated {
+        assert!((o.distance - d).abs() <= ulp, "{what}: {:e} is not {d:e}", o.distance);
+    }
+}

@@ -1,0 +1,169 @@
+//! A path of a six-axis arm in its cell, from bin to bin: proven free, shortened, widened, drawn with its clearance.
+//!
+//! `cargo run --release -p lin-canny-plan --example arm -- [--cell X.obj ..] [--seed N] [--out FILE.svg]`
+
+use lab::arm::{Trouble, cell, draw, motion, robot};
+use lab::command::Arguments;
+use lab::plot::Chart;
+use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm, World};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+const USAGE: &str = "\
+usage: arm [--seed N] [--seconds S] [--out FILE.svg] [--cell X.obj Y.stl ..]
+
+A six-axis arm takes its gripper from the left bin to the right one. Searches a path with the opportunistic planner,
+shortens it and moves it away from the cell; draws the arm at both ends and where it is nearest, and the clearance along
+the path.
+
+  --seed N       seed of the random slices (default: 1)
+  --seconds S    limit of the search (default: 10)
+  --out FILE     where to draw (default: target/arm.svg)
+  --cell FILES   meshes instead of the built-in cell, by their hulls, in the frame of the world";
+
+struct Options {
+    seed: u64,
+    limit: Duration,
+    out: PathBuf,
+    cell: Vec<String>,
+}
+
+fn parse(words: Option<Arguments>) -> Result<Option<Options>, String> {
+    let Some(mut words) = words else { return Ok(None) };
+    let seed = words.number("--seed", 0, 1)?;
+    let limit = Duration::try_from_secs_f64(words.number("--seconds", 0.0, 10.0)?).map_err(|e| e.to_string())?;
+    let out = words.value("--out")?.unwrap_or("target/arm.svg".into()).into();
+    let has_cell = words.flag("--cell");
+    let cell = words.files(if has_cell { usize::MAX } else { 0 })?;
+    if has_cell && cell.is_empty() {
+        return Err("--cell needs a file".into());
+    }
+    Ok(Some(Options { seed, limit, out, cell }))
+}
+
+fn main() -> ExitCode {
+    lab::command::main("arm", USAGE, parse(Arguments::of_process()), run)
+}
+
+/// Times of the built-in motion of `clearance` at which the gripper is in the left and in the right bin.
+const BINS: [f64; 2] = [0.2, 0.6];
+
+/// Places measured for the chart.
+const PLACES: usize = 400;
+
+fn run(options: &Options) -> Result<(), Trouble> {
+    let things = cell::things(&options.cell)?;
+    let mut world = World::new();
+    let arm = robot::arm(&mut world)?;
+    for (name, shape, pose) in &things {
+        world.obstacle(name, shape.clone(), *pose);
+    }
+    robot::exclude(&mut world, things.iter().any(|t| t.0 == "table"))?;
+    let mut checker = Checker::new(arm, world)?;
+    let [start, goal] = BINS.map(motion::carry);
+    let search = PlanOptions::default().seed(options.seed).slices(u64::MAX);
+    let began = Instant::now();
+    let plan = checker.plan_until(&start, &goal, &search, &mut || began.elapsed() > options.limit)?;
+    let (took, work) = (began.elapsed(), plan.work);
+    println!(
+        "{took:.2?}: {} freeways, {} random slices, {} configurations, {} distance queries",
+        work.freeways,
+        work.slices,
+        plan.roadmap.nodes.len(),
+        work.checks.queries + work.checks.measures
+    );
+    let Some(found) = plan.path else {
+        return Err("no path found: there may be one nevertheless".into());
+    };
+    let short = checker.shorten(&found, 300, options.seed)?;
+    let wide = checker.widen(&short, 0.05, 0.15, 6)?;
+    let mut least = f64::INFINITY;
+    for ends in wide.windows(2) {
+        least = least.min(checker.clearance_along(&ends[0], &ends[1], 0.05)?.lower);
+    }
+    println!(
+        "path: length {:.2}; shortened to {:.2}, widened to {:.2}; proven clearance {least:.4}",
+        checker.path_length(&found),
+        checker.path_length(&short),
+        checker.path_length(&wide)
+    );
+    let before = clearances(&mut checker, &short)?;
+    let after = clearances(&mut checker, &wide)?;
+    let chart = Chart::new("Clearance along the path")
+        .axes("part of the path", "distance of the closest pair")
+        .from_zero()
+        .size(860, 320)
+        .line("shortened", before)
+        .line("widened", after);
+    let text = picture(&mut checker, &things, &wide, &chart.svg()?)?;
+    lab::command::write(&options.out, &text)?;
+    println!("drawn to {}", options.out.display());
+    Ok(())
+}
+
+/// Configurations along a path, evenly in length.
+fn along(checker: &Checker<SerialArm>, path: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
+    let whole = checker.path_length(path);
+    let (mut list, mut gone) = (vec![], 0.0);
+    for ends in path.windows(2) {
+        let length = checker.space().distance(&ends[0], &ends[1]);
+        while list.len() <= count && whole * list.len() as f64 / count as f64 <= gone + length {
+            let t = (whole * list.len() as f64 / count as f64 - gone) / length.max(f64::MIN_POSITIVE);
+            list.push(checker.space().between(&ends[0], &ends[1], t.clamp(0.0, 1.0)));
+        }
+        gone += length;
+    }
+    list
+}
+
+fn clearances(checker: &mut Checker<SerialArm>, path: &[Vec<f64>]) -> Result<Vec<(f64, f64)>, Trouble> {
+    let places = along(checker, path, PLACES);
+    let last = places.len().max(2) as f64 - 1.0;
+    let mut curve = vec![];
+    for (k, q) in places.iter().enumerate() {
+        if let Some(near) = checker.clearance(q)? {
+            curve.push((k as f64 / last, near.distance));
+        }
+    }
+    Ok(curve)
+}
+
+/// The cell, the arm at both ends and at the place of least clearance, and the points that are closest there.
+fn picture(
+    checker: &mut Checker<SerialArm>,
+    things: &[cell::Thing],
+    path: &[Vec<f64>],
+    chart: &str,
+) -> Result<String, Trouble> {
+    let places = along(checker, path, PLACES);
+    let mut nearest: Option<(f64, [Point3<f64>; 2], String, usize)> = None;
+    for (k, q) in places.iter().enumerate() {
+        let near = checker.clearance(q)?.ok_or("there is no pair to measure")?;
+        if nearest.as_ref().is_none_or(|n| near.distance < n.0) {
+            let name = format!("{} - {}", checker.name(near.pair.a), checker.name(near.pair.b));
+            nearest = Some((near.distance, near.witnesses, name, k));
+        }
+    }
+    let (distance, points, name, at) = nearest.ok_or("the path is empty")?;
+    let mut bodies: Vec<_> = things.iter().map(|(_, shape, _)| (shape, false)).collect();
+    let mut poses: Vec<_> = things.iter().map(|(_, _, pose)| *pose).collect();
+    let shapes = robot::pieces()?;
+    let mut placed: Vec<Isometry3<f64>> = vec![];
+    for q in [&path[0], &places[at], &path[path.len() - 1]] {
+        checker.space().place(q, &mut placed);
+        for ((_, _, shape), pose) in shapes.iter().zip(&placed) {
+            bodies.push((shape, true));
+            poses.push(*pose);
+        }
+    }
+    let caption = format!("Six axes from bin to bin; at the red line {distance:.4} between {name}");
+    let picture = draw::Picture {
+        caption,
+        bodies,
+        poses,
+        points,
+    };
+    Ok(picture.above(chart))
+}

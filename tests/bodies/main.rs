@@ -1,0 +1,8 @@
+//! Promise: a body is what was given, and says of itself what is true.
+
+mod boxes;
+mod forms;
+mod hulls;
+mod kinds;
+mod queries;
+mod time;

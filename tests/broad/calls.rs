@@ -1,0 +1,45 @@
+//! Promise: any sequence of calls of the broad phase is answered or refused: no panic, both structures agree, and the pairs
+//! are those of brute force.
+
+use lab::driven::calls::{Tally, drive};
+use lab::rng::Rng;
+use proptest::prelude::*;
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+    #[test]
+    fn any_calls(bytes in prop::collection::vec(any::<u8>(), 1..2500)) {
+        drive(&bytes);
+    }
+}
+
+/// What the fuzz target found, made small: a body thrown from one end of the range to the other within one column.
+const FOUND: [&[u8]; 1] = [&[
+    1, 1, 38, 251, 48, 1, 6, 0, 128, 128, 128, 128, 1, 0, 11, 0, 32, 0, 0, 128, 128, 128, 128, 128, 251, 254, 255, 255,
+    250, 38, 251, 38, 251, 38, 251, 255, 48, 29, 255, 255, 48, 251, 38, 251, 251, 38, 59, 59, 219, 38, 251, 48, 1, 0,
+    38, 0, 0, 0, 16, 38, 219, 38, 251, 59, 48, 255, 255,
+]];
+
+#[test]
+fn what_was_found_stays_mended() {
+    for bytes in FOUND {
+        assert!(drive(bytes).steps > 1);
+    }
+}
+
+/// The bytes of a generator lead everywhere: calls are accepted and refused, pairs come and go.
+#[test]
+fn the_mix_of_calls() {
+    let mut rng = Rng::new(62);
+    let mut sum = Tally::default();
+    for _ in 0..200 {
+        let bytes: Vec<u8> = (0..2500).map(|_| rng.bits() as u8).collect();
+        let t = drive(&bytes);
+        sum.calls.iter_mut().zip(t.calls).for_each(|(s, n)| *s += n);
+        sum.steps += t.steps;
+        sum.events += t.events;
+        sum.pairs += t.pairs;
+    }
+    assert!(sum.calls[0] > 5000 && sum.calls[1] > 2000, "{sum:?}");
+    assert!(sum.steps > 2000 && sum.events > 2000 && sum.pairs > 20_000, "{sum:?}");
+}

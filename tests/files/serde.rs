@@ -1,0 +1,417 @@
+//! Promise: every public type of the feature `serde` comes back from a file as it was.
+#![cfg(feature = "serde")]
+
+use lab::support;
+use lin_canny::polyhedron::solids;
+use lin_canny::{
+    Class, ConvexPolyhedron, Distance, Manifold, ManifoldOptions, Outcome, PairTracker, Proposal, Question,
+    RelativePose, Shape, Solver, Tracker,
+};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(value: &T) -> T {
+    let text = serde_json::to_string(value).expect("serialises");
+    let back: T = serde_json::from_str(&text).expect("deserialises");
+    assert_eq!(&back, value, "{text}");
+    back
+}
+
+fn query() -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
+    let (a, b) = (
+        solids::icosahedron(1.0).expect("a body"),
+        solids::cone(7, 0.55, 0.3).expect("a body"),
+    );
+    let pose = lab::Pose::turn([0.6, 0.0, 0.8], 0.7, [1.9, 0.3, -0.4]);
+    (a, b, RelativePose::from_isometry(&pose.isometry()).expect("a pose"))
+}
+
+#[test]
+fn answers_come_back() {
+    let (a, b, pose) = query();
+    let mut t = Tracker::new();
+    let outcome: Outcome = t.closest(&a, &b, &pose);
+    let (distance, proposal): (Distance, Proposal) = (t.distance(&a, &b, &pose), t.propose(&a, &b, &pose));
+    assert_eq!(outcome.class, Class::Separated);
+    round_trip(&outcome);
+    round_trip(&outcome.features);
+    round_trip(&outcome.work);
+    round_trip(&distance);
+    round_trip(&proposal);
+    for layer in [
+        Solver::Walk,
+        Solver::Restart,
+        Solver::Fallback,
+        Solver::DoubleDouble,
+        Solver::Exact,
+        Solver::Far,
+    ] {
+        round_trip(&layer);
+    }
+    for class in [Class::Separated, Class::Touching, Class::Overlapping, Class::Undecided] {
+        round_trip(&class);
+    }
+}
+
+/// A manifold goes on where it was; indices that are none are not used, and too many points are refused.
+#[test]
+fn a_manifold_keeps_its_names() {
+    let cube = solids::cuboid(lin_canny::nalgebra::Vector3::new(0.5, 0.5, 0.5)).expect("a body");
+    let pose = support::shifted([0.3, 0.2, 0.99]);
+    let options = round_trip(&ManifoldOptions::within(0.1));
+    let (mut t, mut m) = (Tracker::new(), Manifold::new());
+    t.manifold(&cube, &cube, &pose, &options, &mut m);
+    assert_eq!(m.points().len(), 4);
+    m.points().iter().for_each(|p| assert_eq!(round_trip(p), *p));
+    let text = serde_json::to_string(&m).expect("serialises");
+    let mut back: Manifold = serde_json::from_str(&text).expect("deserialises");
+    assert_eq!(back, m);
+    // Far enough for another look, too near for another choice.
+    let pose = support::shifted([0.31, 0.2, 0.99]);
+    for manifold in [&mut m, &mut back] {
+        t.manifold(&cube, &cube, &pose, &options, manifold);
+        assert!(manifold.is_fresh());
+    }
+    assert_eq!(back, m);
+    let mut damaged: serde_json::Value = serde_json::from_str(&text).expect("is JSON");
+    damaged["on"] = serde_json::json!(vec![[u32::MAX, (2 << 30) | 77]; 8]);
+    let mut back: Manifold = serde_json::from_value(damaged.clone()).expect("numbers");
+    t.manifold(&cube, &cube, &pose, &options, &mut back);
+    assert_eq!(back.points().len(), 4);
+    damaged["count"] = 400.into();
+    assert!(serde_json::from_value::<Manifold>(damaged).is_err());
+    // Older files name the bodies by two numbers, which are no longer known.
+    let mut older: serde_json::Value = serde_json::from_str(&text).expect("is JSON");
+    let made = older["made"].as_object_mut().expect("a computation");
+    made.remove("fingerprints").expect("fingerprints");
+    made.insert("bodies".to_owned(), serde_json::json!([1, u64::MAX]));
+    let mut back: Manifold = serde_json::from_value(older).expect("an older manifold");
+    t.manifold(&cube, &cube, &pose, &options, &mut back);
+    assert!(back.points().len() == 4 && back.is_fresh());
+    let outcome = t.closest(&cube, &cube, &pose);
+    round_trip(&outcome.gradient_a());
+}
+
+/// Not every format can hold an infinity: what is not known yet, and what is wanted without limit, come back all the same.
+#[test]
+fn what_is_infinite_comes_back() {
+    let none = Manifold::new();
+    assert!(none.lower() == f64::NEG_INFINITY && none.upper() == f64::INFINITY);
+    round_trip(&none);
+    let mut options = ManifoldOptions::within(f64::INFINITY);
+    (options.drift, options.choice, options.sine) = (f64::INFINITY, f64::NEG_INFINITY, f64::INFINITY);
+    round_trip(&options);
+    let (a, b, pose) = query();
+    let (mut t, mut m) = (Tracker::new(), Manifold::new());
+    for prediction in [f64::INFINITY, f64::NEG_INFINITY] {
+        options.prediction = prediction;
+        t.manifold(&a, &b, &pose, &options, &mut m);
+        assert_eq!(m.points().is_empty(), prediction < 0.0);
+        round_trip(&m);
+    }
+    let mut open = t.closest(&a, &b, &pose);
+    open.lower = f64::NEG_INFINITY;
+    round_trip(&open);
+    round_trip(&Distance::from(&open));
+}
+
+/// Faces of more than 24 corners know of a corner only whether it is on them, and beside rounding it may not be.
+#[test]
+fn a_manifold_of_large_faces_comes_back() {
+    let disc = solids::prism(26, 0.2, 1.0).expect("a body");
+    for k in 0..26 {
+        // Corner upon corner.
+        let angle = std::f64::consts::TAU * f64::from(k) / 26.0;
+        let pose = lab::Pose::turn([0.0, 0.0, 1.0], angle, [0.0, 0.0, 0.4 + 1e-6]);
+        let pose = RelativePose::from_isometry(&pose.isometry()).expect("a pose");
+        let mut m = Manifold::new();
+        Tracker::new().manifold(&disc, &disc, &pose, &ManifoldOptions::within(0.1), &mut m);
+        assert!(m.points().len() > 2);
+        round_trip(&m);
+    }
+}
+
+#[test]
+fn a_tracker_goes_on_where_it_was() {
+    let (a, b, pose) = query();
+    let mut t = Tracker::new();
+    t.closest(&a, &b, &pose);
+    round_trip(&t.work());
+    let mut back = round_trip(&t);
+    let (x, y) = (t.closest(&a, &b, &pose), back.closest(&a, &b, &pose));
+    assert_eq!(x, y);
+    assert_eq!(back.work().warm, 1);
+}
+
+#[test]
+fn bodies_and_poses_come_back() {
+    let (a, b, pose) = query();
+    round_trip(&pose);
+    let (a2, b2) = (round_trip(&a), round_trip(&b));
+    assert_eq!(a2.report(), a.report());
+    assert_eq!(
+        Tracker::new().closest(&a2, &b2, &pose),
+        Tracker::new().closest(&a, &b, &pose)
+    );
+    round_trip(a.report());
+}
+
+/// A file is input like any other: what is no body or pose is refused, and a tracker's features are only a hint.
+#[test]
+fn damaged_files_are_refused() {
+    let (a, b, pose) = query();
+    let damage = |text: String, from: &str, to: &str| {
+        assert!(text.contains(from), "{text}");
+        text.replacen(from, to, 1)
+    };
+    let text = serde_json::to_string(&pose).expect("serialises");
+    assert!(serde_json::from_str::<RelativePose>(&damage(text, "\"t\":[0.0", "\"t\":[1e999")).is_err());
+    let text = serde_json::to_string(&a).expect("serialises");
+    assert!(serde_json::from_str::<ConvexPolyhedron>(&damage(text, "\"source\":[", "\"source\":[0,")).is_err());
+    let mut t = Tracker::new();
+    t.closest(&b, &b, &pose);
+    let known = serde_json::to_value(&t).expect("serialises");
+    let wanted = Tracker::new().closest(&a, &b, &pose);
+    for features in [
+        r#"{"a":{"Edge":4000000000},"b":{"Vertex":0}}"#,
+        r#"{"a":{"Vertex":0},"b":{"Face":4294967295}}"#,
+        r#"{"a":{"Edge":0},"b":{"Face":0}}"#,
+        r#"{"a":{"Face":0},"b":{"Face":0}}"#,
+        r#"{"a":{"Edge":59},"b":{"Edge":27}}"#,
+    ] {
+        let mut text = known.clone();
+        text["last"] = serde_json::from_str(features).expect("is JSON");
+        let mut strange: Tracker = serde_json::from_value(text).expect("a hint, whatever it says");
+        let o = strange.closest(&a, &b, &pose);
+        assert_eq!((o.class, o.features), (wanted.class, wanted.features), "{features}");
+        assert!(o.lower <= wanted.upper && wanted.lower <= o.upper, "{features}: {o:?}");
+    }
+}
+
+/// The surface of an overlap is input too: one that is none is dropped.
+#[test]
+fn a_damaged_surface_does_no_harm() {
+    let (a, b, _) = query();
+    let pose =
+        RelativePose::from_isometry(&lin_canny::nalgebra::Isometry3::translation(0.01, 0.02, 0.03)).expect("a pose");
+    let mut t = Tracker::new();
+    let wanted = t.closest(&a, &b, &pose);
+    assert_eq!(wanted.class, Class::Overlapping);
+    let known = round_trip(&t);
+    let known = serde_json::to_value(&known).expect("serialises");
+    let triangles = known["memory"]["triangles"].as_array().expect("a list").len();
+    assert!(triangles > 3);
+    for k in 0..triangles {
+        for i in 0..6 {
+            for x in [0u32, 1, 7, 4_000_000_000] {
+                let mut text = known.clone();
+                text["memory"]["triangles"][k][i] = x.into();
+                text["memory"]["points"][k % 4][i % 2] = (x / 2).into();
+                let mut strange: Tracker = serde_json::from_value(text).expect("numbers");
+                let o = strange.closest(&a, &b, &pose);
+                assert_eq!(o.class, wanted.class);
+                assert!(o.lower <= wanted.upper && wanted.lower <= o.upper, "{o:?}");
+            }
+        }
+    }
+}
+
+/// Shapes of every kind, rounded or not; what no constructor would make is refused.
+#[test]
+fn shapes_come_back() {
+    let v = lin_canny::nalgebra::Vector3::new(0.5, 0.25, 0.75);
+    let shapes = [
+        Shape::ball(0.7),
+        Shape::capsule(0.6, 0.3),
+        Shape::cuboid(v).and_then(|s| s.rounded(0.1)),
+        Shape::cylinder(0.7, 0.5),
+        Shape::cone(0.7, 0.6),
+        Shape::ellipsoid(v).and_then(|s| s.rounded(0.1)),
+        Shape::superquadric(v, 0.5, 1.25),
+    ];
+    let shapes = shapes.map(|s| s.expect("a shape"));
+    for a in &shapes {
+        let text = serde_json::to_string(a).expect("serialises");
+        let back: Shape = serde_json::from_str(&text).expect("deserialises");
+        // A polyhedron comes back with another build report; every answer is the same.
+        let pose = support::shifted([1.3, 0.4, 1.5]);
+        for b in &shapes {
+            let answer = |s: &Shape| PairTracker::new().closest(s, b, &pose);
+            assert_eq!(answer(a), answer(&back), "{text}");
+        }
+        assert_eq!(serde_json::to_string(&back).expect("serialises"), text);
+        assert!(
+            serde_json::from_str::<Shape>(&text.replace("\"round\":0.", "\"round\":-1.")).is_err(),
+            "{text}"
+        );
+    }
+    for bad in [
+        r#"{"core":{"Cylinder":{"half_height":0.7,"radius":-0.5}},"round":0.0}"#,
+        r#"{"core":{"Cone":{"half_height":1e200,"radius":0.5}},"round":0.0}"#,
+        r#"{"core":{"Ellipsoid":{"semi_axes":[0.5,0.0,0.7]}},"round":0.0}"#,
+        r#"{"core":{"Superquadric":{"semi_axes":[0.5,0.5,0.7],"exponents":[2.0,1.0]}},"round":0.0}"#,
+    ] {
+        assert!(serde_json::from_str::<Shape>(bad).is_err(), "{bad}");
+    }
+}
+
+/// A tracker keeps its counters; the pair begins anew.
+#[test]
+fn a_tracker_of_any_pair_comes_back() {
+    let a = Shape::cylinder(0.7, 0.5).expect("a shape");
+    let b = Shape::cone(0.7, 0.6).expect("a shape");
+    let mut pair = PairTracker::new();
+    for k in 0..20 {
+        let pose = support::shifted([1.4, 0.02 * f64::from(k), 0.3]);
+        let o = pair.closest(&a, &b, &pose);
+        let mut back: PairTracker =
+            serde_json::from_str(&serde_json::to_string(&pair).expect("serialises")).expect("a tracker");
+        let p = back.closest(&a, &b, &pose);
+        assert_eq!(p.class, o.class);
+        assert!(p.lower <= o.upper && o.lower <= p.upper, "{o:?} {p:?}");
+        assert_eq!(back.work().convex.queries, pair.work().convex.queries + 1);
+        round_trip(&o);
+        round_trip(&pair.work());
+    }
+}
+
+/// Surfaces come back bit for bit, with the errors of their sources; files that are wrong are refused.
+#[test]
+fn surfaces_come_back() {
+    use lin_canny::nalgebra::{Isometry3, Point3};
+    use lin_canny::patch::{Nurbs, Patch, PatchError, Surface};
+    fn shared<T: Send + Sync>(_: &T) {}
+    let at = |i: usize| [(i / 3) as f64, (i % 3) as f64, (i % 2) as f64];
+    let points: Vec<_> = (0..12).map(|i| Point3::from(at(i))).collect();
+    let spline = Surface::from_nurbs(&Nurbs {
+        degrees: [2, 2],
+        knots: [&[0.0, 0.0, 0.0, 1.0, 2.5, 2.5, 2.5], &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]],
+        points: &points,
+        ..Nurbs::default()
+    })
+    .expect("a surface");
+    let weights = [1.0, 0.3, 2.0, 0.7, 1.0, 0.9];
+    let triangle = Patch::triangular(2, &points[..6], Some(&weights)).expect("a patch");
+    let both = Surface::new(vec![
+        triangle.clone(),
+        Patch::polynomial([2, 3], &points).expect("a patch"),
+    ]);
+    round_trip(&triangle);
+    triangle.split(0).iter().for_each(|half| drop(round_trip(half)));
+    let pose = RelativePose::from_isometry(&Isometry3::translation(0.3, 0.2, 4.0)).expect("a pose");
+    for surface in [spline, both.expect("a surface")] {
+        let text = serde_json::to_string(&surface).expect("serialises");
+        let back: Surface = serde_json::from_str(&text).expect("deserialises");
+        assert_eq!(serde_json::to_string(&back).expect("serialises"), text);
+        assert_eq!(back.patches(), surface.patches());
+        let mut tracker = PairTracker::new();
+        let o = tracker.ask(&surface, &surface, &pose, &Question::new().width(1e-9));
+        assert_eq!(
+            o,
+            PairTracker::new().ask(&back, &back, &pose, &Question::new().width(1e-9))
+        );
+        round_trip(&o);
+        let ball = Shape::ball(0.5).expect("a ball");
+        let mut tracker = PairTracker::new();
+        let o = tracker.ask(&surface, &ball, &pose, &Question::new().width(1e-9));
+        round_trip(&o);
+        shared(&surface);
+        shared(&tracker);
+        // The knots of the first patch, its first weight, the reach and the degrees.
+        let wrong = |from: &str, to: &str| {
+            assert!(text.contains(from), "{text}");
+            serde_json::from_str::<Surface>(&text.replacen(from, to, 1)).map(drop)
+        };
+        assert!(wrong("\"degrees\":[2,2]", "\"degrees\":[2,9]").is_err());
+        assert!(wrong("\"degrees\":[2,2]", "\"degrees\":[3,2]").is_err());
+        assert!(wrong("\"reach\":", "\"reach\":0.5,\"other\":").is_err());
+        assert!(wrong("\"domains\":[[[0.0,", "\"domains\":[[[7.0,").is_err());
+        assert!(wrong("\"domains\":[", "\"domains\":[[[0.0,1.0],[0.0,1.0]],").is_err());
+    }
+    let bad = r#"{"degrees":[1,1],"net":[[0,0,0,1],[1,0,0,1],[0,1,0,-1],[1,1,0,1]],"is_triangular":false,"source":"Points","reach":2}"#;
+    let error = serde_json::from_str::<Patch>(bad)
+        .expect_err("a weight below zero")
+        .to_string();
+    assert!(
+        error.contains(&PatchError::Weight { index: 2, value: -1.0 }.to_string()),
+        "{error}"
+    );
+}
+
+/// Motions: what is stored is what was given; what follows from it is not read, and what a constructor refuses is refused.
+#[test]
+fn motions_come_back_and_false_ones_are_refused() {
+    use lin_canny::motion::{Motion, Nlerp, Steady};
+    use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+    let mut rng = lab::rng::Rng::new(41);
+    let mut vector = |size: f64| Vector3::from(rng.in_ball()) * size;
+    for _ in 0..200 {
+        let (from, to) = (
+            Isometry3::new(vector(3.0), vector(3.0)),
+            Isometry3::new(vector(3.0), vector(3.0)),
+        );
+        let velocity = lin_canny::Velocity::new(vector(2.0), vector(9.0));
+        let pivot = Point3::from(vector(2.0));
+        let steady = Steady::about(&from, pivot, velocity).and_then(|m| m.accelerated(vector(9.0)));
+        let steady = steady.and_then(|m| m.within(0.25, 0.5)).expect("a motion");
+        let nlerp = Nlerp::new(&from, &to, 0.7, pivot).expect("a motion");
+        let back = (round_trip(&steady), round_trip(&nlerp));
+        assert_eq!(
+            (back.0.pose(0.3), back.1.pose(0.3)),
+            (steady.pose(0.3), nlerp.pose(0.3))
+        );
+
+        let damaged = |motion: serde_json::Value, at: &str, value: serde_json::Value| {
+            let mut motion = motion;
+            *motion.pointer_mut(at).expect(at) = value;
+            motion
+        };
+        let (s, n) = (
+            serde_json::to_value(steady).expect("JSON"),
+            serde_json::to_value(nlerp).expect("JSON"),
+        );
+        for at in [
+            "/rotation/0",
+            "/centre/1",
+            "/pivot/2",
+            "/velocity/linear/0",
+            "/velocity/angular/1",
+            "/acceleration/2",
+        ] {
+            let file = damaged(s.clone(), at, serde_json::json!(1e200));
+            let read = serde_json::from_value::<Steady>(file);
+            assert!(read.is_err() || at.starts_with("/centre"), "{at}: {read:?}");
+        }
+        let file = damaged(s.clone(), "/open/1", serde_json::json!(-1.0));
+        assert!(serde_json::from_value::<Steady>(file).is_err());
+        for (at, value) in [
+            ("/duration", 0.0),
+            ("/duration", -1.0),
+            ("/to/3", 5.0),
+            ("/from/0", 5.0),
+            ("/pivot/0", 1e200),
+        ] {
+            let file = damaged(n.clone(), at, serde_json::json!(value));
+            assert!(serde_json::from_value::<Nlerp>(file).is_err(), "{at}");
+        }
+        // Numbers that follow from others, as older files have them, false: the motion is that of the rest.
+        let mut file = s.clone();
+        file["spin"] = serde_json::json!({"axis": [1.0, 0.0, 0.0], "rate": [0.0, 0.0]});
+        assert_eq!(serde_json::from_value::<Steady>(file).expect("a motion"), steady);
+        let mut file = n.clone();
+        file["axis"] = serde_json::json!([0.0, 0.0, 0.0]);
+        file["versine"] = serde_json::json!(0.0);
+        assert_eq!(serde_json::from_value::<Nlerp>(file).expect("a motion"), nlerp);
+        // The longer way round is the shorter way of the opposite quaternion.
+        let mut file = n.clone();
+        let opposite = |x: &serde_json::Value| serde_json::json!(-x.as_f64().expect("a number"));
+        file["to"] = n["to"].as_array().expect("four").iter().map(opposite).collect();
+        assert_eq!(serde_json::from_value::<Nlerp>(file).expect("a motion"), nlerp);
+        // A rotation of few digits is normalised.
+        let mut file = s.clone();
+        let longer = |x: &serde_json::Value| serde_json::json!(x.as_f64().expect("a number") * (1.0 + 3e-13));
+        file["rotation"] = s["rotation"].as_array().expect("four").iter().map(longer).collect();
+        let read: Steady = serde_json::from_value(file).expect("a motion");
+        assert!((read.pose(0.0).rotation.coords.norm() - 1.0).abs() < 1e-15);
+    }
+}

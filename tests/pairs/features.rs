@@ -1,0 +1,253 @@
+//! Promise: each pair of feature kinds is answered right: known answers by hand, and all kinds met in random poses and
+//! motions.
+//!
+//! No answer names an edge beside a face or two faces: one of their vertices or edges stands for them.
+
+use lab::motion::{orbit_and_spin, random_poses};
+use lab::pose::radius;
+use lab::rng::Rng;
+use lab::support;
+use lab::support::kinds;
+use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
+
+fn hull(points: &[[f64; 3]]) -> ConvexPolyhedron {
+    ConvexPolyhedron::from_points(&points.iter().map(|&p| Point3::from(p)).collect::<Vec<_>>()).expect("a hull")
+}
+
+/// The cube of half size 1.
+fn cube() -> ConvexPolyhedron {
+    solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).expect("a cube")
+}
+
+/// Tips on the axes at distance 1.
+fn octahedron() -> ConvexPolyhedron {
+    solids::octahedron(1.0).expect("an octahedron")
+}
+
+/// A prism over the square with corners on the x and y axes, edges along z through them from -1 to 1.
+fn diamond_along_z() -> ConvexPolyhedron {
+    hull(&[
+        [1.0, 0.0, -1.0],
+        [1.0, 0.0, 1.0],
+        [-1.0, 0.0, -1.0],
+        [-1.0, 0.0, 1.0],
+        [0.0, 1.0, -1.0],
+        [0.0, 1.0, 1.0],
+        [0.0, -1.0, -1.0],
+        [0.0, -1.0, 1.0],
+    ])
+}
+
+/// The same along y.
+fn diamond_along_y() -> ConvexPolyhedron {
+    let turned: Vec<[f64; 3]> = diamond_along_z().vertex_points().map(|p| [p.x, p.z, p.y]).collect();
+    hull(&turned)
+}
+
+/// B shifted by `shift`; the closest points, both in A's frame, and the kinds of the features.
+struct Case {
+    name: &'static str,
+    a: ConvexPolyhedron,
+    b: ConvexPolyhedron,
+    shift: [f64; 3],
+    on_a: [f64; 3],
+    on_b: [f64; 3],
+    kinds: (usize, usize),
+}
+
+fn cases() -> Vec<Case> {
+    let case = |name, a, b, shift, on_a, on_b, kinds| Case {
+        name,
+        a,
+        b,
+        shift,
+        on_a,
+        on_b,
+        kinds,
+    };
+    vec![
+        case(
+            "corner to corner",
+            cube(),
+            cube(),
+            [3.0, 4.0, 5.0],
+            [1.0; 3],
+            [2.0, 3.0, 4.0],
+            (0, 0),
+        ),
+        case(
+            "tip to tip",
+            octahedron(),
+            octahedron(),
+            [3.0, 0.1, 0.1],
+            [1.0, 0.0, 0.0],
+            [2.0, 0.1, 0.1],
+            (0, 0),
+        ),
+        case(
+            "tip to edge",
+            octahedron(),
+            diamond_along_z(),
+            [4.0, 0.0, 0.5],
+            [1.0, 0.0, 0.0],
+            [3.0, 0.0, 0.0],
+            (0, 1),
+        ),
+        case(
+            "edge to tip",
+            diamond_along_z(),
+            octahedron(),
+            [4.0, 0.0, -0.25],
+            [1.0, 0.0, -0.25],
+            [3.0, 0.0, -0.25],
+            (1, 0),
+        ),
+        case(
+            "tip to face",
+            octahedron(),
+            cube(),
+            [3.5, 0.25, -0.5],
+            [1.0, 0.0, 0.0],
+            [2.5, 0.0, 0.0],
+            (0, 2),
+        ),
+        case(
+            "face to tip",
+            cube(),
+            octahedron(),
+            [0.5, -0.25, 2.5],
+            [0.5, -0.25, 1.0],
+            [0.5, -0.25, 1.5],
+            (2, 0),
+        ),
+        case(
+            "edges crossed",
+            diamond_along_z(),
+            diamond_along_y(),
+            [4.0, 0.25, 0.5],
+            [1.0, 0.0, 0.5],
+            [3.0, 0.0, 0.5],
+            (1, 1),
+        ),
+        case(
+            "edges crossed the other way",
+            diamond_along_y(),
+            diamond_along_z(),
+            [-4.0, -0.5, 0.0],
+            [-1.0, -0.5, 0.0],
+            [-3.0, -0.5, 0.0],
+            (1, 1),
+        ),
+    ]
+}
+
+/// The case seen from a moved world, where nothing is along an axis.
+fn check(case: &Case, world: &Isometry3<f64>, swap: bool) {
+    let pose_b = world * Translation3::from(case.shift);
+    let (a, b) = if swap { (&case.b, &case.a) } else { (&case.a, &case.b) };
+    let (pose_a, pose_b) = if swap { (pose_b, *world) } else { (*world, pose_b) };
+    let (at_a, at_b) = if swap {
+        (case.on_b, case.on_a)
+    } else {
+        (case.on_a, case.on_b)
+    };
+    let wanted = if swap { (case.kinds.1, case.kinds.0) } else { case.kinds };
+    let o = Tracker::new().closest(a, b, &RelativePose::new(&pose_a, &pose_b).expect("a pose"));
+    let distance = (Point3::from(at_a) - Point3::from(at_b)).norm();
+    let name = case.name;
+    assert_eq!(o.class, Class::Separated, "{name}");
+    assert_eq!(kinds(o.features), wanted, "{name}, swapped {swap}: {}", o.features);
+    assert!(
+        (o.distance - distance).abs() < 1e-14 && o.lower <= distance && distance <= o.upper,
+        "{name}: {o:?}"
+    );
+    let (on_a, on_b) = (pose_a * o.point_on_a, pose_b * o.point_on_b);
+    assert!((on_a - world * Point3::from(at_a)).norm() < 1e-14, "{name}: {on_a}");
+    assert!((on_b - world * Point3::from(at_b)).norm() < 1e-14, "{name}: {on_b}");
+    let normal = world * (Point3::from(at_b) - Point3::from(at_a)) / distance;
+    assert!(
+        (pose_a.rotation * o.normal.into_inner() - normal).norm() < 1e-14,
+        "{name}"
+    );
+}
+
+#[test]
+fn hand_made_cases() {
+    let mut rng = Rng::new(301);
+    for case in cases() {
+        for swap in [false, true] {
+            check(&case, &Isometry3::identity(), swap);
+            for _ in 0..20 {
+                let rotation = lab::Pose {
+                    q: rng.quat(),
+                    t: [0.0; 3],
+                }
+                .isometry()
+                .rotation;
+                let place = Translation3::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-1.0, 1.0));
+                check(&case, &Isometry3::from_parts(place, rotation), swap);
+            }
+        }
+    }
+}
+
+/// Every pair of features as a start leads to the same answer.
+#[test]
+fn every_start_leads_to_the_answer() {
+    for case in cases() {
+        let pose = RelativePose::from_isometry(&Isometry3::from_parts(case.shift.into(), UnitQuaternion::identity()));
+        let pose = pose.expect("a pose");
+        let wanted = Tracker::new().closest(&case.a, &case.b, &pose);
+        let features = |body: &ConvexPolyhedron| {
+            let v = body.vertices().map(lin_canny::Feature::Vertex);
+            let e = body.edges().map(lin_canny::Feature::Edge);
+            v.chain(e)
+                .chain(body.faces().map(lin_canny::Feature::Face))
+                .collect::<Vec<_>>()
+        };
+        for a in features(&case.a) {
+            for b in features(&case.b) {
+                let start = lin_canny::FeaturePair { a, b };
+                let o = Tracker::starting_from(start, &case.a, &case.b).closest(&case.a, &case.b, &pose);
+                let close = (o.distance - wanted.distance).abs() <= 1e-14 && o.class == wanted.class;
+                assert!(close, "{} from {start}: {o:?}", case.name);
+            }
+        }
+    }
+}
+
+/// Counts `[kind of A][kind of B]` over poses and motions of all shipped solids.
+#[test]
+fn all_kinds_are_met() {
+    let mut rng = Rng::new(302);
+    let bodies = support::shipped();
+    let (mut random, mut moving) = ([[0; 3]; 3], [[0; 3]; 3]);
+    for _ in 0..60 {
+        let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
+        let radii = (radius(&support::plain(a).points), radius(&support::plain(b).points));
+        let count = |mix: &mut [[usize; 3]; 3], frames: Vec<lab::motion::Frame>| {
+            let mut tracker = Tracker::new();
+            for f in frames {
+                let o = tracker.closest(a, b, &support::relative(&f));
+                if o.class == Class::Separated {
+                    let (i, j) = kinds(o.features);
+                    mix[i][j] += 1;
+                }
+            }
+        };
+        count(&mut random, random_poses(&mut rng, 200, radii, (0.6, 1.2), 1.0));
+        count(&mut moving, orbit_and_spin(&mut rng, 400, 0.5, radii, (-0.2, 0.2), 200));
+    }
+    for mix in [random, moving] {
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (0, 2), (2, 0), (1, 1)] {
+            assert!(mix[i][j] >= 200, "kinds ({i}, {j}) met {} times: {mix:?}", mix[i][j]);
+        }
+        assert_eq!(
+            [mix[1][2], mix[2][1], mix[2][2]],
+            [0; 3],
+            "no state of the walk: {mix:?}"
+        );
+    }
+}

@@ -1,0 +1,164 @@
+//! Promise: the gradient is the derivative of the exact signed distance by either pose, apart and overlapping, and one-sided at ties.
+
+use lab::exact::{self, Body};
+use lab::motion::Frame;
+use lab::pose::{add, quat, quat_mul, scale, unit_quat};
+use lab::rng::Rng;
+use lab::shapes::{self, Shape};
+use lab::support;
+use lab::{Point, Pose};
+use lin_canny::nalgebra::Vector3;
+use lin_canny::{Class, Manifold, ManifoldOptions, Tracker};
+
+/// A pose moved along a twist in its own frame.
+fn moved(pose: &Pose, linear: Point, angular: Point, by: f64) -> Pose {
+    let length = lab::pose::norm(angular);
+    let turn = if length > 0.0 {
+        quat(scale(angular, 1.0 / length), length * by)
+    } else {
+        [0.0, 0.0, 0.0, 1.0]
+    };
+    Pose {
+        q: unit_quat(quat_mul(pose.q, turn)),
+        t: add(pose.t, pose.rotate(scale(linear, by))),
+    }
+}
+
+/// Twists of A and of B.
+type Twists = [[Point; 2]; 2];
+
+fn after(frame: &Frame, [a, b]: &Twists, by: f64) -> Frame {
+    Frame {
+        a: moved(&frame.a, a[0], a[1], by),
+        b: moved(&frame.b, b[0], b[1], by),
+    }
+}
+
+fn truth(a: &Shape, b: &Shape, frame: &Frame) -> f64 {
+    exact::solve(Body::from(a), &frame.a, Body::from(b), &frame.b).distance
+}
+
+const STEP: f64 = 1e-6;
+
+/// Rates ahead and behind, of the exact signed distance.
+fn rates(a: &Shape, b: &Shape, frame: &Frame, twists: &Twists) -> (f64, f64) {
+    let now = truth(a, b, frame);
+    let (ahead, behind) = (
+        truth(a, b, &after(frame, twists, STEP)),
+        truth(a, b, &after(frame, twists, -STEP)),
+    );
+    ((ahead - now) / STEP, (now - behind) / STEP)
+}
+
+fn twists(rng: &mut Rng) -> Twists {
+    [(); 2].map(|_| [rng.unit(), rng.unit()])
+}
+
+#[test]
+fn gradients_are_derivatives() {
+    let mut rng = Rng::new(701);
+    let (mut compared, mut kinks) = ([0; 4], 0);
+    for _ in 0..600 {
+        let (a, b) = (shapes::small(&mut rng), shapes::small(&mut rng));
+        let frame = Frame {
+            a: Pose {
+                q: rng.quat(),
+                t: rng.unit(),
+            },
+            b: Pose {
+                q: rng.quat(),
+                t: scale(rng.unit(), rng.range(0.3, 2.5)),
+            },
+        };
+        let pose = support::relative(&frame);
+        let o = Tracker::new().closest(&support::body(&a), &support::body(&b), &pose);
+        if o.distance.abs() < 1e-3 {
+            continue;
+        }
+        let (ga, gb) = (o.gradient_a(), o.gradient_b(&pose));
+        let mut twists = twists(&mut rng);
+        // One body at rest, now and then.
+        if rng.chance(0.5) {
+            twists[rng.below(2)] = [[0.0; 3]; 2];
+        }
+        let [ta, tb] = twists.map(|t| t.map(Vector3::from));
+        let rate = ga.along(&ta[0], &ta[1]) + gb.along(&tb[0], &tb[1]);
+        let (ahead, behind) = rates(&a, &b, &frame, &twists);
+        if (ahead - behind).abs() > 1e-3 {
+            kinks += 1;
+            continue;
+        }
+        assert!(
+            (rate - ahead).abs() < 2e-3 && (rate - behind).abs() < 2e-3,
+            "{rate} {ahead} {behind} {o:?}"
+        );
+        assert!(
+            (rate - (ahead + behind) / 2.0).abs() < 1e-4,
+            "{rate} {ahead} {behind} {o:?}"
+        );
+        compared[o.class as usize] += 1;
+    }
+    assert!(
+        compared[Class::Separated as usize] > 100 && compared[Class::Overlapping as usize] > 100,
+        "{compared:?}"
+    );
+    assert!(kinks < 30, "{kinks}");
+}
+
+/// Faces flat on faces, apart and overlapping: the rate ahead is the least over the contacts, and the gradient of one of them is no
+/// less.
+#[test]
+fn parallel_faces_have_one_sided_rates() {
+    let mut rng = Rng::new(702);
+    let (mut tied, mut differ) = (0, 0);
+    for k in 0..300 {
+        let (a, b) = (shapes::cube(), shapes::cuboid([0.5, 0.75, 0.25]));
+        let at = [rng.int(-6, 6), rng.int(-6, 6)].map(|x| x as f64 / 8.0);
+        let distance = [0.125, -0.0625][k % 2];
+        let frame = Frame {
+            a: Pose::IDENTITY,
+            b: Pose::shift([at[0], at[1], 1.25 + distance]),
+        };
+        let (body_a, body_b) = (support::body(&a), support::body(&b));
+        let pose = support::relative(&frame);
+        let mut options = ManifoldOptions::within(1.0);
+        options.max_points = 8;
+        let (mut pair, mut m) = (Tracker::new(), Manifold::new());
+        pair.manifold(&body_a, &body_b, &pose, &options, &mut m);
+        assert!(m.points().len() >= 4);
+        let twists = twists(&mut rng);
+        let [ta, tb] = twists.map(|t| t.map(Vector3::from));
+        let rate = m.rate(&pose, (&ta[0], &ta[1]), (&tb[0], &tb[1])).expect("contacts");
+        let (ahead, behind) = rates(&a, &b, &frame, &twists);
+        assert!((rate - ahead).abs() < 1e-4, "{rate} {ahead} {behind} {m:?}");
+        let o = pair.closest(&body_a, &body_b, &pose);
+        let one = o.gradient_a().along(&ta[0], &ta[1]) + o.gradient_b(&pose).along(&tb[0], &tb[1]);
+        assert!(one >= ahead - 1e-4, "{one} {ahead}");
+        tied += 1;
+        differ += usize::from((ahead - behind).abs() > 1e-2);
+    }
+    assert!(tied == 300 && differ > 200, "{differ}");
+}
+
+/// As deep along several normals: the rate ahead is the largest over them, so that of the answer's is no more.
+#[test]
+fn concentric_bodies_have_one_sided_rates() {
+    let mut rng = Rng::new(703);
+    let mut differ = 0;
+    for _ in 0..100 {
+        let cube = shapes::cube();
+        let at = Frame {
+            a: Pose::IDENTITY,
+            b: Pose::IDENTITY,
+        };
+        let body = support::body(&cube);
+        let pose = support::relative(&at);
+        let o = Tracker::new().closest(&body, &body, &pose);
+        let twists = [[[0.0; 3]; 2], [rng.unit(), [0.0; 3]]];
+        let rate = o.gradient_b(&pose).along(&twists[1][0].into(), &Vector3::zeros());
+        let (ahead, _) = rates(&cube, &cube, &at, &twists);
+        assert!(rate <= ahead + 1e-6, "{rate} {ahead}");
+        differ += usize::from(rate < ahead - 1e-2);
+    }
+    assert!(differ > 50, "{differ}");
+}

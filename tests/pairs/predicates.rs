@@ -1,0 +1,210 @@
+//! Promise: `intersects` and `within` are decided exactly, for closed sets, and agree with the distance.
+
+use lab::exact;
+use lab::motion::{self, random_poses};
+use lab::pose::radius;
+use lab::rng::Rng;
+use lab::shapes;
+use lab::support;
+use lab::support::shifted;
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, Tracker};
+
+fn cube() -> ConvexPolyhedron {
+    solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).expect("a cube")
+}
+
+#[test]
+fn touching_is_within_zero() {
+    let (a, b) = (cube(), cube());
+    let mut t = Tracker::new();
+    for at in [
+        [1.0, 0.0, 0.0],
+        [1.0, 0.25, -0.5],
+        [1.0, 1.0, 0.3],
+        [-1.0, 1.0, 1.0],
+        [0.0, 0.0, -1.0],
+    ] {
+        let pose = shifted(at);
+        assert!(t.intersects(&a, &b, &pose) && t.within(&a, &b, &pose, 0.0), "{at:?}");
+        let o = t.closest(&a, &b, &pose);
+        assert_eq!((o.class, o.distance), (Class::Touching, 0.0), "{at:?}");
+        // One bit further they are apart.
+        let off = at.map(|x: f64| {
+            if x.abs() == 1.0 {
+                x.signum() * 1.0f64.next_up()
+            } else {
+                x
+            }
+        });
+        assert!(!t.intersects(&a, &b, &shifted(off)), "{off:?}");
+        assert_eq!(t.closest(&a, &b, &shifted(off)).class, Class::Separated, "{off:?}");
+        let into = at.map(|x: f64| {
+            if x.abs() == 1.0 {
+                x.signum() * 1.0f64.next_down()
+            } else {
+                x
+            }
+        });
+        assert!(t.intersects(&a, &b, &shifted(into)), "{into:?}");
+        assert_eq!(t.closest(&a, &b, &shifted(into)).class, Class::Overlapping, "{into:?}");
+    }
+}
+
+#[test]
+fn within_is_sharp_to_the_last_bit() {
+    let (a, b) = (cube(), cube());
+    let mut t = Tracker::new();
+    let mut within = |at, d| t.within(&a, &b, &shifted(at), d);
+    for gap in [0.25, 1.0, 3.0, 1.0 / 1024.0] {
+        let at = [1.0 + gap, 0.3, 0.1];
+        assert!(within(at, gap) && !within(at, gap.next_down()), "{gap}");
+    }
+    // Edges 3 and 4 apart along two axes, corners 2, 3 and 6 along three.
+    for (at, d) in [([4.0, 5.0, 0.0], 5.0), ([-3.0, 4.0, 7.0], 7.0)] {
+        assert!(within(at, d) && !within(at, f64::next_down(d)), "{d}");
+    }
+}
+
+#[test]
+fn distances_that_are_none() {
+    let (a, b) = (cube(), cube());
+    let mut t = Tracker::new();
+    for at in [[0.0; 3], [0.5, 0.2, 0.0], [1.0, 0.0, 0.0], [5.0, 0.0, 0.0]] {
+        for d in [f64::NAN, -1.0, -f64::MIN_POSITIVE, f64::NEG_INFINITY] {
+            assert!(!t.within(&a, &b, &shifted(at), d), "{d} at {at:?}");
+        }
+        assert!(t.within(&a, &b, &shifted(at), f64::INFINITY));
+        assert_eq!(t.within(&a, &b, &shifted(at), -0.0), t.intersects(&a, &b, &shifted(at)));
+    }
+}
+
+/// Small bodies against exact arithmetic: at the correctly rounded distance, one bit below and one above.
+#[test]
+fn predicates_are_those_of_the_oracle() {
+    let mut rng = Rng::new(401);
+    let mut seen = [0; 3];
+    for _ in 0..120 {
+        let (a, b) = (shapes::small(&mut rng), shapes::small(&mut rng));
+        let (body_a, body_b) = (support::body(&a), support::body(&b));
+        let radii = (radius(&a.points), radius(&b.points));
+        let mut warm = Tracker::new();
+        for f in random_poses(&mut rng, 5, radii, (0.2, 1.2), 1.0) {
+            let truth = exact::solve((&a).into(), &f.a, (&b).into(), &f.b);
+            let (pose, back) = (support::relative(&f), support::relative(&f.swapped()));
+            let apart = truth.class == lab::Class::Separated;
+            seen[truth.class as usize] += 1;
+            for t in [&mut warm, &mut Tracker::new()] {
+                assert_eq!(t.intersects(&body_a, &body_b, &pose), !apart, "{a:?} {b:?} {f:?}");
+                assert_eq!(t.intersects(&body_b, &body_a, &back), !apart, "{a:?} {b:?} {f:?}");
+                let s = truth.distance.max(0.0);
+                assert!(t.within(&body_a, &body_b, &pose, s.next_up()), "{a:?} {b:?} {f:?}");
+                assert!(t.within(&body_b, &body_a, &back, s.next_up()), "{a:?} {b:?} {f:?}");
+                assert!(
+                    !apart || !t.within(&body_a, &body_b, &pose, s.next_down()),
+                    "{a:?} {b:?} {f:?}"
+                );
+                assert!(
+                    !apart || !t.within(&body_b, &body_a, &back, s.next_down()),
+                    "{a:?} {b:?} {f:?}"
+                );
+            }
+        }
+    }
+    assert!(seen[0] > 150 && seen[2] > 50, "{seen:?}");
+}
+
+/// Along a motion through contact, with larger bodies: all questions tell one story.
+#[test]
+fn predicates_agree_with_the_distance() {
+    let a = solids::random_hull(200, Vector3::new(1.0, 0.8, 0.5), 1).expect("a hull");
+    let b = solids::dodecahedron(0.7).expect("a dodecahedron");
+    let mut rng = Rng::new(402);
+    let (mut t, mut hits) = (Tracker::new(), 0);
+    for f in motion::pass_through(&mut rng, 600, (1.0, 0.7), 0.3) {
+        let pose = support::relative(&f);
+        let (d, hit) = (Tracker::new().distance(&a, &b, &pose), t.intersects(&a, &b, &pose));
+        hits += usize::from(hit);
+        assert_eq!(hit, d.class != Class::Separated);
+        for x in [0.01, 0.1, 0.5, 2.0] {
+            let within = t.within(&a, &b, &pose, x);
+            assert!(within || d.upper > x, "{d:?} {x}");
+            assert!(!within || d.lower <= x, "{d:?} {x}");
+        }
+    }
+    assert!((50..550).contains(&hits), "{hits}");
+}
+
+/// A point is a body too: containment is intersection.
+#[test]
+fn containment_is_intersection_with_a_point() {
+    let body = solids::icosahedron(1.0).expect("an icosahedron");
+    let mut rng = Rng::new(403);
+    let mut inside = 0;
+    for _ in 0..2000 {
+        let p: [f64; 3] = std::array::from_fn(|_| rng.range(-1.0, 1.0));
+        let point = ConvexPolyhedron::point(Point3::from(p)).expect("a point");
+        let held = body.contains(&Point3::from(p));
+        assert_eq!(
+            Tracker::new().intersects(&body, &point, &shifted([0.0; 3])),
+            held,
+            "{p:?}"
+        );
+        inside += usize::from(held);
+    }
+    assert!((300..1500).contains(&inside), "{inside}");
+}
+
+/// A tetrahedron turned by next to nothing about two axes, whose tip stands about as little in a wall or out of it: the
+/// coordinates of an exact direction are farther apart than f64 can hold.
+#[cfg(feature = "exact")]
+#[test]
+fn a_tip_barely_inside_is_seen() {
+    use lin_canny::RelativePose;
+    use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+    let two = |e: i32| 2f64.powi(e);
+    let mut rng = Rng::new(404);
+    let (mut seen, mut asked) = ([0; 2], 0);
+    for _ in 0..32 {
+        // A cyclic exchange of the axes.
+        let first = rng.below(3);
+        let place = |p: [f64; 3]| std::array::from_fn::<f64, 3, _>(|k| p[(k + 3 - first) % 3]);
+        let solid = |points: &[[f64; 3]]| {
+            let points: Vec<_> = points.iter().map(|&p| Point3::from(place(p))).collect();
+            ConvexPolyhedron::from_points(&points).expect("a solid")
+        };
+        let thin = two(-(rng.below(120) as i32));
+        let ends = [-8.0, 8.0];
+        let corners = [-8.0, 0.0].map(|x| ends.map(|y| ends.map(|z| [x, y, z])));
+        let a = solid(corners.as_flattened().as_flattened());
+        let b = solid(&[[0.0; 3], [0.0, -thin, -1.0], [1.0, 0.5, -0.625], [1.0, -0.5, -0.3125]]);
+        // The second vertex of B comes to stand at `x = y - 2 y + 2 thin z`.
+        let z = two(-880 - rng.below(60) as i32);
+        let y = (2.0 * thin * z * two(rng.below(5) as i32 - 3)) * rng.range(1.1, 1.9);
+        let y = if rng.chance(0.6) {
+            y
+        } else {
+            z * two(rng.below(8) as i32 - 6) * rng.range(1.1, 1.9)
+        };
+        let is_in = thin * two(900) * z * 2.0 <= y * two(900);
+        let [i, j, k] = place([0.0, y, z]);
+        let turn = UnitQuaternion::new_unchecked(Quaternion::new(1.0, i, j, k));
+        let pose = Isometry3::from_parts(Translation3::from(place([y, 0.0, 0.0])), turn);
+        let pose = RelativePose::from_isometry(&pose).expect("a pose");
+        for (a, b, pose) in [(&a, &b, pose), (&b, &a, pose.swapped())] {
+            let told = (
+                Tracker::new().intersects(a, b, &pose),
+                Tracker::new().within(a, b, &pose, 0.0),
+            );
+            assert_eq!(told, (is_in, is_in), "{thin:e} {y:e} {z:e}");
+            assert_eq!(
+                Tracker::new().closest_exact(a, b, &pose).class != Class::Separated,
+                is_in
+            );
+        }
+        seen[usize::from(is_in)] += 1;
+        asked += 1;
+    }
+    assert!(seen.iter().all(|&n| n > 8) && asked == 32, "{seen:?}");
+}

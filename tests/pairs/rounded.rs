@@ -1,0 +1,231 @@
+//! Promise: rounded polyhedra are their cores less both radii, on both sides of contact, and classes and predicates are
+//! exact.
+//!
+//! The judge is `lab::exact` on the cores; the radii are taken off in rational arithmetic by its two squares.
+
+use lab::exact;
+use lab::rng::Rng;
+use lab::shapes::Shape as Plain;
+use lab::support;
+use lab::{Body, Pose};
+use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
+use lin_canny::{Class, Outcome, PairTracker, RelativePose, Shape};
+
+/// A hull of four to eight random points, or a segment or a point.
+fn core(rng: &mut Rng, least: usize) -> Plain {
+    let n = least.max(*rng.pick(&[1, 2, 4, 6, 8]));
+    let core = Plain::hull("core", (0..n).map(|_| rng.in_ball()).collect::<Vec<_>>());
+    if n < 4 { core } else { core.solved() }
+}
+
+fn rounded(core: &Plain, r: f64) -> Shape {
+    Shape::from(support::body(core)).rounded(r).expect("a radius")
+}
+
+/// Everything an outcome says of itself.
+fn judge(o: &Outcome, pose: &RelativePose, size: f64) {
+    assert!(o.lower <= o.distance && o.distance <= o.upper, "{o:?}");
+    assert!(o.upper - o.lower <= 1e-13 * size, "{o:?}");
+    let (pose_a, pose_b) = pose.poses();
+    let (p, q, n) = (pose_a * o.point_on_a, pose_b * o.point_on_b, pose_a * o.normal);
+    assert!((p + o.distance * *n - q).norm() <= 1e-13 * size, "{o:?}");
+}
+
+#[test]
+fn signed_distances_are_those_of_the_cores_less_the_radii() {
+    let (mut rng, mut classes) = (Rng::new(1601), [0; 3]);
+    for _ in 0..1500 {
+        let cores = [core(&mut rng, 4), core(&mut rng, 1)];
+        let radii = [
+            rng.log_range(1e-3, 1.0),
+            if rng.chance(0.2) { 0.0 } else { rng.log_range(1e-3, 1.0) },
+        ];
+        let pose_b = Pose {
+            q: rng.quat(),
+            t: lab::pose::scale(rng.unit(), rng.range(0.0, 4.0)),
+        };
+        let pose = support::between(&Pose::IDENTITY, &pose_b);
+        let [a, b] = [0, 1].map(|k| rounded(&cores[k], radii[k]));
+        let truth = exact::solve(Body::from(&cores[0]), &Pose::IDENTITY, Body::from(&cores[1]), &pose_b);
+        // The truth of the core is rounded once, and the difference twice.
+        let s = truth.distance - radii[0] - radii[1];
+        let size = 2.0 + radii[0] + radii[1] + lab::pose::norm(pose_b.t);
+        let mut pair = PairTracker::new();
+        for _ in 0..2 {
+            let o = pair.closest(&a, &b, &pose);
+            judge(&o, &pose, size);
+            let slack = 4.0 * f64::EPSILON * (truth.distance.abs() + radii[0] + radii[1]);
+            assert!(o.lower <= s + slack && s - slack <= o.upper, "{s} {o:?}");
+            let swapped = PairTracker::new().closest(&b, &a, &pose.swapped());
+            assert_eq!(swapped.class, o.class);
+            assert!(swapped.lower <= o.upper && o.lower <= swapped.upper);
+            classes[o.class as usize] += 1;
+            for d in [0.0, 0.5 * s.abs(), 2.0 * s.abs()] {
+                assert_eq!(pair.within(&a, &b, &pose, d).is_yes(), s <= d, "{s} {d}");
+            }
+        }
+    }
+    assert!(classes[0] > 500 && classes[2] > 500, "{classes:?}");
+}
+
+/// Sums of radii that f64 does not hold, against distances that it does.
+#[test]
+fn classes_and_predicates_are_exact() {
+    let tiny = f64::EPSILON / 4.0;
+    let pose = RelativePose::from_isometry(&Isometry3::translation(3.0, 4.0, 0.0)).expect("a pose");
+    let ball = |r: f64| Shape::ball(r).expect("a ball");
+    let mut pair = PairTracker::new();
+    for (a, b, class) in [
+        (2.0, 3.0, Class::Touching),
+        (2.0, 3.0f64.next_up(), Class::Overlapping),
+        (2.0, 3.0f64.next_down(), Class::Separated),
+        // 5 +- 2^-54, which f64 rounds to 5.
+        (tiny, 5.0, Class::Overlapping),
+        (tiny, 5.0f64.next_down(), Class::Separated),
+    ] {
+        let (x, y) = (ball(a), ball(b));
+        for (x, y, pose) in [(&x, &y, pose), (&y, &x, pose.swapped())] {
+            let o = pair.closest(x, y, &pose);
+            assert_eq!(o.class, class, "{a} {b} {o:?}");
+            assert_eq!(
+                pair.intersects(x, y, &pose).is_yes(),
+                class != Class::Separated,
+                "{a} {b}"
+            );
+            judge(&o, &pose, 10.0);
+        }
+    }
+    // Three numbers whose sum f64 does not hold: 1 + 2^-54 + 4 against 5, and 4 less one unit.
+    let (x, y) = (ball(1.0), ball(tiny));
+    assert!(pair.within(&x, &y, &pose, 4.0).is_yes());
+    assert!(pair.within(&x, &y, &pose, 4.0f64.next_down()).is_no());
+    assert!(pair.within(&x, &y, &pose, -1.0).is_no() && pair.within(&x, &y, &pose, f64::NAN).is_no());
+    // A capsule beside a rounded box, touching along a segment.
+    let pill = Shape::capsule(1.0, 0.25).expect("a capsule");
+    let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))
+        .and_then(|s| s.rounded(0.5))
+        .expect("a box");
+    let beside = |x: f64| RelativePose::from_isometry(&Isometry3::translation(x, 0.0, 0.0)).expect("a pose");
+    assert_eq!(pair.closest(&die, &pill, &beside(1.75)).class, Class::Touching);
+    assert_eq!(
+        pair.closest(&die, &pill, &beside(1.75f64.next_up())).class,
+        Class::Separated
+    );
+    assert_eq!(
+        pair.closest(&die, &pill, &beside(1.75f64.next_down())).class,
+        Class::Overlapping
+    );
+    assert_eq!(pair.closest(&die, &pill, &beside(0.0)).class, Class::Overlapping);
+}
+
+#[test]
+fn bad_parameters_are_refused_by_name() {
+    let refused = |s: Result<Shape, lin_canny::ShapeError>, what: &str| {
+        let e = s.expect_err(what).to_string();
+        assert!(e.contains(what), "{e}");
+    };
+    refused(Shape::ball(-1.0), "radius");
+    refused(Shape::ball(f64::NAN), "radius");
+    refused(
+        Shape::ball(1.0).and_then(|s| s.rounded(f64::INFINITY)),
+        "rounding radius",
+    );
+    refused(Shape::capsule(0.0, 1.0), "half length");
+    refused(Shape::cuboid(Vector3::new(1.0, 0.0, 1.0)), "half extent");
+    refused(Shape::cylinder(1.0, 0.0), "radius");
+    refused(Shape::cone(1e200, 1.0), "half height");
+    refused(Shape::ellipsoid(Vector3::new(1.0, -2.0, 1.0)), "semi-axis");
+    refused(Shape::hull(&[Point3::origin(); 3]), "points");
+    refused(Shape::superquadric(Vector3::repeat(1.0), 2.0, 1.0), "exponent");
+}
+
+/// A shape of each kind.
+fn kinds() -> Vec<Shape> {
+    [
+        Shape::ball(0.5),
+        Shape::capsule(1.0, 0.25),
+        Shape::cuboid(Vector3::new(1.0, 2.0, 0.5)),
+        Shape::cylinder(0.5, 1.0),
+        Shape::cone(1.0, 0.75),
+        Shape::ellipsoid(Vector3::new(1.0, 2.0, 0.25)),
+        Shape::cuboid(Vector3::new(1.0, 0.5, 0.5)).and_then(|s| s.rounded(0.25)),
+        Shape::cylinder(0.5, 1.0).and_then(|s| s.rounded(0.125)),
+        Shape::superquadric(Vector3::new(1.0, 0.75, 0.5), 0.5, 1.5),
+        Shape::superquadric(Vector3::new(0.5, 0.75, 1.0), 1.5, 0.25),
+    ]
+    .into_iter()
+    .map(|s| s.expect("a shape"))
+    .collect()
+}
+
+/// Mass, box and ball against random points inside, judged by `contains`.
+#[test]
+fn mass_box_and_ball_agree_with_containment() {
+    let mut rng = Rng::new(1602);
+    for shape in kinds() {
+        let (_, radius) = shape.bounding_ball();
+        let turned = Pose {
+            q: rng.quat(),
+            t: rng.in_ball(),
+        }
+        .isometry();
+        let (low, high) = shape.aabb_at(&turned, &mut Default::default());
+        let (n, mut inside, mut far) = (if shape.mass().is_some() { 200_000 } else { 20_000 }, 0, [f64::MAX; 6]);
+        let (mut first, mut second) = (Vector3::zeros(), Matrix3::zeros());
+        for _ in 0..n {
+            let p = Vector3::from_fn(|_, _| rng.range(-radius, radius));
+            if !shape.contains(&Point3::from(p)) {
+                continue;
+            }
+            assert!(p.norm() <= radius, "{shape:?}");
+            (inside, first, second) = (inside + 1, first + p, second + p * p.transpose());
+            let w = turned * Point3::from(p);
+            for k in 0..3 {
+                assert!(low[k] <= w[k] && w[k] <= high[k], "{shape:?}");
+                far[k] = far[k].min(w[k] - low[k]);
+                far[3 + k] = far[3 + k].min(high[k] - w[k]);
+            }
+        }
+        assert!(
+            far.iter().all(|&d| d < 0.2 * radius),
+            "a loose box: {far:?} of {shape:?}"
+        );
+        let Some(mass) = shape.mass() else { continue };
+        let share = f64::from(inside) / f64::from(n);
+        let cube = 8.0 * radius.powi(3);
+        assert!(
+            (mass.volume / cube - share).abs() < 0.006,
+            "{} {} {shape:?}",
+            mass.volume,
+            share * cube
+        );
+        let mean = first / f64::from(inside);
+        assert!((mass.centroid.coords - mean).norm() < 0.02, "{shape:?}");
+        let spread = second / f64::from(inside) - mean * mean.transpose();
+        let inertia = Matrix3::identity() * spread.trace() - spread;
+        let off = (mass.inertia / mass.volume - inertia).norm();
+        assert!(off < 0.05 * inertia.norm(), "{off} {inertia} {shape:?}");
+    }
+}
+
+/// Heights are never below a point of the shape, and no looser than the box.
+#[test]
+fn heights_hold_the_shape() {
+    let mut rng = Rng::new(1603);
+    for shape in kinds() {
+        let (_, radius) = shape.bounding_ball();
+        for _ in 0..200 {
+            let n = Vector3::from(rng.unit());
+            let (up, down) = (shape.support_height(&n), shape.support_height(&(-3.0 * n)) / 3.0);
+            let turn = UnitQuaternion::rotation_between(&n, &Vector3::x()).unwrap_or_default();
+            let turned = Isometry3::from_parts(Default::default(), turn);
+            let (low, high) = shape.aabb_at(&turned, &mut Default::default());
+            assert!(
+                (high.x - up).abs() < 1e-6 * radius && (low.x + down).abs() < 1e-6 * radius,
+                "{shape:?}"
+            );
+            let p = Point3::from(Vector3::from(rng.in_ball()) * radius);
+            assert!(!shape.contains(&p) || n.dot(&p.coords) <= up, "{shape:?} {p}");
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Promise: the README shows the example `hello` as it is, and every file it points to is there.
+
+use std::path::Path;
+
+fn read(name: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+#[test]
+fn the_readme_shows_hello() {
+    let hello = read("examples/hello.rs");
+    let code = &hello[hello.find("use ").expect("hello uses the crate")..];
+    assert!(
+        read("README.md").contains(code),
+        "README.md and examples/hello.rs differ"
+    );
+}
+
+#[test]
+fn files_of_the_readme_exist() {
+    let readme = read("README.md");
+    let links = readme.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let local: Vec<&str> = links.filter(|l| !l.starts_with("http")).collect();
+    assert!(local.len() >= 4, "{local:?}");
+    local
+        .iter()
+        .for_each(|name| assert!(!read(name).is_empty(), "{name} is empty"));
+}
+
+/// Every `cargo ... --test NAME`, `--example NAME` and `--bin NAME` of the README and of BENCHMARKS.md names one that exists in a
+/// package of the workspace.
+#[test]
+fn commands_of_the_readme_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut seen = 0;
+    let texts = [read("README.md"), read("BENCHMARKS.md")];
+    for (flag, folder) in [("--test ", "tests"), ("--example ", "examples"), ("--bin ", "src/bin")] {
+        for rest in texts.iter().flat_map(|text| text.split(flag).skip(1)) {
+            let name: String = rest.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+            let is_there = |package: &str| {
+                let folder = root.join(package).join(folder);
+                folder.join(format!("{name}.rs")).exists() || folder.join(&name).join("main.rs").exists()
+            };
+            assert!(
+                name == "NAME" || [".", "lab", "plan", "rapier"].into_iter().any(is_there),
+                "{flag}{name}"
+            );
+            seen += 1;
+        }
+    }
+    assert!(seen > 20, "{seen}");
+}
+
+/// Every example of the table of examples exists, and every example stands in the table.
+#[test]
+fn the_table_of_examples_is_complete() {
+    let readme = read("README.md");
+    let table = readme
+        .split("## Examples")
+        .nth(1)
+        .and_then(|rest| rest.split("\n## ").next());
+    let rows = table
+        .expect("a section on examples")
+        .lines()
+        .filter(|l| l.starts_with("| `"));
+    let first = rows.filter_map(|l| l.split('|').nth(1));
+    let mut named: Vec<String> = first
+        .flat_map(|cell| cell.split('`').skip(1).step_by(2))
+        .map(Into::into)
+        .collect();
+    named.sort();
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
+    let entries = std::fs::read_dir(folder)
+        .expect("examples")
+        .map(|e| e.expect("an entry").path());
+    let is_example = |p: &std::path::PathBuf| p.extension().is_some_and(|e| e == "rs") || p.join("main.rs").exists();
+    let stem = |p: std::path::PathBuf| p.file_stem().expect("a name").to_string_lossy().into_owned();
+    let mut there: Vec<String> = entries.filter(is_example).map(stem).collect();
+    there.sort();
+    assert_eq!(named, there);
+}
+
+/// Columns of a line of code that the documentation site shows without a scroll bar.
+const CODE: usize = 80;
+
+/// Lines of Rust in the documentation of a source file: line number and text, without hidden lines.
+fn doc_code(text: &str) -> Vec<(usize, String)> {
+    let (mut is_code, mut is_rust, mut found) = (false, false, vec![]);
+    for (line, number) in text.lines().zip(1..) {
+        let trimmed = line.trim_start();
+        let Some(doc) = trimmed.strip_prefix("///").or(trimmed.strip_prefix("//!")) else {
+            (is_code, is_rust) = (false, false);
+            continue;
+        };
+        let doc = doc.strip_prefix(' ').unwrap_or(doc);
+        if doc.trim_start().starts_with("```") {
+            is_rust = !is_code && ["```", "```no_run", "```rust"].contains(&doc.trim());
+            is_code = !is_code;
+        } else if is_code && is_rust && !doc.trim_start().starts_with("# ") {
+            found.push((number, doc.to_owned()));
+        }
+    }
+    found
+}
+
+fn source_files(folder: &Path, found: &mut Vec<std::path::PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            source_files(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn code_of_the_documentation_is_narrow_and_needs_no_other_crate() {
+    let mut files = vec![];
+    source_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    let (mut lines, mut faults) = (0, vec![]);
+    for file in files {
+        let text = std::fs::read_to_string(&file).expect("a source file");
+        for (number, line) in doc_code(&text) {
+            lines += 1;
+            if line.chars().count() > CODE || line.starts_with("use nalgebra::") {
+                faults.push(format!("{}:{number}: {line}", file.display()));
+            }
+        }
+    }
+    assert!(lines > 300, "only {lines} lines of code found");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}

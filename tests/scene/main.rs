@@ -1,0 +1,59 @@
+//! Promise: a scene says of its bodies what brute force over all pairs says, on every frame.
+
+mod calls;
+mod effects;
+mod lattice;
+mod queries;
+mod shapes;
+mod surfaces;
+mod threads;
+mod time;
+
+use lin_canny::scene::{BodyId, Change, Effects, Event, Group, Scene};
+use std::collections::BTreeSet;
+
+type Keys = BTreeSet<(BodyId, BodyId)>;
+
+/// The group of bodies that are given none.
+const ALL: Group = Group::new(0).unwrap();
+const NONE: Effects = Effects::none();
+
+fn group(k: u8) -> Group {
+    Group::new(k).expect("a group")
+}
+
+/// The scene as a file gives it back, if files are compiled in.
+fn read_back(scene: &Scene) -> Scene {
+    #[cfg(feature = "serde")]
+    let read = serde_json::from_str(&serde_json::to_string(scene).unwrap()).unwrap();
+    #[cfg(not(feature = "serde"))]
+    let read = scene.clone();
+    read
+}
+
+/// Pairs as events tell them, which must be new, in order and sufficient.
+#[derive(Default)]
+struct Replay {
+    boxes: Keys,
+    overlapping: Keys,
+    within: Keys,
+}
+
+impl Replay {
+    fn apply(&mut self, events: &[Event]) {
+        assert!(events.is_sorted_by_key(|e| (e.a.index, e.b.index, e.change)));
+        for e in events {
+            assert!(e.a.index < e.b.index);
+            let key = (e.a, e.b);
+            let done = match e.change {
+                Change::BoxesMet => self.boxes.insert(key),
+                Change::BoxesParted => self.boxes.remove(&key),
+                Change::OverlapBegan => self.overlapping.insert(key),
+                Change::OverlapEnded => self.overlapping.remove(&key),
+                Change::CameWithin => self.within.insert(key),
+                _ => self.within.remove(&key),
+            };
+            assert!(done, "{e:?} twice");
+        }
+    }
+}

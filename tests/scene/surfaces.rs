@@ -1,0 +1,277 @@
+//! Promise: surfaces of patches stand in scenes beside surfaces and convex shapes; what no tracker answers is refused by name.
+
+use crate::{ALL, NONE, read_back};
+use lab::forms::sphere;
+use lab::rng::Rng;
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::scene::{Body, BodyId, Effects, Scene, SceneError};
+use lin_canny::{Class, Composite, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
+
+const D: f64 = 0.2;
+const FAR: f64 = 0.5;
+
+/// Bodies that are all round, with their radii; surfaces and shapes take turns.
+fn round_bodies(scene: &mut Scene, rng: &mut Rng, count: usize) -> Vec<(BodyId, f64, bool)> {
+    let shells = [0.3, 0.4].map(|r| Geometry::from(sphere(r)));
+    let mut bodies = Vec::new();
+    for k in 0..count {
+        let r = if k / 2 % 2 == 0 { 0.3 } else { 0.4 };
+        let is_surface = k % 2 == 0;
+        let shape = if is_surface {
+            shells[k / 2 % 2].clone()
+        } else {
+            Shape::ball(r).unwrap().into()
+        };
+        let at = Isometry3::new(Vector3::from(rng.in_ball()) * 2.0, Vector3::from(rng.unit()));
+        bodies.push((scene.insert(Body::moving(shape), at).unwrap(), r, is_surface));
+    }
+    bodies
+}
+
+/// The distance of two round bodies, zero if they share a point; that of two shells in each other, too.
+fn truth(scene: &Scene, (a, r, a_is): (BodyId, f64, bool), (b, s, b_is): (BodyId, f64, bool)) -> f64 {
+    let (p, q) = (scene.pose(a).unwrap(), scene.pose(b).unwrap());
+    let apart = (p.translation.vector - q.translation.vector).norm();
+    let outside = apart - r - s;
+    // The one that lies in the other is apart if the outer one is a shell.
+    let within_a = if a_is { r - s - apart } else { 0.0 };
+    let within_b = if b_is { s - r - apart } else { 0.0 };
+    outside.max(within_a).max(within_b).max(0.0)
+}
+
+/// How many pairs overlapped, were within the distance, and were measured.
+#[derive(Debug, Default)]
+struct Seen {
+    overlapping: u32,
+    within: u32,
+    measured: u32,
+}
+
+impl Seen {
+    /// Asserts that the answers of a step are those of brute force.
+    fn judge(&mut self, scene: &Scene, bodies: &[(BodyId, f64, bool)]) {
+        for (k, x) in bodies.iter().enumerate() {
+            for y in &bodies[k + 1..] {
+                let truth = truth(scene, *x, *y);
+                let found = scene.pair(x.0, y.0);
+                let overlaps = found.as_ref().and_then(|p| p.overlaps) == Some(true);
+                let is_within = found.as_ref().and_then(|p| p.within) == Some(true);
+                assert_eq!(overlaps, truth == 0.0, "{truth} {found:?}");
+                assert_eq!(is_within, truth <= D, "{truth} {found:?}");
+                self.overlapping += u32::from(overlaps);
+                self.within += u32::from(is_within);
+                if truth <= FAR {
+                    self.measured += 1;
+                    let o = found.as_ref().and_then(|p| p.outcome).expect("measured");
+                    if truth > 0.0 {
+                        assert_eq!(o.class, Class::Separated, "{truth} {o:?}");
+                        assert!(o.lower <= truth + 1e-14 && truth <= o.upper + 1e-14, "{truth} {o:?}");
+                        assert!(o.upper - o.lower < 1e-8, "{truth} {o:?}");
+                    }
+                    let names = if x.0 < y.0 {
+                        [o.features.a, o.features.b]
+                    } else {
+                        [o.features.b, o.features.a]
+                    };
+                    let is_face = |f: Feature| matches!(f, Feature::Face(_));
+                    assert!(!x.2 || is_face(names[0]), "{o:?}");
+                    assert!(!y.2 || is_face(names[1]), "{o:?}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_scene_of_shells_and_balls_is_that_of_brute_force() {
+    let mut rng = Rng::new(51);
+    let mut scene = Scene::new();
+    let effects = NONE.overlap(true).within(D).distance(FAR).features(true);
+    scene.call_for(ALL, ALL, effects).unwrap();
+    let bodies = round_bodies(&mut scene, &mut rng, 24);
+    let mut seen = Seen::default();
+    for _ in 0..10 {
+        for (id, ..) in &bodies {
+            let mut at = *scene.pose(*id).unwrap();
+            at.translation.vector += Vector3::from(rng.in_ball()) * 0.1;
+            scene.set_pose(*id, at).unwrap();
+        }
+        scene.step();
+        seen.judge(&scene, &bodies);
+    }
+    println!("{seen:?}");
+    assert!(seen.overlapping > 50 && seen.within > 100 && seen.measured > 200);
+}
+
+/// The velocity of a body in the next tick: it falls and is thrown back; from tick 40 to tick 50 all bodies rest.
+fn next(scene: &Scene, id: BodyId, tick: usize) -> Velocity {
+    let (mut v, at) = (scene.velocity(id).unwrap(), scene.pose(id).unwrap().translation.vector);
+    if (40..50).contains(&tick) {
+        return Velocity::default();
+    }
+    v.linear.z -= 9.81 / 60.0;
+    for k in 0..3 {
+        if at[k].abs() > 0.9 && at[k] * v.linear[k] > 0.0 {
+            v.linear[k] *= -0.9;
+        }
+    }
+    v
+}
+
+/// Shells and balls under gravity, a third of them at rest from the start. Of three scenes one asks for everything in every
+/// tick, one as it likes, and one is saved and read back between `advance` and `step`.
+#[test]
+fn shells_fall_and_rest_and_are_read_back_in_the_middle_of_a_tick() {
+    let mut scenes: Vec<Scene> = (0..3).map(|_| Scene::new()).collect();
+    let effects = NONE.overlap(true).within(D).distance(FAR).features(true);
+    let mut bodies = Vec::new();
+    for (k, scene) in scenes.iter_mut().enumerate() {
+        scene.call_for(ALL, ALL, effects).unwrap();
+        scene.set_schedule(k != 0);
+        scene.set_budget(k != 0);
+        let mut rng = Rng::new(52);
+        bodies = round_bodies(scene, &mut rng, 12);
+        for (id, ..) in bodies.iter().skip(1).step_by(3).chain(bodies.iter().skip(2).step_by(3)) {
+            let way = Vector3::from(rng.in_ball()) * 3.0;
+            scene
+                .set_velocity(*id, Velocity::new(way, Vector3::from(rng.in_ball())))
+                .unwrap();
+        }
+    }
+    let (mut seen, mut events) = (Seen::default(), 0);
+    for tick in 0..60 {
+        for scene in &mut scenes {
+            for (_, (id, ..)) in bodies.iter().enumerate().filter(|(k, _)| k % 3 != 0) {
+                scene.set_velocity(*id, next(scene, *id, tick)).unwrap();
+            }
+            scene.advance(1.0 / 60.0).unwrap();
+        }
+        if tick % 4 == 1 {
+            scenes[2] = read_back(&scenes[2]);
+        }
+        for scene in &mut scenes {
+            scene.step();
+            seen.judge(scene, &bodies);
+            events += scene.events().len();
+        }
+        assert_eq!(scenes[0].events(), scenes[1].events(), "tick {tick}");
+        assert_eq!(scenes[1].events(), scenes[2].events(), "tick {tick}");
+    }
+    println!("{seen:?}, {events} events");
+    assert!(seen.overlapping > 100 && seen.within > 200 && events > 100);
+}
+
+#[test]
+fn impacts_of_surfaces_are_found() {
+    let mut scene = Scene::new();
+    let effects = NONE.impact(lin_canny::impact::Tolerance::Distance(1e-5));
+    scene.call_for(ALL, ALL, effects).unwrap();
+    let wall = scene.insert(Body::moving(sphere(0.5)), Isometry3::identity()).unwrap();
+    let shapes: [Geometry; 2] = [sphere(0.25).into(), Shape::ball(0.25).unwrap().into()];
+    let mut ids = Vec::new();
+    for (k, shape) in shapes.into_iter().enumerate() {
+        let side = if k == 0 { 1.0 } else { -1.0 };
+        let id = scene
+            .insert(Body::moving(shape), Isometry3::translation(3.0 * side, 0.0, 0.0))
+            .unwrap();
+        let speed = Velocity::new(Vector3::new(-30.0 * side, 0.0, 0.0), Vector3::z());
+        scene.set_velocity(id, speed).unwrap();
+        ids.push(id);
+    }
+    scene.advance(0.1).unwrap();
+    scene.step();
+    let impacts = scene.impacts();
+    assert!(impacts.len() >= 2, "{impacts:?}");
+    for id in ids {
+        let found = impacts
+            .iter()
+            .find(|i| (i.a, i.b) == (wall, id) || (i.a, i.b) == (id, wall))
+            .expect("an impact");
+        assert!((found.safe() - 2.25 / 30.0).abs() < 1e-4, "{found:?}");
+    }
+}
+
+/// Two balls as one body beside a shell, inserted before the shell and after.
+#[test]
+fn bodies_of_pieces_stand_beside_surfaces() {
+    let ball = |x: f64| Piece {
+        pose: Isometry3::translation(x, 0.0, 0.0),
+        ..Piece::new(Shape::ball(0.25).unwrap())
+    };
+    let made = |effects: Effects, is_first: bool| {
+        let mut scene = Scene::new();
+        scene.call_for(ALL, ALL, effects).unwrap();
+        let dumbbell: Geometry = Composite::new(vec![ball(-1.0), ball(1.0)]).unwrap().into();
+        let at = Isometry3::translation(3.0, 0.0, 0.0);
+        let shell: (Geometry, _) = (sphere(0.5).into(), Isometry3::identity());
+        let mut bodies = vec![(dumbbell, at), shell];
+        if !is_first {
+            bodies.reverse();
+        }
+        let mut insert = |(shape, at): (Geometry, _)| scene.insert(Body::moving(shape), at).unwrap();
+        let ids: Vec<_> = bodies.into_iter().map(&mut insert).collect();
+        (scene, ids)
+    };
+    for is_first in [true, false] {
+        let (mut scene, ids) = made(NONE.distance(10.0), is_first);
+        scene.step();
+        let pair = scene.pair(ids[0], ids[1]).expect("a pair");
+        let distance = pair.distance.expect("a distance");
+        assert!(
+            (distance.value - 1.25).abs() < 1e-8 && distance.lower <= 1.25,
+            "{distance:?}"
+        );
+        let impact = lin_canny::impact::Tolerance::Distance(1e-5);
+        let (mut scene, ids) = made(NONE.impact(impact), is_first);
+        let flight = Velocity::new(Vector3::new(-30.0, 0.0, 0.0), Vector3::zeros());
+        scene.set_velocity(ids[usize::from(!is_first)], flight).unwrap();
+        scene.advance(0.1).unwrap();
+        scene.step();
+        let found = scene.impacts().first().expect("an impact");
+        assert!((found.safe() - 1.25 / 30.0).abs() < 1e-5, "{found:?}");
+    }
+}
+
+#[test]
+fn what_no_tracker_answers_is_refused() {
+    let at = Isometry3::identity();
+    let call = |effects: Effects| {
+        let mut scene = Scene::new();
+        scene.call_for(ALL, ALL, effects).unwrap();
+        scene.insert(Body::moving(sphere(0.5)), at).unwrap();
+        scene
+    };
+    let refusal = |effect: &'static str, these| {
+        Err(SceneError::Unanswered {
+            effect,
+            these,
+            those: ShapeKind::Surface,
+        })
+    };
+    let die = || solids::cuboid(Vector3::repeat(0.5)).unwrap();
+    let mut scene = call(NONE.within(D));
+    let mesh = Mesh::from_convex(&die()).unwrap();
+    scene.insert(Body::moving(mesh.clone()), at).unwrap();
+    scene.insert(Body::moving(die()), at).unwrap();
+    let mut scene = call(NONE.depth(true));
+    assert_eq!(
+        scene.insert(Body::moving(die()), at),
+        refusal("depth", ShapeKind::Polyhedron)
+    );
+    let refused = scene.insert(Body::moving(sphere(0.5)), at);
+    assert_eq!(refused, refusal("depth", ShapeKind::Surface));
+    assert_eq!(
+        refused.unwrap_err().to_string(),
+        "no depth is computed between a surface of patches and a surface of patches"
+    );
+    let mut scene = call(NONE.local_depth(true));
+    let bodies = [
+        (Body::moving(mesh), ShapeKind::Mesh),
+        (Body::moving(die()), ShapeKind::Polyhedron),
+        (Body::moving(sphere(0.5)), ShapeKind::Surface),
+    ];
+    for (body, kind) in bodies {
+        assert_eq!(scene.insert(body, at), refusal("local_depth", kind));
+    }
+}
