@@ -49,7 +49,7 @@ pub(crate) fn contiguous<'py, T: Number>(
     let options = PyDict::new(py);
     options.set_item("dtype", T::DTYPE)?;
     let array = numpy.call_method("ascontiguousarray", (any,), Some(&options))?;
-    Ok(array.extract()?)
+    array.extract()
 }
 
 /// Returns the rows of an array of shape (M, N).

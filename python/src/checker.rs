@@ -298,6 +298,11 @@ impl Checker {
 
 /// Returns a configuration of an argument of shape (dof,).
 fn configuration(obj: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    if let Ok(array) = obj.cast::<PyArray1<f64>>()
+        && let Ok(numbers) = array.to_vec()
+    {
+        return Ok(numbers);
+    }
     let array = contiguous::<f64>(obj, CONFIGURATION)?;
     match array.shape() {
         [_] => Ok(array.as_slice()?.to_vec()),
