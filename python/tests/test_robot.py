@@ -1,5 +1,8 @@
 import math
+import os
 import pickle
+import signal
+import threading
 
 import numpy as np
 import pytest
@@ -115,6 +118,14 @@ def test_a_planned_path_is_free(checker):
     assert checker.plan(start, goal, seconds=0.2) is None  # the post of the cell is taller than the lift
     with pytest.raises(lc.PlanError, match='"?bar"? and "?stub"? are in contact'):
         short_post.plan([0, math.pi / 2], goal)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals of POSIX")
+def test_ctrl_c_ends_a_search(checker):
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        checker.plan([0, 0], [0, 2.5], seconds=20, slices=10**12)
 
 
 def checker_urdf(checker):

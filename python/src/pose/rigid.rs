@@ -1,5 +1,7 @@
 //! Rigid motions from 16 or 7 numbers, and what is wrong with others.
 
+use std::ops::Range;
+
 use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 
@@ -89,6 +91,11 @@ pub(crate) fn fault_of_seven(v: &[f64; 7]) -> String {
     format!("a quaternion (x, y, z, w) has norm 1 to {ORTHONORMAL:.0e}: its squared norm is {n}")
 }
 
+#[inline]
+fn relative(pose: Option<Isometry3<f64>>) -> Option<RelativePose> {
+    RelativePose::from_isometry(&pose?).ok()
+}
+
 /// The poses of a batch, without the lock of the interpreter.
 #[derive(Clone, Copy)]
 pub(crate) enum PoseView<'a> {
@@ -115,10 +122,23 @@ impl PoseView<'_> {
         }
     }
 
-    /// Returns a pose as that of B in the frame of A; `None` unless it is a rigid motion in range.
-    #[inline]
-    pub(crate) fn relative(&self, k: usize) -> Option<RelativePose> {
-        RelativePose::from_isometry(&self.isometry(k)?).ok()
+    /// Reads poses as those of B in the frame of A.
+    ///
+    /// # Errors
+    /// The index of a pose that is no rigid motion in range.
+    pub(crate) fn read(&self, range: Range<usize>, to: &mut Vec<RelativePose>) -> Result<(), usize> {
+        to.clear();
+        let first = range.start;
+        let count = range.len();
+        match self {
+            Self::Matrices(m) => to.extend(m[range].iter().map_while(|m| relative(of_matrix(m)))),
+            Self::Sevens(v) => to.extend(v[range].iter().map_while(|v| relative(of_seven(v)))),
+        }
+        if to.len() == count {
+            Ok(())
+        } else {
+            Err(first + to.len())
+        }
     }
 
     /// Returns what is wrong with a pose, and its index.

@@ -50,13 +50,8 @@ impl Batch for Distances<'_> {
     }
 
     fn answer(&self, block: &mut Block, first: usize, rows: &mut [Row]) -> PyResult<()> {
-        block.poses.clear();
-        for k in first..first + rows.len() {
-            let Some(pose) = self.poses.relative(k) else {
-                return Err(pose_error(self.poses.fault(k)));
-            };
-            block.poses.push(pose);
-        }
+        let read = self.poses.read(first..first + rows.len(), &mut block.poses);
+        read.map_err(|k| pose_error(self.poses.fault(k)))?;
         let each = rows.iter_mut().zip(&block.poses);
         match (&mut block.tracker, self.a.as_polyhedron(), self.b.as_polyhedron()) {
             (AnyTracker::Polyhedra(tracker), Some(a), Some(b)) => {
