@@ -302,68 +302,51 @@ extern crate alloc;
 #[cfg(any(test, feature = "std"))]
 extern crate std;
 
+mod base;
+mod body;
 pub mod broad;
 pub mod composite;
-mod contact;
-pub mod cost;
-mod depth;
-#[cfg(feature = "exact")]
-mod exact;
-mod geometry;
-pub mod impact;
-mod minimum;
-pub mod motion;
-mod num;
+mod convex;
 mod pair;
 mod pair_tracker;
 pub mod patch;
-pub mod polyhedron;
-mod pose;
 #[cfg(feature = "proofs")]
 #[doc(hidden)]
 pub mod proofs;
-mod replay;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
 #[path = "../tests/support/rng.rs"]
 mod rng;
 pub mod scene;
-pub mod schedule;
-pub mod separation;
-pub mod shape;
-mod shape_tracker;
-mod smooth;
-mod solve;
-mod soundness;
-pub mod tolerance;
-mod tracker;
-mod tuning;
-mod walk;
+mod time;
 
+pub use base::motion::Velocity;
+pub use base::pose::{Operand, PoseError, RelativePose, normalize};
+pub use base::{cost, motion, tolerance};
+pub use body::polyhedron::{
+    BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
+};
+pub use body::shape::{Shape, ShapeError};
+pub use body::{polyhedron, shape};
 pub use composite::contact::{ContactPatches, PatchContact, PatchContacts};
 pub use composite::decomposition::{Decomposition, DecompositionFit};
 pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
 pub use composite::penetration::PenetrationBounds;
 pub use composite::pieces::{Composite, CompositeError, Piece};
 pub use composite::work::MeshWork;
-pub use contact::{
+pub use convex::contact::{
     ContactPoint, Gradient, HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError, Manifold, ManifoldOptions,
 };
-pub use geometry::{Geometry, GeometryRef, ShapeKind};
-pub use motion::Velocity;
+pub use convex::replay::{Replay, ReplayError};
+pub use convex::tracker::{Totals, Tracker};
 pub use nalgebra;
 pub use pair::outcome::{Accuracy, Class, Decision, Distance, Outcome, Proposal, Solver, Until, Work};
 pub use pair::question::Question;
 pub use pair::spot::{Answer, Spot};
 pub use pair::world::WorldWitnesses;
+pub use pair_tracker::geometry::{Geometry, GeometryRef, ShapeKind};
 pub use pair_tracker::{OverTime, PairError, PairTracker, PairWork};
-pub use polyhedron::{
-    BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
-};
-pub use pose::{Operand, PoseError, RelativePose, normalize};
-pub use replay::{Replay, ReplayError};
-pub use shape::{Shape, ShapeError};
-pub use tracker::{Totals, Tracker};
+pub use time::{impact, schedule, separation};
 
 /// Runs the README as a test.
 #[doc = include_str!("../README.md")]

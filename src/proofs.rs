@@ -7,17 +7,17 @@ use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 
-use crate::depth::local::PyramidSide;
-use crate::num::double_double::DoubleDouble;
-use crate::num::packed::{PackedRotation, PackedVec3};
-use crate::num::{scalar, sign};
+use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::packed::{PackedRotation, PackedVec3};
+use crate::base::num::{scalar, sign};
+use crate::base::pose::{self, RelativePose};
+use crate::base::tolerance;
+use crate::body::polyhedron::build::hull;
+use crate::body::polyhedron::{Plane, heights, query};
+use crate::convex::depth::pyramid::PyramidSide;
 use crate::pair::star;
 use crate::patch::{bezier, net, nurbs};
-use crate::polyhedron::build::hull;
-use crate::polyhedron::{Plane, heights, query};
-use crate::pose::{self, RelativePose};
-use crate::separation::{bernstein, polyhedra};
-use crate::tolerance;
+use crate::time::separation::{bernstein, polyhedra};
 
 type Triple = [f64; 3];
 

@@ -6,7 +6,7 @@
 //! correct there, only slower.
 
 use super::bounds::Bounds;
-use crate::tuning::broad::LEAP;
+use crate::base::tuning::broad::LEAP;
 use wide::f32x4;
 
 /// Largest number of columns along one axis; column coordinates are 16 bits wide.

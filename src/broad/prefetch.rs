@@ -1,6 +1,6 @@
 //! Prefetching: reads the scattered memory that a loop is going to need.
 
-use crate::tuning::broad::NEAR;
+use crate::base::tuning::broad::NEAR;
 
 /// Reads all values, which lie in a table of `count` items. A loop that searches and decides waits
 /// for its reads one after another; requested without a branch between, the values arrive together.

@@ -1,15 +1,14 @@
 //! Bodies that are not convex: meshes of triangles as the user brought them, and bodies of placed
 //! convex pieces.
 //!
-//! Reading order: [`mesh`] (triangles to a checked mesh), `pieces` (placed shapes to a body),
-//! `parts` (both as convex parts), `placed` (poses of parts), `tree` (oriented boxes in single
-//! precision), `frame` (a pair at a pose), `bounds` (eight pairs of boxes at once), `front` (the
-//! proof of the last answer), `search` (down both trees), `kept` (front and search from frame to
-//! frame), `worth` (whether a front pays), `triangle` (two triangles), `inside` (winding numbers),
-//! `shared` (inner points of solids in contact), `state` (the queries), `tracker` (the state of a
-//! pair), `contact` (manifolds of convex patches), `penetration` (bounds of the depth),
-//! `decomposition` (pieces in the place of a mesh, over `gaps` and `greatest`), `separation` (pairs
-//! over time), `ahead` (the bound of a look) and `work` (counters).
+//! Reading order: [`mesh`] (triangles to a checked mesh, two meshes at a pose, the state of a
+//! pair), `pieces` (placed shapes to a body, and the same), `parts` (both as convex parts),
+//! `placement` (poses of parts), `tree` (oriented boxes in single precision), `meet` (two trees at
+//! a pose: the bounds of eight pairs of boxes at once, the search down both trees, triangles,
+//! winding numbers, and the queries), `front` (the proof of the last answer, kept from frame to
+//! frame), `contact` (manifolds of convex patches), `penetration` (bounds of the depth),
+//! `decomposition` (pieces in the place of a mesh), `separation` (pairs over time) and `work`
+//! (counters).
 //!
 //! # The proof
 //!
@@ -31,31 +30,15 @@
 //! 3. Closed meshes are solids: a part inside another body is an overlap, decided by exact winding
 //!    numbers.
 
-mod ahead;
-pub(crate) mod audit;
-mod bounds;
 pub(crate) mod contact;
 pub(crate) mod decomposition;
-mod frame;
-mod front;
-mod gaps;
-mod greatest;
-mod heights;
-mod inside;
-mod kept;
-mod leaves;
+pub(crate) mod front;
+mod meet;
 pub mod mesh;
-mod pair;
 pub(crate) mod parts;
 pub(crate) mod penetration;
 pub(crate) mod pieces;
-pub(crate) mod placed;
-pub(crate) mod search;
+pub(crate) mod placement;
 pub(crate) mod separation;
-mod shared;
-mod state;
-pub(crate) mod tracker;
 mod tree;
-mod triangle;
 pub(crate) mod work;
-mod worth;

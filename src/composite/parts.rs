@@ -2,14 +2,14 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::frame::TreeSide;
-use super::mesh::Mesh;
-use super::pieces::Composite;
-use crate::num::fingerprint::Fingerprint;
-use crate::num::scalar::greater;
-use crate::polyhedron::ConvexPolyhedron;
-use crate::shape::Shape;
-use crate::tuning::composite::MIDDLES;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::scalar::greater;
+use crate::base::tuning::composite::MIDDLES;
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::shape::Shape;
+use crate::composite::meet::frame::TreeSide;
+use crate::composite::mesh::Mesh;
+use crate::composite::pieces::Composite;
 
 /// A mesh or a composite.
 #[derive(Clone, Copy, Debug)]

@@ -7,17 +7,17 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::ahead::LookAhead;
-use super::kept::Kept;
-use super::mesh::Mesh;
-use super::parts::{Parted, PartsRef};
-use super::pieces::CompositeTracker;
-use super::state::PosedTrees;
-use super::tracker::MeshTracker;
-use crate::num::scalar::sqrt;
-use crate::pose::{Operand, RelativePose};
-use crate::separation::{Flight, Free, Measure, Proof, Separation};
-use crate::tolerance::BOX_TURNED;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tolerance::BOX_TURNED;
+use crate::composite::front::memory::FrontMemory;
+use crate::composite::meet::look_ahead::LookAhead;
+use crate::composite::meet::state::PosedTrees;
+use crate::composite::mesh::Mesh;
+use crate::composite::mesh::tracker::MeshTracker;
+use crate::composite::parts::{Parted, PartsRef};
+use crate::composite::pieces::CompositeTracker;
+use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
 
 /// Two composites, or a composite and a mesh, that can be measured over time.
 #[derive(Debug)]
@@ -46,7 +46,7 @@ pub(crate) fn ball_about((low, high): (Point3<f64>, Point3<f64>)) -> (Point3<f64
 /// Returns how long the lower bound of a distance lasts, or the pairs of nodes stay apart.
 fn ahead<S: Separation, A: Parted, B: Parted>(
     pair: &S,
-    (a, b, kept): (&A, &B, &Kept),
+    (a, b, kept): (&A, &B, &FrontMemory),
     seen: &Measure,
     flight: &Flight,
 ) -> Free {

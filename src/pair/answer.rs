@@ -3,13 +3,13 @@
 
 use nalgebra::{Unit, Vector3};
 
-use crate::num::scalar::Scalar;
+use crate::base::num::scalar::Scalar;
+use crate::base::pose::Operand;
+use crate::base::tolerance::{AGREE, CERTIFICATE, UNIT};
+use crate::body::polyhedron::{Feature, FeaturePair, VertexId};
 use crate::pair::draft::Draft;
 use crate::pair::outcome::Class;
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{Feature, FeaturePair, VertexId};
-use crate::pose::Operand;
-use crate::tolerance::{AGREE, CERTIFICATE, UNIT};
 
 /// Returns the unit vector along `v`, or any unit vector if `v` has no direction.
 #[inline]
@@ -17,7 +17,7 @@ pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
     let largest = v.amax();
     if largest > 0.0 && largest < f64::INFINITY {
         let scaled = v / largest;
-        Unit::new_unchecked(scaled / crate::num::scalar::sqrt(scaled.norm_squared()))
+        Unit::new_unchecked(scaled / crate::base::num::scalar::sqrt(scaled.norm_squared()))
     } else {
         Vector3::x_axis()
     }
@@ -46,7 +46,7 @@ pub(crate) fn set_undecided(posed: &PosedPair, draft: &mut Draft) {
     (draft.point_on_a, draft.point_on_b) = (p.into(), q.into());
     let between = posed.point_in_a(&q) - p;
     draft.normal = unit(&between);
-    draft.distance = crate::num::scalar::sqrt(between.norm_squared());
+    draft.distance = crate::base::num::scalar::sqrt(between.norm_squared());
     draft.upper = draft.distance + CERTIFICATE * UNIT * posed.size();
     draft.lower = f64::NEG_INFINITY;
     draft.class = Class::Undecided;
@@ -77,7 +77,7 @@ pub(crate) fn is_proven(posed: &PosedPair, draft: &Draft) -> bool {
     match draft.class {
         Class::Overlapping => {
             let between = posed.point_in_a(&draft.point_on_b.coords) - draft.point_on_a.coords;
-            crate::num::scalar::sqrt(between.norm_squared()) <= AGREE * posed.size()
+            crate::base::num::scalar::sqrt(between.norm_squared()) <= AGREE * posed.size()
         }
         Class::Separated => is_narrow(posed, draft),
         Class::Touching | Class::Undecided => false,

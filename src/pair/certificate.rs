@@ -30,7 +30,7 @@
 //! Source: the duality gap of Gilbert, Johnson and Keerthi 1988; the use as an acceptance test of a
 //! feature walk is ours.
 
-use crate::polyhedron::VertexId;
+use crate::body::polyhedron::VertexId;
 use nalgebra::Vector3;
 
 use crate::pair::posed::PosedPair;
@@ -39,7 +39,7 @@ use crate::pair::posed::PosedPair;
 /// any length): a lower bound of the distance, before the error term.
 #[cold]
 pub(crate) fn support_distance(posed: &PosedPair, normal: &Vector3<f64>, hint_a: VertexId, hint_b: VertexId) -> f64 {
-    let norm = crate::num::scalar::sqrt(normal.norm_squared());
+    let norm = crate::base::num::scalar::sqrt(normal.norm_squared());
     if !(norm > 0.0) {
         return f64::NEG_INFINITY;
     }

@@ -5,12 +5,12 @@
 
 use nalgebra::Vector3;
 
-use crate::num::scalar::{Scalar, Vec3, neg, sub};
+use crate::base::num::scalar::{Scalar, Vec3, neg, sub};
+use crate::base::tolerance::UNIT;
+use crate::body::polyhedron::heights::Direction;
+use crate::body::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-use crate::polyhedron::heights::Direction;
-use crate::polyhedron::{ConvexPolyhedron, VertexId};
-use crate::tolerance::UNIT;
 
 /// A point of the Minkowski difference A - B: a vertex of each body.
 #[derive(Clone, Copy, Debug)]

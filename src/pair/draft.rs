@@ -4,9 +4,9 @@ use core::ops::{Deref, DerefMut};
 
 use nalgebra::Unit;
 
+use crate::base::pose::RelativePose;
+use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pair::outcome::Outcome;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::RelativePose;
 
 /// Answer that one solver passes to the next: the fields of an [`Outcome`], in stored units and
 /// frames, and not proven until a certificate accepts the bounds.

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::PackedVec3;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, Plane, VertexId};
+use crate::base::num::packed::PackedVec3;
+use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, Plane, VertexId};
 
 /// Endpoints of an edge and the planes of the adjacent faces.
 #[derive(Clone, Copy)]

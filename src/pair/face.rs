@@ -7,11 +7,11 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::PackedVec3;
+use crate::base::num::packed::PackedVec3;
+use crate::base::tolerance::{DIFFERENCE, FOOT};
+use crate::body::polyhedron::unimodal::top_of_ring;
+use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, HalfEdgeId};
 use crate::pair::star::one_norm;
-use crate::polyhedron::unimodal::top_of_ring;
-use crate::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, HalfEdgeId};
-use crate::tolerance::{DIFFERENCE, FOOT};
 
 /// Location of a point relative to the side planes of a face.
 pub(crate) enum FaceLocation {

@@ -6,6 +6,7 @@
 pub(crate) mod answer;
 pub(crate) mod certificate;
 pub(crate) mod difference;
+pub(crate) mod difference_facet;
 pub(crate) mod draft;
 pub(crate) mod edge;
 pub(crate) mod face;
@@ -13,6 +14,7 @@ pub(crate) mod outcome;
 pub(crate) mod posed;
 pub(crate) mod question;
 pub(crate) mod rounding;
+pub(crate) mod soundness;
 pub(crate) mod spot;
 pub(crate) mod star;
 pub(crate) mod transform;

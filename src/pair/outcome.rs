@@ -2,8 +2,8 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use crate::num::count::sum_of_counters;
-use crate::polyhedron::FeaturePair;
+use crate::base::num::count::sum_of_counters;
+use crate::body::polyhedron::FeaturePair;
 
 /// Whether two bodies are apart, touch or overlap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -239,7 +239,7 @@ pub struct Outcome {
     /// Best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
     pub distance: f64,
     /// Lower bound of the signed distance; minus infinity if nothing is known.
-    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,
@@ -318,7 +318,7 @@ pub struct Distance {
     /// Best estimate of the signed distance; for an overlap, minus the depth.
     pub value: f64,
     /// Lower bound of the signed distance.
-    #[cfg_attr(feature = "serde", serde(with = "crate::num::scalar::infinite"))]
+    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     pub lower: f64,
     /// Upper bound of the signed distance.
     pub upper: f64,

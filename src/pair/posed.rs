@@ -2,13 +2,13 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::num::double_double::DoubleDouble;
-use crate::num::packed::{PackedRotation, PackedVec3};
-use crate::num::scalar::{Scalar, sqrt};
+use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::packed::{PackedRotation, PackedVec3};
+use crate::base::num::scalar::{Scalar, sqrt};
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
+use crate::body::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pair::transform::{ErrorScale, Transform};
-use crate::polyhedron::{ConvexPolyhedron, power_of_two};
-use crate::pose::{Operand, RelativePose};
-use crate::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
 
 /// Witnesses on A and on B, each in the stored frame of its body.
 pub(crate) type WitnessPair = (Vector3<f64>, Vector3<f64>);

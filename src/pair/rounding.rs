@@ -1,8 +1,8 @@
 //! From the signed distance of two cores to that of the rounded bodies: `s = s_core - rA - rB` on
 //! both sides of contact.
 
-use crate::num::double_double::two_sum;
-use crate::tolerance::UNIT;
+use crate::base::num::double_double::two_sum;
+use crate::base::tolerance::UNIT;
 
 /// Returns a signed distance less both radii, rounded twice to nearest.
 #[inline]

@@ -5,8 +5,8 @@ use core::ops::Deref;
 use nalgebra::Unit;
 
 use super::outcome::{Distance, Outcome};
-use crate::polyhedron::{FaceId, Feature, FeaturePair};
-use crate::pose::RelativePose;
+use crate::base::pose::RelativePose;
+use crate::body::polyhedron::{FaceId, Feature, FeaturePair};
 
 /// The place of a witness on a geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]

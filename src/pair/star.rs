@@ -2,11 +2,11 @@
 
 use nalgebra::Vector3;
 
-use crate::num::packed::PackedVec3;
-use crate::polyhedron::axis::Axis;
-use crate::polyhedron::fans::steepest;
-use crate::polyhedron::{ConvexPolyhedron, HalfEdgeId, Plane, VertexId};
-use crate::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
+use crate::base::num::packed::PackedVec3;
+use crate::base::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
+use crate::body::polyhedron::axis::Axis;
+use crate::body::polyhedron::fans::steepest;
+use crate::body::polyhedron::{ConvexPolyhedron, HalfEdgeId, Plane, VertexId};
 
 /// Returns the sum of absolute coordinates: a norm without a root.
 #[inline]

@@ -2,12 +2,12 @@
 
 use nalgebra::Vector3;
 
-use crate::num::double_double::DoubleDouble;
-use crate::num::scalar::Scalar;
+use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::scalar::Scalar;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::FAR;
+use crate::body::polyhedron::{ConvexPolyhedron, power_of_two};
 use crate::pair::posed::PosedPair;
-use crate::polyhedron::{ConvexPolyhedron, power_of_two};
-use crate::pose::RelativePose;
-use crate::tolerance::FAR;
 
 /// Lengths that scale the rounding errors of Minkowski points.
 #[derive(Clone, Copy, Debug)]

@@ -4,8 +4,8 @@ use core::fmt;
 
 use nalgebra::{Point3, Unit, Vector3};
 
+use crate::base::pose::RelativePose;
 use crate::pair::outcome::{Distance, Outcome, Solver};
-use crate::pose::RelativePose;
 
 /// Witness points and normal of an [`Outcome`] in the common frame of the two poses (the world).
 ///

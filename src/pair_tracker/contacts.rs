@@ -5,11 +5,11 @@ use alloc::vec::Vec;
 use super::engine::BodyShapes;
 use super::pair::Asked;
 use super::tracker::{Followed, PairTracker};
+use crate::base::pose::RelativePose;
 use crate::composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
 use crate::composite::penetration::PenetrationBounds;
-use crate::contact::{Manifold, ManifoldOptions};
-use crate::geometry::{GeometryRef, Lent, ShapeKind};
-use crate::pose::RelativePose;
+use crate::convex::contact::{Manifold, ManifoldOptions};
+use crate::pair_tracker::geometry::{GeometryRef, Lent, ShapeKind};
 
 /// The contacts of a pair with a composite or a mesh.
 #[derive(Clone, Debug, Default)]

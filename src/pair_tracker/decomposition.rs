@@ -4,13 +4,13 @@ use super::engine::AnyTracker;
 use super::over::{Kinds, OverTime};
 use super::pair::Asked;
 use super::tracker::PairTracker;
+use crate::base::pose::RelativePose;
 use crate::composite::decomposition::Decomposition;
 use crate::composite::parts::PartsRef;
-use crate::geometry::GeometryRef;
 use crate::pair::outcome::Distance;
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
-use crate::pose::RelativePose;
+use crate::pair_tracker::geometry::GeometryRef;
 
 impl Decomposition {
     /// Returns bounds of the distance of the mesh from another geometry, by the distance of the

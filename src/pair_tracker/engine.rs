@@ -7,17 +7,17 @@ use super::mixed::MixedTracker;
 use super::over::{Kinds, OverTime};
 use super::pair::BallPair;
 use super::work::PairWork;
+use crate::base::pose::RelativePose;
+use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::composite::contact::{ContactPatches, PatchContacts};
-use crate::composite::tracker::MeshTracker;
-use crate::contact::{Manifold, ManifoldOptions, Query};
-use crate::geometry::{Geometry, GeometryRef, Lent};
+use crate::composite::mesh::tracker::MeshTracker;
+use crate::convex::contact::{Manifold, ManifoldOptions, Query};
+use crate::convex::replay::Replay;
+use crate::convex::tracker::{Tracker, Workspace};
 use crate::pair::outcome::{Accuracy, Outcome, Until};
+use crate::pair_tracker::geometry::{Geometry, GeometryRef, Lent};
 use crate::patch::SurfaceTracker;
-use crate::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pose::RelativePose;
-use crate::replay::Replay;
-use crate::separation::{Measure, PolyhedronPair, Separation};
-use crate::tracker::{Tracker, Workspace};
+use crate::time::separation::{Measure, PolyhedronPair, Separation};
 
 /// What a contact stage starts from: the last outcome, the options, and the patches of bodies that
 /// are not convex.

@@ -9,24 +9,24 @@ use super::engine::{BodyShapes, ContactAsk, Contacted, PairEngine};
 use super::over::{Kinds, OverTime};
 use super::pair::{Asked, BallPair, measured};
 use super::work::PairWork;
+use crate::base::pose::{Operand, RelativePose};
+use crate::body::shape::Shape;
 use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::composite::mesh::Mesh;
+use crate::composite::mesh::tracker::MeshTracker;
 use crate::composite::parts::PartsRef;
 use crate::composite::pieces::{Composite, CompositeTracker};
 use crate::composite::separation::{CompositePair, MeshPair};
-use crate::composite::tracker::MeshTracker;
-use crate::contact::{Manifold, ManifoldOptions};
-use crate::geometry::{Geometry, GeometryRef, Lent};
+use crate::convex::contact::{Manifold, ManifoldOptions};
+use crate::convex::replay::Replay;
+use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::{Class, Outcome, Until};
 use crate::pair::question::Question;
+use crate::pair_tracker::geometry::{Geometry, GeometryRef, Lent};
 use crate::patch::{
     Surface, SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair, SurfaceTracker,
 };
-use crate::pose::{Operand, RelativePose};
-use crate::replay::Replay;
-use crate::separation::{Measure, Separation, ShapePair, Tangent};
-use crate::shape::Shape;
-use crate::shape_tracker::ShapeTracker;
+use crate::time::separation::{Measure, Separation, ShapePair, Tangent};
 
 /// The tracker of a pair that is not of two polyhedra, the parts of the last measurement, and the
 /// contacts if they are called for.

@@ -3,6 +3,7 @@
 mod contacts;
 mod decomposition;
 mod engine;
+pub(crate) mod geometry;
 mod mixed;
 mod over;
 mod pair;

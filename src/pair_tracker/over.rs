@@ -5,16 +5,16 @@ use alloc::string::String;
 use nalgebra::{Point3, Vector3};
 
 use super::pair::{Asked, BallPair};
+use crate::base::pose::{Operand, RelativePose};
+use crate::body::polyhedron::ConvexPolyhedron;
 use crate::composite::penetration::PenetrationBounds;
 use crate::composite::separation::{CompositePair, MeshPair};
+use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Decision;
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::patch::{SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
-use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::{Operand, RelativePose};
-use crate::separation::{Flight, Free, Measure, PolyhedronPair, Separation, ShapePair, SupportPoint};
-use crate::tracker::Tracker;
+use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Separation, ShapePair, SupportPoint};
 
 /// Two geometries that can be measured over time, followed by a borrowed tracker: what
 /// [`impact`](crate::impact) asks.

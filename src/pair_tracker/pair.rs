@@ -5,20 +5,20 @@ use alloc::string::{String, ToString};
 
 use nalgebra::{Point3, Unit};
 
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tuning::patch::SCENE_WIDTH;
+use crate::body::polyhedron::FeaturePair;
+use crate::body::shape::Shape;
 use crate::composite::penetration::PenetrationBounds;
 use crate::composite::pieces::{Composite, CompositeTracker};
 use crate::composite::separation::{CompositePair, MeshPair};
-use crate::geometry::GeometryRef;
+use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::{Class, Decision, Outcome, Until};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
+use crate::pair_tracker::geometry::GeometryRef;
 use crate::patch::{BesideSurface, SurfacePair, SurfaceSolidPair, far};
-use crate::polyhedron::FeaturePair;
-use crate::pose::{Operand, RelativePose};
-use crate::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair};
-use crate::shape::Shape;
-use crate::shape_tracker::ShapeTracker;
-use crate::tuning::patch::SCENE_WIDTH;
+use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair};
 
 /// Two geometries and a borrowed tracker.
 pub(super) trait Asked: Separation {

@@ -6,11 +6,11 @@ use alloc::vec::Vec;
 use super::pair::Asked;
 use super::tracker::PairTracker;
 use super::work::PairWork;
-use crate::composite::tracker::MeshTracker;
-use crate::geometry::GeometryRef;
+use crate::base::pose::RelativePose;
+use crate::composite::mesh::tracker::MeshTracker;
+use crate::convex::replay::Replay;
+use crate::pair_tracker::geometry::GeometryRef;
 use crate::patch::{Surface, SurfacePart};
-use crate::pose::RelativePose;
-use crate::replay::Replay;
 
 impl PairTracker {
     /// Returns a query of two convex geometries as a text that rebuilds the query bit for bit, as

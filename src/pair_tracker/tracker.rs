@@ -7,13 +7,13 @@ use super::engine::AnyTracker;
 use super::over::OverTime;
 use super::pair::Asked;
 use super::work::PairWork;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::RelativePose;
 use crate::composite::contact::ContactTracker;
-use crate::geometry::GeometryRef;
-use crate::num::fingerprint::Fingerprint;
 use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
-use crate::pose::RelativePose;
+use crate::pair_tracker::geometry::GeometryRef;
 
 /// Follows a pair of geometries of any two kinds, in either order.
 ///

@@ -1,8 +1,8 @@
 //! The work of a tracker of any two geometries.
 
 use crate::composite::work::MeshWork;
+use crate::convex::tracker::Totals;
 use crate::patch::SurfaceWork;
-use crate::tracker::Totals;
 
 /// The work of the queries of a [`PairTracker`](crate::PairTracker), by what the geometries are
 /// searched by.

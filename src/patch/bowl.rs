@@ -23,9 +23,9 @@ use super::frame::NetFrame;
 use super::height::bounded;
 use super::net::SurfaceJet;
 use super::tree::{Net, Node};
-use crate::num::scalar::sqrt;
-use crate::tolerance::{BENT, ROUND_UP, SLOPE};
-use crate::tuning::patch::{CROSSING, MARGIN};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{BENT, ROUND_UP, SLOPE};
+use crate::base::tuning::patch::{CROSSING, MARGIN};
 
 /// A quadratic function of points.
 #[derive(Clone, Copy, Debug)]

@@ -11,11 +11,11 @@ use super::bowl::Bowl;
 use super::cut::Cut;
 use super::frame::NetFrame;
 use super::net::{Patch, SurfaceJet};
-use crate::num::scalar::sqrt;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{AGREE, PARALLEL, UNIT};
+use crate::base::tuning::patch::NEWTON;
+use crate::body::polyhedron::{FaceId, Feature};
 use crate::pair::spot::Spot;
-use crate::polyhedron::{FaceId, Feature};
-use crate::tolerance::{AGREE, PARALLEL, UNIT};
-use crate::tuning::patch::NEWTON;
 
 /// A point on each surface.
 #[derive(Clone, Copy, Debug)]

@@ -8,14 +8,14 @@ use super::search::NetGoal;
 use super::separation::BesideSurface;
 use super::shape_tracker::{SurfaceShapeTracker, far_apart, lower_to};
 use super::surface::Surface;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::composite::parts::Parted;
 use crate::composite::pieces::{Composite, Piece};
-use crate::composite::placed::Placed;
+use crate::composite::placement::Placed;
 use crate::composite::separation::ball_about;
-use crate::num::scalar::sqrt;
 use crate::pair::spot::Answer;
-use crate::pose::RelativePose;
-use crate::tolerance::{CERTIFICATE, UNIT};
 
 /// The trackers of a surface and the pieces of a [`Composite`].
 ///

@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::closest::{Meeting, PatchPair};
 use super::net::Patch;
-use crate::tolerance::PATCH_SLOPE;
+use crate::base::tolerance::PATCH_SLOPE;
 
 /// Ways along the curve of intersection at which the proof is tried, for points near a border.
 const ASIDE: [f64; 5] = [0.0, 0.0625, -0.0625, 0.25, -0.25];

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use super::bezier::NET;
 use super::net::Patch;
 use super::tree::{Net, Node};
-use crate::num::scalar::sqrt;
-use crate::tolerance::{NET as NET_ERROR, NET_CUT};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{NET as NET_ERROR, NET_CUT};
 
 /// The part of a patch over a box of parameters.
 pub(super) struct Cut {

@@ -2,9 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::num::scalar::sqrt;
-use crate::pose::RelativePose;
-use crate::tolerance::{CERTIFICATE, FAR, NEAR, PATCH_LIMIT, UNIT};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{CERTIFICATE, FAR, NEAR, PATCH_LIMIT, UNIT};
 
 /// `a_from_b` with the errors of points placed by it.
 pub(super) struct NetFrame {

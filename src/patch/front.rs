@@ -17,8 +17,8 @@ use nalgebra::Vector3;
 use super::frame::NetFrame;
 use super::gap::{Gap, NetPair, Trees};
 use super::side::NetSide;
-use crate::num::scalar::sqrt;
-use crate::tolerance::CARRIED;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::CARRIED;
 
 /// A pair of nodes with the claim of its gap.
 #[derive(Clone, Copy, Debug)]

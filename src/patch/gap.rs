@@ -6,13 +6,13 @@ use super::bowl::Bowl;
 use super::frame::NetFrame;
 use super::side::NetSide;
 use super::tree::Nodes;
-use crate::minimum::simplex::Simplex;
-use crate::num::scalar::sqrt;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::BENT_POSE;
+use crate::base::tuning::patch::STEPS;
+use crate::body::polyhedron::VertexId;
+use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
-use crate::polyhedron::VertexId;
-use crate::tolerance::BENT_POSE;
-use crate::tuning::patch::STEPS;
 
 /// A node of A and a node of B.
 pub(super) type NetPair = [u32; 2];

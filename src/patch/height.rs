@@ -17,8 +17,8 @@ use nalgebra::Vector3;
 
 use super::bezier::{Jet, NET, jet};
 use super::tree::{Net, Node};
-use crate::tolerance::{COEFFICIENT, CURVATURE, TAYLOR, UNIT};
-use crate::tuning::patch::CLIMB;
+use crate::base::tolerance::{COEFFICIENT, CURVATURE, TAYLOR, UNIT};
+use crate::base::tuning::patch::CLIMB;
 
 impl Net<'_> {
     /// Returns the greatest height of the points.

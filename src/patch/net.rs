@@ -6,8 +6,8 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use super::bezier::{Jet, ORDER, jet, value};
 use super::error::PatchError;
-use crate::num::scalar::sqrt;
-use crate::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
 
 /// A Bezier patch: tensor-product or triangular, polynomial or rational with positive weights, of
 /// degrees 1 to 7.
@@ -188,7 +188,7 @@ impl Patch {
             let jet = self.jet(at);
             let n = jet.u.cross(&jet.v);
             let square = n.norm_squared();
-            let least = jet.u.norm_squared() * jet.v.norm_squared() * crate::tolerance::PARALLEL;
+            let least = jet.u.norm_squared() * jet.v.norm_squared() * crate::base::tolerance::PARALLEL;
             (square > least && square.is_normal()).then(|| Unit::new_unchecked(n / sqrt(square)))
         })
     }
@@ -335,7 +335,7 @@ pub(super) fn check_weights(weights: &[f64], expected: usize) -> Result<f64, Pat
         }),
         None => {
             let exponent = ((largest.to_bits() >> 52) & 0x7ff) as i32 - 1023;
-            Ok(crate::polyhedron::power_of_two(-exponent))
+            Ok(crate::body::polyhedron::power_of_two(-exponent))
         }
     }
 }

@@ -12,7 +12,7 @@ use nalgebra::Point3;
 use super::bezier::{NET, ORDER};
 use super::error::PatchError;
 use super::net::{Patch, check_degrees, check_points, check_weights, homogeneous, reach};
-use crate::tolerance::{KNOTS, PATCH_MAX};
+use crate::base::tolerance::{KNOTS, PATCH_MAX};
 
 /// A NURBS surface as files hold it.
 #[derive(Clone, Copy, Debug, Default)]

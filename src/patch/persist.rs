@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::PatchError;
 use super::net::{Patch, check_degrees};
 use super::surface::Surface;
-use crate::tolerance::{KNOTS, PATCH_MAX, RAISED, WEIGHT_RATIO};
+use crate::base::tolerance::{KNOTS, PATCH_MAX, RAISED, WEIGHT_RATIO};
 
 /// Serialized form of a patch.
 #[derive(Serialize, Deserialize)]

@@ -15,8 +15,8 @@ use super::gap::Trees;
 use super::height::taylor;
 use super::side::NetSide;
 use super::tree::Node;
-use crate::num::scalar::sqrt;
-use crate::tolerance::{BENT_POSE, REGION};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{BENT_POSE, REGION};
 
 /// Boxes of parameters whose parts are proven `target` apart.
 #[derive(Clone, Copy, Debug)]

@@ -6,7 +6,7 @@ use nalgebra::Point3;
 use super::error::PatchError;
 use super::net::Patch;
 use super::surface::Surface;
-use crate::num::scalar::sqrt;
+use crate::base::num::scalar::sqrt;
 
 /// Returns the surface that some Bezier curves sweep in a turn about z.
 ///

@@ -14,9 +14,9 @@ use super::outcome::SurfaceWork;
 use super::region::Region;
 use super::side::NetSide;
 use super::tree::Node;
-use crate::num::scalar::sqrt;
-use crate::tolerance::UNIT;
-use crate::tuning::patch::{BEGINNING, FIRST_LOOK, GROWING, LENIENT, PATIENCE, SHRINKING, SMALL};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::UNIT;
+use crate::base::tuning::patch::{BEGINNING, FIRST_LOOK, GROWING, LENIENT, PATIENCE, SHRINKING, SMALL};
 
 /// A pair that may be closer than the goal.
 #[derive(Clone, Copy, Debug)]

@@ -10,12 +10,12 @@ use nalgebra::Point3;
 
 use super::search::NetGoal;
 use super::surface::Surface;
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tuning::patch::{HOPE, MEASURED, NARROWER};
 use crate::pair::answer::unit;
 use crate::pair::outcome::{Decision, Outcome};
 use crate::pair::spot::Answer;
-use crate::pose::{Operand, RelativePose};
-use crate::separation::{Flight, Free, Measure, Proof, Separation};
-use crate::tuning::patch::{HOPE, MEASURED, NARROWER};
+use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
 
 /// The tracker of a surface, as A, and a body of another kind.
 pub(crate) trait BesideSurface {

@@ -11,15 +11,15 @@ use super::solid::{Feet, ShapeNode};
 use super::state::SurfaceMemory;
 use super::surface::Surface;
 use super::tree::{Grown, Nodes};
-use crate::num::scalar::sqrt;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{ROUND_UP, SHAPE_POINT, SURFACE_POINT};
+use crate::base::tuning::patch::{KEPT, SPLITS};
+use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
+use crate::body::shape::Shape;
+use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::{Class, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
-use crate::polyhedron::{ConvexPolyhedron, Feature, VertexId};
-use crate::pose::RelativePose;
-use crate::shape::Shape;
-use crate::shape_tracker::ShapeTracker;
-use crate::tolerance::{ROUND_UP, SHAPE_POINT, SURFACE_POINT};
-use crate::tuning::patch::{KEPT, SPLITS};
 
 /// The front of the last answer for a surface and a convex [`Shape`], from which the next query
 /// starts, the nodes made so far, and counters.

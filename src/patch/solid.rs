@@ -10,12 +10,12 @@ use super::frame::NetFrame;
 use super::net::{Patch, SurfaceJet};
 use super::side::NetSide;
 use super::tree::Node;
+use crate::base::pose::{RelativePose, normalize};
+use crate::base::tolerance::UNIT;
+use crate::base::tuning::patch::{BACK, DAMPINGS, NEWTON, PROBE};
+use crate::body::shape::Shape;
+use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::Outcome;
-use crate::pose::{RelativePose, normalize};
-use crate::shape::Shape;
-use crate::shape_tracker::ShapeTracker;
-use crate::tolerance::UNIT;
-use crate::tuning::patch::{BACK, DAMPINGS, NEWTON, PROBE};
 
 /// A convex shape as one node.
 pub(super) struct ShapeNode<'a> {
@@ -207,7 +207,7 @@ impl<'a> Feet<'a> {
             form[k] = [by.dot(&j[0]), by.dot(&j[1])];
         }
         let (uu, vv) = (form[0][0].max(0.0), form[1][1].max(0.0));
-        let most = crate::num::scalar::sqrt(uu * vv);
+        let most = crate::base::num::scalar::sqrt(uu * vv);
         Some([uu, (0.5 * (form[0][1] + form[1][0])).clamp(-most, most), vv])
     }
 

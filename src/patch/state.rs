@@ -8,8 +8,8 @@ use super::gap::Trees;
 use super::outcome::SurfaceWork;
 use super::search::{NetGoal, NetSearch, OpenNodePair, Pace};
 use super::side::NetSide;
-use crate::num::fingerprint::Fingerprint;
-use crate::tuning::patch::{GROWTH, IMPATIENT, MOST_SPLITS, SPLITS, TRIES};
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::tuning::patch::{GROWTH, IMPATIENT, MOST_SPLITS, SPLITS, TRIES};
 
 /// The front of the last answer, the last witnesses, and counters.
 #[derive(Clone, Debug)]

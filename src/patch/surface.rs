@@ -7,12 +7,12 @@ use super::error::PatchError;
 use super::net::Patch;
 use super::nurbs::Nurbs;
 use super::tree::NetTree;
+use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
+use crate::base::tolerance::{SEAM, SURFACE_POINT};
+use crate::body::polyhedron::ConvexPolyhedron;
 use crate::composite::mesh::Mesh;
 use crate::composite::separation::ball_about;
-use crate::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::pair::spot::Spot;
-use crate::polyhedron::ConvexPolyhedron;
-use crate::tolerance::{SEAM, SURFACE_POINT};
 
 /// A surface of Bezier patches, not trimmed: the set of points of its patches.
 ///

@@ -7,14 +7,14 @@ use super::search::NetGoal;
 use super::separation::held;
 use super::surface::Surface;
 use super::tracker::SurfaceTracker;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tolerance::{CERTIFICATE, SURFACE_POINT, UNIT};
+use crate::base::tuning::patch::MEASURED;
 use crate::composite::mesh::Mesh;
-use crate::num::scalar::sqrt;
 use crate::pair::outcome::{Class, Decision, Outcome};
 use crate::pair::spot::{Answer, Spot};
-use crate::pose::{Operand, RelativePose};
-use crate::separation::{Flight, Free, Measure, Separation};
-use crate::tolerance::{CERTIFICATE, SURFACE_POINT, UNIT};
-use crate::tuning::patch::MEASURED;
+use crate::time::separation::{Flight, Free, Measure, Separation};
 
 /// Two surfaces that can be measured over time.
 #[derive(Debug)]

@@ -11,11 +11,11 @@ use super::search::NetGoal;
 use super::state::SurfaceMemory;
 use super::surface::Surface;
 use super::tree::{Grown, Nodes};
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::SURFACE_POINT;
+use crate::base::tuning::patch::{KEPT, SPLITS};
 use crate::pair::outcome::{Class, Decision, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
-use crate::pose::RelativePose;
-use crate::tolerance::SURFACE_POINT;
-use crate::tuning::patch::{KEPT, SPLITS};
 
 /// The front of the last answer for one pair of surfaces, from which the next query starts, the
 /// nodes made so far, and counters.

@@ -11,9 +11,9 @@ use nalgebra::Vector3;
 
 use super::bezier::{NET, halves};
 use super::net::Patch;
-use crate::num::scalar::sqrt;
-use crate::tolerance::{NET as NET_ERROR, NET_STEP, ROUND_UP};
-use crate::tuning::patch::DEEPEST;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{NET as NET_ERROR, NET_STEP, ROUND_UP};
+use crate::base::tuning::patch::DEEPEST;
 
 /// Node of no patch: a group.
 const GROUP: u32 = u32::MAX;
@@ -177,7 +177,7 @@ impl NetTree {
             centre,
             radius,
             // Boxes hold nets that are off by as much as any.
-            error: reach * (NET_ERROR + crate::tolerance::KNOTS),
+            error: reach * (NET_ERROR + crate::base::tolerance::KNOTS),
             reach,
             ..empty()
         };

@@ -23,13 +23,13 @@ use super::moving::Sweep;
 use super::narrow_phase::{StepContext, Tally};
 use super::pair_table::{PairFlags, PairHeader};
 use super::report::Counts;
-use crate::impact::{self, Impact, Tolerance};
-use crate::motion::{Motion, Steady, Velocity};
+use crate::base::motion::{Motion, Steady, Velocity};
+use crate::base::tuning::scene::TICKS;
 use crate::pair::outcome::Outcome;
 use crate::pair_tracker::PairEngine;
-use crate::schedule::ticks;
-use crate::separation::Flight;
-use crate::tuning::scene::TICKS;
+use crate::time::impact::{self, Impact, Tolerance};
+use crate::time::schedule::ticks;
+use crate::time::separation::Flight;
 
 impl StepContext<'_> {
     /// Whether a sleeping pair still sleeps.

@@ -7,7 +7,7 @@ use super::step::bodies_of;
 use super::{BodyId, PairId, Scene, SceneError};
 use crate::broad::{self, Aabb, BroadPhase};
 use crate::composite::contact::PatchContacts;
-use crate::contact::Manifold;
+use crate::convex::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome};
 
 /// Answers for one pair: `Some` for each effect that is called for, and `None` otherwise.

@@ -2,10 +2,10 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::geometry::Geometry;
-use crate::num::scalar::sqrt;
-use crate::polyhedron::ConvexPolyhedron;
-use crate::tolerance::{CENTRE, LEAST_SQUARE, RADIUS_UP, ROUND_DOWN, ROUND_UP};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{CENTRE, LEAST_SQUARE, RADIUS_UP, ROUND_DOWN, ROUND_UP};
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::pair_tracker::geometry::Geometry;
 
 /// A ball that contains a body, in one frame: centre and radius.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,14 +11,14 @@ use super::effects::Group;
 use super::kinds::Member;
 use super::moving::{Moving, Sweep, Ticks};
 use super::{BodyId, SceneError};
+use crate::base::motion::{Velocity, displacement};
+use crate::base::pose::{PoseError, RelativePose, is_unit};
+use crate::base::tolerance::{RADIUS_UP, ROUND_UP, SCENE_REACH};
+use crate::body::polyhedron::BoxHint;
 use crate::broad::slots::Slots;
 use crate::broad::{self, Aabb};
 use crate::composite::contact::ContactPatches;
-use crate::geometry::Geometry;
-use crate::motion::{Velocity, displacement};
-use crate::polyhedron::BoxHint;
-use crate::pose::{PoseError, RelativePose, is_unit};
-use crate::tolerance::{RADIUS_UP, ROUND_UP, SCENE_REACH};
+use crate::pair_tracker::geometry::Geometry;
 
 /// A body to insert: a shape, which may be shared by many bodies, a group, and whether the body is
 /// fixed.
@@ -459,7 +459,7 @@ fn refusal(pose: &Isometry3<f64>, body: Option<BodyId>) -> SceneError {
 /// Returns the error with operand A: the pose was checked as B's against the identity, but here
 /// only one body is meant.
 fn as_only(error: PoseError) -> PoseError {
-    use crate::pose::Operand;
+    use crate::base::pose::Operand;
     match error {
         PoseError::Translation { axis, value, .. } => PoseError::Translation {
             body: Operand::A,

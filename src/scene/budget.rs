@@ -31,7 +31,7 @@
 //! Mirtich 1996 and Lin 1993 (section 5.1) wake pairs by velocity and time instead, which is
 //! tighter if velocities are known.
 
-use crate::tolerance::{ODOMETER, ROUND_UP};
+use crate::base::tolerance::{ODOMETER, ROUND_UP};
 
 /// Distance travelled by a body, and the step of the last move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -10,9 +10,9 @@ use super::effects::{Detail, GROUPS, NEVER, PairPlan, Table, group_pair_of};
 use super::kinds::Census;
 use super::pair_table::{PairFlags, PairHeader};
 use super::step::{bodies_of, group};
+use crate::base::motion::Velocity;
+use crate::base::tuning::scene::TICKS;
 use crate::broad::{self, BroadPhase, PencilSweep};
-use crate::motion::Velocity;
-use crate::tuning::scene::TICKS;
 
 impl Scene {
     /// Returns the first contradiction among the tables of the scene: bodies and odometers, motions

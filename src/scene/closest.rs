@@ -12,10 +12,10 @@ use super::ball::least_distance;
 use super::effects::Group;
 use super::search::ClosestPair;
 use super::{Scene, SceneError};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::BOX_DISTANCE_DOWN;
 use crate::broad::{BroadPhase, StoredBox};
-use crate::num::scalar::sqrt;
 use crate::pair::outcome::Until;
-use crate::tolerance::BOX_DISTANCE_DOWN;
 
 /// A pair to measure: a lower bound of the signed distance, and the bodies of the first and of the
 /// second group.
@@ -189,7 +189,7 @@ fn least_between(x: &StoredBox, y: &StoredBox) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::polyhedron::{ConvexPolyhedron, solids};
+    use crate::body::polyhedron::{ConvexPolyhedron, solids};
     use crate::scene::{Body, Effects};
     use nalgebra::{Isometry3, Vector3};
 

@@ -4,10 +4,10 @@
 use alloc::boxed::Box;
 
 use super::SceneError;
-use crate::contact::ManifoldOptions;
-use crate::impact::Tolerance;
+use crate::base::tolerance::SCENE_REACH;
+use crate::convex::contact::ManifoldOptions;
 use crate::pair::outcome::Until;
-use crate::tolerance::SCENE_REACH;
+use crate::time::impact::Tolerance;
 
 /// One of 32 groups. Every body is in one group; the groups of two bodies select the effects of the
 /// pair.

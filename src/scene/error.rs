@@ -1,9 +1,9 @@
 //! Refused calls of a scene, and their messages.
 
 use super::{BodyId, Group};
+use crate::base::pose::PoseError;
 use crate::broad::BroadPhaseError;
-use crate::geometry::ShapeKind;
-use crate::pose::PoseError;
+use crate::pair_tracker::geometry::ShapeKind;
 
 /// A refused call. The error names the fault, and the scene is unchanged.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -143,7 +143,7 @@ impl core::fmt::Display for OfOne<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pose::RelativePose;
+    use crate::base::pose::RelativePose;
     use alloc::string::ToString;
     use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 

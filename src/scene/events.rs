@@ -2,7 +2,7 @@
 
 use super::BodyId;
 use crate::broad::PairId;
-use crate::impact::Impact;
+use crate::time::impact::Impact;
 
 /// A change of the state of a pair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]

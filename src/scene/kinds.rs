@@ -4,7 +4,7 @@ use alloc::collections::BTreeMap;
 
 use super::SceneError;
 use super::effects::{Effects, Group};
-use crate::geometry::ShapeKind;
+use crate::pair_tracker::geometry::ShapeKind;
 
 /// Returns the name of an effect called for that two kinds cannot answer, if there is one.
 fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static str> {

@@ -170,10 +170,10 @@ use alloc::vec::Vec;
 
 use nalgebra::Isometry3;
 
+use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, BroadPhase, Groups, PencilSweep};
-use crate::geometry::Geometry;
-use crate::polyhedron::BoxHint;
-use crate::tracker::Workspace;
+use crate::convex::tracker::Workspace;
+use crate::pair_tracker::geometry::Geometry;
 
 pub use crate::broad::{BodyId, PairId, Settings};
 pub use answer::PairAnswer;

@@ -9,9 +9,9 @@
 
 use nalgebra::Isometry3;
 
-use crate::motion::{Motion, Steady, Velocity, displacement};
-use crate::num::count::Counter;
-use crate::tolerance::{PLACED_CENTRE, ROUND_UP};
+use crate::base::motion::{Motion, Steady, Velocity, displacement};
+use crate::base::num::count::Counter;
+use crate::base::tolerance::{PLACED_CENTRE, ROUND_UP};
 
 /// Velocity of a body, and the steps in which the motion last changed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -11,10 +11,10 @@ use super::events::{Change, PairChange, PairImpact};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::report::Counts;
 use super::stored_answer::StoredAnswer;
+use crate::base::pose::RelativePose;
+use crate::convex::tracker::Workspace;
 use crate::pair::outcome::{Class, Outcome};
 use crate::pair_tracker::{ContactAsk, Contacted, PairEngine};
-use crate::pose::RelativePose;
-use crate::tracker::Workspace;
 
 /// The parts of a scene that the narrow phase reads.
 pub(super) struct StepContext<'a> {

@@ -18,10 +18,10 @@ use super::effects::{Detail, GroupPair, NEVER, PairPlan};
 use super::stored_answer::{StoredAnswer, StoredContact};
 use crate::broad::PairId;
 use crate::composite::contact::PatchContacts;
-use crate::contact::Manifold;
+use crate::convex::contact::Manifold;
+use crate::convex::tracker::Tracker;
 use crate::pair::outcome::{Distance, Outcome, Until};
 use crate::pair_tracker::{AnyTracker, MixedTracker, PairEngine, TrackerRef};
-use crate::tracker::Tracker;
 
 /// The part of a pair that is read before a query.
 #[derive(Clone, Copy, Debug, PartialEq)]

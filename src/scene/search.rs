@@ -11,12 +11,12 @@ use super::ball::least_distance;
 use super::body::box_of;
 use super::effects::{Detail, Group, group_pair_of};
 use super::{BodyId, Scene, SceneError};
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
+use crate::body::polyhedron::BoxHint;
 use crate::broad::{Aabb, BroadPhase};
 use crate::pair::outcome::{Outcome, Until};
 use crate::pair_tracker::{AnyTracker, BodyShapes};
-use crate::polyhedron::BoxHint;
-use crate::pose::RelativePose;
-use crate::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
 
 /// A pair and its closest features, in the frames of the bodies as in
 /// [`PairAnswer`](super::PairAnswer).

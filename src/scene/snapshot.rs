@@ -19,14 +19,14 @@ use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
 use super::report::Report;
 use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, PairImpact, Scene, Settings};
+use crate::body::polyhedron::BoxHint;
 use crate::broad::slots::Slots;
 use crate::broad::{self, BroadPhase, PencilSweep};
-use crate::geometry::Geometry;
+use crate::convex::tracker::Tracker;
+use crate::convex::tracker::Workspace;
 use crate::pair::outcome::{Distance, Outcome};
+use crate::pair_tracker::geometry::Geometry;
 use crate::pair_tracker::{MixedTracker, PairEngine, StoredTracker};
-use crate::polyhedron::BoxHint;
-use crate::tracker::Tracker;
-use crate::tracker::Workspace;
 
 /// The values of one index in the tables of bodies.
 #[derive(Serialize, Deserialize)]

@@ -10,11 +10,11 @@ use super::events::{Change, Event, PairChange, PairImpact};
 use super::narrow_phase::{StepContext, Tally, test_table};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
 use super::report::{Clock, Report};
+#[cfg(feature = "parallel")]
+use crate::base::tuning::scene::QUERY_IN_BOXES;
+use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, BroadPhase, PairId};
 use crate::pair_tracker::{AnyTracker, PairEngine, patches_of};
-use crate::polyhedron::BoxHint;
-#[cfg(feature = "parallel")]
-use crate::tuning::scene::QUERY_IN_BOXES;
 
 impl Scene {
     /// Applies all calls since the last step and computes the effects called for. Does nothing if

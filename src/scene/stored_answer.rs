@@ -3,9 +3,9 @@
 
 use alloc::boxed::Box;
 
-use crate::contact::Manifold;
+use crate::body::polyhedron::FeaturePair;
+use crate::convex::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome};
-use crate::polyhedron::FeaturePair;
 
 /// The part of an outcome that a table stores.
 pub(super) trait StoredAnswer: Clone + Send + Sync {

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::body::checked;
 use super::moving::Sweep;
 use super::{BodyId, PairImpact, Scene, SceneError};
-use crate::motion::Velocity;
+use crate::base::motion::Velocity;
 
 impl Scene {
     /// Gives a moving body a velocity, used by [`advance`](Self::advance).

@@ -2,6 +2,7 @@
 
 mod frames;
 mod hard;
+mod history;
 mod local;
 mod nearest;
 #[path = "../support/mod.rs"]

@@ -21,10 +21,10 @@ fn text(path: &Path) -> String {
 fn definition(name: &str) -> Option<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let files = [
-        "tolerance.rs",
-        "tolerance/motions.rs",
-        "tolerance/patches.rs",
-        "tolerance/signs.rs",
+        "base/tolerance.rs",
+        "base/tolerance/motions.rs",
+        "base/tolerance/patches.rs",
+        "base/tolerance/signs.rs",
     ];
     let start = format!("const {name}: f64 = ");
     files.iter().find_map(|file| {

@@ -116,10 +116,10 @@ const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];
 
 /// The sources of the constants, those of the planner too.
 const FILES: [&str; 5] = [
-    "tolerance.rs",
-    "tolerance/motions.rs",
-    "tolerance/patches.rs",
-    "tolerance/signs.rs",
+    "base/tolerance.rs",
+    "base/tolerance/motions.rs",
+    "base/tolerance/patches.rs",
+    "base/tolerance/signs.rs",
     "../plan/src/tolerance.rs",
 ];
 
@@ -244,7 +244,7 @@ fn the_table_is_that_of_the_documentation() {
     if let Ok(tries) = std::env::var(LONGER) {
         println!("{}", table(tries.parse().expect("a number of tries")));
     }
-    let (text, path) = (table(TRIES), source("tolerance/proved.md"));
+    let (text, path) = (table(TRIES), source("base/tolerance/proved.md"));
     if std::env::var(WRITE).is_ok() {
         std::fs::write(&path, &text).expect("the table is written");
     }

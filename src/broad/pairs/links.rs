@@ -6,12 +6,12 @@
 
 mod block;
 
+use crate::base::tuning::broad::{AHEAD, SHIFT};
 use crate::broad::body::Bodies;
 use crate::broad::change::{PairKey, pair_key};
 use crate::broad::pairs::{NOWHERE, Pair, Slot, named};
 use crate::broad::parallel::join;
 use crate::broad::prefetch::read_ahead;
-use crate::tuning::broad::{AHEAD, SHIFT};
 use alloc::vec::Vec;
 use block::{Block, Link};
 

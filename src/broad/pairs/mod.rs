@@ -10,7 +10,7 @@ use super::compact_vec::trim;
 use super::parallel::{Threads, join};
 use super::prefetch::read_ahead;
 use super::{Bodies, BodyId, BroadPhaseError};
-use crate::tuning::broad::AHEAD;
+use crate::base::tuning::broad::AHEAD;
 use alloc::vec::Vec;
 use links::Links;
 #[cfg(feature = "serde")]

@@ -15,7 +15,7 @@ use super::grid::Grid;
 use super::parallel::{Threads, join};
 use super::state::{BroadPhaseState, HasState};
 use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
-use crate::tuning::broad::WORLD_SHARE;
+use crate::base::tuning::broad::WORLD_SHARE;
 use alloc::string::String;
 use alloc::vec::Vec;
 use column::{Column, who};

@@ -2,10 +2,10 @@
 
 use super::PencilSweep;
 use super::column::{Column, index_of};
+use crate::base::tolerance::COLUMN_SEARCH;
 use crate::broad::aabb::{StoredBox, max, order_key};
 use crate::broad::body::{Bodies, Record};
 use crate::broad::bounds::Bounds;
-use crate::tolerance::COLUMN_SEARCH;
 
 /// Visits every body once whose box overlaps `asked`; `place` returns the box of a record by which
 /// the columns are sorted.

@@ -2,12 +2,12 @@
 
 use super::column::{ARRIVING, Column, EntryBoxes, entry, index_of, who};
 use super::scan::{Worker, decide};
+use crate::base::tolerance::{COLUMN_REACH, COLUMN_SEARCH};
+use crate::base::tuning::broad::{COLUMN_SHARE, MOST_PARTED, MOST_SCANNED};
 use crate::broad::aabb::{max, order_key};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::overlap;
-use crate::tolerance::{COLUMN_REACH, COLUMN_SEARCH};
-use crate::tuning::broad::{COLUMN_SHARE, MOST_PARTED, MOST_SCANNED};
 use alloc::vec::Vec;
 
 /// A column number and the index of a body whose old or new box touches it.

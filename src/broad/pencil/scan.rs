@@ -21,11 +21,11 @@
 
 use super::column::{ARRIVING, Column, Entry, EntryBoxes, index_of};
 use super::tune::StepCounts;
+use crate::base::tolerance::{COLUMN_MOVE, COLUMN_SUM};
+use crate::base::tuning::broad::PENDING;
 use crate::broad::aabb::{StoredBox, max};
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
-use crate::tolerance::{COLUMN_MOVE, COLUMN_SUM};
-use crate::tuning::broad::PENDING;
 use alloc::vec::Vec;
 use wide::f32x4;
 

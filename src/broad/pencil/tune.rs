@@ -10,11 +10,11 @@
 //! the entries of the last check ends the calm, and so does a check that finds the bodies spread
 //! along another axis: axis and width are then chosen as for a new world.
 
+use crate::base::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
+use crate::base::tuning::broad::{COLUMN, EMPTY_COLUMN, ENTRY, GAIN, MOST_ENTRIES, PATIENCE, SAMPLE, SURGE, WINDOW};
 use crate::broad::body::{Bodies, UNBOUNDED};
 use crate::broad::bounds::Bounds;
 use crate::broad::grid::{Grid, MOST_COLUMNS_OF_AXIS};
-use crate::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
-use crate::tuning::broad::{COLUMN, EMPTY_COLUMN, ENTRY, GAIN, MOST_ENTRIES, PATIENCE, SAMPLE, SURGE, WINDOW};
 use alloc::vec::Vec;
 
 /// Sizes and positions of all bounded boxes, in the axes of the stored boxes.

@@ -13,11 +13,11 @@ use super::PatchQuery;
 use super::near::PosedPatches;
 use super::surface::Borne;
 use super::union::Under;
-use crate::contact::ContactPoint;
+use crate::base::tuning::composite::{EDGE_HALVINGS, SHORT_EDGE};
+use crate::body::polyhedron::{EdgeId, Feature};
+use crate::body::shape::Core;
+use crate::convex::contact::ContactPoint;
 use crate::pair::outcome::{Class, Outcome};
-use crate::polyhedron::{EdgeId, Feature};
-use crate::shape::Core;
-use crate::tuning::composite::{EDGE_HALVINGS, SHORT_EDGE};
 
 impl PosedPatches<'_> {
     /// The outcome along the normal of a face at the lowest place over the face on an edge of the

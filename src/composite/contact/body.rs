@@ -7,12 +7,12 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::clear::is_clear;
 use super::surface::{Borne, PatchedMesh};
 use super::union::{Under, is_covered, is_end, under};
-use crate::composite::frame::TreeSide;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::body::shape::Shape;
+use crate::composite::meet::frame::TreeSide;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::Composite;
-use crate::num::fingerprint::Fingerprint;
-use crate::shape::Shape;
 
 /// A body as its contacts see it: convex patches of a mesh's surface, or the pieces of a
 /// [`Composite`].

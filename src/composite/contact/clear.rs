@@ -8,14 +8,14 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::union::{cover, dot_at, is_covered};
+use crate::base::num::scalar::sqrt;
+use crate::base::tuning::composite::COVERS;
+use crate::body::polyhedron::{ConvexPolyhedron, FaceId};
+use crate::body::shape::{Core, Shape};
+use crate::composite::meet::triangle;
 use crate::composite::parts::Parted;
 use crate::composite::pieces::{Composite, Piece};
-use crate::composite::triangle;
-use crate::num::scalar::sqrt;
-use crate::polyhedron::{ConvexPolyhedron, FaceId};
-use crate::shape::{Core, Shape};
-use crate::shape_tracker::ShapeTracker;
-use crate::tuning::composite::COVERS;
+use crate::convex::shape_tracker::ShapeTracker;
 
 /// Whether the surface of the union is as far from a point inside as `depth`, as far as faces and
 /// feet on curved pieces tell. The point is in the frame of one of the pieces, and `depth` below

@@ -16,10 +16,10 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::scalar::sqrt;
+use crate::base::tuning::composite::PLANES;
+use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
-use crate::composite::triangle;
-use crate::num::scalar::sqrt;
-use crate::tuning::composite::PLANES;
 
 /// A convex patch: triangles, each with a triangle of the plane to which it belongs.
 pub(super) type PatchTriangles = Vec<(u32, u32)>;

@@ -30,17 +30,17 @@ use nalgebra::{Unit, Vector3};
 
 pub use body::ContactPatches;
 
-use super::bounds::{BoundAim, MOST, bounds};
-use super::frame::TreeFrame;
-use super::front::NodePair;
-use super::pieces::CompositeTracker;
-use super::placed::Placed;
-use super::search::split_pair;
-use crate::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
-use crate::num::fingerprint::Fingerprint;
-use crate::pose::RelativePose;
-use crate::tolerance::ACROSS;
-use crate::tuning::composite::ALIKE;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::ACROSS;
+use crate::base::tuning::composite::ALIKE;
+use crate::composite::front::NodePair;
+use crate::composite::meet::bounds::{BoundAim, MOST, bounds};
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::search::split_pair;
+use crate::composite::pieces::CompositeTracker;
+use crate::composite::placement::Placed;
+use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
 use near::NearPatches;
 use parting::parting;
 
@@ -153,7 +153,7 @@ impl ContactTracker {
     }
 
     /// The names of the contacts of the last query.
-    fn names(&self) -> Vec<(NodePair, crate::polyhedron::FeaturePair)> {
+    fn names(&self) -> Vec<(NodePair, crate::body::polyhedron::FeaturePair)> {
         let all = self.found.iter().flat_map(|g| &g.contacts);
         all.map(|c| (c.patches, c.point.id)).collect()
     }

@@ -6,14 +6,14 @@ use super::body::ContactPatches;
 use super::surface::Borne;
 use super::union::is_in;
 use super::{PatchContact, PatchQuery};
+use crate::base::pose::RelativePose;
+use crate::base::tuning::composite::{FACES_TRIED, NEARLY};
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::shape::{Core, Shape};
 use crate::composite::front::NodePair;
-use crate::contact::{ContactPoint, Manifold};
+use crate::convex::contact::{ContactPoint, Manifold};
+use crate::convex::shape_tracker::{ShapeTracker, along_face, swapped};
 use crate::pair::outcome::{Outcome, Until};
-use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::RelativePose;
-use crate::shape::{Core, Shape};
-use crate::shape_tracker::{ShapeTracker, along_face, swapped};
-use crate::tuning::composite::{FACES_TRIED, NEARLY};
 
 /// The state of two patches that are near.
 #[derive(Clone, Debug)]

@@ -8,14 +8,14 @@
 use nalgebra::{Translation3, Unit};
 
 use super::{PatchContact, PatchQuery};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{CERTIFICATE, UNIT};
+use crate::base::tuning::composite::WAY_BACK;
 use crate::composite::pieces::CompositeTracker;
-use crate::composite::placed::relative;
-use crate::contact::ContactPoint;
-use crate::num::scalar::sqrt;
+use crate::composite::placement::relative;
+use crate::convex::contact::ContactPoint;
 use crate::pair::outcome::Class;
-use crate::pose::RelativePose;
-use crate::tolerance::{CERTIFICATE, UNIT};
-use crate::tuning::composite::WAY_BACK;
 
 /// Returns the contact along a translation that parts two solids; `None` if none is known. `size`
 /// is L of the pair in the caller's unit.

@@ -7,15 +7,15 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::grow::{PatchTriangles, corners, grow};
-use crate::composite::frame::TreeSide;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::ACROSS;
+use crate::base::tuning::composite::{CONE, DEPTH, MANY_TRIANGLES};
+use crate::body::polyhedron::{ConvexPolyhedron, bounding_box};
+use crate::body::shape::Shape;
+use crate::composite::meet::frame::TreeSide;
+use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
 use crate::composite::tree::Tree;
-use crate::composite::triangle;
-use crate::num::scalar::sqrt;
-use crate::polyhedron::{ConvexPolyhedron, bounding_box};
-use crate::shape::Shape;
-use crate::tolerance::ACROSS;
-use crate::tuning::composite::{CONE, DEPTH, MANY_TRIANGLES};
 
 /// How far a mesh admits a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -2,14 +2,14 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use crate::base::pose::RelativePose;
+use crate::base::tuning::composite::BESIDE_END;
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::shape::{Core, Shape};
 use crate::composite::parts::Parted;
 use crate::composite::pieces::{Composite, Piece};
-use crate::contact::tangents_of;
-use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::RelativePose;
-use crate::shape::{Core, Shape};
-use crate::shape_tracker::ShapeTracker;
-use crate::tuning::composite::BESIDE_END;
+use crate::convex::contact::tangents_of;
+use crate::convex::shape_tracker::ShapeTracker;
 
 /// What is at a point of the plane of a face beyond the end of the face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

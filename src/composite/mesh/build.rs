@@ -7,12 +7,12 @@ use nalgebra::{Point3, Vector3};
 use super::edges::Edges;
 use super::weld::{MOST, Welded, stir, weld};
 use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
+use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
+use crate::base::num::scalar::sqrt;
+use crate::base::num::sign;
+use crate::base::tolerance::{SIDE_ERROR, UNIT};
+use crate::body::polyhedron::{ConvexPolyhedron, bounding_box};
 use crate::composite::tree::{LEAF, Tree};
-use crate::num::fingerprint::{Fingerprint, Fingerprinter};
-use crate::num::scalar::sqrt;
-use crate::num::sign;
-use crate::polyhedron::{ConvexPolyhedron, bounding_box};
-use crate::tolerance::{SIDE_ERROR, UNIT};
 
 impl Mesh {
     /// Builds a mesh of points and triangles.
@@ -155,7 +155,7 @@ fn assemble(welded: Welded, sieved: Sieved, found: Edges, given: usize) -> Mesh 
     let points: Vec<_> = ordered.source.iter().map(|&v| welded.points[v as usize]).collect();
     tree.fit(&points, &ordered.triangles, 0.0);
     let (low, high) = bounding_box(&points);
-    let unit = crate::polyhedron::power_of_two(welded.exponent);
+    let unit = crate::body::polyhedron::power_of_two(welded.exponent);
     parts.iter_mut().for_each(|p| p.volume *= unit * unit * unit);
     let kind = if found.closed {
         MeshKind::Solid

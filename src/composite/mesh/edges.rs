@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::MeshPart;
-use crate::num::sign;
-use crate::tolerance::SLANT;
+use crate::base::num::sign;
+use crate::base::tolerance::SLANT;
 
 /// The edges of a mesh that are not between two triangles of opposite sense.
 #[derive(Default)]

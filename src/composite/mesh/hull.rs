@@ -11,10 +11,10 @@ use core::fmt;
 use nalgebra::{Point3, Vector3};
 
 use super::Mesh;
-use crate::composite::greatest::greatest;
-use crate::composite::triangle::{self, Triangle};
-use crate::num::scalar::sqrt;
-use crate::polyhedron::{BuildError, ConvexPolyhedron};
+use crate::base::num::scalar::sqrt;
+use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
+use crate::composite::meet::triangle::{self, Triangle};
+use crate::composite::tree::maximum::greatest;
 
 /// The gap is bracketed to this part of half the diagonal of the mesh's box: 0.4 %.
 pub(in crate::composite) const RESOLUTION: f64 = 1.0 / 256.0;

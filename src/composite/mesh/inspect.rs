@@ -4,13 +4,13 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Vector3};
 
 use super::Mesh;
-use crate::composite::bounds::{BoundAim, MOST, bounds};
-use crate::composite::frame::TreeFrame;
+use crate::base::num::sign;
+use crate::base::pose::RelativePose;
+use crate::composite::meet::bounds::{BoundAim, MOST, bounds};
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::search::split_pair;
 use crate::composite::parts::Parted;
-use crate::composite::search::split_pair;
 use crate::composite::tree::Below;
-use crate::num::sign;
-use crate::pose::RelativePose;
 
 /// What a mesh has that a clean solid does not. Indices are the caller's.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

@@ -6,9 +6,11 @@ pub(super) mod hull;
 mod inspect;
 mod mass;
 pub(super) mod nearest;
+mod pair;
 #[cfg(feature = "serde")]
 mod persist;
 mod report;
+pub(crate) mod tracker;
 mod weld;
 
 use alloc::vec::Vec;
@@ -18,8 +20,8 @@ pub use hull::HullFit;
 pub use inspect::MeshInspection;
 pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
 
-use super::tree::Tree;
-use crate::num::fingerprint::Fingerprint;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::composite::tree::Tree;
 
 /// A body made of triangles: the mesh as the caller brought it, not a decomposition.
 ///
@@ -141,7 +143,7 @@ impl Mesh {
 
     /// One stored unit in the caller's.
     pub(crate) fn unit(&self) -> f64 {
-        crate::polyhedron::power_of_two(self.exponent)
+        crate::body::polyhedron::power_of_two(self.exponent)
     }
 
     /// The middle of a triangle in stored coordinates.

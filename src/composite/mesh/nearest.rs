@@ -3,10 +3,10 @@
 use nalgebra::Vector3;
 
 use super::Mesh;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::UNIT_SINGLE;
+use crate::composite::meet::triangle;
 use crate::composite::tree::{Below, Tree};
-use crate::composite::triangle;
-use crate::num::scalar::sqrt;
-use crate::tolerance::UNIT_SINGLE;
 
 /// The nearest point of a mesh, in stored coordinates.
 #[derive(Clone, Copy)]

@@ -6,9 +6,9 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::MeshError;
-use crate::num::scalar::sqrt;
-use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
-use crate::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
+use crate::body::polyhedron::{bounding_box, exponent_of, power_of_two};
 
 /// Most points and triangles: an id of a triangle shares its 32 bits with a mark and a count.
 pub(super) const MOST: usize = 1 << 27;

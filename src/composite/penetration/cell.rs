@@ -22,16 +22,16 @@ use alloc::vec::Vec;
 use core::cmp::Ordering;
 use nalgebra::{Point3, Vector3};
 
-use crate::composite::heights::height;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::CELL;
+use crate::base::tuning::composite::{BEYOND, CELL_HALVINGS, CELL_PLANES};
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::shape::Shape;
+use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
 use crate::composite::mesh::nearest::From;
 use crate::composite::tree::Below;
-use crate::composite::triangle;
-use crate::num::scalar::sqrt;
-use crate::polyhedron::ConvexPolyhedron;
-use crate::shape::Shape;
-use crate::tolerance::CELL;
-use crate::tuning::composite::{BEYOND, CELL_HALVINGS, CELL_PLANES};
+use crate::composite::tree::height::height;
 
 /// Returns a convex body inside a solid mesh, in the caller's unit, about a point in stored
 /// coordinates, at most `reach` wide to each side; `None` if none is found.

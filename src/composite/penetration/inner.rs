@@ -21,18 +21,18 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 use super::cell::cell;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tuning::composite::{DEEP_POINTS, SINKS};
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::shape::{Core, Shape};
+use crate::composite::meet::state::PosedTrees;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::{Composite, Piece};
-use crate::composite::placed::Placed;
-use crate::composite::state::PosedTrees;
-use crate::num::scalar::sqrt;
+use crate::composite::placement::Placed;
+use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::{Class, Outcome};
-use crate::polyhedron::ConvexPolyhedron;
-use crate::pose::RelativePose;
-use crate::shape::{Core, Shape};
-use crate::shape_tracker::ShapeTracker;
-use crate::tuning::composite::{DEEP_POINTS, SINKS};
 
 /// A lower bound of a depth, and the translation of the inner body that ends the overlap found.
 pub(super) type ProvenDepth = (f64, Vector3<f64>);

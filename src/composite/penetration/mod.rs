@@ -23,19 +23,19 @@ mod inner;
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
-use super::mesh::Mesh;
-use super::parts::{Parted, PartsRef};
-use super::pieces::CompositeTracker;
-use super::placed::relative;
-use super::state::PosedTrees;
-use super::tracker::MeshTracker;
-use crate::num::scalar::sqrt;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{CERTIFICATE, UNIT};
+use crate::base::tuning::composite::{BEYOND, CELL_REACH, HALVINGS, PUSHES};
+use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
+use crate::composite::meet::state::PosedTrees;
+use crate::composite::mesh::Mesh;
+use crate::composite::mesh::tracker::MeshTracker;
+use crate::composite::parts::{Parted, PartsRef};
+use crate::composite::pieces::CompositeTracker;
+use crate::composite::placement::relative;
+use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Class;
-use crate::polyhedron::{BuildError, ConvexPolyhedron};
-use crate::pose::RelativePose;
-use crate::tolerance::{CERTIFICATE, UNIT};
-use crate::tracker::Tracker;
-use crate::tuning::composite::{BEYOND, CELL_REACH, HALVINGS, PUSHES};
 
 /// Bounds of the penetration depth of two bodies: an interval, not a distance. The depth is the
 /// length of the shortest translation of B after which the bodies share no inner point.

@@ -9,15 +9,15 @@ use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
 pub(crate) use tracker::CompositeTracker;
 
-use super::frame::TreeSide;
-use super::mesh::{Mesh, MeshError};
-use super::parts::{Parted, PartsRef};
-use super::tree::Tree;
-use crate::num::fingerprint::{Fingerprint, Fingerprinter};
-use crate::num::scalar::sqrt;
-use crate::polyhedron::{BoxHint, BuildError, ConvexPolyhedron, bounding_box, exponent_of, power_of_two};
-use crate::shape::{Core, Mass, Shape};
-use crate::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, UNIT};
+use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, UNIT};
+use crate::body::polyhedron::{BoxHint, BuildError, ConvexPolyhedron, bounding_box, exponent_of, power_of_two};
+use crate::body::shape::{Core, Mass, Shape};
+use crate::composite::meet::frame::TreeSide;
+use crate::composite::mesh::{Mesh, MeshError};
+use crate::composite::parts::{Parted, PartsRef};
+use crate::composite::tree::Tree;
 
 /// A convex piece of a [`Composite`]: a shape of any kind, its pose in the body's frame, and a
 /// name.

@@ -3,17 +3,17 @@
 use alloc::collections::BTreeMap;
 use nalgebra::{Isometry3, Vector3};
 
-use crate::composite::frame::TreeFrame;
+use crate::body::polyhedron::FeaturePair;
+use crate::body::shape::Shape;
 use crate::composite::front::NodePair;
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::search::{Judge, Measured};
+use crate::composite::meet::shared::Touching;
+use crate::composite::meet::state::PosedTrees;
 use crate::composite::parts::Parted;
-use crate::composite::placed::Placed;
-use crate::composite::search::{Judge, Measured};
-use crate::composite::shared::Touching;
-use crate::composite::state::PosedTrees;
+use crate::composite::placement::Placed;
+use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::{Class, Outcome};
-use crate::polyhedron::FeaturePair;
-use crate::shape::Shape;
-use crate::shape_tracker::ShapeTracker;
 
 /// Two parts that came near.
 #[derive(Clone, Debug)]

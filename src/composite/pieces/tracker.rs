@@ -3,16 +3,16 @@
 use alloc::collections::BTreeMap;
 
 use super::pair::{NearParts, PartJudge};
+use crate::base::num::count::Counter;
+use crate::base::pose::RelativePose;
+use crate::base::tuning::composite::TRACKERS;
+use crate::body::polyhedron::FeaturePair;
 use crate::composite::front::NodePair;
-use crate::composite::kept::Kept;
+use crate::composite::front::memory::FrontMemory;
+use crate::composite::meet::state::{PosedTrees, TreeAnswer, TreeState};
 use crate::composite::parts::Parted;
-use crate::composite::state::{PosedTrees, TreeAnswer, TreeState};
 use crate::composite::work::MeshWork;
-use crate::num::count::Counter;
 use crate::pair::spot::{Answer, Spot};
-use crate::polyhedron::FeaturePair;
-use crate::pose::RelativePose;
-use crate::tuning::composite::TRACKERS;
 
 /// The front of the last answer for one pair of bodies of convex parts, and a
 /// `ShapeTracker` for each pair of parts that came near.
@@ -44,7 +44,7 @@ impl CompositeTracker {
         self.state.kept.work
     }
 
-    pub(in crate::composite) fn kept(&self) -> &Kept {
+    pub(in crate::composite) fn kept(&self) -> &FrontMemory {
         &self.state.kept
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use crate::num::scalar::sqrt;
+use crate::base::num::scalar::sqrt;
 
 /// Sweeps after which a symmetric matrix of three is diagonal to rounding: convergence is
 /// quadratic. Not a matter of soundness.

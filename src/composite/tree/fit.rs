@@ -5,9 +5,9 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::{Below, OrientedBox, Slab, Tree};
-use crate::num::scalar::sqrt;
-use crate::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
-use crate::tuning::composite::{SLAB, SLAB_ITEMS, THINNER};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
+use crate::base::tuning::composite::{SLAB, SLAB_ITEMS, THINNER};
 
 /// Vertices in the tree's coordinates, by the range of triangles or pieces that use them.
 struct Vertices<'a, I> {
@@ -63,7 +63,7 @@ impl Tree {
     /// Sets the extents of every box. Triangles or pieces are in the tree's order, vertices in the
     /// order in which these use them. No vertex is off its place by more than `error`.
     pub(crate) fn fit<I: AsRef<[u32]>>(&mut self, points: &[Vector3<f64>], items: &[I], error: f64) {
-        let scale = crate::polyhedron::power_of_two(-self.exponent);
+        let scale = crate::body::polyhedron::power_of_two(-self.exponent);
         let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
         // The rounding of the shift to the tree's origin.
         let farthest = points.iter().fold(self.centre.amax(), |m, p| m.max(p.amax()));

@@ -6,14 +6,16 @@
 
 mod eigen;
 mod fit;
+pub(in crate::composite) mod height;
+pub(in crate::composite) mod maximum;
 pub(super) use fit::up;
 mod split;
 
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use crate::num::scalar::sqrt;
-use crate::tolerance::UNIT_SINGLE;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::UNIT_SINGLE;
 
 /// A box in single precision: every point below the node is `centre + sum of s_k axis_k` with
 /// `|s_k| <= half_k`, exactly, for the numbers as stored. Coordinates are those of the tree
@@ -173,7 +175,7 @@ impl Tree {
 
     /// One length of the tree in stored lengths of the body.
     pub(crate) fn unit(&self) -> f64 {
-        crate::polyhedron::power_of_two(self.exponent)
+        crate::body::polyhedron::power_of_two(self.exponent)
     }
 
     /// Asks about the items whose boxes are at most twice `reach` from a point in stored

@@ -9,10 +9,10 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::eigen::axes;
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
-use crate::num::scalar::{greater, lesser, sqrt};
-use crate::polyhedron::{bounding_box, exponent_of, power_of_two};
-use crate::tolerance::UNIT;
-use crate::tuning::composite::{ACROSS, FEW_CORNERS, HARDLY, LEVEL, LONG, LOPSIDED, THIN};
+use crate::base::num::scalar::{greater, lesser, sqrt};
+use crate::base::tolerance::UNIT;
+use crate::base::tuning::composite::{ACROSS, FEW_CORNERS, HARDLY, LEVEL, LONG, LOPSIDED, THIN};
+use crate::body::polyhedron::{bounding_box, exponent_of, power_of_two};
 
 /// A triangle or a piece while it is sorted, in the tree's coordinates.
 #[derive(Clone, Copy)]

@@ -7,16 +7,16 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3};
 
 use super::*;
-use crate::num::double_double::DoubleDouble as Wide;
-use crate::num::scalar::Scalar;
+use crate::base::num::double_double::DoubleDouble as Wide;
+use crate::base::num::scalar::Scalar;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::UNIT;
 use crate::patch::closest::{Meeting, PatchPair};
 use crate::patch::gap::{SearchCounts, Trees};
 use crate::patch::net::Patch;
 use crate::patch::surface::Surface;
 use crate::patch::tree::{Grown, Nodes};
-use crate::pose::RelativePose;
 use crate::rng::Rng;
-use crate::tolerance::UNIT;
 
 /// A value of a patch in twice the digits, from its numbers as they are stored.
 fn exact(patch: &Patch, at: [f64; 2]) -> [Wide; 4] {

@@ -7,13 +7,13 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, UnitQuaternion};
 
 use super::*;
+use crate::base::pose::RelativePose;
 use crate::patch::closest::Patches;
 use crate::patch::frame::NetFrame;
 use crate::patch::gap::SearchCounts;
 use crate::patch::net::Patch;
 use crate::patch::surface::Surface;
 use crate::patch::tree::{Grown, Nodes};
-use crate::pose::RelativePose;
 use crate::rng::Rng;
 
 /// A patch over a square of size 2.

@@ -1,0 +1,284 @@
+//! Constant velocities: straight at a constant speed, or accelerated, and turning evenly about one
+//! axis.
+
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+
+use super::turn::Spin;
+use super::{Course, Drift, Motion, MotionError, Velocity};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{EXTENT_MAX, PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
+
+/// A motion whose pivot, a point of the body, goes straight at a constant velocity (or
+/// acceleration) while the body turns about the pivot at a constant rate about a fixed axis of the
+/// world.
+///
+/// ```
+/// use lin_canny::Velocity;
+/// use lin_canny::motion::{Motion, Steady};
+/// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+///
+/// // A door: it turns about a hinge one to the left of its own origin.
+/// let spin = Velocity::new(Vector3::zeros(), Vector3::z());
+/// let pose = Isometry3::translation(1.0, 0.0, 0.0);
+/// let hinge = Point3::new(-1.0, 0.0, 0.0);
+/// let door = Steady::about(&pose, hinge, spin)?;
+/// let open = door.pose(std::f64::consts::FRAC_PI_2);
+/// assert!((open.translation.vector - Vector3::y()).norm() < 1e-15);
+/// # Ok::<(), lin_canny::motion::MotionError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "StoredSteady")
+)]
+pub struct Steady {
+    /// At time zero: the rotation, and the pivot in the world.
+    rotation: Quaternion<f64>,
+    centre: Vector3<f64>,
+    pivot: Point3<f64>,
+    velocity: Velocity,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
+    spin: Spin,
+    acceleration: Vector3<f64>,
+    /// Bounds of the unknown part: acceleration of the pivot, and angular acceleration.
+    open: [f64; 2],
+}
+
+impl Steady {
+    /// Returns the motion of a body that is at `pose` at time zero, its own origin going at the
+    /// velocity.
+    ///
+    /// # Errors
+    /// A pose or a velocity that is not finite or out of range.
+    pub fn new(pose: &Isometry3<f64>, velocity: Velocity) -> Result<Self, MotionError> {
+        Self::about(pose, Point3::origin(), velocity)
+    }
+
+    /// Returns the motion of a body that is at `pose` at time zero, the point `pivot` of its own
+    /// frame going at the velocity.
+    ///
+    /// # Errors
+    /// A pose, a pivot or a velocity that is not finite or out of range.
+    pub fn about(pose: &Isometry3<f64>, pivot: Point3<f64>, velocity: Velocity) -> Result<Self, MotionError> {
+        RelativePose::new(pose, &Isometry3::identity())?;
+        in_range("pivot", &pivot.coords)?;
+        in_range("linear velocity", &velocity.linear)?;
+        in_range("angular velocity", &velocity.angular)?;
+        let rotation = normalised(&pose.rotation.into_inner());
+        Ok(Self {
+            rotation,
+            centre: pose.translation.vector + turned(&rotation, &pivot.coords),
+            pivot,
+            velocity,
+            spin: Spin::new(&velocity.angular),
+            acceleration: Vector3::zeros(),
+            open: [0.0; 2],
+        })
+    }
+
+    /// Returns the motion from one pose to another in the given time, at constant velocities: the
+    /// point `pivot` of the body goes straight, and the body turns by at most half a turn about one
+    /// axis (slerp).
+    ///
+    /// # Errors
+    /// A pose, a pivot or a duration that is not finite or out of range.
+    pub fn between(
+        from: &Isometry3<f64>,
+        to: &Isometry3<f64>,
+        duration: f64,
+        pivot: Point3<f64>,
+    ) -> Result<Self, MotionError> {
+        RelativePose::new(from, to)?;
+        positive("duration", duration)?;
+        in_range("pivot", &pivot.coords)?;
+        let (first, last) = (
+            normalised(&from.rotation.into_inner()),
+            normalised(&to.rotation.into_inner()),
+        );
+        let turn = last * first.conjugate();
+        let turn = if turn.w < 0.0 { -turn } else { turn };
+        let sine = sqrt(turn.imag().norm_squared());
+        // Of small angles the vector part is the half angle itself.
+        let per_sine = if sine > 0.0 {
+            2.0 * libm::atan2(sine, turn.w) / sine
+        } else {
+            2.0
+        };
+        let mut way = to.translation.vector - from.translation.vector;
+        if pivot != Point3::origin() {
+            way += turned(&last, &pivot.coords) - turned(&first, &pivot.coords);
+        }
+        let velocity = Velocity::new(way / duration, turn.imag() * (per_sine / duration));
+        Self::about(from, pivot, velocity)
+    }
+
+    /// Returns the screw of a body that is at `pose` at time zero: a turn about the line through
+    /// `point` along `axis`, both in the world, of `rate` radians a unit of time, and a shift along
+    /// the line of `advance` a unit of time.
+    ///
+    /// # Errors
+    /// A pose, a point or an axis that is not finite or out of range, or an axis of no direction.
+    pub fn screw(
+        pose: &Isometry3<f64>,
+        point: &Point3<f64>,
+        axis: &Vector3<f64>,
+        rate: f64,
+        advance: f64,
+    ) -> Result<Self, MotionError> {
+        RelativePose::new(pose, &Isometry3::identity())?;
+        in_range("point", &point.coords)?;
+        in_range("axis", axis)?;
+        let length = axis.norm();
+        positive("length of the axis", length)?;
+        let unit = axis / length;
+        let inverse = normalised(&pose.rotation.into_inner()).conjugate();
+        let pivot = turned(&inverse, &(point.coords - pose.translation.vector));
+        let velocity = Velocity::new(unit * advance, unit * rate);
+        Self::about(pose, pivot.into(), velocity)
+    }
+
+    /// Returns this motion with a constant acceleration of the pivot, such as gravity, that counts
+    /// from time zero.
+    ///
+    /// # Errors
+    /// An acceleration that is not finite or out of range.
+    pub fn accelerated(self, acceleration: Vector3<f64>) -> Result<Self, MotionError> {
+        in_range("acceleration", &acceleration)?;
+        Ok(Self { acceleration, ..self })
+    }
+
+    /// Returns the set of all motions that begin like this one at time zero and whose accelerations
+    /// differ from its own by at most `linear` (of the pivot) and `angular` (radians a unit of time
+    /// squared). Poses are still those of this motion; what is proven free is free for all of the
+    /// set.
+    ///
+    /// # Errors
+    /// A bound that is negative or not finite.
+    pub fn within(self, linear: f64, angular: f64) -> Result<Self, MotionError> {
+        for (what, value) in [
+            ("bound of acceleration", linear),
+            ("bound of angular acceleration", angular),
+        ] {
+            if !(0.0..=EXTENT_MAX).contains(&value) {
+                return Err(MotionError::Size { what, value });
+            }
+        }
+        Ok(Self {
+            open: [linear, angular],
+            ..self
+        })
+    }
+
+    /// Returns the velocity of the pivot at time zero, and the angular velocity.
+    #[must_use]
+    pub fn velocity(&self) -> Velocity {
+        self.velocity
+    }
+}
+
+/// A [`Steady`] as stored: what follows from the rest is not read.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct StoredSteady {
+    rotation: Quaternion<f64>,
+    centre: Vector3<f64>,
+    pivot: Point3<f64>,
+    velocity: Velocity,
+    acceleration: Vector3<f64>,
+    open: [f64; 2],
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredSteady> for Steady {
+    type Error = MotionError;
+
+    fn try_from(stored: StoredSteady) -> Result<Self, MotionError> {
+        let turn = UnitQuaternion::new_unchecked(stored.rotation);
+        let pose = Isometry3::from_parts(Translation3::from(stored.centre), turn);
+        let [linear, angular] = stored.open;
+        let motion = Self::about(&pose, stored.pivot, stored.velocity)?
+            .accelerated(stored.acceleration)?
+            .within(linear, angular)?;
+        Ok(Self {
+            rotation: restored(&stored.rotation),
+            centre: stored.centre,
+            ..motion
+        })
+    }
+}
+
+/// Returns a stored quaternion unchanged if its norm is one up to rounding, else over its norm.
+#[cfg(feature = "serde")]
+pub(super) fn restored(q: &Quaternion<f64>) -> Quaternion<f64> {
+    if (q.norm_squared() - 1.0).abs() <= crate::base::tolerance::NORMALISED {
+        *q
+    } else {
+        normalised(q)
+    }
+}
+
+impl Motion for Steady {
+    #[inline]
+    fn pose(&self, time: f64) -> Isometry3<f64> {
+        let rotation = UnitQuaternion::new_unchecked(if self.velocity.angular == Vector3::zeros() {
+            self.rotation
+        } else {
+            self.spin.after(time) * self.rotation
+        });
+        let mut at = self.centre + self.velocity.linear * time + self.acceleration * (0.5 * time * time);
+        if self.pivot != Point3::origin() {
+            at -= rotation * self.pivot.coords;
+        }
+        Isometry3::from_parts(Translation3::from(at), rotation)
+    }
+
+    #[inline]
+    fn course(&self, time: f64, span: f64) -> Course {
+        let latest = time.abs().max((time + span).abs());
+        let length = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
+        let gone = latest * (length(&self.velocity.linear) + latest * length(&self.acceleration));
+        let off = PLACED_CENTRE * (length(&self.centre) + gone) + PLACED_PIVOT * length(&self.pivot.coords);
+        let phase = UNIT * latest * length(&self.velocity.angular);
+        let open = |k: usize, constant: f64| {
+            let bound = self.open[k];
+            let ago = time.abs();
+            Drift([constant + 0.5 * bound * ago * ago, bound * ago, bound, 0.0])
+        };
+        Course {
+            pivot: self.pivot,
+            linear: self.velocity.linear + self.acceleration * time,
+            angular: self.velocity.angular,
+            acceleration: self.acceleration,
+            shift: open(0, off),
+            turn: open(1, TURN + 32.0 * phase * (UNIT + phase)),
+        }
+    }
+}
+
+/// Returns the quaternion over its norm. The squared norm of the quaternion of a pose is 1 to
+/// 1e-12.
+pub(super) fn normalised(q: &Quaternion<f64>) -> Quaternion<f64> {
+    q / sqrt(q.norm_squared())
+}
+
+pub(super) fn turned(q: &Quaternion<f64>, v: &Vector3<f64>) -> Vector3<f64> {
+    UnitQuaternion::new_unchecked(*q) * v
+}
+
+/// Refuses a vector that is not finite or beyond the extents of bodies.
+pub(super) fn in_range(what: &'static str, v: &Vector3<f64>) -> Result<(), MotionError> {
+    match v.iter().find(|x| !(x.abs() <= EXTENT_MAX)) {
+        Some(&value) => Err(MotionError::Value { what, value }),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn positive(what: &'static str, value: f64) -> Result<(), MotionError> {
+    if value > 0.0 && value <= EXTENT_MAX {
+        Ok(())
+    } else {
+        Err(MotionError::Size { what, value })
+    }
+}

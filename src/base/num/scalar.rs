@@ -1,0 +1,122 @@
+//! Scalar types of the solvers: f64 or double-double.
+
+/// Returns the square root, correctly rounded with and without std.
+#[inline]
+pub(crate) fn sqrt(x: f64) -> f64 {
+    #[cfg(feature = "std")]
+    return x.sqrt();
+    #[cfg(not(feature = "std"))]
+    return libm::sqrt(x);
+}
+
+/// Returns the largest power of two that is no greater than a positive normal number: products and
+/// quotients with it are exact, but for what leaves the range. Of a subnormal number the least
+/// normal number, 1 of a number that is not positive and finite.
+#[inline]
+pub(crate) fn magnitude(x: f64) -> f64 {
+    if x > 0.0 && x < f64::INFINITY {
+        f64::from_bits(x.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE)
+    } else {
+        1.0
+    }
+}
+
+/// The greater of two numbers, the second if one is NaN: a single instruction.
+#[inline(always)]
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The lesser of two numbers, the second if one is NaN: a single instruction.
+#[inline(always)]
+pub(crate) fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// Arithmetic of a solver: the generic code runs in f64 and in double-double.
+pub(crate) trait Scalar:
+    Copy
+    + Default
+    + PartialOrd
+    + core::ops::Add<Output = Self>
+    + core::ops::Sub<Output = Self>
+    + core::ops::Mul<Output = Self>
+    + core::ops::Div<Output = Self>
+    + core::ops::Neg<Output = Self>
+    + From<f64>
+{
+    /// Bound of the relative rounding error of an operation.
+    const UNIT: f64;
+    /// Returns the nearest f64.
+    fn value(self) -> f64;
+}
+
+impl Scalar for f64 {
+    const UNIT: f64 = crate::base::tolerance::UNIT;
+    #[inline]
+    fn value(self) -> f64 {
+        self
+    }
+}
+
+/// Returns the square root to the precision of the arithmetic (one Newton step past f64); 0 if `x`
+/// is not positive.
+pub(crate) fn root<T: Scalar>(x: T) -> T {
+    let r = sqrt(x.value());
+    if !(r > 0.0) {
+        return T::from(0.0);
+    }
+    let r = T::from(r);
+    if T::UNIT == crate::base::tolerance::UNIT {
+        return r;
+    }
+    (r + x / r) * T::from(0.5)
+}
+
+/// Vector in the arithmetic of a solver.
+pub(crate) type Vec3<T> = [T; 3];
+
+#[inline]
+pub(crate) fn sub<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline]
+pub(crate) fn neg<T: Scalar>(a: &Vec3<T>) -> Vec3<T> {
+    [-a[0], -a[1], -a[2]]
+}
+
+#[inline]
+pub(crate) fn scaled<T: Scalar>(a: &Vec3<T>, s: T) -> Vec3<T> {
+    [a[0] * s, a[1] * s, a[2] * s]
+}
+
+#[inline]
+pub(crate) fn dot<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline]
+pub(crate) fn cross<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Serialization of possibly infinite numbers, for formats without infinity: as the largest finite
+/// number of equal sign.
+#[cfg(feature = "serde")]
+pub(crate) mod infinite {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(crate) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_f64(x.clamp(f64::MIN, f64::MAX))
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        let x = f64::deserialize(deserializer)?;
+        Ok(if x.abs() == f64::MAX { x * 2.0 } else { x })
+    }
+}

@@ -1,0 +1,218 @@
+//! Errors of building a body.
+
+use alloc::vec::Vec;
+use core::fmt;
+
+/// The reason for which points or faces make no body. Indices are the caller's, lengths in the
+/// caller's unit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A coordinate is infinite or not a number.
+    #[error("point {index} has a coordinate that is not finite")]
+    NotFinite {
+        /// The first such point.
+        index: usize,
+    },
+    /// Fewer points than the body needs.
+    #[error("the body needs at least {needed} points, got {count}")]
+    TooFewPoints {
+        /// Points given.
+        count: usize,
+        /// Points needed.
+        needed: usize,
+    },
+    /// More points, faces or vertices of faces than 32-bit ids can name.
+    #[error("{count} points or vertices of faces are more than ids can name")]
+    TooMany {
+        /// Number of points, faces or vertices of faces.
+        count: usize,
+    },
+    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is
+    /// above 1e116 (then `extent` is the coordinate).
+    #[error("the extent {extent:e}, reached at point {index}, lies outside 1e-100..1e100")]
+    OutOfRange {
+        /// A point at an end of the longest side.
+        index: usize,
+        /// The longest side of the bounding box.
+        extent: f64,
+    },
+    /// All points are exactly coplanar (dimension 2), collinear (1) or equal (0).
+    #[error("{}", FlatPoints(*dimension, span))]
+    Flat {
+        /// Dimension of the affine hull.
+        dimension: usize,
+        /// Points that span the affine hull, one more than `dimension`.
+        span: Vec<usize>,
+    },
+    /// The vertices of a polygon leave their plane by more than rounding explains.
+    #[error("point {index} lies {distance:.2e} off the plane of the polygon, more than {bound:.2e}")]
+    PolygonNotPlanar {
+        /// The point farthest off.
+        index: usize,
+        /// The distance of the point from the plane.
+        distance: f64,
+        /// The largest accepted distance.
+        bound: f64,
+    },
+    /// A face names a point that does not exist.
+    #[error("face {face} names point {index}, which does not exist")]
+    IndexOutOfRange {
+        /// The face.
+        face: usize,
+        /// The index that does not exist.
+        index: usize,
+    },
+    /// A face has fewer than three vertices.
+    #[error("face {face} has fewer than three vertices")]
+    FaceTooSmall {
+        /// The face.
+        face: usize,
+    },
+    /// A face passes twice through one point, or through two points of equal coordinates.
+    #[error("face {face} passes twice through point {vertex}")]
+    RepeatedVertex {
+        /// The face.
+        face: usize,
+        /// The point.
+        vertex: usize,
+    },
+    /// All vertices of a face are collinear.
+    #[error("the vertices of face {face} are collinear")]
+    FaceWithoutArea {
+        /// The face.
+        face: usize,
+    },
+    /// A vertex leaves the plane of its face by more than the bound. For rounded coordinates, as in
+    /// files in single precision, see
+    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within).
+    #[error("point {vertex} lies {distance:.2e} off the plane of face {face}, more than {bound:.2e}")]
+    FaceNotPlanar {
+        /// The face.
+        face: usize,
+        /// The vertex farthest off the plane.
+        vertex: usize,
+        /// The distance of the vertex from the plane.
+        distance: f64,
+        /// The largest accepted distance.
+        bound: f64,
+    },
+    /// An edge has a face on one side only.
+    #[error("the faces are not closed: the edge from point {} to point {} has one face", edge[0], edge[1])]
+    NotClosed {
+        /// The ends of the edge, in the direction of its one face.
+        edge: [usize; 2],
+    },
+    /// An edge belongs to more than two faces, or twice to the same side.
+    #[error("the edge from point {} to point {} is used too often", edge[0], edge[1])]
+    EdgeUsedTwice {
+        /// The ends of the edge.
+        edge: [usize; 2],
+    },
+    /// A face runs clockwise seen from outside.
+    #[error("face {face} is wrongly oriented: its normal points inward")]
+    WrongOrientation {
+        /// The face.
+        face: usize,
+    },
+    /// A point lies in front of a face. If by a little, because coordinates were rounded, see
+    /// [`from_faces_within`](super::ConvexPolyhedron::from_faces_within). Else the mesh is not
+    /// convex; [`from_points`](super::ConvexPolyhedron::from_points) takes its hull.
+    #[error("not convex: point {vertex} lies {by:.2e} in front of face {face}")]
+    NotConvex {
+        /// The face.
+        face: usize,
+        /// The point that sticks out farthest.
+        vertex: usize,
+        /// The distance of the point from the plane of the face.
+        by: f64,
+    },
+    /// A planarity bound that is negative or not finite.
+    #[error("the planarity bound {value} is negative or not finite")]
+    BadBound {
+        /// The bound given.
+        value: f64,
+    },
+    /// A size of a solid outside 1e-100..1e100.
+    #[error("the {what} must lie in 1e-100..=1e100, got {value:?}")]
+    BadSize {
+        /// The parameter.
+        what: &'static str,
+        /// The value given.
+        value: f64,
+    },
+    /// A count that makes no solid, or too large a solid.
+    #[error("the number of {what} must lie in {least}..={most}, got {count}")]
+    BadCount {
+        /// The things counted.
+        what: &'static str,
+        /// The number given.
+        count: usize,
+        /// The least number accepted.
+        least: usize,
+        /// The greatest number accepted.
+        most: usize,
+    },
+    /// A scale factor that is not a positive finite number.
+    #[error("the scale factor must be positive and finite, got {value:?}")]
+    BadFactor {
+        /// The factor given.
+        value: f64,
+    },
+    /// Data of a stored body that describe no body.
+    #[error("the stored body is damaged: {what}")]
+    Damaged {
+        /// The part that does not fit.
+        what: &'static str,
+    },
+    /// The surface found is not a polyhedron. Exact predicates exclude this, so the error is a
+    /// defect of this crate.
+    #[error("the hull found is not a polyhedron; please report these points")]
+    Inconsistent,
+}
+
+/// Displays why points of a dimension below three, spanned by some of them, are no body.
+struct FlatPoints<'a>(usize, &'a [usize]);
+
+impl fmt::Display for FlatPoints<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(dimension, span) = self;
+        match dimension {
+            0 => f.write_str("all points are equal"),
+            1 => write!(f, "all points lie on the line through points {span:?}"),
+            _ => write!(f, "all points lie in the plane through points {span:?}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::string::ToString;
+    use nalgebra::{Point3, Vector3};
+
+    use crate::body::polyhedron::{ConvexPolyhedron, solids};
+
+    #[test]
+    fn refusals_are_sentences() {
+        let line = [0.0, 1.0, 3.0, 2.0].map(|x| Point3::new(x, 0.0, 0.0));
+        let square = [[0., 0.], [1., 0.], [1., 1.], [0., 1.]].map(|[x, y]| Point3::new(x, y, 0.0));
+        let hull = |points: &[Point3<f64>]| ConvexPolyhedron::from_points(points).unwrap_err().to_string();
+        assert_eq!(hull(&line[..1]), "the body needs at least 4 points, got 1");
+        assert_eq!(hull(&[Point3::origin(); 4]), "all points are equal");
+        assert_eq!(hull(&line), "all points lie on the line through points [0, 2]");
+        assert_eq!(hull(&square), "all points lie in the plane through points [0, 2, 3]");
+        assert_eq!(
+            solids::cuboid(Vector3::new(1.0, 0.0, 1.0)).unwrap_err().to_string(),
+            "the half extent must lie in 1e-100..=1e100, got 0.0"
+        );
+        assert_eq!(
+            solids::prism(2, 1.0, 1.0).unwrap_err().to_string(),
+            "the number of vertices around the axis must lie in 3..=16777216, got 2"
+        );
+        let cube = solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap();
+        assert_eq!(
+            cube.scaled(-1.0).unwrap_err().to_string(),
+            "the scale factor must be positive and finite, got -1.0"
+        );
+    }
+}

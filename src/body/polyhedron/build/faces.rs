@@ -1,0 +1,348 @@
+//! From the caller's faces to a body: every fault is found and named, then the body is the exact
+//! hull of the vertices.
+//!
+//! Faces are accepted if planar to a bound. The body is never the rounded polyhedron the caller
+//! drew but the hull of the points, so that support vertices are found along a true skeleton; a
+//! face planar only to the bound becomes several faces, and [`ConvexPolyhedron::source_face`] leads
+//! back.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use nalgebra::{Point3, Vector3};
+
+use crate::base::num::sign::side;
+use crate::base::tolerance::{PLANARITY, SIDE_ERROR};
+use crate::body::polyhedron::build::cloud::{Cloud, power_of_two};
+use crate::body::polyhedron::build::error::BuildError;
+use crate::body::polyhedron::build::source_faces::source_faces;
+use crate::body::polyhedron::plane::{plane, widest_corners};
+use crate::body::polyhedron::{ConvexPolyhedron, VertexId};
+
+const NONE: u32 = u32::MAX;
+
+impl ConvexPolyhedron {
+    /// Returns a body from points and faces, each a loop of indices counter-clockwise seen from
+    /// outside.
+    ///
+    /// Faces may leave their plane by rounding: 64 UNIT times the diagonal of the box. Several
+    /// coplanar faces become one face of the body; [`source_face`](Self::source_face) leads back.
+    /// Equal points are merged, points that no face uses are ignored and listed in
+    /// [`report`](Self::report).
+    ///
+    /// ```
+    /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
+    /// use lin_canny::nalgebra::Point3;
+    ///
+    /// let corners =
+    ///     [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
+    /// let mut faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+    /// let body = ConvexPolyhedron::from_faces(&corners, &faces)?;
+    /// assert!(body.faces().all(|f| body.source_face(f).is_some()));
+    ///
+    /// faces[1].reverse();
+    /// let error = ConvexPolyhedron::from_faces(&corners, &faces).unwrap_err();
+    /// assert_eq!(error, BuildError::WrongOrientation { face: 1 });
+    /// # Ok::<(), BuildError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`from_points`](Self::from_points), and every way in which faces fail to be
+    /// the surface of a convex body; see [`BuildError`].
+    #[doc(alias = "mesh")]
+    pub fn from_faces(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<Self, BuildError> {
+        build(points, faces, None)
+    }
+
+    /// Returns a body from points and faces as [`from_faces`](Self::from_faces) does, if the faces
+    /// are planar, and the body convex, only to a bound in the caller's unit, such as meshes stored
+    /// in single precision: for these some 1e-6 times the body's size.
+    ///
+    /// The body is the hull of the given points, so a face that is planar only to the bound becomes
+    /// several faces of the body; [`source_face`](Self::source_face) leads from each back to the
+    /// given face.
+    ///
+    /// ```
+    /// use lin_canny::ConvexPolyhedron;
+    /// use lin_canny::nalgebra::{Point3, Rotation3, Vector3};
+    ///
+    /// // A box that was turned and stored in f32: its sides are flat to 1e-8 only.
+    /// let turn = Rotation3::new(Vector3::new(0.3, 0.2, 0.1));
+    /// let corner = |i: u8| [i & 1, i >> 1 & 1, i >> 2].map(f64::from);
+    /// let rounded = |i| (turn * Point3::from(corner(i))).cast::<f32>().cast::<f64>();
+    /// let points = [0, 1, 2, 3, 4, 5, 6, 7].map(rounded);
+    /// let faces =
+    ///     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4],
+    ///         [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    /// assert!(ConvexPolyhedron::from_faces(&points, &faces).is_err());
+    /// let body = ConvexPolyhedron::from_faces_within(&points, &faces, 1e-6)?;
+    /// assert!(body.face_count() > 6 && body.report().non_planarity < 1e-6);
+    /// # Ok::<(), lin_canny::BuildError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// The errors of [`from_faces`](Self::from_faces), and a bound that is negative or not finite.
+    pub fn from_faces_within(
+        points: &[Point3<f64>],
+        faces: &[impl AsRef<[u32]>],
+        planarity_bound: f64,
+    ) -> Result<Self, BuildError> {
+        if !(planarity_bound >= 0.0 && planarity_bound.is_finite()) {
+            return Err(BuildError::BadBound { value: planarity_bound });
+        }
+        build(points, faces, Some(planarity_bound))
+    }
+}
+
+fn build(
+    points: &[Point3<f64>],
+    faces: &[impl AsRef<[u32]>],
+    bound: Option<f64>,
+) -> Result<ConvexPolyhedron, BuildError> {
+    let (used, unused) = used_points(points, faces)?;
+    let cloud = Cloud::new(points, used, 4)?;
+    let mesh = FaceList::new(points.len(), faces, &cloud)?;
+    let misdirected = mesh.check_edges()?;
+    let scale = power_of_two(-cloud.exponent);
+    let bound = bound.map_or(PLANARITY * cloud.diagonal(), |b| b * scale);
+    let planes = mesh.check_planes(&cloud, bound)?;
+    let stored = cloud.points.clone();
+    let mut body = ConvexPolyhedron::hull_of(cloud)?;
+    let places = mesh.places(&body);
+    mesh.check_convex(&body, &places, &planes, bound)?;
+    if let Some(edge) = misdirected {
+        return Err(BuildError::EdgeUsedTwice { edge });
+    }
+    body.source_faces = source_faces(&mesh, &body, &places, &stored);
+    body.report.non_planarity = planes.iter().fold(0.0f64, |m, p| m.max(p.deviation)) * body.unit();
+    body.report.unused = unused;
+    Ok(body)
+}
+
+/// Returns the points that some face uses and the unused points; refuses indices out of range.
+fn used_points(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<(Vec<u32>, Vec<u32>), BuildError> {
+    let corners = faces.iter().fold(0usize, |n, f| n.saturating_add(f.as_ref().len()));
+    for count in [points.len(), faces.len(), corners] {
+        if count >= u32::MAX as usize / 2 {
+            return Err(BuildError::TooMany { count });
+        }
+    }
+    let mut is_used = vec![false; points.len()];
+    for (face, rim) in faces.iter().enumerate() {
+        for &index in rim.as_ref() {
+            match is_used.get_mut(index as usize) {
+                Some(slot) => *slot = true,
+                None => {
+                    return Err(BuildError::IndexOutOfRange {
+                        face,
+                        index: index as usize,
+                    });
+                }
+            }
+        }
+    }
+    Ok((0..points.len() as u32).partition(|&i| is_used[i as usize]))
+}
+
+/// The caller's faces, over the points of the cloud.
+pub(crate) struct FaceList {
+    /// Vertices of all faces, face after face, as indices in the cloud.
+    pub(crate) corners: Vec<u32>,
+    /// Start of each face in `corners`, and the end of the last face.
+    first: Vec<u32>,
+    /// The caller's index of each point of the cloud.
+    pub(crate) source: Vec<u32>,
+}
+
+/// The plane of one of the caller's faces, in stored units.
+struct FacePlane {
+    normal: Vector3<f64>,
+    base: Vector3<f64>,
+    /// The largest distance of a vertex of the face from the plane.
+    deviation: f64,
+}
+
+impl FaceList {
+    fn new(points: usize, faces: &[impl AsRef<[u32]>], cloud: &Cloud) -> Result<Self, BuildError> {
+        let mut place = vec![NONE; points];
+        for (i, &s) in cloud.source.iter().enumerate() {
+            place[s as usize] = i as u32;
+        }
+        for &(dropped, kept) in &cloud.duplicates {
+            place[dropped as usize] = place[kept as usize];
+        }
+        let mut mesh = Self {
+            corners: Vec::new(),
+            first: vec![0],
+            source: cloud.source.clone(),
+        };
+        let mut met = vec![NONE; cloud.points.len()];
+        for (face, rim) in faces.iter().enumerate() {
+            for &index in rim.as_ref() {
+                let corner = place[index as usize];
+                if core::mem::replace(&mut met[corner as usize], face as u32) == face as u32 {
+                    return Err(BuildError::RepeatedVertex {
+                        face,
+                        vertex: index as usize,
+                    });
+                }
+                mesh.corners.push(corner);
+            }
+            if rim.as_ref().len() < 3 {
+                return Err(BuildError::FaceTooSmall { face });
+            }
+            mesh.first.push(mesh.corners.len() as u32);
+        }
+        Ok(mesh)
+    }
+
+    pub(crate) fn face_count(&self) -> usize {
+        self.first.len() - 1
+    }
+
+    pub(crate) fn face(&self, f: usize) -> &[u32] {
+        &self.corners[self.corners_of(f)]
+    }
+
+    /// Returns the range of a face in `corners`.
+    pub(crate) fn corners_of(&self, f: usize) -> core::ops::Range<usize> {
+        self.first[f] as usize..self.first[f + 1] as usize
+    }
+
+    fn name(&self, place: u32) -> usize {
+        self.source[place as usize] as usize
+    }
+
+    /// Checks that every edge has two faces. Returns an edge passed twice in one direction, if any:
+    /// then a face is turned over, and the planes decide which.
+    fn check_edges(&self) -> Result<Option<[usize; 2]>, BuildError> {
+        let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(self.corners.len());
+        for f in 0..self.face_count() {
+            let rim = self.face(f);
+            let ends = rim.iter().zip(rim.iter().cycle().skip(1));
+            edges.extend(ends.map(|(&a, &b)| (a.min(b), a.max(b), a < b)));
+        }
+        edges.sort_unstable();
+        let mut misdirected = None;
+        for uses in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+            let (low, high, rising) = uses[0];
+            let (a, b) = if rising { (low, high) } else { (high, low) };
+            let edge = [self.name(a), self.name(b)];
+            match *uses {
+                [_] => return Err(BuildError::NotClosed { edge }),
+                [x, y] if x.2 != y.2 => {}
+                [_, _] => misdirected = misdirected.or(Some(edge)),
+                _ => return Err(BuildError::EdgeUsedTwice { edge }),
+            }
+        }
+        Ok(misdirected)
+    }
+
+    fn check_planes(&self, cloud: &Cloud, bound: f64) -> Result<Vec<FacePlane>, BuildError> {
+        (0..self.face_count())
+            .map(|f| self.face_plane(f, cloud, bound))
+            .collect()
+    }
+
+    fn face_plane(&self, f: usize, cloud: &Cloud, bound: f64) -> Result<FacePlane, BuildError> {
+        let rim = self.face(f);
+        let corners = widest_corners(&cloud.points, rim);
+        let [a, b, c] = corners.map(|v| &cloud.points[v as usize]);
+        let mut normal = plane(a, b, c, 0.0).0.normal;
+        if normal == Vector3::zeros() {
+            return Err(BuildError::FaceWithoutArea { face: f });
+        }
+        // Vertices may turn either way if the face is not convex; the area of the whole face has
+        // the right sign, unless the face is a sliver at rounding level.
+        let at = |v: &u32| cloud.points[*v as usize] - a;
+        let around = rim.iter().zip(rim.iter().cycle().skip(1)).map(|(p, q)| (at(p), at(q)));
+        let (area, error) = around.fold((0.0, 0.0), |(area, error), (p, q)| {
+            (
+                area + p.cross(&q).dot(&normal),
+                error + SIDE_ERROR * p.norm() * q.norm(),
+            )
+        });
+        if area < -2.0 * error {
+            normal = -normal;
+        }
+        // A vertex exactly in the plane has distance zero, whatever the rounding of the normal, and
+        // no other vertex has.
+        let off = |v: u32| {
+            let p = &cloud.points[v as usize];
+            if corners.contains(&v) || side(a, b, c, p) == 0.0 {
+                0.0
+            } else {
+                normal.dot(&(p - a)).abs().max(f64::MIN_POSITIVE)
+            }
+        };
+        let worst = rim.iter().fold(rim[0], |w, &v| if off(v) > off(w) { v } else { w });
+        let deviation = off(worst);
+        if deviation > bound {
+            let unit = power_of_two(cloud.exponent);
+            let (distance, bound) = (deviation * unit, bound * unit);
+            return Err(BuildError::FaceNotPlanar {
+                face: f,
+                vertex: self.name(worst),
+                distance,
+                bound,
+            });
+        }
+        Ok(FacePlane {
+            normal,
+            base: *a,
+            deviation,
+        })
+    }
+
+    /// Returns the index in the cloud of each vertex of the body; both lists have one order.
+    fn places(&self, body: &ConvexPolyhedron) -> Vec<u32> {
+        let mut wanted = body.source.iter().peekable();
+        let is_vertex = |place: &u32| wanted.next_if_eq(&&self.source[*place as usize]).is_some();
+        (0..self.source.len() as u32).filter(is_vertex).collect()
+    }
+
+    /// Checks that every face supports the hull from outside. With closed edges this makes the
+    /// faces the whole surface.
+    fn check_convex(
+        &self,
+        body: &ConvexPolyhedron,
+        places: &[u32],
+        planes: &[FacePlane],
+        bound: f64,
+    ) -> Result<(), BuildError> {
+        let mut vertex_at = vec![NONE; self.source.len()];
+        for (v, &place) in places.iter().enumerate() {
+            vertex_at[place as usize] = v as u32;
+        }
+        // The excess of a sound face is at most the bound plus the rounding of this comparison.
+        let accept = bound + PLANARITY * body.radius;
+        for (f, p) in planes.iter().enumerate() {
+            let corners = self
+                .face(f)
+                .iter()
+                .map(|&c| vertex_at[c as usize])
+                .filter(|&v| v != NONE)
+                .map(VertexId);
+            let start = corners
+                .min_by_key(|&v| body.topology.fan(v).len())
+                .unwrap_or(VertexId(0));
+            let front = body.support_climb(&p.normal, start);
+            let by = p.normal.dot(&(body.points[front.index()] - p.base));
+            if by > accept {
+                let back = body.support_climb(&-p.normal, start);
+                let behind = p.normal.dot(&(p.base - body.points[back.index()]));
+                if behind <= accept {
+                    return Err(BuildError::WrongOrientation { face: f });
+                }
+                let vertex = body.source[front.index()] as usize;
+                return Err(BuildError::NotConvex {
+                    face: f,
+                    vertex,
+                    by: by * body.unit(),
+                });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,259 @@
+//! From points to a body: cloud, hull, faces, planes, report.
+
+pub(crate) mod cloud;
+pub(crate) mod error;
+mod faces;
+mod facets;
+mod flat;
+pub(crate) mod hull;
+#[cfg(feature = "serde")]
+mod persist;
+mod rebuild;
+pub(crate) mod report;
+mod source_faces;
+
+use alloc::vec::Vec;
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
+use crate::base::num::scalar::{Scalar, sqrt};
+use crate::base::num::sign::side;
+use crate::base::tolerance::{COPLANAR, ROUND_UP};
+use crate::base::tuning::polyhedron::{FEW, FLAT};
+use crate::body::polyhedron::bounds::Scan;
+#[cfg(feature = "exact")]
+use crate::body::polyhedron::build::cloud::lowest_bit;
+use crate::body::polyhedron::build::cloud::{Cloud, bounding_box, power_of_two};
+use crate::body::polyhedron::build::error::BuildError;
+use crate::body::polyhedron::build::facets::Facets;
+use crate::body::polyhedron::build::hull::{AffineSpan, HullSurface, NONE, hull};
+use crate::body::polyhedron::build::report::BuildReport;
+use crate::body::polyhedron::fans::Fans;
+use crate::body::polyhedron::plane::{plane, widest_corners};
+use crate::body::polyhedron::support::CubeMap;
+use crate::body::polyhedron::topology::Topology;
+use crate::body::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId, Plane};
+
+/// Number of largest faces for the thickness of the report.
+const WIDTHS: usize = 8;
+
+impl ConvexPolyhedron {
+    /// Returns the convex hull of points, in any order and any unit.
+    ///
+    /// Every decision is an exact sign, so the hull is right at any aspect ratio: no extreme point
+    /// is lost and none invented. Exactly coplanar facets are one face; points that are not extreme
+    /// are dropped and listed in [`report`](Self::report). Vertices are numbered along a
+    /// space-filling curve, whatever the order of the input. Time is near `n log n`.
+    ///
+    /// ```
+    /// use lin_canny::polyhedron::{BuildError, ConvexPolyhedron};
+    /// use lin_canny::nalgebra::Point3;
+    ///
+    /// let corners =
+    ///     [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.], [0.1, 0.1, 0.1]];
+    /// let body = ConvexPolyhedron::from_points(&corners.map(Point3::from))?;
+    /// assert_eq!((body.vertex_count(), body.face_count()), (4, 4));
+    /// assert_eq!(body.report().interior, [4]);
+    ///
+    /// let flat = [0, 1, 2, 0].map(|i: usize| Point3::from(corners[i]));
+    /// let flat = ConvexPolyhedron::from_points(&flat);
+    /// assert!(matches!(flat, Err(BuildError::Flat { dimension: 2, .. })));
+    /// # Ok::<(), BuildError>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Fewer than four points, a coordinate that is not finite, an extent outside 1e-100..1e100, or
+    /// points that are all exactly coplanar: see [`BuildError`]. Flat bodies have constructors of
+    /// their own: [`polygon`](Self::polygon), [`segment`](Self::segment), [`point`](Self::point).
+    #[doc(alias = "convex_hull")]
+    #[doc(alias = "quickhull")]
+    pub fn from_points(points: &[Point3<f64>]) -> Result<Self, BuildError> {
+        let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
+        Self::hull_of(Cloud::new(points, indices, 4)?)
+    }
+
+    /// Returns the hull of a cloud that is not flat.
+    pub(crate) fn hull_of(cloud: Cloud) -> Result<Self, BuildError> {
+        let surface = hull(&cloud.points)
+            .map_err(|span| flat(&cloud, &span))?
+            .ok_or(BuildError::Inconsistent)?;
+        let facets = Facets::new(&cloud.points, &surface).ok_or(BuildError::Inconsistent)?;
+        let mut body = Self::assemble(&cloud, &facets.kept, &facets.loops)?;
+        body.report.merged_facets = facets.merged;
+        let name = |list: &[u32]| list.iter().map(|&i| cloud.source[i as usize]).collect();
+        body.report.on_faces = name(&facets.on_faces);
+        body.report.on_edges = name(&facets.on_edges);
+        body.sort_out_dropped(&cloud, &surface, &facets);
+        Ok(body)
+    }
+
+    /// Assembles a body from the indices of its vertices in the cloud and its faces by vertex
+    /// number.
+    pub(crate) fn assemble(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> Result<Self, BuildError> {
+        let points: Vec<Vector3<f64>> = kept.iter().map(|&i| cloud.points[i as usize]).collect();
+        let topology = Topology::from_loops(points.len(), loops).ok_or(BuildError::Inconsistent)?;
+        let radius = points.iter().fold(0.0f64, |r, p| r.max(p.norm_squared()));
+        let radius = sqrt(radius) * ROUND_UP;
+        let (planes, areas) = planes_of(&points, loops, radius);
+        let (low, high) = bounding_box(&points);
+        let thickness_ratio = thickness_ratio(&points, &planes, &areas, (high - low).max());
+        let (vertices, edges) = (points.len(), topology.half_edge_count() / 2);
+        let faces = if loops.len() == 1 { 0 } else { loops.len() };
+        let report = BuildReport {
+            input_points: cloud.given,
+            vertices,
+            edges,
+            faces,
+            duplicates: cloud.duplicates.clone(),
+            flushed_coordinates: cloud.flushed,
+            thickness_ratio,
+            euler_characteristic: vertices as i64 - edges as i64 + faces as i64,
+            ..BuildReport::default()
+        };
+        if loops.len() > 1 && report.euler_characteristic != 2 {
+            return Err(BuildError::Inconsistent);
+        }
+        // Summed in double-double: however many vertices, the mean is off the body by no more than
+        // a few units of rounding, as the proof of a depth requires (`depth::pyramid`).
+        let sum = |k: usize| {
+            points
+                .iter()
+                .fold(DoubleDouble::default(), |sum, p| sum + DoubleDouble::from(p[k]))
+        };
+        let vertex_mean = Vector3::from_fn(|k, _| sum(k).value() / points.len() as f64);
+        let squares = points.iter().map(|p| (p - vertex_mean) * (p - vertex_mean).transpose());
+        let covariance3 = squares.sum::<Matrix3<f64>>() * (3.0 / points.len() as f64);
+        let mean = covariance3.trace() / 3.0;
+        let has_coplanar_neighbours = HalfEdgeId::all(topology.half_edge_count()).any(|h| {
+            let e = topology.half_edge(h);
+            let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f.index()].normal);
+            m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
+        });
+        let fans = Fans::new(&topology, &points, &planes);
+        #[cfg(feature = "exact")]
+        let given = points.iter().flat_map(|p| cloud.given_place(p).data.0[0]);
+        Ok(Self {
+            #[cfg(feature = "exact")]
+            lowest_bit: lowest_bit(given),
+            lookup: CubeMap::new(&topology, &points, &fans),
+            has_large_rings: topology.has_large_faces() || !fans.is_empty(),
+            fans,
+            scan: Scan::new(&points),
+            vertex_mean,
+            covariance3,
+            is_flat: points.len() > FEW && covariance3.determinant() < FLAT * mean * mean * mean,
+            topology,
+            source: kept.iter().map(|&i| cloud.source[i as usize]).collect(),
+            points,
+            planes,
+            source_faces: Vec::new(),
+            origin: cloud.origin,
+            exponent: cloud.exponent,
+            is_unscaled: cloud.exponent == 0 && cloud.origin == Vector3::zeros(),
+            radius,
+            low,
+            high,
+            has_coplanar_neighbours,
+            fingerprint: fingerprint_of(cloud, kept, loops),
+            report,
+        })
+    }
+
+    /// Enters the points that never became vertices of the hull's triangles into the report.
+    fn sort_out_dropped(&mut self, cloud: &Cloud, surface: &HullSurface, facets: &Facets) {
+        let mut settled = alloc::vec![false; cloud.points.len()];
+        for &i in facets.kept.iter().chain(&facets.on_edges).chain(&facets.on_faces) {
+            settled[i as usize] = true;
+        }
+        for (i, p) in cloud.points.iter().enumerate().filter(|(i, _)| !settled[*i]) {
+            let list = match surface.touching[i] {
+                NONE => &mut self.report.interior,
+                triangle if facets.is_on_edge(&cloud.points, triangle, p) => &mut self.report.on_edges,
+                _ => &mut self.report.on_faces,
+            };
+            list.push(cloud.source[i]);
+        }
+    }
+
+    /// Returns an exact sign: positive if a point in stored coordinates is in front of a face, 0 in
+    /// its plane.
+    pub(crate) fn face_side(&self, face: FaceId, p: &Vector3<f64>) -> f64 {
+        let h = self.topology.rim_half_edge(face);
+        let e = self.topology.half_edge(h);
+        let corners = [self.topology.from(h), e.to, self.topology.half_edge(e.next).to];
+        let [a, b, c] = corners.map(|v| &self.points[v.index()]);
+        side(a, b, c, p)
+    }
+
+    /// Returns the stored unit: stored lengths times the unit are the caller's.
+    pub(crate) fn unit(&self) -> f64 {
+        power_of_two(self.exponent)
+    }
+}
+
+/// Returns the fingerprint of vertices, scale and faces.
+fn fingerprint_of(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> Fingerprint {
+    let mut all = Fingerprinter::new(*b"polyhedr");
+    all.vector(&cloud.origin);
+    all.word(cloud.exponent as u64);
+    all.word(kept.len() as u64);
+    kept.iter().for_each(|&k| all.vector(&cloud.points[k as usize]));
+    all.word(loops.len() as u64);
+    all.indices(loops.iter().flat_map(|rim| {
+        let length = rim.len() as u32;
+        core::iter::once(length).chain(rim.iter().copied())
+    }));
+    all.end()
+}
+
+/// Returns the plane of each face, and twice the area of the widest triangle on the face; zeros for
+/// the null face of a segment.
+fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<Plane>, Vec<f64>) {
+    let null = Plane {
+        normal: Vector3::zeros(),
+        offset: 0.0,
+    };
+    let of_face = |rim: &Vec<u32>| {
+        if rim.len() < 3 {
+            return (null, 0.0);
+        }
+        let [a, b, c] = widest_corners(points, rim).map(|v| &points[v as usize]);
+        plane(a, b, c, radius)
+    };
+    loops.iter().map(of_face).unzip()
+}
+
+/// Returns the error for a flat cloud.
+pub(crate) fn flat(cloud: &Cloud, span: &AffineSpan) -> BuildError {
+    let span: Vec<usize> = span.iter().map(|&i| cloud.source[i as usize] as usize).collect();
+    BuildError::Flat {
+        dimension: span.len().saturating_sub(1),
+        span,
+    }
+}
+
+/// Returns the least width along the axes of the box and the normals of the largest faces, over the
+/// longest side of the box.
+fn thickness_ratio(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], extent: f64) -> f64 {
+    if extent <= 0.0 || planes.len() < 3 {
+        return 0.0;
+    }
+    let mut largest: Vec<usize> = Vec::with_capacity(WIDTHS + 1);
+    for f in 0..planes.len() {
+        if largest.len() < WIDTHS || areas[f] > areas[largest[WIDTHS - 1]] {
+            let place = largest.partition_point(|&g| areas[g] >= areas[f]);
+            largest.insert(place, f);
+            largest.truncate(WIDTHS);
+        }
+    }
+    let (low, high) = bounding_box(points);
+    let mut width = (high - low).min();
+    for f in largest {
+        let n = planes[f].normal;
+        let below = points.iter().fold(f64::INFINITY, |m, p| m.min(n.dot(p)));
+        width = width.min(planes[f].offset - below);
+    }
+    (width / extent).clamp(0.0, 1.0)
+}

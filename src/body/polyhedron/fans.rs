@@ -1,0 +1,228 @@
+//! Fans of many edges: the steepest edge along a direction, without examining every edge.
+//!
+//! Let `m` be a direction along which every edge `e` of a fan rises. Then the points `e / (m . e)`
+//! are the vertices of a convex polygon in the plane `m . x = 1`, and the heights `n . e / (m . e)`
+//! along any direction `n` are unimodal round the polygon; a height is positive if and only if
+//! `n . e` is. A search round the fan therefore finds a rising edge if there is one: for certain if
+//! heights are compared without rounding (`heights`), else most of the time.
+//!
+//! ```text
+//!   \_______/        plane m . x = 1: the points e / (m . e), a convex polygon
+//!    \     /    ^
+//!     \   /     m    every edge e of the fan rises along m
+//!      \ /
+//!       v
+//! ```
+
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use crate::base::num::sign::side;
+use crate::base::tuning::polyhedron::{LARGE, MANY};
+use crate::body::polyhedron::axis::Axis;
+use crate::body::polyhedron::cycle::Cycle;
+use crate::body::polyhedron::heights::{Direction, Slope};
+use crate::body::polyhedron::topology::Topology;
+use crate::body::polyhedron::unimodal::{top_from, top_of_ring};
+use crate::body::polyhedron::{ConvexPolyhedron, HalfEdgeId, Plane, VertexId};
+
+/// The large fans of a body: their vertices in rising order, each with its axis.
+#[derive(Clone, Debug)]
+pub(crate) struct Fans(Vec<(VertexId, Axis)>);
+
+impl Fans {
+    /// Computes the axes of all fans of more than [`LARGE`] edges; fans without an axis are left
+    /// out.
+    pub(crate) fn new(topology: &Topology, points: &[Vector3<f64>], planes: &[Plane]) -> Self {
+        let axis = |v| {
+            Axis::from_normals(topology, points, planes, v).or_else(|| Axis::from_exact_normals(topology, points, v))
+        };
+        let large = VertexId::all(topology.vertex_count()).filter(|&v| topology.fan(v).len() > LARGE);
+        Self(large.filter_map(|v| Some((v, axis(v)?))).collect())
+    }
+
+    /// Returns whether the body has no large fan.
+    #[inline(always)]
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Returns the bytes on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.0.capacity() * size_of::<(VertexId, Axis)>()
+    }
+
+    /// Returns the axis of the fan of `v`; `None` for fans of up to [`MANY`] edges, which are
+    /// examined edge by edge.
+    #[inline(always)]
+    pub(crate) fn axis(&self, topology: &Topology, v: VertexId) -> Option<&Axis> {
+        if topology.fan(v).len() <= MANY {
+            None
+        } else {
+            self.find(v)
+        }
+    }
+
+    #[cold]
+    fn find(&self, v: VertexId) -> Option<&Axis> {
+        let k = self.0.binary_search_by_key(&v, |f| f.0).ok()?;
+        Some(&self.0[k].1)
+    }
+}
+
+/// Returns the half-edge of the large fan of `v` with the greatest `n . e / (m . e)`, in f64 as far
+/// as the axis allows.
+#[inline(never)]
+pub(crate) fn steepest(
+    t: &Topology,
+    points: &[Vector3<f64>],
+    v: VertexId,
+    axis: &Axis,
+    n: &Vector3<f64>,
+) -> HalfEdgeId {
+    let (fan, p, m) = (t.fan(v), points[v.index()], axis.rounded());
+    let to = |h| t.half_edge(h).to;
+    if axis.is_plain {
+        fan.top(|h| {
+            let e = points[to(h).index()] - p;
+            n.dot(&e) / m.dot(&e)
+        })
+    } else {
+        let n = Direction::new(points, n, &Vector3::zeros());
+        fan.top(|h| Slope(&n, axis, v, to(h)))
+    }
+}
+
+impl ConvexPolyhedron {
+    /// Returns half-edges of `v` among which are all half-edges whose edge or left face also holds
+    /// vertex `w`: the whole fan, or three half-edges of a large fan.
+    pub(crate) fn toward(&self, v: VertexId, w: VertexId) -> impl Iterator<Item = HalfEdgeId> + Clone + use<> {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        let m = fan.len();
+        let (mut first, mut count) = (0, m);
+        if m > MANY {
+            // Seen along the first edge from `v`, all edges turn counter-clockwise by less than
+            // half a turn, and `w` lies among them.
+            let to = |k: usize| &self.points[t.half_edge(fan.at(k)).to.index()];
+            let (p, q, at) = (&self.points[v.index()], to(0), &self.points[w.index()]);
+            let (mut low, mut high) = (1, m);
+            while low < high {
+                let k = low.midpoint(high);
+                if side(p, q, to(k), at) < 0.0 {
+                    low = k + 1;
+                } else {
+                    high = k;
+                }
+            }
+            // Vertex `w` lies between the edges before and at `low`, or on the edge before, and
+            // then also on the face before that edge.
+            (first, count) = (low + m - 2, 3);
+        }
+        (first..first + count).map(move |k| fan.wrapped(k))
+    }
+
+    /// Returns the half-edge of the large fan of `v` with the least angle to `d`, which must lead
+    /// out of the body: the edge nearest to a point there. A face visible from the point is found
+    /// as in `walk::ray_exit_face`; along the visible faces the angle is unimodal, with a minimum
+    /// at an edge.
+    #[inline(never)]
+    pub(crate) fn nearest_edge(&self, v: VertexId, d: &Vector3<f64>) -> HalfEdgeId {
+        let (t, fan, p) = (&self.topology, self.topology.fan(v), self.points[v.index()]);
+        let m = fan.len();
+        let inward = self.vertex_mean - p;
+        let normal = |k: usize| &self.planes[t.half_edge(fan.wrapped(k)).face.index()].normal;
+        let seen = top_of_ring(m, |k| -normal(k).dot(d) / normal(k).dot(&inward));
+        let fall = |k: usize| {
+            let e = self.points[t.half_edge(fan.at(k)).to.index()] - p;
+            let c = d.dot(&e);
+            if normal(k).dot(d) > 0.0 || normal(k + m - 1).dot(d) > 0.0 {
+                c * c.abs() / e.norm_squared()
+            } else {
+                f64::NEG_INFINITY
+            }
+        };
+        fan.at(top_from(m, seen, m.div_ceil(8), fall))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::tolerance::UNIT;
+    use nalgebra::{Point3, UnitQuaternion};
+
+    /// Two apexes over a base of 300 vertices, the first `height` above the plane of the base,
+    /// which is level or not; on a diagonal plane the vertices are whole numbers, exactly on the
+    /// plane.
+    fn double_cone(plane: &str, height: f64) -> ConvexPolyhedron {
+        let turn = UnitQuaternion::from_euler_angles(0.3, 0.7, -0.4);
+        let place = |p: [f64; 3]| match plane {
+            "level" => Point3::from(p),
+            "turned" => turn * Point3::from(p),
+            _ => {
+                let [x, y, z] = p;
+                let (x, y) = ((x * 1e6).round(), (y * 1e6).round());
+                Point3::new(x + z, y + z, z - x - y)
+            }
+        };
+        let rim = (0..300).map(|k| core::f64::consts::TAU * f64::from(k) / 300.0);
+        let rim = rim.map(|t| [t.cos(), t.sin(), 0.0]);
+        let points: Vec<_> = rim.chain([[0.0, 0.0, height], [0.0, 0.0, -1.0]]).map(place).collect();
+        ConvexPolyhedron::from_points(&points).expect("a solid")
+    }
+
+    #[test]
+    fn tips_lower_than_rounding_have_an_axis() {
+        for (plane, height) in [
+            ("level", 0.5),
+            ("level", 1e-60),
+            ("turned", 0.5),
+            ("turned", 16.0 * UNIT),
+            ("diagonal", 0.5),
+            ("diagonal", 1e-16),
+            ("diagonal", 1e-45),
+        ] {
+            let body = double_cone(plane, height);
+            let tips: Vec<_> = VertexId::all(body.points.len())
+                .filter(|&v| body.topology.fan(v).len() > MANY)
+                .collect();
+            assert!(
+                tips.len() > usize::from(plane != "turned"),
+                "{plane} {height}: {}",
+                tips.len()
+            );
+            for &v in &tips {
+                let axis = body.fans.axis(&body.topology, v).expect("an axis");
+                let at = |v: VertexId| &body.points[v.index()];
+                assert!(body.topology.neighbours(v).all(|w| axis.rise(at(v), at(w)).sign() > 0));
+            }
+        }
+    }
+
+    #[test]
+    fn what_two_vertices_share_is_toward_each_other() {
+        // Two apexes that share an edge, over a base of 300 vertices.
+        let rim = (0..300).map(|k| core::f64::consts::PI * f64::from(k) / 299.0);
+        let rim = rim.map(|t| Point3::new(0.0, t.cos(), 0.1 + t.sin()));
+        let apexes = [1.0, -1.0].map(|x| Point3::new(x, 0.0, 0.0));
+        let tent = ConvexPolyhedron::from_points(&rim.chain(apexes).collect::<Vec<_>>()).expect("a solid");
+        for body in [tent, double_cone("level", 0.5), double_cone("turned", 4.0 * UNIT)] {
+            let t = &body.topology;
+            let all = VertexId::all(t.vertex_count());
+            let tips = all.clone().filter(|&v| t.fan(v).len() > MANY);
+            let (mut edges, mut faces) = (0, 0);
+            for (v, w) in tips.flat_map(|v| all.clone().filter(move |&w| w != v).map(move |w| (v, w))) {
+                let near: Vec<HalfEdgeId> = body.toward(v, w).collect();
+                assert_eq!(near.len(), 3);
+                for h in t.fan(v).iter() {
+                    let e = t.half_edge(h);
+                    let edge = e.to == w;
+                    let face = t.rim(e.face).any(|g| t.from(g) == w);
+                    assert!(!(edge || face) || near.contains(&h), "{v} {w}");
+                    (edges, faces) = (edges + u32::from(edge), faces + u32::from(face));
+                }
+            }
+            assert!(edges > 250 && faces > 500, "{edges} {faces}");
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! Exact support vertex. Examines few vertices even if thousands tie exactly or within rounding
+//! because the direction is normal to a large face or fan.
+//!
+//! A body is the exact hull of its stored points, and its faces are exactly flat. With exact signs
+//! the following therefore holds without exception: a vertex that no adjacent vertex exceeds is a
+//! support vertex; heights round a face are unimodal, and so are the slopes of the edges of a fan
+//! (see `fans`); the points level with a support vertex are the vertex itself, an edge or a face.
+//! Hill climbing and bisection need no further proof. Signs are exact (see `heights`).
+
+use crate::base::tuning::polyhedron::MANY;
+use crate::body::polyhedron::axis::Axis;
+use crate::body::polyhedron::cycle::Cycle;
+use crate::body::polyhedron::fans::Fans;
+use crate::body::polyhedron::heights::{Height, Slope, Upward};
+use crate::body::polyhedron::topology::Topology;
+use crate::body::polyhedron::{ConvexPolyhedron, HalfEdgeId, VertexId};
+
+/// Returns the highest vertex of the large faces at `v`, or a high vertex of the large fans
+/// adjacent to `v`; `v` itself if none is higher.
+pub(super) fn jump<U: Upward>(t: &Topology, fans: &Fans, n: &U, v: VertexId) -> VertexId {
+    if !t.has_large_faces() && fans.is_empty() || t.fan(v).len() > MANY {
+        return v;
+    }
+    let mut best = v;
+    let mut take = |w: VertexId| {
+        if n.rise(best, w) > 0 {
+            best = w;
+        }
+    };
+    for h in t.fan(v).iter() {
+        let e = t.half_edge(h);
+        if let Some(ring) = t.ring(e.face) {
+            take(t.from(ring.top(|h| Height(n, t.from(h)))));
+        }
+        if fans.axis(t, e.to).is_some() {
+            // If the adjacent vertices lie in one plane, this is the highest of them.
+            let to = |h| t.half_edge(h).to;
+            take(to(t.fan(e.to).top(|h| Height(n, to(h)))));
+        }
+    }
+    best
+}
+
+impl ConvexPolyhedron {
+    /// Returns the support vertex along `n`, the lowest id among equal vertices, climbing from
+    /// `start`.
+    #[inline(never)]
+    pub(crate) fn support_exact<U: Upward>(&self, n: &U, start: VertexId) -> VertexId {
+        let mut v = start;
+        // Each vertex is higher than the previous vertex.
+        for _ in 0..self.points.len() {
+            match self.higher_vertex(n, v) {
+                Ok(higher) => v = jump(&self.topology, &self.fans, n, higher),
+                Err(first) => return first,
+            }
+        }
+        v
+    }
+
+    /// Returns an adjacent vertex higher than `v`, or, as an error, the lowest id among the
+    /// vertices level with `v` if none is higher.
+    fn higher_vertex<U: Upward>(&self, n: &U, v: VertexId) -> Result<VertexId, VertexId> {
+        let t = &self.topology;
+        let to = |h: HalfEdgeId| t.half_edge(h).to;
+        let (fan, (first, count)) = (t.fan(v), self.candidate_edges(n, v));
+        let next = |h| fan.after(h);
+        let (mut best, mut level, mut h) = (v, [None; 2], first);
+        for _ in 0..count {
+            let w = to(h);
+            match n.rise(v, w) {
+                1 if best == v || n.rise(best, w) > 0 => best = w,
+                0 if level[0].is_some() => level[1] = Some(h),
+                0 => level[0] = Some(h),
+                _ => {}
+            }
+            h = next(h);
+        }
+        match level {
+            _ if best != v => Ok(best),
+            [Some(g), Some(h)] => {
+                // Two level edges are adjacent in the fan, with a face between them.
+                let h = if next(g) == h { g } else { h };
+                Err(t.from(t.rim_half_edge(t.half_edge(h).face)))
+            }
+            [Some(h), _] => Err(v.min(to(h))),
+            _ => Err(v),
+        }
+    }
+
+    /// Returns a run of edges of `v`, first and count, including a rising or level edge if there is
+    /// any: the whole fan, or the steepest edge of a large fan and the edges next to it.
+    fn candidate_edges<U: Upward>(&self, n: &U, v: VertexId) -> (HalfEdgeId, usize) {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        let Some(m) = self.fans.axis(t, v) else {
+            return (fan.at(0), fan.len());
+        };
+        (fan.wrapped(self.steepest(n, v, m) + fan.len() - 1), 3)
+    }
+
+    /// Returns the index in the large fan of `v`, whose axis is `m`, of the edge with the greatest
+    /// slope along `n`.
+    fn steepest<U: Upward>(&self, n: &U, v: VertexId, m: &Axis) -> usize {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        fan.top_index(|h| Slope(n, m, v, t.half_edge(h).to))
+    }
+
+    /// Returns a rising edge of `v` along `n`, if there is any, else a level edge, else any edge;
+    /// `None` for a point.
+    #[cfg(feature = "exact")]
+    pub(crate) fn rising<U: Upward>(&self, n: &U, v: VertexId) -> Option<HalfEdgeId> {
+        let (t, fan) = (&self.topology, self.topology.fan(v));
+        if let Some(m) = self.fans.axis(t, v) {
+            return Some(fan.at(self.steepest(n, v, m)));
+        }
+        let to = |h: HalfEdgeId| t.half_edge(h).to;
+        fan.iter()
+            .reduce(|best, h| if n.rise(to(best), to(h)) > 0 { h } else { best })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::num::sign::exact_dot;
+    use crate::body::polyhedron::FaceId;
+    use crate::body::polyhedron::heights::Direction;
+    use crate::rng::Rng;
+    use alloc::vec::Vec;
+    use core::cell::Cell;
+    use core::f64::consts::TAU;
+    use nalgebra::{Point3, UnitQuaternion, Vector3};
+
+    /// Prisms, turned or not (rounding breaks the lids of a turned prism into thousands of faces),
+    /// cones and a face that bulges by rounding.
+    fn body(kind: &str, n: usize, rng: &mut Rng) -> ConvexPolyhedron {
+        let angle = |k| {
+            if kind.starts_with("odd") {
+                rng.range(0.0, TAU)
+            } else {
+                TAU * k as f64 / n as f64
+            }
+        };
+        let rim: Vec<_> = (0..n)
+            .map(angle)
+            .map(|t| Point3::new(t.cos(), 0.7 * t.sin(), 0.0))
+            .collect();
+        let lid = rim.iter().map(|p| p + Vector3::new(0.0, 0.0, 0.4));
+        let turn = UnitQuaternion::from_euler_angles(0.3, 0.7, -0.4);
+        let points: Vec<_> = match kind {
+            "prism" | "odd prism" => rim.iter().copied().chain(lid).collect(),
+            "turned prism" => rim.iter().copied().chain(lid).map(|p| turn * p).collect(),
+            "flat cone" => rim.iter().copied().chain([Point3::new(0.1, 0.1, 1e-13)]).collect(),
+            "turned cone" => rim
+                .iter()
+                .copied()
+                .chain([Point3::new(0.1, 0.1, 0.5)])
+                .map(|p| turn * p)
+                .collect(),
+            "odd cone" => rim.iter().copied().chain([Point3::new(0.2, -0.1, 0.5)]).collect(),
+            "octahedron" => [0, 1, 2]
+                .into_iter()
+                .flat_map(|k| [1.0, -1.0].map(|x| Point3::from(Vector3::ith(k, x))))
+                .collect(),
+            _ => {
+                let inside = rim.iter().enumerate().map(|(k, p)| {
+                    let s = k as f64 / n as f64;
+                    Point3::new(p.x * s, p.y * s, 1e-15 * (1.0 - s * s))
+                });
+                rim.iter()
+                    .copied()
+                    .chain(inside)
+                    .chain([Point3::new(0.0, 0.0, -0.3)])
+                    .collect()
+            }
+        };
+        ConvexPolyhedron::from_points(&points).expect("a solid")
+    }
+
+    const KINDS: [&str; 8] = [
+        "prism",
+        "odd prism",
+        "turned prism",
+        "flat cone",
+        "turned cone",
+        "odd cone",
+        "bulge",
+        "octahedron",
+    ];
+
+    /// Directions perpendicular to faces, to edges and to nothing, off by rounding and less: each
+    /// direction and its rest.
+    fn directions(body: &ConvexPolyhedron, count: usize, rng: &mut Rng) -> Vec<[Vector3<f64>; 2]> {
+        let pick = |m: usize, rng: &mut Rng| (rng.range(0.0, m as f64) as usize).min(m - 1);
+        let largest = FaceId::all(body.planes.len()).max_by_key(|&f| body.topology.rim(f).count());
+        let aside = |off: f64, rng: &mut Rng| Vector3::from(rng.unit()) * off;
+        let one = |k: usize, rng: &mut Rng| {
+            let face = match k % 3 {
+                0 => pick(body.planes.len(), rng),
+                _ => largest.map_or(0, FaceId::index),
+            };
+            let off = [0.0, 1e-17, 1e-16, 1e-15, 1e-12, 1e-6, 1.0][k / 3 % 7];
+            let n = body.planes[face].normal * 0.7 + aside(off, rng);
+            let rest = n.map(|x| x * rng.range(-1.0, 1.0) * [0.0, 1e-33, 5e-17][k / 21 % 3]);
+            [n, rest]
+        };
+        (0..count).map(|k| one(k, rng)).collect()
+    }
+
+    #[test]
+    fn no_vertex_is_higher_and_none_as_high_has_a_lower_number() {
+        let mut ties = [0; 4];
+        for kind in KINDS {
+            for n in [7, 60, 1000] {
+                let mut rng = Rng::new(n as u64);
+                let body = body(kind, n, &mut rng);
+                for [n, rest] in directions(&body, 126, &mut rng) {
+                    let parts = [0, 1, 2].map(|k| [n[k], rest[k]]);
+                    // Exact, without a floating-point filter.
+                    let rise = |p: VertexId, q: VertexId| {
+                        exact_dot::<2, 24>(&parts, &body.points[p.index()], &body.points[q.index()]).sign()
+                    };
+                    let all = VertexId::all(body.points.len());
+                    let top = all
+                        .clone()
+                        .fold(VertexId(0), |top, v| if rise(top, v) > 0 { v } else { top });
+                    let level = all.filter(|&v| rise(top, v) == 0).count();
+                    ties[level.min(4) - 1] += 1;
+                    let direction = Direction::new(&body.points, &n, &rest);
+                    let middle = VertexId(body.points.len() as u32 / 2);
+                    for start in [top, VertexId(0), middle, body.support_climb(&n, VertexId(1))] {
+                        assert_eq!(
+                            body.support_exact(&direction, start),
+                            top,
+                            "{kind} {n} {rest}: {level} level"
+                        );
+                    }
+                }
+            }
+        }
+        // Vertices, edges, triangles and larger faces.
+        assert!(
+            ties[0] > 500 && ties[1] > 5 && ties[2] > 20 && ties[3] > 100,
+            "{ties:?}"
+        );
+    }
+
+    /// Counts comparisons.
+    struct Counted<U>(U, Cell<u32>);
+
+    impl<U: Upward> Upward for Counted<U> {
+        fn rise(&self, p: VertexId, q: VertexId) -> i32 {
+            self.1.set(self.1.get() + 1);
+            self.0.rise(p, q)
+        }
+        fn steeper(&self, m: &Axis, p: VertexId, q: VertexId, r: VertexId) -> i32 {
+            self.1.set(self.1.get() + 1);
+            self.0.steeper(m, p, q, r)
+        }
+    }
+
+    #[test]
+    fn comparisons_are_few_on_plateaus_of_thousands() {
+        for kind in KINDS {
+            let most = |n: usize| {
+                let mut rng = Rng::new(3);
+                let body = body(kind, n, &mut rng);
+                let list = directions(&body, 210, &mut rng);
+                let counts = list.iter().map(|[n, rest]| {
+                    let direction = Counted(Direction::new(&body.points, n, rest), Cell::new(0));
+                    body.support_exact(&direction, body.support_climb(n, VertexId(0)));
+                    direction.1.get()
+                });
+                counts.max().unwrap_or(0)
+            };
+            let (few, many) = (most(500), most(16_000));
+            assert!(many <= 3 * few + 60 && many < 1000, "{kind}: {few} and {many}");
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Queries on one body: extreme vertex, containment, closest point.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::base::num::scalar::sqrt;
+use crate::base::num::sign::{projection, turn};
+use crate::base::tolerance::{FAR_POINT, FOOT, NEAR_PLANE};
+use crate::body::polyhedron::build::cloud::flush_below;
+use crate::body::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId, VertexId};
+
+impl ConvexPolyhedron {
+    /// Returns a vertex farthest along a direction of any length, proven up to the rounding of
+    /// `direction . vertex`; the lowest id among equal vertices. Returns vertex 0 for a direction
+    /// that is zero or not finite. Examines a few vertices only.
+    #[doc(alias = "support")]
+    #[must_use]
+    pub fn extreme_vertex(&self, direction: &Vector3<f64>) -> VertexId {
+        let size = direction.amax();
+        if !(size > 0.0 && size.is_finite()) {
+            return VertexId(0);
+        }
+        let direction = direction / size;
+        self.support_certified(&direction, self.lookup.cell(&direction)).vertex
+    }
+
+    /// Returns whether the closed body, surface included, holds a point. The answer is exact for
+    /// the stored body (coordinates of the point below 2^-200 of the body's radius count as zero,
+    /// as for the vertices). `false` for a point that is not finite. Tests face after face until
+    /// one excludes the point, so time is linear in the faces.
+    #[must_use]
+    pub fn contains(&self, point: &Point3<f64>) -> bool {
+        let flush = flush_below(sqrt(((self.high - self.low) * 0.5).norm_squared()));
+        // Within the box of a shifted body the shift is exact (Sterbenz), as for the vertices; a
+        // point that is not shifted exactly is at least half the shift away, farther than the body
+        // reaches.
+        let p = ((point.coords - self.origin) / self.unit()).map(|x| if x.abs() < flush { 0.0 } else { x });
+        if !(0..3).all(|k| self.low[k] <= p[k] && p[k] <= self.high[k]) {
+            return false; // also where a coordinate is not a number
+        }
+        match self.topology.face_count() {
+            0 => true,
+            1 => projection(&self.points[0], &self.points[1], &p).is_none(),
+            2 => self.polygon_contains(&p),
+            _ => {
+                // Stored planes decide the clear cases, exact signs the rest.
+                let clear = NEAR_PLANE * (self.radius + p.norm());
+                self.planes.iter().zip(self.faces()).all(|(plane, f)| {
+                    let height = plane.normal.dot(&p) - plane.offset;
+                    height < -clear || height <= clear && self.face_side(f, &p) <= 0.0
+                })
+            }
+        }
+    }
+
+    /// Returns whether an exactly flat polygon holds a point.
+    fn polygon_contains(&self, p: &Vector3<f64>) -> bool {
+        let at = |h: HalfEdgeId| &self.points[self.topology.from(h).index()];
+        let first = FaceId(0);
+        let start = self.topology.rim_half_edge(first);
+        let second = self.topology.half_edge(start).next;
+        let third = self.topology.half_edge(second).next;
+        let corners = [at(start), at(second), at(third)];
+        let Some(axis) = projection(corners[0], corners[1], corners[2]) else {
+            return false;
+        };
+        let forward = turn(axis, corners[0], corners[1], corners[2]) > 0.0;
+        self.face_side(first, p) == 0.0
+            && self.topology.rim(first).all(|h| {
+                let t = turn(axis, at(h), at(self.topology.half_edge(h).next), p);
+                if forward { t >= 0.0 } else { t <= 0.0 }
+            })
+    }
+
+    /// Returns the point of the closed body closest to a point: the point itself if the body holds
+    /// it. `None` for a point that is not finite.
+    ///
+    /// Examines every face and edge, so time is linear in the size of the body.
+    #[must_use]
+    pub fn closest_point(&self, point: &Point3<f64>) -> Option<Point3<f64>> {
+        if !point.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        if self.contains(point) {
+            return Some(*point);
+        }
+        let p = self.nearby(point);
+        let mut best = (f64::INFINITY, self.points[0]);
+        let mut propose = |candidate: Vector3<f64>| {
+            let distance = (p - candidate).norm_squared();
+            if distance < best.0 {
+                best = (distance, candidate);
+            }
+        };
+        self.points.iter().for_each(|v| propose(*v));
+        for e in self.edges() {
+            let (a, b) = (
+                self.points[self.topology.from(e.half_edge()).index()],
+                self.points[self.topology.half_edge(e.half_edge()).to.index()],
+            );
+            propose(on_segment(&a, &b, &p));
+        }
+        for f in self.faces() {
+            if let Some(foot) = self.foot_on_face(f, &p) {
+                propose(foot);
+            }
+        }
+        Some(self.to_user(&best.1))
+    }
+
+    /// Returns the point in stored coordinates. A point beyond 2^60 radii is moved in along its
+    /// ray; the closest point stays the same.
+    fn nearby(&self, point: &Point3<f64>) -> Vector3<f64> {
+        let far = FAR_POINT * self.radius.max(f64::MIN_POSITIVE);
+        // Halves keep the difference finite.
+        let half = point.coords * 0.5 - self.origin * 0.5;
+        let size = half.amax() / self.unit();
+        if size < far {
+            return (point.coords - self.origin) / self.unit();
+        }
+        half / half.amax() * far
+    }
+
+    /// Returns the foot of the perpendicular from `p` to a face, if the foot lies inside the face
+    /// boundary beyond rounding. If the foot is nearer to an edge, the edge gives as good a point,
+    /// and every side of a face that is little more than a line is rounding. If `p` is behind the
+    /// face, the foot is a point of the body too, and the closest point if rounding misjudges the
+    /// side.
+    fn foot_on_face(&self, f: FaceId, p: &Vector3<f64>) -> Option<Vector3<f64>> {
+        let n = self.planes[f.index()].normal;
+        let a = self.points[self.topology.from(self.topology.rim_half_edge(f)).index()];
+        let height = n.dot(&(p - a));
+        let inside = self.topology.rim(f).all(|h| {
+            let e = self.topology.half_edge(h);
+            let from = self.points[self.topology.from(h).index()];
+            let (edge, to) = (self.points[e.to.index()] - from, p - from);
+            over_side(&n, &edge, &to) > FOOT * sqrt(edge.norm_squared() * to.norm_squared())
+        });
+        inside.then(|| p - n * height)
+    }
+}
+
+/// Returns how far a point is inside the side of a face with a normal `n`, times the edge's length;
+/// `to` leads from the edge to the point.
+#[inline(always)]
+pub(crate) fn over_side(n: &Vector3<f64>, edge: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
+    edge.cross(to).dot(n)
+}
+
+fn on_segment(a: &Vector3<f64>, b: &Vector3<f64>, p: &Vector3<f64>) -> Vector3<f64> {
+    let (edge, to) = (b - a, p - a);
+    let scale = edge.amax();
+    if scale == 0.0 {
+        return *a;
+    }
+    let unit = edge / scale;
+    let direction = unit / sqrt(unit.norm_squared());
+    let t = direction.dot(&to) / direction.dot(&edge);
+    if t <= 0.0 {
+        *a
+    } else if t >= 1.0 {
+        *b
+    } else {
+        a + edge * t
+    }
+}

@@ -1,0 +1,255 @@
+//! Common solids about the origin. Sizes are half sizes throughout: half extents along x, y and z,
+//! half heights along z, and radii. [`Shape`](crate::Shape) has the same convention.
+//!
+//! Sines and cosines come from `libm`, so that every target builds identical bits.
+
+use alloc::vec::Vec;
+use core::f64::consts::TAU;
+use nalgebra::{Point3, Vector3};
+
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN};
+use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
+
+/// Largest number of vertices round a prism or cone, and of points of a random hull.
+const COUNT_MAX: usize = 1 << 24;
+
+/// Largest number of subdivisions of a geodesic sphere: 2.6 million vertices.
+const SUBDIVISIONS_MAX: usize = 9;
+
+fn size(what: &'static str, value: f64) -> Result<f64, BuildError> {
+    if (EXTENT_MIN..=EXTENT_MAX).contains(&value) {
+        Ok(value)
+    } else {
+        Err(BuildError::BadSize { what, value })
+    }
+}
+
+fn check_count(what: &'static str, count: usize, least: usize, most: usize) -> Result<(), BuildError> {
+    if (least..=most).contains(&count) {
+        Ok(())
+    } else {
+        Err(BuildError::BadCount {
+            what,
+            count,
+            least,
+            most,
+        })
+    }
+}
+
+/// Returns a box with faces perpendicular to the axes.
+///
+/// # Errors
+///
+/// A half extent outside 1e-100..1e100.
+#[doc(alias = "box")]
+pub fn cuboid(half_extents: Vector3<f64>) -> Result<ConvexPolyhedron, BuildError> {
+    for x in half_extents.iter() {
+        size("half extent", *x)?;
+    }
+    let corner = |k: usize| {
+        let sign = Vector3::from_fn(|axis, _| if k >> axis & 1 == 1 { 1.0 } else { -1.0 });
+        Point3::from(half_extents.component_mul(&sign))
+    };
+    ConvexPolyhedron::from_points(&(0..8).map(corner).collect::<Vec<_>>())
+}
+
+fn circle(n: usize, radius: f64, z: f64) -> impl Iterator<Item = Point3<f64>> {
+    (0..n).map(move |k| {
+        let angle = TAU * k as f64 / n as f64;
+        Point3::new(radius * libm::cos(angle), radius * libm::sin(angle), z)
+    })
+}
+
+/// Returns a prism along z, from `-half_height` to `half_height`, over a regular polygon of `n`
+/// vertices at distance `radius` from the axis, the first in the direction of x.
+///
+/// # Errors
+///
+/// Fewer than three vertices, or a size outside 1e-100..1e100.
+#[doc(alias = "cylinder")]
+pub fn prism(n: usize, half_height: f64, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
+    check_count("vertices around the axis", n, 3, COUNT_MAX)?;
+    let (half_height, radius) = (size("half height", half_height)?, size("radius", radius)?);
+    let points: Vec<_> = circle(n, radius, -half_height)
+        .chain(circle(n, radius, half_height))
+        .collect();
+    ConvexPolyhedron::from_points(&points)
+}
+
+/// Returns a pyramid over a regular polygon of `n` vertices in the plane `z = -half_height`, with
+/// its apex at `z = half_height`.
+///
+/// # Errors
+///
+/// Fewer than three vertices, or a size outside 1e-100..1e100.
+#[doc(alias = "pyramid")]
+pub fn cone(n: usize, half_height: f64, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
+    check_count("vertices around the axis", n, 3, COUNT_MAX)?;
+    let (half_height, radius) = (size("half height", half_height)?, size("radius", radius)?);
+    let apex = Point3::new(0.0, 0.0, half_height);
+    let points: Vec<_> = circle(n, radius, -half_height).chain([apex]).collect();
+    ConvexPolyhedron::from_points(&points)
+}
+
+/// Returns a regular tetrahedron with its vertices at distance `radius`, in alternate corners of a
+/// cube.
+///
+/// # Errors
+///
+/// A radius outside 1e-100..1e100.
+pub fn tetrahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
+    let s = size("radius", radius)? / sqrt(3.0);
+    let signs = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+    ConvexPolyhedron::from_points(&signs.map(|[x, y, z]| Point3::new(s * x, s * y, s * z)))
+}
+
+/// Returns a regular octahedron with its vertices on the axes at distance `radius`.
+///
+/// # Errors
+///
+/// A radius outside 1e-100..1e100.
+pub fn octahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
+    let r = size("radius", radius)?;
+    let points: Vec<_> = (0..6)
+        .map(|k| Point3::from(Vector3::ith(k / 2, if k % 2 == 0 { r } else { -r })))
+        .collect();
+    ConvexPolyhedron::from_points(&points)
+}
+
+/// Returns the twelve points `(0, +-a, +-b)` and their cyclic shifts.
+fn golden_rectangles(a: f64, b: f64) -> impl Iterator<Item = Point3<f64>> {
+    (0..12).map(move |k| {
+        let (y, z) = (if k & 1 == 0 { a } else { -a }, if k & 2 == 0 { b } else { -b });
+        match k / 4 {
+            0 => Point3::new(0.0, y, z),
+            1 => Point3::new(z, 0.0, y),
+            _ => Point3::new(y, z, 0.0),
+        }
+    })
+}
+
+/// Returns a regular icosahedron with its vertices at distance `radius`.
+///
+/// # Errors
+///
+/// A radius outside 1e-100..1e100.
+pub fn icosahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
+    ConvexPolyhedron::from_points(&icosahedron_points(size("radius", radius)?))
+}
+
+fn icosahedron_points(radius: f64) -> Vec<Point3<f64>> {
+    let golden = (1.0 + sqrt(5.0)) / 2.0;
+    let s = radius / sqrt(1.0 + golden * golden);
+    golden_rectangles(s, s * golden).collect()
+}
+
+/// Returns a dodecahedron of twelve exactly planar pentagons with its vertices at distance
+/// `radius`.
+///
+/// No regular dodecahedron has coordinates in f64; rounding would break the pentagons into
+/// triangles. For any ratio h the points `(+-1, +-1, +-1)` and the cyclic shifts of
+/// `(0, +-(1 + h), +-(1 - h^2))` are planar by fives. Here h is a ratio of Fibonacci numbers, 1e-8
+/// from the golden ratio, and the scale has so few digits that no coordinate is rounded: all
+/// vertices lie within 3e-8 `radius` of their regular positions.
+///
+/// # Errors
+///
+/// A radius outside 1e-100..1e100.
+pub fn dodecahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
+    let radius = size("radius", radius)?;
+    let (p, q) = (4181.0, 6765.0);
+    let exact = radius / (sqrt(3.0) * q * q);
+    // 26 digits, and integers below 2^27.
+    let scale = f64::from_bits((exact.to_bits() + (1 << 26)) & !((1 << 27) - 1));
+    let cube = (0..8).map(|k| {
+        let sign = |axis: u32| {
+            if k >> axis & 1 == 1 {
+                scale * (q * q)
+            } else {
+                -(scale * (q * q))
+            }
+        };
+        Point3::new(sign(0), sign(1), sign(2))
+    });
+    let rest = golden_rectangles(scale * (q * (q + p)), scale * (q * q - p * p));
+    ConvexPolyhedron::from_points(&cube.chain(rest).collect::<Vec<_>>())
+}
+
+/// Returns an icosahedron whose triangles are divided into four `subdivisions` times, with all
+/// vertices at distance `radius`: `10 * 4^subdivisions + 2` vertices.
+///
+/// # Errors
+///
+/// More than 9 subdivisions, or a radius outside 1e-100..1e100.
+#[doc(alias = "icosphere")]
+pub fn geodesic_sphere(subdivisions: u32, radius: f64) -> Result<ConvexPolyhedron, BuildError> {
+    let radius = size("radius", radius)?;
+    check_count("subdivisions", subdivisions as usize, 0, SUBDIVISIONS_MAX)?;
+    let mut points: Vec<Vector3<f64>> = icosahedron_points(1.0).iter().map(|p| p.coords).collect();
+    let icosahedron = ConvexPolyhedron::from_points(&icosahedron_points(1.0))?;
+    let corner = |v| icosahedron.source_vertex(v).unwrap_or(0) as u32;
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for face in icosahedron.faces() {
+        let rim: Vec<u32> = icosahedron.face_vertices(face).map(corner).collect();
+        if let [a, b, c] = rim[..] {
+            triangles.push([a, b, c]);
+        }
+    }
+    for _ in 0..subdivisions {
+        triangles = divide(&triangles, &mut points);
+    }
+    ConvexPolyhedron::from_points(&points.iter().map(|p| Point3::from(p * radius)).collect::<Vec<_>>())
+}
+
+/// Divides each triangle into four at the midpoints of its edges, moved out to the unit sphere.
+fn divide(triangles: &[[u32; 3]], points: &mut Vec<Vector3<f64>>) -> Vec<[u32; 3]> {
+    let edges_of = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b)));
+    let mut edges: Vec<(u32, u32)> = triangles.iter().flat_map(edges_of).collect();
+    edges.sort_unstable();
+    edges.dedup();
+    let base = points.len() as u32;
+    for &(a, b) in &edges {
+        let middle = points[a as usize] + points[b as usize];
+        points.push(middle / sqrt(middle.norm_squared()));
+    }
+    let divided = triangles.iter().flat_map(|t| {
+        let [ab, bc, ca] = edges_of(t).map(|e| base + edges.partition_point(|x| *x < e) as u32);
+        let [a, b, c] = *t;
+        [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+    });
+    divided.collect()
+}
+
+/// Returns the hull of `n` random points on an ellipsoid: uniform directions on the unit sphere,
+/// scaled by `semi_axes`. Equal seeds give identical bits on every target.
+///
+/// # Errors
+///
+/// Fewer than four points, or a semi-axis outside 1e-100..1e100.
+pub fn random_hull(n: usize, semi_axes: Vector3<f64>, seed: u64) -> Result<ConvexPolyhedron, BuildError> {
+    check_count("points", n, 4, COUNT_MAX)?;
+    for x in semi_axes.iter() {
+        size("semi-axis", *x)?;
+    }
+    let mut state = seed;
+    let points: Vec<_> = (0..n)
+        .map(|_| {
+            let z = 2.0 * uniform(&mut state) - 1.0;
+            let angle = TAU * uniform(&mut state);
+            let r = sqrt(1.0 - z * z);
+            let direction = Vector3::new(r * libm::cos(angle), r * libm::sin(angle), z);
+            Point3::from(direction.component_mul(&semi_axes))
+        })
+        .collect();
+    ConvexPolyhedron::from_points(&points)
+}
+
+/// Returns the next number of SplitMix64 (Steele, Lea, Flood 2014), as a fraction in [0, 1).
+fn uniform(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let z = (*state ^ *state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ z >> 31) >> 11) as f64 / (1u64 << 53) as f64
+}

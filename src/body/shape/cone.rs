@@ -1,0 +1,142 @@
+//! Circular cones.
+
+use nalgebra::Vector3;
+
+use super::cylinder::{circle_bent, of_circle, on_circle};
+use super::support::{Disc, Flat, Support};
+use crate::base::num::scalar::{Scalar, Vec3, root, sqrt};
+use crate::base::tolerance::UNIT;
+use crate::body::polyhedron::{EdgeId, FaceId, Feature, VertexId};
+
+/// A circular cone along z, its apex up, the origin half-way between apex and base.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    pub(super) radius: f64,
+    pub(super) half_height: f64,
+}
+
+/// Branch of the apex; branch 1 is the rim of the base.
+const APEX: u32 = 0;
+
+impl Cone {
+    /// Returns the radius of the base.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
+    /// Returns half the distance between apex and base.
+    #[must_use]
+    pub fn half_height(&self) -> f64 {
+        self.half_height
+    }
+
+    pub(crate) fn scaled(&self, by: f64) -> Self {
+        Self {
+            radius: self.radius * by,
+            half_height: self.half_height * by,
+        }
+    }
+}
+
+/// The side of a cone is a generator between the apex (branch 0) and a point of the rim (branch 1).
+impl Support for Cone {
+    fn reach(&self) -> f64 {
+        sqrt(self.radius * self.radius + self.half_height * self.half_height) * (1.0 + 4.0 * UNIT)
+    }
+
+    #[inline(always)]
+    fn support<T: Scalar>(&self, n: &Vec3<T>, _: u32) -> (u32, Vec3<T>) {
+        let (r, h) = (T::from(self.radius), T::from(self.half_height));
+        let rim = r * root(n[0] * n[0] + n[1] * n[1]) - h * n[2];
+        let branch = if h * n[2] >= rim { APEX } else { 1 };
+        (branch, self.of_branch(branch, n))
+    }
+
+    #[inline(always)]
+    fn of_branch<T: Scalar>(&self, branch: u32, n: &Vec3<T>) -> Vec3<T> {
+        if branch == APEX {
+            return [T::from(0.0), T::from(0.0), T::from(self.half_height)];
+        }
+        of_circle(self.radius, -self.half_height, n)
+    }
+
+    #[inline(always)]
+    fn bent<T: Scalar>(&self, branch: u32, _: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T> {
+        if branch == APEX {
+            return [T::from(0.0); 3];
+        }
+        circle_bent(self.radius, n, d)
+    }
+
+    /// Returns the circle of the normals of the side.
+    #[inline(always)]
+    fn ridge<T: Scalar>(&self, _: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        let (r, height) = (T::from(self.radius), T::from(2.0 * self.half_height));
+        let level = r / root(r * r + height * height);
+        Some(([T::from(0.0), T::from(0.0), T::from(1.0)], level))
+    }
+
+    #[inline(always)]
+    fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T> {
+        if branch == APEX {
+            return self.of_branch(branch, place);
+        }
+        of_circle(self.radius, -self.half_height, place)
+    }
+
+    /// Returns a ball that touches the base or the side, whichever faces along `n` more, and is
+    /// limited by the other.
+    fn inner_ball(&self, p: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
+        let (r, h, height) = (self.radius, self.half_height, 2.0 * self.half_height);
+        let slant = sqrt(r * r + height * height);
+        let off = |p: &Vector3<f64>| sqrt(p.x * p.x + p.y * p.y);
+        let to_side = |p: &Vector3<f64>| ((h - p.z) * r - off(p) * height) / slant;
+        let room = if n.z < 0.0 {
+            to_side(p) * slant / (slant + r)
+        } else {
+            (off(p) * slant / height).min((p.z + h) * slant / (slant + r))
+        };
+        let centre = p - n * room.max(0.0);
+        (centre, to_side(&centre).min(centre.z + h).max(0.0))
+    }
+
+    /// Returns the normals of the base and of the side; the meridian is a triangle, half of which
+    /// turns.
+    fn meridian(&self) -> Option<[[f64; 2]; 3]> {
+        let (r, height) = (self.radius, 2.0 * self.half_height);
+        let slant = sqrt(r * r + height * height);
+        let side = [height / slant, r / slant];
+        Some([[0.0, -1.0], side, side])
+    }
+
+    fn disc(&self, n: &Vector3<f64>) -> Option<Disc> {
+        (n.z < 0.0).then_some(Disc {
+            z: -self.half_height,
+            side: -1.0,
+            radius: self.radius,
+        })
+    }
+
+    /// Returns the base or a generator of the side, whichever has the normal closer to `n`.
+    fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
+        let (r, height) = (self.radius, 2.0 * self.half_height);
+        let slant = sqrt(r * r + height * height);
+        let to_side = (sqrt(n.x * n.x + n.y * n.y) * height + n.z * r) / slant;
+        if -n.z > to_side {
+            return self.disc(n).map(Flat::Disc);
+        }
+        let n = [n.x, n.y, n.z];
+        Some(Flat::Line([0, 1].map(|branch| self.of_branch(branch, &n).into())))
+    }
+
+    /// Returns the feature: the base is face 0, the side face 1, the apex vertex 0, the rim edge 0.
+    fn feature(&self, branches: &[u32], p: &Vector3<f64>) -> Feature {
+        match branches {
+            [first, rest @ ..] if rest.iter().any(|b| b != first) => Feature::Face(FaceId(1)),
+            [APEX, ..] => Feature::Vertex(VertexId(0)),
+            _ if !on_circle(self.radius, p) => Feature::Face(FaceId(0)),
+            _ => Feature::Edge(EdgeId(0)),
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! Convex shapes: a core and a radius by which the core is rounded.
+//!
+//! `Shape { core, round }` is the set of points at most `round` from the core: a ball is a rounded
+//! point, a capsule a rounded segment. With `P = A - B` the signed distance of two shapes is
+//! `-min over unit n of h_P(n)`, and `h_P` grows by `r` when a shape grows by a ball of radius `r`.
+//! So rounding adds no solver: signed distances of rounded shapes are those of their cores less
+//! both radii, apart as well as overlapping.
+//!
+//! Sources: the parallel body of a convex body, Steiner 1840 and Schneider 2014, "Convex Bodies:
+//! The Brunn-Minkowski Theory", section 4.2; the convex radius of the engines (van den Bergen 2003,
+//! section 4.5). Departures:
+//! 1. The radius is no margin that a fast path may use and a slow one ignores: it is a part of the
+//!    shape on both sides of contact.
+//! 2. Parameters are checked once, when a shape is made; a shape that exists has a support point
+//!    along every direction.
+
+mod cone;
+mod cylinder;
+mod ellipsoid;
+mod error;
+mod mass;
+#[cfg(feature = "serde")]
+mod persist;
+mod place;
+mod power;
+mod superquadric;
+mod support;
+
+use alloc::sync::Arc;
+
+use nalgebra::{Point3, Vector3};
+
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN};
+use crate::body::polyhedron::{ConvexPolyhedron, solids};
+pub use cone::Cone;
+pub use cylinder::Cylinder;
+pub use ellipsoid::Ellipsoid;
+pub use error::ShapeError;
+pub use mass::Mass;
+pub use superquadric::Superquadric;
+pub(crate) use support::{Disc, Flat, Support};
+
+/// A convex shape: every point at most [`round`](Self::round) from its [`core`](Self::core).
+///
+/// Immutable, and cheap to clone: the polyhedron of a core is shared. Lengths are in the caller's
+/// unit, coordinates in the shape's own frame.
+///
+/// ```
+/// use lin_canny::nalgebra::Vector3;
+/// use lin_canny::shape::Shape;
+///
+/// let pill = Shape::capsule(1.0, 0.25)?;
+/// let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))?.rounded(0.1)?;
+/// assert_eq!((pill.round(), die.round()), (0.25, 0.1));
+/// # Ok::<(), lin_canny::shape::ShapeError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(try_from = "persist::StoredShape", into = "persist::StoredShape")
+)]
+pub struct Shape {
+    core: Core,
+    round: f64,
+    fingerprint: Fingerprint,
+}
+
+/// Core of a shape: the shape before rounding.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Core {
+    /// A convex polyhedron, polygon, segment or point.
+    Polyhedron(Arc<ConvexPolyhedron>),
+    /// An ellipsoid about the origin with axes along x, y and z.
+    Ellipsoid(Ellipsoid),
+    /// A circular cylinder along z about the origin.
+    Cylinder(Cylinder),
+    /// A circular cone along z, apex up, the origin half-way between apex and base.
+    Cone(Cone),
+    /// A superquadric about the origin with axes along x, y and z.
+    Superquadric(Superquadric),
+}
+
+/// Returns whether a shape may be rounded by a ball of this radius: zero, or between 1e-100 and
+/// 1e100.
+pub(crate) fn is_rounding(radius: f64) -> bool {
+    radius == 0.0 || (EXTENT_MIN..=EXTENT_MAX).contains(&radius)
+}
+
+/// Returns a length between 1e-100 and 1e100; refuses any other.
+fn length(what: &'static str, value: f64) -> Result<f64, ShapeError> {
+    if (EXTENT_MIN..=EXTENT_MAX).contains(&value) {
+        Ok(value)
+    } else {
+        Err(ShapeError::BadParameter { what, value })
+    }
+}
+
+impl Shape {
+    /// Returns a ball about the origin.
+    ///
+    /// # Errors
+    ///
+    /// A radius that is not between 1e-100 and 1e100.
+    #[doc(alias = "sphere")]
+    pub fn ball(radius: f64) -> Result<Self, ShapeError> {
+        let core = ConvexPolyhedron::point(Point3::origin())?;
+        Self::from(core).rounded(length("radius", radius)?)
+    }
+
+    /// Returns a capsule along z about the origin: every point at most `radius` from a segment of
+    /// length `2 half_length`.
+    ///
+    /// # Errors
+    ///
+    /// A length or radius that is not between 1e-100 and 1e100.
+    pub fn capsule(half_length: f64, radius: f64) -> Result<Self, ShapeError> {
+        let end = Vector3::z() * length("half length", half_length)?;
+        let core = ConvexPolyhedron::segment(Point3::from(-end), Point3::from(end))?;
+        Self::from(core).rounded(length("radius", radius)?)
+    }
+
+    /// Returns a box about the origin with faces perpendicular to the axes.
+    ///
+    /// # Errors
+    ///
+    /// A half extent that is not between 1e-100 and 1e100.
+    #[doc(alias = "box")]
+    pub fn cuboid(half_extents: Vector3<f64>) -> Result<Self, ShapeError> {
+        for &x in half_extents.iter() {
+            length("half extent", x)?;
+        }
+        Ok(Self::from(solids::cuboid(half_extents)?))
+    }
+
+    /// Returns the convex hull of points.
+    ///
+    /// # Errors
+    ///
+    /// Points that make no body, see [`ConvexPolyhedron::from_points`].
+    pub fn hull(points: &[Point3<f64>]) -> Result<Self, ShapeError> {
+        Ok(Self::from(ConvexPolyhedron::from_points(points)?))
+    }
+
+    /// Returns a circular cylinder along z about the origin, `2 half_height` high.
+    ///
+    /// # Errors
+    ///
+    /// A height or radius that is not between 1e-100 and 1e100.
+    pub fn cylinder(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
+        let (half_height, radius) = (length("half height", half_height)?, length("radius", radius)?);
+        Ok(Self::sharp(Core::Cylinder(Cylinder { radius, half_height })))
+    }
+
+    /// Returns a circular cone along z with the apex at `z = half_height` and the base at
+    /// `z = -half_height`.
+    ///
+    /// # Errors
+    ///
+    /// A height or radius that is not between 1e-100 and 1e100.
+    pub fn cone(half_height: f64, radius: f64) -> Result<Self, ShapeError> {
+        let (half_height, radius) = (length("half height", half_height)?, length("radius", radius)?);
+        Ok(Self::sharp(Core::Cone(Cone { radius, half_height })))
+    }
+
+    /// Returns an ellipsoid about the origin with axes along x, y and z.
+    ///
+    /// # Errors
+    ///
+    /// A semi-axis that is not between 1e-100 and 1e100.
+    pub fn ellipsoid(semi_axes: Vector3<f64>) -> Result<Self, ShapeError> {
+        for &x in semi_axes.iter() {
+            length("semi-axis", x)?;
+        }
+        Ok(Self::sharp(Core::Ellipsoid(Ellipsoid { semi_axes })))
+    }
+
+    /// Returns a superquadric about the origin,
+    /// `((x/a)^(2/e2) + (y/b)^(2/e2))^(e2/e1) + (z/c)^(2/e1) <= 1`: a box towards exponents of
+    /// zero, an ellipsoid at one, an octahedron towards two.
+    ///
+    /// # Errors
+    ///
+    /// A semi-axis that is not between 1e-100 and 1e100, or an exponent that is not between 1/16
+    /// and 31/16.
+    pub fn superquadric(semi_axes: Vector3<f64>, e1: f64, e2: f64) -> Result<Self, ShapeError> {
+        for &x in semi_axes.iter() {
+            length("semi-axis", x)?;
+        }
+        for value in [e1, e2] {
+            if !(0.0625..=1.9375).contains(&value) {
+                let what = "exponent";
+                return Err(ShapeError::BadParameter { what, value });
+            }
+        }
+        let exponents = [e1, e2];
+        Ok(Self::sharp(Core::Superquadric(Superquadric { semi_axes, exponents })))
+    }
+
+    /// Returns the shape rounded by a ball of radius `by`: every point at most `by` from the shape.
+    ///
+    /// # Errors
+    ///
+    /// A radius that is negative, or that makes the sum of all roundings exceed 1e100.
+    pub fn rounded(mut self, by: f64) -> Result<Self, ShapeError> {
+        let round = self.round + by;
+        if !is_rounding(by) || round > EXTENT_MAX {
+            return Err(ShapeError::BadParameter {
+                what: "rounding radius",
+                value: by,
+            });
+        }
+        self.round = round;
+        self.fingerprint = self.core.rounded_fingerprint(round);
+        Ok(self)
+    }
+
+    /// Returns the core: the shape before rounding.
+    #[must_use]
+    pub fn core(&self) -> &Core {
+        &self.core
+    }
+
+    /// Returns the radius by which the core is rounded; zero for a shape without rounding.
+    #[must_use]
+    pub fn round(&self) -> f64 {
+        self.round
+    }
+
+    /// Returns the fingerprint of core and rounding.
+    pub(crate) fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
+    fn sharp(core: Core) -> Self {
+        Self {
+            fingerprint: core.fingerprint(),
+            core,
+            round: 0.0,
+        }
+    }
+}
+
+impl From<ConvexPolyhedron> for Shape {
+    fn from(body: ConvexPolyhedron) -> Self {
+        Self::from(Arc::new(body))
+    }
+}
+
+impl From<Arc<ConvexPolyhedron>> for Shape {
+    fn from(body: Arc<ConvexPolyhedron>) -> Self {
+        Self::sharp(Core::Polyhedron(body))
+    }
+}

@@ -1,0 +1,122 @@
+//! The seam between shapes and solvers: support points, and how they move with the direction.
+
+use nalgebra::Vector3;
+
+use crate::base::num::scalar::{Scalar, Vec3, root};
+use crate::body::polyhedron::Feature;
+
+/// A flat round face.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Disc {
+    /// The centre is at `(0, 0, z)`; the outward normal is along z, with the sign of `side`.
+    pub(crate) z: f64,
+    pub(crate) side: f64,
+    pub(crate) radius: f64,
+}
+
+impl Disc {
+    /// Returns the point of the disc nearest to a place.
+    pub(crate) fn foot<T: Scalar>(&self, place: &Vec3<T>) -> Vec3<T> {
+        let off = root(place[0] * place[0] + place[1] * place[1]);
+        let r = T::from(self.radius);
+        let s = if off > r { r / off } else { T::from(1.0) };
+        [place[0] * s, place[1] * s, T::from(self.z)]
+    }
+}
+
+/// A part of a surface that is flat or straight.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Flat {
+    Disc(Disc),
+    /// A generator of a curved side, by both ends.
+    Line([Vector3<f64>; 2]),
+}
+
+impl Flat {
+    /// Returns the middle of the part.
+    pub(crate) fn middle(&self) -> Vec3<f64> {
+        match self {
+            Self::Disc(disc) => [0.0, 0.0, disc.z],
+            Self::Line([p, q]) => ((p + q) * 0.5).into(),
+        }
+    }
+
+    /// Returns the point of the part nearest to a place.
+    pub(crate) fn foot(&self, place: &Vec3<f64>) -> Vec3<f64> {
+        match self {
+            Self::Disc(disc) => disc.foot(place),
+            Self::Line([p, q]) => {
+                let u = q - p;
+                let t = u.dot(&(Vector3::from(*place) - p)) / u.norm_squared();
+                (p + u * t.clamp(0.0, 1.0)).into()
+            }
+        }
+    }
+}
+
+/// A convex core by its support function `h(n) = max of n . x`, over branches.
+///
+/// A *branch* is a smooth piece of the map from a direction to its support point: a vertex, a rim,
+/// a whole ellipsoid. Directions are unit vectors in the frame of the core; solvers run in f64 and
+/// in double-double.
+pub(crate) trait Support {
+    /// Whether the core has one branch alone.
+    const IS_SMOOTH: bool = false;
+
+    /// Returns the largest distance of a point of the core from the origin, rounded up.
+    fn reach(&self) -> f64;
+
+    /// Returns the error of a height beyond that of [`CERTIFICATE`](crate::tolerance::CERTIFICATE),
+    /// in UNIT times the radius.
+    fn noise(&self) -> f64 {
+        0.0
+    }
+
+    /// Returns branch and support point along `n`, a direction of any length; `hint` is a branch to
+    /// begin with.
+    fn support<T: Scalar>(&self, n: &Vec3<T>, hint: u32) -> (u32, Vec3<T>);
+
+    /// Returns the point of a branch along `n`: a point of the core, and the support point if the
+    /// branch is the highest along `n`.
+    fn of_branch<T: Scalar>(&self, branch: u32, n: &Vec3<T>) -> Vec3<T>;
+
+    /// Returns the motion of the `point` of a branch along `n` when `n` turns by the tangent `d`:
+    /// the second derivative of the support function, applied to `d`.
+    fn bent<T: Scalar>(&self, branch: u32, point: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T>;
+
+    /// Returns the unit axis `u` and the level `c` of the circle of unit directions, `n . u = c`,
+    /// along which two branches are equally high; `None` if no circle is known.
+    fn ridge<T: Scalar>(&self, of: [u32; 2]) -> Option<(Vec3<T>, T)>;
+
+    /// Returns a point of the core on the branch, close to `place`, which must be close to the
+    /// branch.
+    fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T>;
+
+    /// Returns centre and radius of a ball inside the core that touches the surface, or almost, at
+    /// `point`, a point of normal `n`. The radius is never too large, and zero if no ball is known.
+    fn inner_ball(&self, point: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64);
+
+    /// Returns the flat round face that faces along `n`; `None` if the core has none.
+    fn disc(&self, n: &Vector3<f64>) -> Option<Disc>;
+
+    /// Returns the outward unit normals of the edges of the polygon that sweeps the core as it
+    /// turns about the z axis: the parts off the axis and along it. `None` if no polygon does.
+    fn meridian(&self) -> Option<[[f64; 2]; 3]> {
+        None
+    }
+
+    /// Calls `each` with the outward normals of the flat faces that a branch is a part of.
+    fn flat_faces(&self, _branch: u32, each: &mut impl FnMut(Vec3<f64>)) {
+        let sides = [1.0, -1.0].map(|z| self.disc(&Vector3::new(0.0, 0.0, z)));
+        sides.iter().flatten().for_each(|disc| each([0.0, 0.0, disc.side]));
+    }
+
+    /// Returns the flat or straight part of the surface that faces along `n` most nearly; `None` if
+    /// the core is curved both ways, or a polyhedron.
+    fn flat(&self, n: &Vector3<f64>) -> Option<Flat> {
+        self.disc(n).map(Flat::Disc)
+    }
+
+    /// Returns the feature that contains the points of up to three branches, `point` among them.
+    fn feature(&self, branches: &[u32], point: &Vector3<f64>) -> Feature;
+}

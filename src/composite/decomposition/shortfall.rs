@@ -1,0 +1,207 @@
+//! Bounds of the gaps between a mesh and convex pieces that stand for it.
+//!
+//! Points are measured in the order of the mesh's tree, so that a piece is asked about points near
+//! each other: a tracker is kept for each piece, and the plane that a point was beyond, which is
+//! looked at first.
+
+use alloc::vec::Vec;
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tuning::composite::GAP;
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::shape::Core;
+use crate::composite::meet::triangle::Triangle;
+use crate::composite::mesh::{Mesh, MeshError};
+use crate::composite::pieces::{Composite, Piece};
+use crate::composite::tree::maximum::greatest;
+use crate::convex::tracker::Tracker;
+
+/// A piece that is a polyhedron.
+pub(in crate::composite) struct PieceHull<'a> {
+    body: &'a ConvexPolyhedron,
+    pose: &'a Isometry3<f64>,
+    /// A ball about the piece in the body's frame.
+    centre: Point3<f64>,
+    radius: f64,
+    inner: InnerPlanes,
+    tracker: Tracker,
+}
+
+/// The planes of a piece about an inner point, in the frame of the piece.
+struct InnerPlanes {
+    point: Point3<f64>,
+    /// Normal, offset, and the depth of the inner point; none for a piece without volume.
+    planes: Vec<(Vector3<f64>, f64, f64)>,
+    /// The plane that the last point was farthest beyond.
+    last: usize,
+}
+
+pub(in crate::composite) fn hulls(pieces: &Composite) -> Result<Vec<PieceHull<'_>>, MeshError> {
+    let mut hulls = Vec::with_capacity(pieces.pieces().len());
+    for (piece, Piece { shape, pose, .. }) in pieces.pieces().iter().enumerate() {
+        let (Core::Polyhedron(body), 0.0) = (shape.core(), shape.round()) else {
+            return Err(MeshError::Curved { piece });
+        };
+        let (centre, radius) = body.bounding_ball();
+        hulls.push(PieceHull {
+            body,
+            pose,
+            centre: pose * centre,
+            radius,
+            inner: InnerPlanes::new(body),
+            tracker: Tracker::new(),
+        });
+    }
+    Ok(hulls)
+}
+
+impl InnerPlanes {
+    fn new(body: &ConvexPolyhedron) -> Self {
+        let point = body.centroid();
+        let plane = |(n, offset): (nalgebra::Unit<Vector3<f64>>, f64)| {
+            let depth = offset - n.dot(&point.coords);
+            (depth > 0.0).then(|| (n.into_inner(), offset, depth))
+        };
+        let planes = body.faces().map(|face| body.face_plane(face).and_then(plane));
+        Self {
+            planes: planes.collect::<Option<_>>().unwrap_or_default(),
+            point,
+            last: 0,
+        }
+    }
+
+    /// Bounds of the distance of a point by the planes; `None` if the distance is more than `most`.
+    fn bracket(&mut self, p: &Point3<f64>, most: f64) -> Option<(f64, f64)> {
+        let height = |(n, offset, _): &(Vector3<f64>, f64, f64)| n.dot(&p.coords) - offset;
+        let Some(plane) = self.planes.get(self.last) else {
+            return Some((0.0, f64::INFINITY));
+        };
+        let (mut lower, mut part) = (height(plane).max(0.0), 0.0f64);
+        for (k, plane) in self.planes.iter().enumerate() {
+            if lower > most {
+                return None;
+            }
+            let h = height(plane);
+            if h > lower {
+                (lower, self.last) = (h, k);
+            }
+            if h > 0.0 {
+                // This far towards the inner point the point comes below the plane.
+                part = part.max(h / (h + plane.2));
+            }
+        }
+        Some((lower, part * sqrt((p - self.point).norm_squared())))
+    }
+}
+
+impl PieceHull<'_> {
+    /// Bounds of the distance of a point from the piece, in the caller's unit; `None` if the
+    /// distance is more than `most`. Bounds that are less than `enough` apart are as good as any.
+    fn distance(&mut self, p: &Point3<f64>, most: f64, enough: f64) -> Option<(f64, f64)> {
+        if sqrt((p - self.centre).norm_squared()) - self.radius > most {
+            return None;
+        }
+        let local = self.pose.inverse_transform_point(p);
+        let found = self.inner.bracket(&local, most)?;
+        if found.1 - found.0 <= enough {
+            return Some(found);
+        }
+        let at = Isometry3::translation(local.x, local.y, local.z);
+        let dot = ConvexPolyhedron::point(Point3::origin()).ok()?;
+        let at = RelativePose::from_isometry(&at).ok()?;
+        let found = self.tracker.closest(self.body, &dot, &at);
+        Some((found.lower.max(0.0), found.upper.max(0.0)))
+    }
+
+    /// Half the shortest side of the box: no point of the piece is deeper inside.
+    pub(in crate::composite) fn depth(&self) -> f64 {
+        let (low, high) = self.body.aabb();
+        0.5 * (high - low).min()
+    }
+}
+
+/// Bounds of the farthest point of the pieces' surface from the mesh, in stored units of the mesh.
+pub(in crate::composite) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64) -> (f64, f64) {
+    let scale = 1.0 / mesh.unit();
+    let triangles = hulls.iter().flat_map(|hull| {
+        let at = |v| {
+            hull.body
+                .vertex(v)
+                .map_or_else(Vector3::zeros, |p| (hull.pose * p).coords * scale)
+        };
+        // A segment or a point is a triangle without area.
+        let mut ends = hull.body.vertices();
+        let first = ends.next();
+        let wire = first.map(|v| [v, v, ends.last().unwrap_or(v)]);
+        let is_wire = hull.body.face_count() == 0;
+        hull.body
+            .triangles()
+            .chain(wire.filter(|_| is_wire))
+            .map(move |t| t.map(at))
+    });
+    greatest(triangles, resolution, |corners: &Triangle, enough| {
+        let gap = mesh.gap_over(corners);
+        if gap.upper <= enough {
+            return (0.0, gap.upper);
+        }
+        let is_in = mesh.is_solid() && mesh.winding(&gap.centroid).is_some_and(|w| w != 0);
+        if is_in {
+            // The distance from a solid is zero inside.
+            (0.0, gap.upper.min((gap.radius - gap.at_centroid).max(0.0)))
+        } else {
+            (gap.at_centroid, gap.upper)
+        }
+    })
+}
+
+/// Bounds of the farthest point of the mesh's surface from the pieces, in stored units of the mesh.
+pub(in crate::composite) fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], resolution: f64) -> (f64, f64) {
+    let (unit, scale) = (mesh.unit(), 1.0 / mesh.unit());
+    let triangles = (0..mesh.triangles.len() as u32).map(|t| mesh.corners(t));
+    let (mut last, slack) = (0, GAP * resolution * unit);
+    greatest(triangles, resolution, |corners: &Triangle, enough| {
+        let corners = corners.map(|p| Point3::from(p * unit));
+        let most = enough * unit;
+        // The piece that was nearest to the last triangle.
+        if let Some(by_piece) = farthest(&mut hulls[last], &corners, most, slack).filter(|d| *d <= most) {
+            return (0.0, by_piece * scale);
+        }
+        let [a, b, c] = &corners;
+        let centroid = Point3::from((a.coords + b.coords + c.coords) / 3.0);
+        let distance = nearest(hulls, &mut last, &centroid, slack);
+        let radius = corners
+            .iter()
+            .map(|p| (p - centroid).norm_squared())
+            .fold(0.0, f64::max);
+        let by_radius = distance.1 + sqrt(radius);
+        let by_piece = farthest(&mut hulls[last], &corners, by_radius, slack).unwrap_or(f64::INFINITY);
+        (distance.0 * scale, by_radius.min(by_piece) * scale)
+    })
+}
+
+/// An upper bound of the distances of three points from a piece; `None` if it is more than `most`.
+fn farthest(hull: &mut PieceHull, points: &[Point3<f64>; 3], most: f64, slack: f64) -> Option<f64> {
+    points
+        .iter()
+        .try_fold(0.0f64, |d, p| Some(d.max(hull.distance(p, most, slack)?.1)))
+}
+
+/// Bounds of the distance of a point from the nearest piece, of which there is at least one. The
+/// number of the piece is kept, and tried first.
+fn nearest(hulls: &mut [PieceHull], last: &mut usize, p: &Point3<f64>, slack: f64) -> (f64, f64) {
+    let first = *last;
+    let mut best = (0.0, f64::INFINITY);
+    for k in core::iter::once(first).chain(0..hulls.len()) {
+        if let Some(found) = hulls[k].distance(p, best.1, slack)
+            && found.1 < best.1
+        {
+            (best, *last) = (found, k);
+        }
+        if best.1 == 0.0 {
+            break;
+        }
+    }
+    best
+}

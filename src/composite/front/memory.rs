@@ -1,0 +1,218 @@
+//! The state between queries, for every kind of leaves.
+
+use alloc::vec::Vec;
+use nalgebra::{Matrix3, Vector3};
+
+use crate::base::num::count::Counter;
+use crate::base::num::scalar::sqrt;
+use crate::base::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR, STALE};
+use crate::composite::front::worth::FrontWorth;
+use crate::composite::front::{EntryId, Front, NodePair};
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::search::{Judge, TreeSearch};
+use crate::composite::work::MeshWork;
+
+/// Front, last pairs and buffers.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::composite) struct FrontMemory {
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(in crate::composite) front: Front,
+    /// The two closest pairs of items of the last answers.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    last: [Option<NodePair>; 2],
+    /// The last distance, in A's stored units.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    distance: f64,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pose: Option<(Matrix3<f64>, Vector3<f64>)>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    worth: FrontWorth,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    stack: Vec<NodePair>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    failed: Vec<EntryId>,
+    pub(in crate::composite) work: MeshWork,
+}
+
+impl FrontMemory {
+    pub(in crate::composite) fn heap_bytes(&self) -> usize {
+        self.front.heap_bytes()
+            + self.stack.capacity() * size_of::<NodePair>()
+            + self.failed.capacity() * size_of::<EntryId>()
+    }
+
+    /// Finds the closest pair of items, by the front if there is one.
+    pub(in crate::composite) fn closest<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
+        let motion = self.motion(search.frame);
+        self.pose = Some((search.frame.rotation, search.frame.translation));
+        if motion < JUMP {
+            for pair in self.last.into_iter().flatten() {
+                search.measure(pair);
+            }
+        }
+        if !search.is_over() {
+            if motion < NEAR && !self.front.is_empty() {
+                // After contact the old directions predict nothing: start anew.
+                if search.level() > STALE * self.distance + search.frame.tie {
+                    search.seed();
+                }
+                self.renew(search);
+            } else {
+                self.begin(search, motion);
+            }
+        }
+        if search.is_over() {
+            self.front.clear();
+        } else if motion < NEAR && self.is_cut_due() {
+            self.cut(search);
+        }
+        self.conclude(search);
+    }
+
+    /// Whether any pair of items is within the distance that the search asks for. Unless the roots
+    /// are far apart, the pairs that decided last are tried first.
+    pub(in crate::composite) fn is_within<J: Judge>(&mut self, search: &mut TreeSearch<J>) -> bool {
+        search.start(&mut self.stack, None);
+        if !self.stack.is_empty() {
+            for pair in self.last.into_iter().flatten() {
+                if !search.is_over() {
+                    search.measure(pair);
+                }
+            }
+            search.descend(&mut self.stack, None);
+        }
+        self.work += search.work;
+        self.work.settled.count(search.judge.settled());
+        let is_within = search.is_over();
+        if let Some(best) = search.best.as_ref().filter(|_| is_within) {
+            self.remember(best.pair);
+        }
+        is_within
+    }
+
+    fn conclude<J: Judge>(&mut self, search: &TreeSearch<J>) {
+        self.work += search.work;
+        self.work.settled.count(search.judge.settled());
+        let Some(best) = &search.best else { return };
+        self.distance = best.distance;
+        match search.directions[0] {
+            // Of pairs that are equally close, the one whose direction proves the others.
+            Some((pair, _)) if pair != best.pair => self.last = [Some(pair), Some(best.pair)],
+            _ => self.remember(best.pair),
+        }
+    }
+
+    fn remember(&mut self, pair: NodePair) {
+        if self.last[0] != Some(pair) {
+            self.last = [Some(pair), self.last[0]];
+        }
+    }
+
+    /// How far the pose is from that of the last query: the norm of the difference of rotations,
+    /// the shift as a part of L.
+    fn motion(&self, frame: &TreeFrame) -> f64 {
+        self.pose.as_ref().map_or(f64::INFINITY, |(r, t)| {
+            let turn = sqrt(0.5 * (frame.rotation - r).norm_squared());
+            turn + sqrt((frame.translation - t).norm_squared()) / frame.size
+        })
+    }
+
+    /// Whether a front is worth its cut: there is none and fronts pay, or it has grown too long.
+    fn is_cut_due(&mut self) -> bool {
+        if self.front.is_empty() {
+            self.worth.is_due()
+        } else {
+            self.front.len() > (GROWTH * self.front.cut).max(FEW_ENTRIES)
+        }
+    }
+
+    /// A search without a front.
+    fn begin<J: Judge>(&mut self, search: &mut TreeSearch<J>, motion: f64) {
+        let before = FrontWorth::work(&search.work);
+        self.front.clear();
+        if !(motion < JUMP) {
+            search.seed();
+        }
+        if !search.is_over() {
+            search.start(&mut self.stack, None);
+            search.descend(&mut self.stack, None);
+        }
+        if !search.is_over() {
+            self.worth.searched(FrontWorth::work(&search.work) - before);
+        }
+    }
+
+    /// Proves the front again, or searches anew if too many directions fail; drops a front that
+    /// took more work than a search.
+    fn renew<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
+        self.test(search);
+        let (failed, len) = (self.failed.len(), self.front.len());
+        if len > FEW_ENTRIES && (2 * failed > len || self.worth.is_dearer(failed as u64)) {
+            self.worth.lost();
+            return self.begin(search, 0.0);
+        }
+        self.repair(search);
+        if search.is_over() {
+            return;
+        }
+        if len > FEW_ENTRIES && self.worth.is_dearer(FrontWorth::work(&search.work)) || self.front.is_full() {
+            self.worth.lost();
+            self.front.clear();
+        } else {
+            self.worth.paid();
+        }
+    }
+
+    /// Finds the entries that their directions do not prove.
+    fn test<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
+        self.front.meet(&search.frame.single);
+        self.failed.clear();
+        let (failed, level) = (&mut self.failed, search.frame.single_up(search.level()));
+        self.front.test(&search.frame.single, level, |place| failed.push(place));
+        search.work.entries += self.front.len() as u64;
+        search.work.failed += self.failed.len() as u64;
+    }
+
+    /// Gives the entries that failed new directions, or splits them.
+    fn repair<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
+        self.stack.clear();
+        for batch in self.failed.rchunks(8) {
+            if search.is_over() {
+                return;
+            }
+            let mut pairs = [[0; 2]; 8];
+            (0..batch.len()).for_each(|k| pairs[k] = self.front.pair(batch[k]));
+            let found = search.bound(&pairs[..batch.len()]);
+            for k in (0..batch.len()).rev() {
+                let (at, pair) = (batch[k], pairs[k]);
+                match search.settle(pair, found.gap[k], found.normal[k]) {
+                    Some((n, gap)) => {
+                        self.front.set(&search.frame.single, (search.a, search.b), at, n, gap);
+                    }
+                    None => {
+                        self.front.remove(at);
+                        self.stack.push(pair);
+                    }
+                }
+            }
+        }
+        search.descend(&mut self.stack, Some(&mut self.front));
+    }
+
+    /// Cuts a new front, with the distance known.
+    fn cut<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
+        search.work.cuts += 1;
+        self.front.clear();
+        self.front.meet(&search.frame.single);
+        search.start(&mut self.stack, Some(&mut self.front));
+        search.descend(&mut self.stack, Some(&mut self.front));
+        self.front.cut = self.front.len();
+        if self.front.is_full() {
+            self.worth.lost();
+        }
+        if search.is_over() || self.front.is_full() {
+            self.front.clear();
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! The front of the last answer: pairs of nodes, each with the direction that proved the pair far
+//! enough.
+//!
+//! Let Y be the points below one node, in the ball of radius rho about c in the frame of their own
+//! body, and X the points below the other node, `y -> R y + t` the map from the frame of Y to the
+//! frame of X. If the gap along a unit direction n in the frame of X is at least g at the pose
+//! (R0, t0), the gap at (R1, t1) is at least
+//!
+//! `g + n . (R1 c + t1) - n . (R0 c + t0) - rho |R1^T n - R0^T n|`,
+//!
+//! because nothing of X moves in its own frame and `n . (R1 - R0) v >= -|(R1 - R0)^T n| |v|`. So an
+//! entry is the eleven numbers n, `m = R0^T n`, c, rho and `base = g - n . (R0 c + t0)`. The bound
+//! depends on both poses alone, however far and by what way the bodies moved in between, and is not
+//! weakened by a turn about n.
+//!
+//! A long node is not a ball. If all points of Y are within rho of a segment, c plus and minus u,
+//! the last term is `|u . w| + rho |w|` with `w = R1^T n - R0^T n`, small if the node turns about
+//! its length. So an entry is those eleven numbers and u, zero if the ball will do.
+//!
+//! X is the larger of the two nodes: rho is the radius of the smaller. A budget of path length
+//! instead of a direction fails ten times as often.
+
+pub(crate) mod audit;
+pub(in crate::composite) mod memory;
+mod worth;
+
+use alloc::vec::Vec;
+use wide::f32x4;
+
+use crate::base::tuning::composite::MOST_ENTRIES;
+use crate::composite::meet::bounds::WIDTH;
+use crate::composite::meet::frame::{Single, Way};
+use crate::composite::tree::{OrientedBox, Tree};
+
+/// A node of A and a node of B.
+pub(in crate::composite) type NodePair = [u32; 2];
+
+/// The numbers of an entry.
+const NUMBERS: usize = 14;
+
+/// Four entries by component: n, m, c, the radius, the base, u.
+#[derive(Clone, Debug, PartialEq)]
+struct FrontBlock([[f32; WIDTH]; NUMBERS]);
+
+/// Entries with the larger node on one side.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct FrontHalf {
+    blocks: Vec<FrontBlock>,
+    pairs: Vec<NodePair>,
+}
+
+/// The place of an entry: the half, and the number there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::composite) struct EntryId {
+    half: u8,
+    at: u32,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::composite) struct Front {
+    /// Entries with directions in A's frame, then those with directions in B's.
+    halves: [FrontHalf; 2],
+    /// The largest error of single precision since the front was empty: entries carry the rounding
+    /// of the pose at which they were made.
+    error: f32,
+    /// Entries at the last cut.
+    pub(in crate::composite) cut: usize,
+}
+
+impl Front {
+    pub(in crate::composite) fn clear(&mut self) {
+        for half in &mut self.halves {
+            half.blocks.clear();
+            half.pairs.clear();
+        }
+        (self.error, self.cut) = (0.0, 0);
+    }
+
+    pub(in crate::composite) fn len(&self) -> usize {
+        self.halves[0].pairs.len() + self.halves[1].pairs.len()
+    }
+
+    pub(in crate::composite) fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Whether no more entries are taken: the front does not cover all pairs any more and must be
+    /// cleared at the end of the query.
+    pub(in crate::composite) fn is_full(&self) -> bool {
+        self.len() >= MOST_ENTRIES
+    }
+
+    pub(in crate::composite) fn pairs(&self) -> impl Iterator<Item = NodePair> + '_ {
+        self.halves.iter().flat_map(|h| h.pairs.iter().copied())
+    }
+
+    pub(in crate::composite) fn pair(&self, place: EntryId) -> NodePair {
+        self.halves[place.half as usize].pairs[place.at as usize]
+    }
+
+    pub(in crate::composite) fn heap_bytes(&self) -> usize {
+        let of =
+            |h: &FrontHalf| h.blocks.capacity() * size_of::<FrontBlock>() + h.pairs.capacity() * size_of::<NodePair>();
+        self.halves.iter().map(of).sum()
+    }
+
+    /// Takes the error of a pose. Must be called before entries are tested or made.
+    pub(in crate::composite) fn meet(&mut self, frame: &Single) {
+        self.error = self.error.max(frame.error);
+    }
+
+    /// Calls `failed` with the place of every entry that is not proven to be at least `distance`
+    /// apart: the places in each half rise.
+    pub(in crate::composite) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(EntryId)) {
+        let level = f32x4::splat(distance + self.error);
+        for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
+            for (k, block) in (0u32..).zip(&entries.blocks) {
+                let mut open = !block.gaps(way).simd_ge(level).to_bitmask() & 0xf;
+                while open != 0 {
+                    let at = WIDTH as u32 * k + open.trailing_zeros();
+                    if (at as usize) < entries.pairs.len() {
+                        failed(EntryId { half, at });
+                    }
+                    open &= open - 1;
+                }
+            }
+        }
+    }
+
+    /// Calls `each` with every entry, its pair and the proven gap at this pose.
+    pub(in crate::composite) fn gaps(&self, frame: &Single, mut each: impl FnMut(EntryId, NodePair, f32)) {
+        for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
+            for (k, (block, pairs)) in (0u32..).zip(entries.blocks.iter().zip(entries.pairs.chunks(WIDTH))) {
+                for (at, (pair, gap)) in (WIDTH as u32 * k..).zip(pairs.iter().zip(block.gaps(way).to_array())) {
+                    each(EntryId { half, at }, *pair, gap - self.error);
+                }
+            }
+        }
+    }
+
+    /// Adds an entry whose gap along `normal`, in A's frame, is at least `gap` at this pose, unless
+    /// the front is full.
+    pub(in crate::composite) fn push(
+        &mut self,
+        frame: &Single,
+        trees: (&Tree, &Tree),
+        pair: NodePair,
+        normal: [f32; 3],
+        gap: f32,
+    ) {
+        if self.is_full() {
+            return;
+        }
+        let half = half(frame, trees, pair);
+        let entries = &mut self.halves[half as usize];
+        let at = entries.pairs.len() as u32;
+        entries.pairs.push(pair);
+        if entries.pairs.len() > WIDTH * entries.blocks.len() {
+            entries.blocks.push(FrontBlock([[0.0; WIDTH]; NUMBERS]));
+        }
+        self.set(frame, trees, EntryId { half, at }, normal, gap);
+    }
+
+    /// Gives an entry another direction, in A's frame.
+    pub(in crate::composite) fn set(
+        &mut self,
+        frame: &Single,
+        (a, b): (&Tree, &Tree),
+        place: EntryId,
+        normal: [f32; 3],
+        gap: f32,
+    ) {
+        let entries = &mut self.halves[place.half as usize];
+        let [x, y] = entries.pairs[place.at as usize];
+        let way = &frame.ways[place.half as usize];
+        let (ball, scale, n) = if place.half == 0 {
+            (&b.boxes[y as usize], frame.scale_b, normal)
+        } else {
+            let n = frame.ways[0].back(normal).map(|x| -x);
+            (&a.boxes[x as usize], frame.scale_a, n)
+        };
+        let [_, cx, cy, cz] = ball.rows[2].map(|c| c * scale);
+        let (radius, [ux, uy, uz]) = ball.rod(scale);
+        let [x, y, z] = way.place([cx, cy, cz]);
+        let m = way.back(n);
+        let base = gap - (n[0] * x + n[1] * y + n[2] * z);
+        let values = [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base, ux, uy, uz];
+        let (block, lane) = (place.at as usize / WIDTH, place.at as usize % WIDTH);
+        for (slot, value) in entries.blocks[block].0.iter_mut().zip(values) {
+            slot[lane] = value;
+        }
+    }
+
+    /// Removes an entry; the last one of the half takes its place.
+    pub(in crate::composite) fn remove(&mut self, place: EntryId) {
+        let (entries, k) = (&mut self.halves[place.half as usize], place.at as usize);
+        let last = entries.pairs.len() - 1;
+        entries.pairs.swap_remove(k);
+        for c in 0..NUMBERS {
+            let moved = entries.blocks[last / WIDTH].0[c][last % WIDTH];
+            entries.blocks[k / WIDTH].0[c][k % WIDTH] = moved;
+        }
+        if last.is_multiple_of(WIDTH) {
+            entries.blocks.pop();
+        }
+    }
+
+    /// Spoils an entry, so that a test can see it found.
+    #[cfg(test)]
+    pub(in crate::composite) fn corrupt(&mut self, place: EntryId, by: f32) {
+        self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0[10][place.at as usize % WIDTH] += by;
+    }
+
+    /// The place of an entry by its number.
+    #[cfg(test)]
+    pub(in crate::composite) fn place(&self, k: usize) -> EntryId {
+        let first = self.halves[0].pairs.len();
+        let (half, at) = if k < first { (0, k) } else { (1, k - first) };
+        EntryId { half, at: at as u32 }
+    }
+
+    /// The direction of an entry at a pose, in A's frame.
+    pub(in crate::composite) fn normal(&self, frame: &Single, place: EntryId) -> [f32; 3] {
+        let block = &self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0;
+        let n = [0, 1, 2].map(|c| block[c][place.at as usize % WIDTH]);
+        if place.half == 0 {
+            n
+        } else {
+            frame.ways[1].back(n).map(|x| -x)
+        }
+    }
+}
+
+/// Where the entry of a pair stands: with the larger node.
+fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: NodePair) -> u8 {
+    let radius = |b: &OrientedBox, scale: f32| b.radius() * scale;
+    u8::from(radius(&a.boxes[x as usize], frame.scale_a) < radius(&b.boxes[y as usize], frame.scale_b))
+}
+
+impl FrontBlock {
+    #[inline(always)]
+    fn gaps(&self, way: &Way) -> f32x4 {
+        let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base, ux, uy, uz] = &self.0;
+        let (r, t) = (&way.rotation, &way.translation);
+        let (nx, ny, nz) = (f32x4::new(*nx), f32x4::new(*ny), f32x4::new(*nz));
+        let (cx, cy, cz) = (f32x4::new(*cx), f32x4::new(*cy), f32x4::new(*cz));
+        let (x, y, z) = (
+            r[0] * nx + r[3] * ny + r[6] * nz,
+            r[1] * nx + r[4] * ny + r[7] * nz,
+            r[2] * nx + r[5] * ny + r[8] * nz,
+        );
+        let along = x * cx + y * cy + z * cz + (nx * t[0] + ny * t[1] + nz * t[2]);
+        let (p, q, s) = (x - f32x4::new(*mx), y - f32x4::new(*my), z - f32x4::new(*mz));
+        let turned = (p * p + q * q + s * s).sqrt();
+        let swung = (p * f32x4::new(*ux) + q * f32x4::new(*uy) + s * f32x4::new(*uz)).abs();
+        f32x4::new(*base) + along - f32x4::new(*radius) * turned - swung
+    }
+}

@@ -1,0 +1,189 @@
+//! A pair of trees at one relative pose: the maps between the frames, in both precisions, with the
+//! errors of each.
+
+use nalgebra::{Matrix3, Vector3};
+use wide::f32x4;
+
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
+use crate::body::polyhedron::power_of_two;
+use crate::composite::tree::{Tree, up};
+
+/// A body as its tree sees it.
+#[derive(Clone, Copy)]
+pub(crate) struct TreeSide<'a> {
+    pub(in crate::composite) tree: &'a Tree,
+    /// Stored lengths times `2^exponent` are the caller's.
+    pub(in crate::composite) exponent: i32,
+    /// Largest distance of a point from the body's origin, in stored units.
+    pub(in crate::composite) radius: f64,
+}
+
+/// Sizes beyond this, in the unit of single precision, are left to double precision. Squares stay
+/// far inside the range of f32.
+const SINGLE_MOST: f32 = (1u64 << 30) as f32;
+
+/// Lengths that vanish in the products of single precision are below this.
+const LEAST: f32 = 1.0 / (1u64 << 60) as f32;
+
+/// `a_from_b` between stored frames, and between the frames of the trees.
+pub(in crate::composite) struct TreeFrame {
+    /// A rotation times the unit of B's stored frame in A's.
+    pub(in crate::composite) matrix: Matrix3<f64>,
+    pub(in crate::composite) translation: Vector3<f64>,
+    /// The rotation alone.
+    pub(in crate::composite) rotation: Matrix3<f64>,
+    /// One unit of B's stored frame in A's.
+    pub(in crate::composite) scale: f64,
+    /// L in A's stored units.
+    pub(in crate::composite) size: f64,
+    /// Error of a distance and of a height in double precision.
+    pub(in crate::composite) error: f64,
+    /// Tolerance below the distance within which a proven gap still prunes.
+    pub(in crate::composite) tie: f64,
+    pub(in crate::composite) single: Single,
+}
+
+/// The frame in single precision, in a unit in which the larger tree has a size of about one.
+pub(in crate::composite) struct Single {
+    /// The unit in A's stored units, a power of two, and its inverse.
+    pub(in crate::composite) unit: f64,
+    pub(in crate::composite) per_unit: f64,
+    /// From B's tree to A's, and back.
+    pub(in crate::composite) ways: [Way; 2],
+    pub(in crate::composite) scale_a: f32,
+    pub(in crate::composite) scale_b: f32,
+    /// Error of a gap; infinite if single precision cannot help.
+    pub(in crate::composite) error: f32,
+}
+
+/// A map `x -> R x + t` in single precision.
+pub(in crate::composite) struct Way {
+    pub(in crate::composite) rotation: [f32x4; 9],
+    pub(in crate::composite) translation: [f32x4; 3],
+    /// Rotation and translation for unpacked points.
+    r: [f32; 9],
+    t: [f32; 3],
+}
+
+impl Way {
+    fn new(rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
+        let r = core::array::from_fn(|k| rotation[(k / 3, k % 3)] as f32);
+        let t = [translation.x as f32, translation.y as f32, translation.z as f32];
+        Self {
+            rotation: r.map(f32x4::splat),
+            translation: t.map(f32x4::splat),
+            r,
+            t,
+        }
+    }
+
+    /// The image of a point.
+    #[inline(always)]
+    pub(in crate::composite) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let (r, t) = (&self.r, &self.t);
+        [
+            r[0] * x + r[1] * y + r[2] * z + t[0],
+            r[3] * x + r[4] * y + r[5] * z + t[1],
+            r[6] * x + r[7] * y + r[8] * z + t[2],
+        ]
+    }
+
+    /// The direction that the map turns to `n`.
+    #[inline(always)]
+    pub(in crate::composite) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let r = &self.r;
+        [
+            r[0] * x + r[3] * y + r[6] * z,
+            r[1] * x + r[4] * y + r[7] * z,
+            r[2] * x + r[5] * y + r[8] * z,
+        ]
+    }
+}
+
+impl TreeFrame {
+    /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the
+    /// range of f64.
+    pub(in crate::composite) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
+        let scale = power_of_two((b.exponent - a.exponent).clamp(-1000, 1000));
+        let rotation = pose.rotation();
+        let translation = pose.translation() * power_of_two(-a.exponent);
+        let size = a.radius + scale * b.radius + sqrt(translation.norm_squared());
+        // Written so that NaN goes the safe way.
+        if !(size > NEAR && size < FAR) {
+            return None;
+        }
+        let matrix = rotation * scale;
+        Some(Self {
+            matrix,
+            translation,
+            rotation,
+            scale,
+            size,
+            error: CERTIFICATE * UNIT * size,
+            tie: SHORT_OF * size,
+            single: Single::new((a, b, scale), &matrix, &translation, &rotation, size),
+        })
+    }
+
+    /// Returns the place of a stored point of B in A's stored frame.
+    #[inline(always)]
+    pub(in crate::composite) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix * p + self.translation
+    }
+
+    /// Returns the direction of B's stored frame along which points rise as along `n` in A's.
+    #[inline(always)]
+    pub(in crate::composite) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix.tr_mul(n)
+    }
+
+    /// Lengths in A's stored units in the unit of single precision, rounded up.
+    #[inline(always)]
+    pub(in crate::composite) fn single_up(&self, length: f64) -> f32 {
+        up(length * self.single.per_unit)
+    }
+}
+
+impl Single {
+    fn new(
+        (a, b, scale): (TreeSide, TreeSide, f64),
+        matrix: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+        rotation: &Matrix3<f64>,
+        size: f64,
+    ) -> Self {
+        let (of_a, of_b) = (a.tree.unit(), b.tree.unit() * scale);
+        let unit = of_a.max(of_b);
+        let (scale_a, scale_b) = ((of_a / unit) as f32, (of_b / unit) as f32);
+        let shift = (matrix * b.tree.centre + translation - a.tree.centre) / unit;
+        let reach = a.tree.reach * scale_a + b.tree.reach * scale_b + sqrt(shift.norm_squared()) as f32;
+        // The second: the shift's own error where bodies are far from their origins, and scales
+        // that vanish.
+        let error = BOXES as f32 * reach + (2.0 * CERTIFICATE * UNIT * size / unit) as f32 + LEAST;
+        Self {
+            unit,
+            per_unit: 1.0 / unit,
+            ways: [
+                Way::new(rotation, &shift),
+                Way::new(&rotation.transpose(), &-rotation.tr_mul(&shift)),
+            ],
+            scale_a,
+            scale_b,
+            error: if reach < SINGLE_MOST { error } else { f32::INFINITY },
+        }
+    }
+}
+
+/// The distance of two bodies' origins in the caller's unit, by how much the distance of the bodies
+/// may differ, and the direction.
+pub(in crate::composite) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+    let sixteenth = pose.translation_sixteenth();
+    let length = sixteenth.amax();
+    let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
+    let norm = sqrt(n.norm_squared());
+    let distance = length * norm * 16.0;
+    let reach = a.radius * power_of_two(a.exponent) + b.radius * power_of_two(b.exponent);
+    (distance, distance * (CERTIFICATE * UNIT) + reach, n / norm)
+}

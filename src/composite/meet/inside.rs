@@ -1,0 +1,215 @@
+//! Inside or outside of a closed mesh, by exact winding numbers.
+//!
+//! A segment from the point to a place outside the bounding box crosses the mesh; crossings count
+//! +1 outward and -1 inward, right for parts that overlap or lie in each other, for which
+//! parity and the normal of the nearest triangle are wrong. Every sign is an exact predicate; if
+//! a sign is zero, another segment is taken.
+//!
+//! Source: the winding number by signed crossings is classical; orientation predicates: Shewchuk
+//! 1997.
+
+use alloc::vec;
+use nalgebra::Vector3;
+
+use crate::base::num::scalar::sqrt;
+use crate::base::num::sign;
+use crate::base::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
+use crate::base::tuning::composite::SEGMENTS;
+use crate::body::polyhedron::{exponent_of, power_of_two};
+use crate::composite::meet::triangle;
+use crate::composite::mesh::Mesh;
+use crate::composite::tree::{Below, OrientedBox, Tree};
+
+impl Mesh {
+    /// The winding number about a point in stored coordinates that does not lie on the surface.
+    /// `None` if every segment met an edge or passed through a vertex.
+    pub(in crate::composite) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
+        self.winding_of(point, |_| true)
+    }
+
+    /// The winding number of some of the triangles, which close a surface on which the point does
+    /// not lie.
+    pub(in crate::composite) fn winding_of(&self, point: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
+        let flush = power_of_two(exponent_of(self.radius) - FLUSH_EXPONENT);
+        let p = point.map(|x| if x.abs() < flush { 0.0 } else { x });
+        if (0..3).any(|k| !(p[k] >= self.low[k] && p[k] <= self.high[k])) {
+            return Some(0);
+        }
+        (0..SEGMENTS).find_map(|k| self.crossings(&p, &self.outside(&p, k), &counts))
+    }
+
+    /// A place outside the bounding box, near the side that is nearest.
+    fn outside(&self, p: &Vector3<f64>, attempt: usize) -> Vector3<f64> {
+        let (up, down) = (self.high - p, p - self.low);
+        let (x, y) = (up.imin(), down.imin());
+        let (axis, way, room) = if up[x] < down[y] {
+            (x, 1.0, up[x])
+        } else {
+            (y, -1.0, down[y])
+        };
+        let size = (self.high - self.low).max();
+        // Slants that no round number divides, another for each attempt.
+        let slant = 0.137 + 0.618_033_988 * attempt as f64;
+        let (s, t) = (
+            slant - libm::floor(slant) - 0.5,
+            0.5 - slant * 0.381_966 + libm::floor(slant * 0.381_966),
+        );
+        let along = room * 1.0625 + size * 0.015_625;
+        let mut step = Vector3::zeros();
+        step[axis] = way * along;
+        step[(axis + 1) % 3] = s * along;
+        step[(axis + 2) % 3] = t * along;
+        p + step
+    }
+
+    /// Signed crossings of a segment with the mesh; `None` if a sign is zero.
+    fn crossings(&self, from: &Vector3<f64>, to: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
+        let segment = Segment::new(&self.tree, from, to);
+        let (mut stack, mut sum) = (vec![0], 0);
+        while let Some(node) = stack.pop() {
+            if segment.misses(&self.tree.boxes[node as usize]) {
+                continue;
+            }
+            match self.tree.below(node) {
+                Below::Children(c) => stack.extend([c, c + 1]),
+                Below::Leaf(first, count) => {
+                    for t in (first..first + count).filter(|&t| counts(t)) {
+                        sum += crossing(&self.corners(t), from, to)?;
+                    }
+                }
+            }
+        }
+        Some(sum)
+    }
+
+    /// Whether the surface is certainly farther than `error` from a point in stored coordinates.
+    pub(in crate::composite) fn is_clear_of(&self, point: &Vector3<f64>, error: f64) -> bool {
+        !self.tree.any_near(point, error, |t| {
+            let (square, _) = triangle::nearest(point, &self.corners(t));
+            !(square > 4.0 * error * error)
+        })
+    }
+
+    /// Returns whether a point that may be off its place by `doubt`, both in stored units, is
+    /// inside a solid; `None` if the surface is as near as the doubt, or if every segment to the
+    /// outside met an edge.
+    pub(crate) fn holds_point(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
+        if !self.is_solid() {
+            return Some(false);
+        }
+        if doubt > 0.0 && !self.is_clear_of(point, doubt) {
+            return None;
+        }
+        self.winding(point).map(|w| w != 0)
+    }
+
+    /// Whether a segment certainly passes through a triangle from which its first end is farther
+    /// than `skin`.
+    pub(in crate::composite) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
+        self.any_crossed(from, to, |corners| triangle::nearest(from, corners).0 > skin * skin)
+    }
+
+    /// The part of a segment before it first passes through a triangle farther along than `skin`,
+    /// right up to rounding; triangles of which only an edge is met are left out.
+    pub(in crate::composite) fn first_crossing(
+        &self,
+        from: &Vector3<f64>,
+        to: &Vector3<f64>,
+        skin: f64,
+    ) -> Option<f64> {
+        let least = skin / sqrt((to - from).norm_squared());
+        let mut first = None;
+        self.any_crossed(from, to, |corners| {
+            let n = triangle::normal(corners);
+            let part = n.dot(&(corners[0] - from)) / n.dot(&(to - from));
+            if part > least && first.is_none_or(|f| part < f) {
+                first = Some(part);
+            }
+            false
+        });
+        first
+    }
+
+    /// Whether a segment certainly passes through a triangle that is what is looked for.
+    fn any_crossed(
+        &self,
+        from: &Vector3<f64>,
+        to: &Vector3<f64>,
+        mut is_found: impl FnMut(&triangle::Triangle) -> bool,
+    ) -> bool {
+        let segment = Segment::new(&self.tree, from, to);
+        let mut crosses = |t: u32| {
+            let corners = self.corners(t);
+            matches!(crossing(&corners, from, to), Some(1 | -1)) && is_found(&corners)
+        };
+        let mut stack = vec![0];
+        while let Some(node) = stack.pop() {
+            if segment.misses(&self.tree.boxes[node as usize]) {
+                continue;
+            }
+            match self.tree.below(node) {
+                Below::Children(c) => stack.extend([c, c + 1]),
+                Below::Leaf(first, count) => {
+                    if (first..first + count).any(&mut crosses) {
+                        return true;
+                    }
+                }
+            }
+        }
+        false
+    }
+}
+
+/// +1 if the segment leaves through a triangle, -1 if it enters, 0 if it misses; `None` if it meets
+/// an edge or the plane at an end.
+fn crossing([a, b, c]: &[Vector3<f64>; 3], from: &Vector3<f64>, to: &Vector3<f64>) -> Option<i32> {
+    let turns = [
+        sign::side(from, to, a, b),
+        sign::side(from, to, b, c),
+        sign::side(from, to, c, a),
+    ];
+    if turns.iter().any(|t| *t > 0.0) && turns.iter().any(|t| *t < 0.0) {
+        return Some(0);
+    }
+    let ends = [sign::side(a, b, c, from), sign::side(a, b, c, to)];
+    if ends[0] * ends[1] > 0.0 || ends[0] > 0.0 && ends[1] > 0.0 || ends[0] < 0.0 && ends[1] < 0.0 {
+        return Some(0);
+    }
+    let doubtful = turns.iter().chain(&ends).any(|x| *x == 0.0);
+    (!doubtful).then_some(if ends[0] < 0.0 { 1 } else { -1 })
+}
+
+/// A segment in the tree's coordinates: its middle and half its length as a vector.
+struct Segment {
+    middle: Vector3<f64>,
+    half: Vector3<f64>,
+}
+
+impl Segment {
+    fn new(tree: &Tree, from: &Vector3<f64>, to: &Vector3<f64>) -> Self {
+        let place = |p: &Vector3<f64>| (p - tree.centre) / tree.unit();
+        let (from, to) = (place(from), place(to));
+        Self {
+            middle: (from + to) * 0.5,
+            half: (to - from) * 0.5,
+        }
+    }
+
+    /// Whether the segment certainly misses a box: apart along one of its axes, or along the normal
+    /// of one and the segment.
+    fn misses(&self, b: &OrientedBox) -> bool {
+        let offset = self.middle - b.centre();
+        let (mut m, mut e) = (Vector3::zeros(), Vector3::zeros());
+        for k in 0..3 {
+            (m[k], e[k]) = (b.axis(k).dot(&offset), b.axis(k).dot(&self.half));
+        }
+        // Axes as stored are orthonormal within 8 UNIT_SINGLE.
+        let length = m.abs().sum() + e.abs().sum();
+        let slack = 32.0 * UNIT_SINGLE * (length + 1.0);
+        let h = b.half().add_scalar(slack);
+        let crossed = |i: usize, j: usize| {
+            (m[i] * e[j] - m[j] * e[i]).abs() > h[i] * e[j].abs() + h[j] * e[i].abs() + slack * length
+        };
+        (0..3).any(|k| m[k].abs() > h[k] + e[k].abs()) || crossed(0, 1) || crossed(1, 2) || crossed(2, 0)
+    }
+}

@@ -1,0 +1,12 @@
+//! Two bodies of parts at a pose: the search down both trees to the closest pair, and what it asks
+//! of boxes, leaves and triangles.
+
+pub(in crate::composite) mod bounds;
+pub(crate) mod frame;
+pub(in crate::composite) mod inside;
+mod leaves;
+pub(in crate::composite) mod look_ahead;
+pub(crate) mod search;
+pub(in crate::composite) mod shared;
+pub(in crate::composite) mod state;
+pub(crate) mod triangle;

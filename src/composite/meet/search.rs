@@ -1,0 +1,485 @@
+//! Down both trees to the closest pair, with everything else proven farther.
+
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use crate::base::tuning::composite::{AT_ONCE, CROWD, FEW_ITEMS};
+use crate::composite::front::{Front, NodePair};
+use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
+use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::shared::Touching;
+use crate::composite::tree::height::{height, unit};
+use crate::composite::tree::{Below, Tree};
+use crate::composite::work::MeshWork;
+
+/// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
+pub(in crate::composite) trait Judge {
+    /// The features of a pair, told with points and bounds.
+    type Features: Copy;
+
+    /// The greatest `n . x` of an item of A, in A's stored frame.
+    fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// The least `n . y` of an item of B, in B's stored frame.
+    fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// Returns how many pairs needed a certified query of two polygons.
+    fn settled(&self) -> u64 {
+        0
+    }
+
+    /// Returns whether the bodies certainly share inner points, looked for about pairs in contact,
+    /// and the winding numbers taken. `found`: a contact.
+    fn shares_inside(&self, touching: &Touching, found: &Measured<Self::Features>) -> (bool, u64);
+
+    /// The distance of two items, with bounds that are proven: the lower one at most the frame's
+    /// `tie` below the lesser of the distance and `known`, if any arithmetic can.
+    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<Self::Features>;
+}
+
+/// Two items and how far they are apart, in A's stored units.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::composite) struct Measured<F> {
+    pub(in crate::composite) pair: NodePair,
+    /// The distance as computed.
+    pub(in crate::composite) distance: f64,
+    pub(in crate::composite) lower: f64,
+    pub(in crate::composite) upper: f64,
+    /// Unit direction from A to B, in A's frame.
+    pub(in crate::composite) normal: Vector3<f64>,
+    /// In A's and B's stored frames.
+    pub(in crate::composite) on_a: Vector3<f64>,
+    pub(in crate::composite) on_b: Vector3<f64>,
+    pub(in crate::composite) features: F,
+    /// Whether the items certainly share inner points.
+    pub(in crate::composite) crosses: bool,
+}
+
+impl<F> Measured<F> {
+    /// Whether the items are in contact as far as rounding can tell.
+    fn is_contact(&self, frame: &TreeFrame) -> bool {
+        self.lower == 0.0 && self.upper <= 2.0 * frame.error
+    }
+}
+
+/// The question.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::composite) enum MeshGoal {
+    /// The least distance.
+    Least,
+    /// Whether any pair is at most this far apart, in A's stored units.
+    Within(f64),
+}
+
+/// A search in progress.
+pub(in crate::composite) struct TreeSearch<'a, J: Judge> {
+    pub(in crate::composite) a: &'a Tree,
+    pub(in crate::composite) b: &'a Tree,
+    pub(in crate::composite) frame: &'a TreeFrame,
+    pub(in crate::composite) judge: J,
+    pub(in crate::composite) goal: MeshGoal,
+    /// The closest pair so far.
+    pub(in crate::composite) best: Option<Measured<J::Features>>,
+    /// Lower bound over all pairs pruned so far.
+    pub(in crate::composite) lower: f64,
+    /// Directions of the latest best pairs; two, because flush contact alternates.
+    pub(in crate::composite) directions: [Option<(NodePair, TriedDirection)>; 2],
+    /// Pairs at distance zero, up to rounding, that were met.
+    pub(in crate::composite) touching: Touching,
+    /// Whether contact without a crossing is all that is asked of the least distance: of surfaces,
+    /// which share no inner points.
+    pub(in crate::composite) ends_in_contact: bool,
+    /// Pairs measured that are in contact.
+    contacts: u32,
+    /// The level in single precision.
+    single: f32,
+    /// The least gap that single precision has proven.
+    least: f32,
+    pub(in crate::composite) work: MeshWork,
+}
+
+/// A unit direction from A to B.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::composite) struct TriedDirection {
+    /// In A's stored frame and in B's.
+    pub(in crate::composite) in_a: Vector3<f64>,
+    pub(in crate::composite) in_b: Vector3<f64>,
+    /// The height of the origin of B's frame.
+    pub(in crate::composite) lift: f64,
+}
+
+impl TriedDirection {
+    #[inline(always)]
+    pub(in crate::composite) fn new(frame: &TreeFrame, n: &Vector3<f64>) -> Self {
+        Self {
+            in_a: *n,
+            in_b: frame.direction_in_b(n),
+            lift: n.dot(&frame.translation),
+        }
+    }
+}
+
+/// A direction and a gap along it that are proven, in single precision.
+pub(in crate::composite) type GapProof = ([f32; 3], f32);
+
+impl<'a, J: Judge> TreeSearch<'a, J> {
+    pub(in crate::composite) fn new(
+        (a, b): (&'a Tree, &'a Tree),
+        frame: &'a TreeFrame,
+        judge: J,
+        goal: MeshGoal,
+    ) -> Self {
+        let mut search = Self {
+            a,
+            b,
+            frame,
+            judge,
+            goal,
+            best: None,
+            lower: f64::INFINITY,
+            directions: [None; 2],
+            touching: Touching::NONE,
+            ends_in_contact: false,
+            contacts: 0,
+            single: f32::INFINITY,
+            least: f32::INFINITY,
+            work: MeshWork::default(),
+        };
+        search.single = search.single_level();
+        search
+    }
+
+    /// The gap that a pair must exceed to be passed by, in A's stored units.
+    pub(in crate::composite) fn level(&self) -> f64 {
+        match self.goal {
+            MeshGoal::Within(d) => d,
+            MeshGoal::Least => self.best.as_ref().map_or(f64::INFINITY, |b| b.distance),
+        }
+    }
+
+    /// Lower bound of the distance of all pairs, in A's stored units, at the end of a search that
+    /// is not over.
+    pub(in crate::composite) fn proven(&self) -> f64 {
+        let measured = self.best.as_ref().map_or(f64::INFINITY, |b| b.lower);
+        let proven = self.lower.min(f64::from(self.least) * self.frame.single.unit);
+        proven.min(measured)
+    }
+
+    /// Pruning level in f32, rounded up; the next number if equality does not prune.
+    fn single_level(&self) -> f32 {
+        let level = self.frame.single_up(self.level());
+        match self.goal {
+            MeshGoal::Least => level,
+            MeshGoal::Within(_) => level.next_up(),
+        }
+    }
+
+    /// Whether the answer is known already.
+    pub(in crate::composite) fn is_over(&self) -> bool {
+        let Some(best) = &self.best else { return false };
+        match self.goal {
+            MeshGoal::Least => best.crosses || self.ends_in_contact && best.is_contact(self.frame),
+            MeshGoal::Within(d) => best.upper <= d,
+        }
+    }
+
+    /// Measures a pair of items and keeps it if it is closer than any before.
+    pub(in crate::composite) fn measure(&mut self, pair: NodePair) -> (Vector3<f64>, f64) {
+        self.work.measured += 1;
+        let found = self.judge.measure(self.frame, pair, self.level());
+        let result = (found.normal, found.lower);
+        if found.distance <= self.frame.error {
+            self.touching.push(pair);
+        }
+        let level = self.best.as_ref().map_or(f64::INFINITY, |b| b.distance);
+        let is_tie = found.distance <= level + self.frame.tie;
+        let is_closer = found.distance < level || found.crosses && self.best.as_ref().is_some_and(|b| !b.crosses);
+        let own = Some((pair, TriedDirection::new(self.frame, &found.normal)));
+        if found.distance < level - self.frame.tie || self.best.is_none() {
+            self.directions = [own, None];
+        } else if is_tie {
+            self.directions[1] = own;
+        }
+        if is_closer || self.best.is_none() {
+            let before = self.best.replace(found);
+            self.lower = self.lower.min(before.map_or(f64::INFINITY, |b| b.lower));
+            self.single = self.single_level();
+        } else {
+            self.lower = self.lower.min(found.lower);
+        }
+        if found.distance <= self.frame.error {
+            self.contacts += 1;
+            if self.contacts == CROWD {
+                self.judge_crowd();
+            }
+        }
+        result
+    }
+
+    /// Looks for inner points of bodies of which a crowd of pairs is in contact: there may be as
+    /// many contacts as items, and none of them crosses for certain.
+    #[cold]
+    fn judge_crowd(&mut self) {
+        let Some(best) = &mut self.best else { return };
+        let (is_shared, windings) = self.judge.shares_inside(&self.touching, best);
+        self.work.windings += windings;
+        if is_shared {
+            (best.distance, best.lower, best.upper, best.crosses) = (0.0, 0.0, 0.0, true);
+        }
+    }
+
+    /// Returns whether a proven gap prunes the pair, and remembers the gap.
+    #[inline(always)]
+    pub(in crate::composite) fn passes(&mut self, gap: f64) -> bool {
+        let passes = match self.goal {
+            MeshGoal::Least => gap >= self.level() - self.frame.tie,
+            MeshGoal::Within(d) => gap > d,
+        };
+        if passes {
+            self.lower = self.lower.min(gap);
+        }
+        passes
+    }
+
+    /// Bounds up to eight pairs of boxes.
+    pub(in crate::composite) fn bound(&mut self, pairs: &[NodePair]) -> BoxGaps {
+        self.work.bounds += pairs.len() as u64;
+        let single = |(_, n): &(NodePair, TriedDirection)| [n.in_a.x as f32, n.in_a.y as f32, n.in_a.z as f32];
+        let aim = BoundAim {
+            level: self.single + self.frame.single.error,
+            known: self.directions[0].as_ref().map(single),
+        };
+        bounds(&self.frame.single, (self.a, self.b), pairs, &aim)
+    }
+
+    /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
+    #[inline(always)]
+    pub(in crate::composite) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
+        let proven = gap - self.frame.single.error;
+        if proven >= self.single {
+            self.least = self.least.min(proven);
+            return Some((normal, proven));
+        }
+        self.settle_close(pair, gap, normal)
+    }
+
+    #[inline(never)]
+    fn settle_close(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
+        let (error, level) = (self.frame.single.error, self.single);
+        let is_close = gap + 3.0 * error >= level || level < 8.0 * error;
+        for k in 0..if is_close { 2 } else { 0 } {
+            let Some((_, n)) = self.directions[k] else { break };
+            let gap = self.look(pair, &n);
+            if self.passes(gap) {
+                self.directions.swap(0, k);
+                return Some(self.proof(&n.in_a, gap));
+            }
+        }
+        match (self.a.is_leaf(pair[0]), self.b.is_leaf(pair[1])) {
+            (true, true) => Some(self.judge_leaves(pair, normal)),
+            (false, false) => None,
+            _ => self.by_support(pair, gap, normal),
+        }
+    }
+
+    /// Tries to prove a node of one body against the only item of the other, by the height of the
+    /// item itself: a box about a round body is much larger than the body.
+    fn by_support(&mut self, [x, y]: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
+        let (is_a, is_b) = (self.a.is_alone(), self.b.is_alone());
+        let reach = match (is_a, is_b) {
+            (true, _) => self.a.boxes[0].radius() * self.frame.single.scale_a,
+            (_, true) => self.b.boxes[0].radius() * self.frame.single.scale_b,
+            _ => return None,
+        };
+        if gap + reach < self.single {
+            return None;
+        }
+        let own = self.own_direction(normal);
+        for n in [own, self.directions[0].map(|d| d.1)].into_iter().flatten() {
+            self.work.looks += 1;
+            let high = if is_a {
+                self.judge.highest_in_a(0, &n.in_a)
+            } else {
+                height(self.a, x, &n.in_a)
+            };
+            let low = if is_b {
+                self.judge.lowest_in_b(0, &n.in_b)
+            } else {
+                -height(self.b, y, &-n.in_b)
+            };
+            let gap = low + n.lift - 2.0 * self.frame.error - high;
+            if self.passes(gap) {
+                return Some(self.proof(&n.in_a, gap));
+            }
+        }
+        None
+    }
+
+    /// The direction along which two boxes are parted best.
+    pub(in crate::composite) fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
+        let n = unit(&Vector3::from(normal.map(f64::from)))?;
+        Some(TriedDirection::new(self.frame, &n))
+    }
+
+    /// A direction and a gap in double precision, as an entry of the front keeps them.
+    pub(in crate::composite) fn proof(&self, n: &Vector3<f64>, gap: f64) -> GapProof {
+        // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
+        // precision is far more.
+        let gap = (gap * self.frame.single.per_unit) as f32 - self.frame.single.error;
+        ([n.x as f32, n.y as f32, n.z as f32], gap)
+    }
+
+    /// The gap of two nodes along a direction in double precision, error taken off: by boxes and
+    /// slabs, and if the gap is short by no more than single precision can hide, by the vertices of
+    /// small nodes.
+    fn look(&mut self, [x, y]: NodePair, n: &TriedDirection) -> f64 {
+        self.work.looks += 1;
+        let lift = n.lift - 2.0 * self.frame.error;
+        let (mut low, mut high) = (-height(self.b, y, &-n.in_b), height(self.a, x, &n.in_a));
+        let hidden = f64::from(self.frame.single.error) * self.frame.single.unit;
+        let level = self.level() - self.frame.tie;
+        let is_short = |gap: f64| gap < level && gap + hidden >= level;
+        if is_short(low + lift - high) {
+            if let Some((first, last)) = few(self.b, y) {
+                low = (first..last)
+                    .map(|k| self.judge.lowest_in_b(k, &n.in_b))
+                    .fold(f64::INFINITY, f64::min);
+            }
+            if is_short(low + lift - high)
+                && let Some((first, last)) = few(self.a, x)
+            {
+                high = (first..last)
+                    .map(|k| self.judge.highest_in_a(k, &n.in_a))
+                    .fold(f64::NEG_INFINITY, f64::max);
+            }
+        }
+        low + lift - high
+    }
+
+    /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the
+    /// front, if one is kept.
+    pub(in crate::composite) fn descend(&mut self, stack: &mut Vec<NodePair>, mut front: Option<&mut Front>) {
+        while !stack.is_empty() && !self.is_over() {
+            let mut halves = [[0; 2]; 2 * AT_ONCE];
+            let mut count = 0;
+            while count < 2 * AT_ONCE
+                && let Some(pair) = stack.pop()
+            {
+                if let Some(two) = split_pair((self.a, self.b), self.frame, pair) {
+                    halves[count..count + 2].copy_from_slice(&two);
+                    count += 2;
+                }
+            }
+            let halves = &mut halves[..count];
+            if halves.is_empty() {
+                continue;
+            }
+            let found = self.bound(halves);
+            let mut open = [(0.0, [0; 2]); 2 * AT_ONCE];
+            let mut left = 0;
+            for (k, &pair) in halves.iter().enumerate() {
+                match self.settle(pair, found.gap[k], found.normal[k]) {
+                    Some((n, gap)) => {
+                        if let Some(front) = front.as_deref_mut() {
+                            front.push(&self.frame.single, (self.a, self.b), pair, n, gap);
+                        }
+                    }
+                    None => {
+                        open[left] = (found.gap[k], pair);
+                        left += 1;
+                    }
+                }
+            }
+            let open = &mut open[..left];
+            open.sort_unstable_by(|p, q| q.0.total_cmp(&p.0));
+            stack.extend(open.iter().map(|p| p.1));
+        }
+    }
+
+    /// Both roots, settled or on the stack.
+    pub(in crate::composite) fn start(&mut self, stack: &mut Vec<NodePair>, front: Option<&mut Front>) {
+        stack.clear();
+        let root = [0, 0];
+        let found = self.bound(&[root]);
+        match self.settle(root, found.gap[0], found.normal[0]) {
+            Some((n, gap)) => {
+                if let Some(front) = front {
+                    front.push(&self.frame.single, (self.a, self.b), root, n, gap);
+                }
+            }
+            None => stack.push(root),
+        }
+    }
+
+    /// Finds a close pair of items: the few most promising pairs of nodes, level by level.
+    pub(in crate::composite) fn seed(&mut self) {
+        let mut beam = [[0u32; 2]; AT_ONCE];
+        let mut width = 1;
+        let mut leaves = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+        while width > 0 {
+            let mut halves = [[0; 2]; 2 * AT_ONCE];
+            let mut count = 0;
+            for &pair in &beam[..width] {
+                match split_pair((self.a, self.b), self.frame, pair) {
+                    Some(two) => {
+                        halves[count..count + 2].copy_from_slice(&two);
+                        count += 2;
+                    }
+                    None => keep(&mut leaves, (-f32::MAX, pair, [0.0; 3])),
+                }
+            }
+            if count == 0 {
+                break;
+            }
+            let found = self.bound(&halves[..count]);
+            let mut next = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+            for (k, &pair) in halves[..count].iter().enumerate() {
+                let is_leaf = self.a.is_leaf(pair[0]) && self.b.is_leaf(pair[1]);
+                keep(
+                    if is_leaf { &mut leaves } else { &mut next },
+                    (found.gap[k], pair, found.normal[k]),
+                );
+            }
+            width = next.iter().filter(|x| x.0 < f32::INFINITY).count();
+            (0..width).for_each(|k| beam[k] = next[k].1);
+        }
+        for (_, pair, normal) in leaves.into_iter().filter(|x| x.0 < f32::INFINITY).take(2) {
+            self.judge_leaves(pair, normal);
+        }
+    }
+}
+
+/// The two halves of a pair: of the box with the larger surface, unless that is a leaf. Not of the
+/// longer box: parts of a long thin one may be as long.
+pub(in crate::composite) fn split_pair(
+    (a, b): (&Tree, &Tree),
+    frame: &TreeFrame,
+    [x, y]: NodePair,
+) -> Option<[NodePair; 2]> {
+    let is_a_larger = || {
+        let (of_a, of_b) = (&a.boxes[x as usize], &b.boxes[y as usize]);
+        let (scale_a, scale_b) = (frame.single.scale_a, frame.single.scale_b);
+        of_a.area() * (scale_a * scale_a) >= of_b.area() * (scale_b * scale_b)
+    };
+    match (a.below(x), b.below(y)) {
+        (Below::Children(c), Below::Leaf(..)) => Some([[c, y], [c + 1, y]]),
+        (Below::Leaf(..), Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        (Below::Children(c), Below::Children(_)) if is_a_larger() => Some([[c, y], [c + 1, y]]),
+        (_, Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        _ => None,
+    }
+}
+
+/// Puts a pair into a list sorted by gap; the last one falls out.
+fn keep(list: &mut [(f32, NodePair, [f32; 3]); AT_ONCE], new: (f32, NodePair, [f32; 3])) {
+    if new.0 < list[AT_ONCE - 1].0 {
+        list[AT_ONCE - 1] = new;
+        list.sort_by(|p, q| p.0.total_cmp(&q.0));
+    }
+}
+
+/// The items of a node, if they are few.
+fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
+    let (first, last) = tree.range(node);
+    (last - first <= FEW_ITEMS).then_some((first, last))
+}

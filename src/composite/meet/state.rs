@@ -1,0 +1,325 @@
+//! The queries of two bodies of parts, for every kind of parts.
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use crate::base::motion::BallAtPose;
+use crate::base::num::count::Counter;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::{Operand, RelativePose};
+use crate::composite::front::NodePair;
+use crate::composite::front::memory::FrontMemory;
+use crate::composite::meet::frame::{TreeFrame, TreeSide};
+use crate::composite::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
+use crate::composite::meet::shared::Touching;
+use crate::composite::parts::Parted;
+use crate::pair::outcome::{Class, Outcome};
+use crate::pair::spot::{Answer, Spot, features_on};
+
+/// The state of a tracker between queries. Saving a state (feature `serde`) keeps the counters
+/// alone: claims in a file prove nothing.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(in crate::composite) struct TreeState {
+    #[cfg_attr(feature = "serde", serde(skip))]
+    fingerprints: [Fingerprint; 2],
+    pub(in crate::composite) kept: FrontMemory,
+    /// Last proof that the bodies do not contain each other: clearance and B's pose.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    free: Option<(f64, BallAtPose)>,
+}
+
+/// Two bodies at a pose.
+pub(in crate::composite) struct PosedTrees<'a, A, B> {
+    pub(in crate::composite) a: &'a A,
+    pub(in crate::composite) b: &'a B,
+    pub(in crate::composite) pose: &'a RelativePose,
+    pub(in crate::composite) frame: TreeFrame,
+}
+
+/// The closest points, in the caller's units and the bodies' own frames.
+pub(in crate::composite) struct TreeAnswer<F> {
+    pub(in crate::composite) class: Class,
+    pub(in crate::composite) distance: f64,
+    pub(in crate::composite) lower: f64,
+    pub(in crate::composite) upper: f64,
+    /// The closest items and their features; `None` for bodies too far apart to look at.
+    pub(in crate::composite) of: Option<(NodePair, F)>,
+    pub(in crate::composite) point_on_a: Point3<f64>,
+    pub(in crate::composite) point_on_b: Point3<f64>,
+    pub(in crate::composite) normal: Unit<Vector3<f64>>,
+}
+
+/// Whether one body is inside the other.
+pub(in crate::composite) enum Inside {
+    No,
+    /// At a point of the inner one, in A's frame and in B's.
+    At(Vector3<f64>, Vector3<f64>),
+    /// The points looked at are too near a surface, or every segment met an edge.
+    Unclear,
+}
+
+impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
+    /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the range
+    /// of f64.
+    pub(in crate::composite) fn new(a: &'a A, b: &'a B, pose: &'a RelativePose) -> Option<Self> {
+        let frame = TreeFrame::new(a.side(), b.side(), pose)?;
+        Some(Self { a, b, pose, frame })
+    }
+
+    /// Whether the pair is answered as B and A: lengths leave the range in the unit of A, and B's
+    /// is larger.
+    pub(in crate::composite) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
+        a.side().exponent < b.side().exponent && TreeFrame::new(a.side(), b.side(), pose).is_none()
+    }
+
+    fn search<J: Judge>(&self, judge: J, goal: MeshGoal) -> TreeSearch<'_, J> {
+        let mut search = TreeSearch::new((self.a.side().tree, self.b.side().tree), &self.frame, judge, goal);
+        search.ends_in_contact = !(self.a.is_solid() && self.b.is_solid());
+        search
+    }
+
+    /// The ball of B about its tree's origin, as seen from A, in A's stored units.
+    fn place(&self) -> BallAtPose {
+        let (tree, frame) = (self.b.side().tree, &self.frame);
+        let radius = f64::from(tree.reach) * tree.unit() * frame.scale;
+        let centre = tree.centre * frame.scale;
+        BallAtPose::new(Operand::B, (&centre, radius), &frame.rotation, &frame.translation)
+    }
+
+    /// A point of A in B's stored frame.
+    pub(in crate::composite) fn back(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        let ratio = self.a.stored_unit() / self.b.stored_unit();
+        self.frame.rotation.tr_mul(&(p - self.frame.translation)) * ratio
+    }
+
+    /// Whether a part of one body is inside the other, whose surfaces are proven to be `lower`
+    /// apart; and the winding numbers taken.
+    pub(in crate::composite) fn inside(&self, lower: f64) -> (Inside, u64) {
+        // A point moved to the other frame is off its place by the error of the frame: on its side
+        // of a surface that is farther.
+        let error = self.frame.error;
+        let doubt = if lower > 2.0 * error { 0.0 } else { 2.0 * error };
+        let ratio = self.a.stored_unit() / self.b.stored_unit();
+        let in_a = |local: Vector3<f64>| {
+            let place = self.frame.point(&local);
+            Some((self.a.holds(&place, doubt)?, place, local))
+        };
+        let in_b = |local: Vector3<f64>| {
+            let place = self.back(&local);
+            Some((self.b.holds(&place, doubt * ratio)?, local, place))
+        };
+        let (of_a, of_b) = (self.b.probe_count(), self.a.probe_count());
+        let (of_a, of_b) = (
+            if self.a.may_hold() { of_a } else { 0 },
+            if self.b.may_hold() { of_b } else { 0 },
+        );
+        let probes_of_b = (0..of_a).map(|k| probes(self.b, k).find_map(in_a));
+        let probes_of_a = (0..of_b).map(|k| probes(self.a, k).find_map(in_b));
+        let (mut windings, mut found) = (0, Inside::No);
+        for held in probes_of_b.chain(probes_of_a) {
+            windings += 1;
+            match held {
+                Some((false, ..)) => {}
+                Some((true, on_a, on_b)) => return (Inside::At(on_a, on_b), windings),
+                None => found = Inside::Unclear,
+            }
+        }
+        (found, windings)
+    }
+
+    /// Bodies so far apart, or so small beside their distance, that only balls about their origins
+    /// count.
+    pub(in crate::composite) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
+        let (distance, slack, normal) = crate::composite::meet::frame::far(a.side(), b.side(), pose);
+        let lower = (distance - slack).max(0.0);
+        let middle = |side: TreeSide, unit: f64| Point3::from(side.tree.centre * unit);
+        TreeAnswer {
+            class: if lower > 0.0 {
+                Class::Separated
+            } else {
+                Class::Undecided
+            },
+            distance,
+            lower,
+            upper: distance + slack,
+            of: None,
+            point_on_a: middle(a.side(), a.stored_unit()),
+            point_on_b: middle(b.side(), b.stored_unit()),
+            normal: Unit::new_unchecked(normal),
+        }
+    }
+}
+
+/// Points of a connected part, one of which is to decide on which side of a surface the part is.
+fn probes<A: Parted>(body: &A, part: usize) -> impl Iterator<Item = Vector3<f64>> + '_ {
+    let middles = (0..).map_while(|k| body.further_probe(k));
+    body.probe(part).into_iter().chain(middles)
+}
+
+impl TreeState {
+    /// Forgets the state of other bodies; returns whether anything was forgotten.
+    pub(in crate::composite) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> bool {
+        let fingerprints = [a.fingerprint(), b.fingerprint()];
+        let is_new = self.fingerprints != fingerprints;
+        if is_new {
+            let work = self.kept.work;
+            *self = Self::default();
+            (self.fingerprints, self.kept.work) = (fingerprints, work);
+        }
+        is_new
+    }
+
+    /// The closest points, by the front if there is one.
+    pub(in crate::composite) fn closest<A: Parted, B: Parted, J: Judge>(
+        &mut self,
+        posed: &PosedTrees<A, B>,
+        judge: J,
+    ) -> TreeAnswer<J::Features> {
+        let mut search = posed.search(judge, MeshGoal::Least);
+        self.kept.closest(&mut search);
+        let Some(best) = search.best else {
+            return PosedTrees::far(posed.a, posed.b, posed.pose);
+        };
+        let unit = posed.a.stored_unit();
+        let mut answer = TreeAnswer {
+            class: Class::Touching,
+            distance: best.distance * unit,
+            lower: search.lower.min(best.lower).max(0.0) * unit,
+            upper: best.upper * unit,
+            of: Some((best.pair, best.features)),
+            point_on_a: Point3::from(best.on_a * unit),
+            point_on_b: Point3::from(best.on_b * posed.b.stored_unit()),
+            normal: Unit::new_unchecked(best.normal),
+        };
+        if best.crosses {
+            answer.share(posed.a.is_solid() && posed.b.is_solid());
+        } else {
+            self.conclude(posed, &search.touching, &best, &mut answer);
+        }
+        answer
+    }
+
+    /// From the closest parts of bodies that do not cross to the class of the bodies.
+    fn conclude<A: Parted, B: Parted, F>(
+        &mut self,
+        posed: &PosedTrees<A, B>,
+        touching: &Touching,
+        best: &Measured<F>,
+        answer: &mut TreeAnswer<F>,
+    ) {
+        let (unit_a, unit_b) = (posed.a.stored_unit(), posed.b.stored_unit());
+        if answer.lower > 0.0 {
+            match self.held(posed, answer.lower / unit_a) {
+                Inside::No => answer.class = Class::Separated,
+                Inside::At(on_a, on_b) => {
+                    (answer.point_on_a, answer.point_on_b) = ((on_a * unit_a).into(), (on_b * unit_b).into());
+                    answer.share(posed.a.is_solid() && posed.b.is_solid());
+                }
+                Inside::Unclear => (answer.class, answer.lower) = (Class::Undecided, 0.0),
+            }
+        } else if self.shares_inside(posed, touching, best) {
+            answer.share(true);
+        } else if best.upper > 2.0 * posed.frame.tie {
+            answer.class = Class::Undecided;
+        }
+    }
+
+    /// Whether one body is inside the other, whose surfaces are proven to be `lower` apart.
+    fn held<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>, lower: f64) -> Inside {
+        let now = posed.place();
+        // The bodies moved less than the proven clearance, so the old proof holds.
+        let carried = self
+            .free
+            .as_ref()
+            .is_some_and(|(before, then)| now.displacement(then) < *before);
+        let inside = if carried { Inside::No } else { self.inside(posed, lower) };
+        self.free = matches!(inside, Inside::No).then_some((lower, now));
+        inside
+    }
+
+    fn inside<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>, lower: f64) -> Inside {
+        let (inside, windings) = posed.inside(lower);
+        self.kept.work.windings.count(windings);
+        inside
+    }
+
+    /// Whether solids that touch certainly share inner points.
+    fn shares_inside<A: Parted, B: Parted, F>(
+        &mut self,
+        posed: &PosedTrees<A, B>,
+        touching: &Touching,
+        best: &Measured<F>,
+    ) -> bool {
+        let (is_shared, windings) = posed.shares_inside(touching, best);
+        self.kept.work.windings.count(windings);
+        is_shared
+    }
+
+    /// Whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
+    pub(in crate::composite) fn within<A: Parted, B: Parted, J: Judge>(
+        &mut self,
+        posed: &PosedTrees<A, B>,
+        judge: J,
+        d: f64,
+    ) -> bool {
+        if let Some((lower, then)) = &self.free
+            && lower - posed.place().displacement(then) > d
+        {
+            return false;
+        }
+        let mut search = posed.search(judge, MeshGoal::Within(d));
+        if self.kept.is_within(&mut search) {
+            return true;
+        }
+        // Now all parts are proven farther apart than `d`, and one body may hold the other.
+        let lower = search.proven().max(d);
+        let is_apart = matches!(self.inside(posed, lower), Inside::No);
+        self.free = is_apart.then(|| (lower, posed.place()));
+        !is_apart
+    }
+
+    /// A lower bound of the distance in the caller's unit, by the state alone.
+    pub(in crate::composite) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) -> f64 {
+        let moved = |(lower, then): &(f64, BallAtPose)| lower - posed.place().displacement(then);
+        let carried = self.free.as_ref().map_or(0.0, moved);
+        if self.kept.front.is_empty() {
+            return carried.max(0.0) * posed.a.stored_unit();
+        }
+        let single = &posed.frame.single;
+        self.kept.front.meet(single);
+        let mut least = f32::INFINITY;
+        self.kept.front.gaps(single, |_, _, gap| least = least.min(gap));
+        let mut bound = f64::from(least) * single.unit;
+        if bound > 0.0 && !(carried > 0.0) && !matches!(self.inside(posed, bound), Inside::No) {
+            bound = 0.0;
+        }
+        bound.max(carried).max(0.0) * posed.a.stored_unit()
+    }
+}
+
+impl<F> TreeAnswer<F> {
+    /// Returns the answer with the places of the witnesses.
+    pub(in crate::composite) fn on(&self, on: [Spot; 2]) -> Answer {
+        let outcome = Outcome {
+            class: self.class,
+            distance: self.distance,
+            lower: self.lower,
+            upper: self.upper,
+            point_on_a: self.point_on_a,
+            point_on_b: self.point_on_b,
+            normal: self.normal,
+            ..Outcome::starting_at(features_on(&on))
+        };
+        Answer {
+            outcome,
+            on,
+            is_reached: true,
+        }
+    }
+
+    /// The bodies share points; only solids share inner ones.
+    fn share(&mut self, are_solid: bool) {
+        self.class = if are_solid { Class::Overlapping } else { Class::Touching };
+        (self.distance, self.lower, self.upper) = (0.0, 0.0, 0.0);
+    }
+}

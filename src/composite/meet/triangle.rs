@@ -1,0 +1,288 @@
+//! The distance of two triangles: a proposal by closed formulas, with the features it lies on.
+//!
+//! Two disjoint triangles are closest at two edges, or at a vertex and the inside of the other
+//! triangle. In the second case the whole triangle of the vertex lies beyond the plane through it,
+//! so it is the vertex nearest the other plane; of several that are equally near, an edge is
+//! parallel to the plane, and if one of its ends lies over the triangle and the other does not,
+//! an edge pair is as close. The caller judges the proposal along its own directions.
+
+use nalgebra::Vector3;
+use wide::f64x4;
+
+/// A feature of a triangle by the number of its vertex, of its edge (from the vertex of that number
+/// to the next), or the inside.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::composite) enum TriangleSpot {
+    Vertex(u8),
+    Edge(u8),
+    Inside,
+}
+
+/// The closest points found.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::composite) struct Closest {
+    pub(in crate::composite) square: f64,
+    pub(in crate::composite) on_p: Vector3<f64>,
+    pub(in crate::composite) on_q: Vector3<f64>,
+    pub(in crate::composite) spots: [TriangleSpot; 2],
+    /// Whether an edge of one passes through the other, as far as rounding can tell.
+    pub(in crate::composite) pierces: bool,
+}
+
+pub(in crate::composite) type Triangle = [Vector3<f64>; 3];
+
+/// The normal of a triangle, with twice its area as length.
+#[inline(always)]
+pub(in crate::composite) fn normal([a, b, c]: &Triangle) -> Vector3<f64> {
+    (b - a).cross(&(c - a))
+}
+
+/// The closest points of two triangles.
+pub(in crate::composite) fn closest(p: &Triangle, q: &Triangle) -> Closest {
+    let mut best = Closest {
+        square: f64::INFINITY,
+        on_p: p[0],
+        on_q: q[0],
+        spots: [TriangleSpot::Vertex(0); 2],
+        pierces: false,
+    };
+    edges(p, q, &mut best);
+    let (of_p, of_q) = (normal(p), normal(q));
+    let over_q = p.map(|x| of_q.dot(&(x - q[0])));
+    let over_p = q.map(|x| of_p.dot(&(x - p[0])));
+    // A vertex in the plane touches, and does not pierce.
+    let one_side = |h: &[f64; 3]| h.iter().all(|x| *x >= 0.0) || h.iter().all(|x| *x <= 0.0);
+    match (one_side(&over_q), one_side(&over_p)) {
+        (false, false) => pierce((p, &of_p, &over_p), (q, &of_q, &over_q), &mut best),
+        (above_q, above_p) => {
+            if above_q {
+                foot(p, &over_q, q, &of_q, false, &mut best);
+            }
+            if above_p {
+                foot(q, &over_p, p, &of_p, true, &mut best);
+            }
+        }
+    }
+    best
+}
+
+/// The squared distance of a point from a triangle, and the nearest feature.
+pub(in crate::composite) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, TriangleSpot) {
+    let mut best = Closest {
+        square: f64::INFINITY,
+        on_p: *point,
+        on_q: y[0],
+        spots: [TriangleSpot::Vertex(0); 2],
+        pierces: false,
+    };
+    TriangleSides::new(y).closest_to(point, &Vector3::zeros(), 0, &mut best);
+    let n = normal(y);
+    let (square, height) = (n.norm_squared(), n.dot(&(point - y[0])));
+    if height * height < best.square * square && is_over(point, y, &n) {
+        (height * height / square, TriangleSpot::Inside)
+    } else {
+        (best.square, best.spots[1])
+    }
+}
+
+/// The squared distance of a point from a triangle, and the nearest point.
+pub(in crate::composite) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
+    let (square, spot) = nearest(point, y);
+    let foot = match spot {
+        TriangleSpot::Vertex(k) => y[k as usize % 3],
+        TriangleSpot::Edge(k) => {
+            let (from, along) = (y[k as usize % 3], y[(k as usize + 1) % 3] - y[k as usize % 3]);
+            from + along * clamp(along.dot(&(point - from)) / along.norm_squared())
+        }
+        TriangleSpot::Inside => {
+            let n = normal(y);
+            point - n * (n.dot(&(point - y[0])) / n.norm_squared())
+        }
+    };
+    (square, foot)
+}
+
+/// The closest points of the nine pairs of edges.
+#[inline(always)]
+fn edges(p: &Triangle, q: &Triangle, best: &mut Closest) {
+    let sides = TriangleSides::new(q);
+    for i in 0..3 {
+        sides.closest_to(&p[i], &(p[[1, 2, 0][i]] - p[i]), i, best);
+    }
+}
+
+/// The three edges of a triangle, side by side.
+struct TriangleSides<'a> {
+    corners: &'a Triangle,
+    from: [f64x4; 3],
+    along: [f64x4; 3],
+    square: f64x4,
+}
+
+impl<'a> TriangleSides<'a> {
+    #[inline(always)]
+    fn new(corners: &'a Triangle) -> Self {
+        let [a, b, c] = corners;
+        let lanes = |k: usize| f64x4::new([a[k], b[k], c[k], c[k]]);
+        let next = |k: usize| f64x4::new([b[k], c[k], a[k], a[k]]);
+        let from = [lanes(0), lanes(1), lanes(2)];
+        let along = [next(0) - from[0], next(1) - from[1], next(2) - from[2]];
+        Self {
+            corners,
+            from,
+            along,
+            square: dot(&along, &along),
+        }
+    }
+
+    /// The closest points of an edge, the `i`-th of another triangle, and the three.
+    #[inline(always)]
+    fn closest_to(&self, from: &Vector3<f64>, along: &Vector3<f64>, i: usize, best: &mut Closest) {
+        let (zero, one) = (f64x4::splat(0.0), f64x4::splat(1.0));
+        let (v, vv) = (&self.along, self.square);
+        let u = [f64x4::splat(along.x), f64x4::splat(along.y), f64x4::splat(along.z)];
+        let uu = f64x4::splat(along.norm_squared());
+        // An edge without length has the products zero.
+        let least = f64x4::splat(f64::MIN_POSITIVE);
+        let w = [
+            f64x4::splat(from.x) - self.from[0],
+            f64x4::splat(from.y) - self.from[1],
+            f64x4::splat(from.z) - self.from[2],
+        ];
+        let (uv, uw, vw) = (dot(&u, v), dot(&u, &w), dot(v, &w));
+        let below = uu * vv - uv * uv;
+        let slanted = (uv * vw - uw * vv) / below.fast_max(least);
+        let s = below.simd_gt(zero).select(slanted, zero).fast_max(zero).fast_min(one);
+        let free = (uv * s + vw) / vv.fast_max(least);
+        let t = free.fast_max(zero).fast_min(one);
+        let again = ((uv * t - uw) / uu.fast_max(least)).fast_max(zero).fast_min(one);
+        let s = t.simd_eq(free).select(s, again);
+        let between = [
+            w[0] + u[0] * s - v[0] * t,
+            w[1] + u[1] * s - v[1] * t,
+            w[2] + u[2] * s - v[2] * t,
+        ];
+        let (squares, s, t) = (dot(&between, &between).to_array(), s.to_array(), t.to_array());
+        for j in 0..3 {
+            if squares[j] < best.square {
+                best.square = squares[j];
+                best.on_p = from + along * s[j];
+                best.on_q = self.corners[j] + (self.corners[[1, 2, 0][j]] - self.corners[j]) * t[j];
+                best.spots = [spot(i, s[j]), spot(j, t[j])];
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn dot(a: &[f64x4; 3], b: &[f64x4; 3]) -> f64x4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn clamp(x: f64) -> f64 {
+    // NaN, of edges without length, becomes zero.
+    if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 }
+}
+
+fn spot(edge: usize, s: f64) -> TriangleSpot {
+    if s <= 0.0 {
+        TriangleSpot::Vertex(edge as u8)
+    } else if s >= 1.0 {
+        TriangleSpot::Vertex((edge as u8 + 1) % 3)
+    } else {
+        TriangleSpot::Edge(edge as u8)
+    }
+}
+
+/// The foot of the vertex of `x` nearest the plane of `y`, if it is closer than the best so far
+/// and lies in `y`.
+#[inline(always)]
+fn foot(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>, swapped: bool, best: &mut Closest) {
+    let square = n.norm_squared();
+    let mut k = 0;
+    for i in 1..3 {
+        if heights[i].abs() < heights[k].abs() {
+            k = i;
+        }
+    }
+    let height = heights[k];
+    if !(height * height < best.square * square) || !is_over(&x[k], y, n) {
+        return;
+    }
+    let at = x[k] - n * (height / square);
+    best.square = height * height / square;
+    let corner = TriangleSpot::Vertex(k as u8);
+    if swapped {
+        (best.on_p, best.on_q, best.spots) = (at, x[k], [TriangleSpot::Inside, corner]);
+    } else {
+        (best.on_p, best.on_q, best.spots) = (x[k], at, [corner, TriangleSpot::Inside]);
+    }
+}
+
+/// Whether a point projects into a triangle.
+#[inline(always)]
+fn is_over(point: &Vector3<f64>, y: &Triangle, n: &Vector3<f64>) -> bool {
+    (0..3).all(|i| {
+        let (from, to) = (&y[i], &y[(i + 1) % 3]);
+        n.dot(&(to - from).cross(&(point - from))) >= 0.0
+    })
+}
+
+/// Looks for an edge of one triangle that passes through the other.
+fn pierce(
+    (p, of_p, over_p): (&Triangle, &Vector3<f64>, &[f64; 3]),
+    (q, of_q, over_q): (&Triangle, &Vector3<f64>, &[f64; 3]),
+    best: &mut Closest,
+) {
+    let found = crossing(p, over_q, q, of_q).map(|(at, edge)| (at, [TriangleSpot::Edge(edge), TriangleSpot::Inside]));
+    let other =
+        || crossing(q, over_p, p, of_p).map(|(at, edge)| (at, [TriangleSpot::Inside, TriangleSpot::Edge(edge)]));
+    if let Some((at, spots)) = found.or_else(other) {
+        *best = Closest {
+            square: 0.0,
+            on_p: at,
+            on_q: at,
+            spots,
+            pierces: true,
+        };
+    }
+}
+
+/// The point at which an edge of `x`, whose vertices have these heights, passes through `y`.
+fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) -> Option<(Vector3<f64>, u8)> {
+    (0..3).find_map(|i| {
+        let j = (i + 1) % 3;
+        let (h, k) = (heights[i], heights[j]);
+        let apart = (h >= 0.0) != (k >= 0.0) && h != k;
+        let at = x[i] + (x[j] - x[i]) * (h / (h - k));
+        (apart && is_over(&at, y, n)).then_some((at, i as u8))
+    })
+}
+
+/// Whether two triangles certainly cross, each of whose vertices may be off its place by `error`:
+/// an edge of one has its ends on different sides of the other and passes inside its three edges,
+/// each sign beyond doubt.
+///
+/// A determinant of three differences up to `s` of points that are each off by `error` is off by
+/// `6 error s^2` to first order, its rounding by `14 UNIT s^3`; `error` is more than `64 UNIT s`.
+pub(in crate::composite) fn certainly_cross(p: &Triangle, q: &Triangle, error: f64) -> bool {
+    let s = p.iter().chain(q).fold(0.0, |m: f64, x| m.max((x - p[0]).amax()));
+    // Differences between any two of the six are at most twice the largest from one of them, and
+    // 1.8 times their largest coordinate.
+    let doubt = 8.0 * error * (4.0 * s) * (4.0 * s);
+    let volume =
+        |a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>, d: &Vector3<f64>| (b - a).cross(&(c - a)).dot(&(d - a));
+    let through = |x: &Triangle, y: &Triangle| {
+        (0..3).any(|i| {
+            let (from, to) = (&x[i], &x[(i + 1) % 3]);
+            let (h, k) = (volume(&y[0], &y[1], &y[2], from), volume(&y[0], &y[1], &y[2], to));
+            if !(h.min(k) < -doubt && h.max(k) > doubt) {
+                return false;
+            }
+            let turns = [0, 1, 2].map(|j| volume(from, to, &y[j], &y[(j + 1) % 3]));
+            turns.iter().all(|v| *v > doubt) || turns.iter().all(|v| *v < -doubt)
+        })
+    };
+    through(p, q) || through(q, p)
+}

@@ -1,0 +1,227 @@
+//! Overlap of two projected features with few vertices: the vertices of a polygon, the ends of a
+//! segment, or a point.
+//!
+//! ```text
+//!    A +-----------+
+//!      |       v---c-----+ B     v: vertex of either feature inside the opposite feature
+//!      |       |   |     |       c: crossing of an edge of A with an edge of B
+//!      +-------c---v     |
+//!              +---------+
+//! ```
+//!
+//! Both kinds of candidates are found from two tables of signs, in which A and B play equal parts;
+//! vertices on the boundary within rounding belong to both features.
+
+use wide::f64x4;
+
+use super::candidates::{Candidates, Location};
+use super::projection::ProjectedFeature;
+use crate::base::tuning::polyhedron::LARGE;
+
+/// For each edge of a projected feature, a bit mask of the opposite feature's vertices outside the
+/// edge.
+struct OutsideTable {
+    outside: [u32; LARGE],
+    /// Vertices outside any edge, or past the extremes of the coordinates, beyond rounding.
+    beyond: u32,
+}
+
+impl OutsideTable {
+    #[inline(always)]
+    fn new(of: &ProjectedFeature, vertices: &ProjectedFeature, noise: f64) -> Self {
+        let mut table = Self {
+            outside: [0; LARGE],
+            beyond: 0,
+        };
+        let fours = vertices.count.div_ceil(4);
+        let xs = || vertices.x.as_chunks::<4>().0[..fours].iter();
+        let ys = || vertices.y.as_chunks::<4>().0[..fours].iter();
+        for j in 0..of.count {
+            let next = of.next(j);
+            let u = [of.x[next] - of.x[j], of.y[next] - of.y[j]];
+            let (ux, uy) = (f64x4::splat(u[0]), f64x4::splat(u[1]));
+            let line = f64x4::splat(u[0] * of.y[j] - u[1] * of.x[j]);
+            let margin = line - f64x4::splat(noise * (u[0].abs() + u[1].abs()));
+            let (mut outside, mut beyond) = (0, 0);
+            for (k, (x, y)) in xs().zip(ys()).enumerate() {
+                let side = ux * f64x4::new(*y) - uy * f64x4::new(*x);
+                outside |= side.simd_lt(line).to_bitmask() << (4 * k);
+                beyond |= side.simd_lt(margin).to_bitmask() << (4 * k);
+            }
+            table.outside[j] = outside;
+            table.beyond |= beyond;
+        }
+        let [[left, right], [low, high]] = of.span();
+        let (left, right) = (f64x4::splat(left - noise), f64x4::splat(right + noise));
+        let (low, high) = (f64x4::splat(low - noise), f64x4::splat(high + noise));
+        for (k, (x, y)) in xs().zip(ys()).enumerate() {
+            let (x, y) = (f64x4::new(*x), f64x4::new(*y));
+            let past = x.simd_lt(left) | x.simd_gt(right) | y.simd_lt(low) | y.simd_gt(high);
+            table.beyond |= past.to_bitmask() << (4 * k);
+        }
+        table
+    }
+
+    /// Returns a bit mask of the other feature's edges with ends on both sides of the line of edge
+    /// `j`.
+    #[inline(always)]
+    fn straddling(&self, j: usize, other: &ProjectedFeature) -> u32 {
+        let here = self.outside[j] & all_bits(other);
+        // A projected edge has two vertices but is a single edge.
+        if other.is_edge() {
+            return (here ^ here >> 1) & 1;
+        }
+        let next = here >> 1 | (here & 1) << (other.count - 1);
+        here ^ next
+    }
+}
+
+/// Returns a mask with a bit for each vertex.
+#[inline(always)]
+fn all_bits(s: &ProjectedFeature) -> u32 {
+    (1 << s.count) - 1
+}
+
+/// Calls `f` with the index of each set bit.
+#[inline(always)]
+fn for_each_bit(mut bits: u32, mut f: impl FnMut(usize)) {
+    while bits != 0 {
+        f(bits.trailing_zeros() as usize);
+        bits &= bits - 1;
+    }
+}
+
+/// Adds the vertices of the overlap of two features; `noise` is the rounding of a plane coordinate.
+#[inline(always)]
+pub(super) fn clip(a: &ProjectedFeature, b: &ProjectedFeature, noise: f64, candidates: &mut Candidates) {
+    let of_b = OutsideTable::new(b, a, noise);
+    // An edge has no interior; its two sides would be a line.
+    let inside_b = if b.is_edge() { 0 } else { all_bits(a) & !of_b.beyond };
+    for_each_bit(inside_b, |i| {
+        let at = [a.x[i], a.y[i]];
+        candidates.push(
+            at,
+            [a.vertex(i)[2], b.height_on_face(at)],
+            [Location::vertex(i), Location::WHOLE],
+        );
+    });
+    let of_a = OutsideTable::new(a, b, noise);
+    let inside_a = if a.is_edge() { 0 } else { all_bits(b) & !of_a.beyond };
+    for_each_bit(inside_a, |j| {
+        let at = [b.x[j], b.y[j]];
+        candidates.push(
+            at,
+            [a.height_on_face(at), b.vertex(j)[2]],
+            [Location::WHOLE, Location::vertex(j)],
+        );
+    });
+    let edges = if b.is_edge() { 1 } else { b.count };
+    for j in 0..edges {
+        for_each_bit(of_b.straddling(j, a), |i| {
+            if of_a.straddling(i, b) >> j & 1 == 1 {
+                push_crossing(a, b, i, j, candidates);
+            }
+        });
+    }
+}
+
+/// Plane coordinates and height of the end of an edge.
+pub(super) type LocalPoint = [f64; 3];
+
+/// Crossing of two edges: plane coordinates, parameter along each edge, and height on each edge.
+pub(super) struct Crossing {
+    pub(super) at: [f64; 2],
+    pub(super) along: [f64; 2],
+    pub(super) heights: [f64; 2],
+}
+
+/// Returns the crossing of an edge of A with an edge of B; `None` unless each line separates the
+/// ends of the opposite edge, and the edges meet within `noise`.
+#[inline(always)]
+pub(super) fn crossing(e: &[LocalPoint; 2], f: &[LocalPoint; 2], noise: f64) -> Option<Crossing> {
+    do_cross(e, f).then(|| intersection(e, f, noise)).flatten()
+}
+
+/// Returns the crossing of an edge of A with an edge of B, whose line separates the ends of A's
+/// edge but for rounding; `None` if the edges are further apart than `noise`, as edges in one line
+/// may be.
+#[inline(always)]
+fn intersection([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2], noise: f64) -> Option<Crossing> {
+    let (u, v) = ([q[0] - p[0], q[1] - p[1]], [s[0] - r[0], s[1] - r[1]]);
+    let side = |x: &LocalPoint| v[0] * (x[1] - r[1]) - v[1] * (x[0] - r[0]);
+    let (from, to) = (side(p), side(q));
+    // Exactly one of the two values is negative; if rounding hides the parameter, take the middle.
+    let t = from / (from - to);
+    let t = if (0.0..=1.0).contains(&t) { t } else { 0.5 };
+    let point = |from: &LocalPoint, way: [f64; 2], t: f64| [from[0] + t * way[0], from[1] + t * way[1]];
+    let foot = |at: [f64; 2], from: &LocalPoint, way: [f64; 2]| {
+        let along = (at[0] - from[0]) * way[0] + (at[1] - from[1]) * way[1];
+        along / (way[0] * way[0] + way[1] * way[1])
+    };
+    let along = foot(point(p, u, t), r, v);
+    // Edges on one line cross anywhere on both: at an end of B's if A's goes beyond.
+    let (t, along) = if (0.0..=1.0).contains(&along) {
+        (t, along)
+    } else {
+        let end = if along > 0.0 { 1.0 } else { 0.0 };
+        let beside = foot(point(r, v, end), p, u);
+        (if beside > 0.0 { beside.min(1.0) } else { 0.0 }, end)
+    };
+    let (at, opposite) = (point(p, u, t), point(r, v, along));
+    let apart = [at[0] - opposite[0], at[1] - opposite[1]];
+    let meet = apart[0] * apart[0] + apart[1] * apart[1] <= noise * noise;
+    meet.then(|| Crossing {
+        at,
+        along: [t, along],
+        heights: [p[2] + t * (q[2] - p[2]), r[2] + along * (s[2] - r[2])],
+    })
+}
+
+/// Returns whether two edges cross: each line separates the ends of the opposite edge.
+#[inline(always)]
+fn do_cross([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2]) -> bool {
+    let left =
+        |p: &LocalPoint, q: &LocalPoint, x: &LocalPoint| (q[0] - p[0]) * (x[1] - p[1]) >= (q[1] - p[1]) * (x[0] - p[0]);
+    left(r, s, p) != left(r, s, q) && left(p, q, r) != left(p, q, s)
+}
+
+/// Adds the crossing of edge `i` of A and edge `j` of B, whose lines separate each other's
+/// ends but for rounding, if the edges meet.
+#[inline(always)]
+pub(super) fn push_crossing(
+    a: &ProjectedFeature,
+    b: &ProjectedFeature,
+    i: usize,
+    j: usize,
+    candidates: &mut Candidates,
+) {
+    if let Some(Crossing { at, heights, .. }) = intersection(&a.ends(i), &b.ends(j), a.axes.noise) {
+        candidates.push(at, heights, [Location::edge(i), Location::edge(j)]);
+    }
+}
+
+/// Adds the ends of the overlap of two nearly parallel edges, each end opposite its foot on the
+/// other edge. Adds nothing if the edges are not nearly parallel: they then cross at the witnesses.
+pub(super) fn overlap_edges(a: &ProjectedFeature, b: &ProjectedFeature, sine: f64, candidates: &mut Candidates) {
+    let direction = |s: &ProjectedFeature| [s.x[1] - s.x[0], s.y[1] - s.y[0]];
+    let (u, v) = (direction(a), direction(b));
+    let squared = |d: [f64; 2]| d[0] * d[0] + d[1] * d[1];
+    let turn = u[0] * v[1] - u[1] * v[0];
+    if turn * turn > sine * sine * squared(u) * squared(v) {
+        return;
+    }
+    for k in 0..2 {
+        for (of, to, is_a) in [(a, b, true), (b, a, false)] {
+            let at = [of.x[k], of.y[k]];
+            let t = to.along(0, at);
+            if t > 0.0 && t < 1.0 {
+                let foot = to.height_on_edge(0, at);
+                if is_a {
+                    candidates.push(at, [of.vertex(k)[2], foot], [Location::vertex(k), Location::WHOLE]);
+                } else {
+                    candidates.push(at, [foot, of.vertex(k)[2]], [Location::WHOLE, Location::vertex(k)]);
+                }
+            }
+        }
+    }
+}

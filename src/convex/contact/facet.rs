@@ -1,0 +1,265 @@
+//! Flat parts of surfaces that bear the contacts of curved shapes: a face or an edge of a
+//! polyhedron, a flat round face, a generator of a curved side.
+
+use core::f64::consts::FRAC_1_SQRT_2;
+
+use nalgebra::Vector3;
+
+use super::ManifoldOptions;
+use super::axes::Axes;
+use super::candidates::Location;
+use super::projection::LazyProjection;
+use super::promote::Promotion;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::STEEP;
+use crate::base::tuning::polyhedron::LARGE;
+use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
+
+/// A flat round face perpendicular to the z axis, its centre on the axis.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RoundFace {
+    pub(crate) z: f64,
+    pub(crate) radius: f64,
+    pub(crate) face: Feature,
+    pub(crate) rim: Feature,
+    /// Number of the first of the eight named points of the rim.
+    pub(crate) first: u32,
+}
+
+/// The part of a surface about a witness that is flat or straight, in the frame of the shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Facet<'a> {
+    /// The face or edge of a polyhedron that bears the contact, found as for two polyhedra.
+    Body(&'a ConvexPolyhedron),
+    Round(RoundFace),
+    /// A generator of a curved side: both ends, the features that contain them, and the side.
+    Straight {
+        ends: [Vector3<f64>; 2],
+        names: [Feature; 2],
+        side: Feature,
+    },
+    /// A surface that is curved both ways.
+    Point,
+}
+
+/// Unit vectors at multiples of 45 degrees: the points of a rim that may bear contacts. They stand
+/// still on the shape, whatever the pose.
+const SPOKES: [[f64; 2]; 8] = [
+    [1.0, 0.0],
+    [FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [0.0, 1.0],
+    [-FRAC_1_SQRT_2, FRAC_1_SQRT_2],
+    [-1.0, 0.0],
+    [-FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
+    [0.0, -1.0],
+    [FRAC_1_SQRT_2, -FRAC_1_SQRT_2],
+];
+
+/// A circle in contact coordinates.
+#[derive(Clone, Copy)]
+pub(super) struct Circle {
+    pub(super) centre: [f64; 3],
+    pub(super) radius: f64,
+    rim: Feature,
+}
+
+/// A facet in contact coordinates: vertices of a polygon, ends of a segment, points of a rim; none
+/// for a point.
+pub(super) struct ProjectedFacet {
+    pub(super) feature: Feature,
+    pub(super) count: usize,
+    pub(super) points: [[f64; 3]; LARGE],
+    names: [Feature; LARGE],
+    edges: [Feature; LARGE],
+    pub(super) circle: Option<Circle>,
+    /// Height over the witness, and the descent along both axes.
+    level: f64,
+    fall: [f64; 2],
+}
+
+impl ProjectedFacet {
+    fn empty(feature: Feature) -> Self {
+        Self {
+            feature,
+            count: 0,
+            points: [[0.0; 3]; LARGE],
+            names: [feature; LARGE],
+            edges: [feature; LARGE],
+            circle: None,
+            level: 0.0,
+            fall: [0.0; 2],
+        }
+    }
+
+    /// Returns a facet in contact coordinates. `axes` are in the frame of the shape, about its
+    /// witness; `closest` is the feature that contains the witness, `side` 0 for A and 1 for B.
+    pub(super) fn new(
+        facet: &Facet,
+        axes: &Axes,
+        closest: Feature,
+        (options, previous): (&ManifoldOptions, Option<Feature>),
+        side: usize,
+    ) -> Self {
+        match facet {
+            Facet::Body(body) => Self::of_body(body, axes, closest, (options, previous), side),
+            Facet::Round(face) => Self::of_round(face, axes),
+            Facet::Straight { ends, names, side } => {
+                let mut patch = Self::empty(*side);
+                patch.count = 2;
+                for k in 0..2 {
+                    (patch.points[k], patch.names[k]) = (axes.to_local(&ends[k]), names[k]);
+                }
+                patch
+            }
+            Facet::Point => Self::empty(closest),
+        }
+    }
+
+    fn of_round(face: &RoundFace, axes: &Axes) -> Self {
+        let mut patch = Self::empty(face.face);
+        let centre = axes.to_local(&Vector3::new(0.0, 0.0, face.z));
+        patch.circle = Some(Circle {
+            centre,
+            radius: face.radius,
+            rim: face.rim,
+        });
+        patch.count = SPOKES.len();
+        for (k, [x, y]) in SPOKES.into_iter().enumerate() {
+            patch.points[k] = axes.to_local(&Vector3::new(x * face.radius, y * face.radius, face.z));
+            patch.names[k] = Feature::Vertex(VertexId(face.first + k as u32));
+        }
+        patch.set_plane(&Vector3::z(), axes, &centre);
+        patch
+    }
+
+    /// Returns the face or edge of a polyhedron; of a face of many vertices a part of them.
+    fn of_body(
+        body: &ConvexPolyhedron,
+        axes: &Axes,
+        closest: Feature,
+        (options, previous): (&ManifoldOptions, Option<Feature>),
+        side: usize,
+    ) -> Self {
+        let outward = if side == 0 { axes.normal } else { -axes.normal };
+        let promotion = Promotion {
+            body,
+            outward,
+            sine: options.sine,
+            previous,
+        };
+        let feature = promotion.promote(closest);
+        let mut patch = Self::empty(feature);
+        let is_upright = matches!(feature, Feature::Face(f) if body.planes[f.index()].normal.dot(&outward) <= STEEP);
+        if is_upright || feature.dimension() == 0 {
+            return patch;
+        }
+        let unit = body.unit();
+        let stored = Axes {
+            tangents: axes.tangents,
+            normal: axes.normal,
+            witness: (axes.witness - body.origin) / unit,
+            noise: axes.noise / unit,
+        };
+        let mut lazy = LazyProjection::new(body, feature, &stored, side == 1);
+        let projected = lazy.get();
+        let stride = projected.count.div_ceil(LARGE).max(1);
+        for k in (0..projected.count).step_by(stride) {
+            let at = patch.count;
+            patch.points[at] = projected.vertex(k).map(|x| x * unit);
+            patch.names[at] = projected.feature_at(Location::vertex(k));
+            patch.edges[at] = projected.feature_at(Location::edge(k));
+            patch.count += 1;
+        }
+        if let Feature::Face(f) = feature {
+            let first = patch.points[0];
+            patch.set_plane(&body.planes[f.index()].normal, axes, &first);
+        }
+        patch
+    }
+
+    /// Sets the plane through a local point from its normal in the frame of the shape.
+    fn set_plane(&mut self, normal: &Vector3<f64>, axes: &Axes, through: &[f64; 3]) {
+        let up = 1.0 / normal.dot(&axes.normal);
+        self.fall = axes.tangents.map(|e| normal.dot(&e) * up);
+        self.level = through[2] + self.fall[0] * through[0] + self.fall[1] * through[1];
+    }
+
+    pub(super) fn is_segment(&self) -> bool {
+        self.count == 2
+    }
+
+    pub(super) fn is_face(&self) -> bool {
+        self.count > 2
+    }
+
+    /// Returns the straight edges: of a segment one, of a round face none.
+    pub(super) fn edge_count(&self) -> usize {
+        match (self.count, &self.circle) {
+            (_, Some(_)) => 0,
+            (2, _) => 1,
+            (n, _) => n,
+        }
+    }
+
+    /// Returns both ends of a straight edge.
+    pub(super) fn ends(&self, k: usize) -> [[f64; 3]; 2] {
+        [self.points[k], self.points[if k + 1 < self.count { k + 1 } else { 0 }]]
+    }
+
+    /// Returns the height over a point of the contact plane.
+    pub(super) fn height(&self, at: [f64; 2]) -> f64 {
+        if self.is_segment() {
+            let [p, q] = self.ends(0);
+            return p[2] + self.along(at) * (q[2] - p[2]);
+        }
+        self.level - self.fall[0] * at[0] - self.fall[1] * at[1]
+    }
+
+    /// Returns the parameter of the foot of a point on a segment, from 0 to 1.
+    pub(super) fn along(&self, at: [f64; 2]) -> f64 {
+        let [p, q] = self.ends(0);
+        let u = [q[0] - p[0], q[1] - p[1]];
+        let t = ((at[0] - p[0]) * u[0] + (at[1] - p[1]) * u[1]) / (u[0] * u[0] + u[1] * u[1]);
+        if t > 0.0 { t.min(1.0) } else { 0.0 }
+    }
+
+    /// Returns the vector in space from the centre of a circle to the point of its plane over `at`.
+    pub(super) fn spoke(&self, circle: &Circle, at: [f64; 2]) -> [f64; 3] {
+        let c = &circle.centre;
+        [at[0] - c[0], at[1] - c[1], self.height(at) - c[2]]
+    }
+
+    /// Returns the gradient of half the squared length of the spoke by the position.
+    pub(super) fn spoke_slope(&self, spoke: &[f64; 3]) -> [f64; 2] {
+        [spoke[0] - spoke[2] * self.fall[0], spoke[1] - spoke[2] * self.fall[1]]
+    }
+
+    /// Returns how far inside a face a point of the contact plane is: negative outside.
+    pub(super) fn inside_by(&self, at: [f64; 2]) -> f64 {
+        if let Some(circle) = &self.circle {
+            let [x, y, z] = self.spoke(circle, at);
+            return circle.radius - sqrt(x * x + y * y + z * z);
+        }
+        let mut least = f64::INFINITY;
+        for k in 0..self.count {
+            let [p, q] = self.ends(k);
+            let u = [q[0] - p[0], q[1] - p[1]];
+            let length = sqrt(u[0] * u[0] + u[1] * u[1]);
+            let inside = (u[0] * (at[1] - p[1]) - u[1] * (at[0] - p[0])) / length;
+            // NaN, of an edge without length, says nothing.
+            least = if inside < least { inside } else { least };
+        }
+        least
+    }
+
+    /// Returns the feature that contains a location. Edge 1 of a round face is the second crossing
+    /// of one line with its rim, named by the face.
+    pub(super) fn feature_at(&self, on: Location) -> Feature {
+        match (on.as_vertex(), on.as_edge(), &self.circle) {
+            (Some(k), ..) => self.names[k % LARGE],
+            (_, Some(0), Some(circle)) => circle.rim,
+            (_, Some(_), Some(_)) | (_, None, _) => self.feature,
+            (_, Some(k), None) => self.edges[k % LARGE],
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Gradient of the signed distance by a motion of the bodies.
+//!
+//! While the closest features stay, the signed distance changes as the contact points separate
+//! along the normal: `n . (velocity of the point on B - velocity of the point on A)`. The rotation
+//! of the normal adds nothing, because the points lie opposite each other along the normal. The
+//! formula holds for separated and overlapping bodies.
+
+use nalgebra::Vector3;
+
+use crate::base::pose::RelativePose;
+use crate::pair::outcome::Outcome;
+
+use super::Manifold;
+
+/// Derivative of the signed distance by the pose of a body: a wrench.
+///
+/// Both parts are in the body's own frame, about its own origin: a body that moves with velocity
+/// `v` of its origin and angular velocity `w`, given along the body axes, changes the signed
+/// distance at the rate `linear . v + angular . w`. The order of a twist is linear, then angular.
+/// For world axes rotate both parts by the body's rotation; the reference point stays the body's
+/// origin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Gradient {
+    /// Derivative by the position of the body's origin: a unit vector.
+    pub linear: Vector3<f64>,
+    /// Derivative by the body's rotation: a length times a unit vector.
+    pub angular: Vector3<f64>,
+}
+
+impl Gradient {
+    /// Returns the wrench of `force` applied at `point`.
+    fn at(point: &Vector3<f64>, force: Vector3<f64>) -> Self {
+        Self {
+            linear: force,
+            angular: point.cross(&force),
+        }
+    }
+
+    /// Returns the rate of the signed distance along a twist.
+    #[must_use]
+    pub fn along(&self, linear: &Vector3<f64>, angular: &Vector3<f64>) -> f64 {
+        self.linear.dot(linear) + self.angular.dot(angular)
+    }
+}
+
+impl Outcome {
+    /// Returns the gradient of the signed distance by the pose of A.
+    ///
+    /// Exact if the signed distance is differentiable. At ties no gradient exists. If several pairs
+    /// of points are equally close (parallel faces or edges), the rate of the signed distance is
+    /// the least over all pairs; the returned gradient is of a single pair, so the true rate is at
+    /// most the returned rate ([`Manifold::rate`] takes the least). If an overlap is equally deep
+    /// along several normals, the true rate is the largest over all normals; the returned gradient
+    /// is of a single normal, so the true rate is at least the returned rate. Bodies that touch at
+    /// less than a face have both kinds of ties.
+    #[must_use]
+    pub fn gradient_a(&self) -> Gradient {
+        Gradient::at(&self.point_on_a.coords, -self.normal.into_inner())
+    }
+
+    /// Returns the gradient of the signed distance by the pose of B; `a_from_b` must be the pose of
+    /// the query. See [`gradient_a`](Self::gradient_a).
+    #[must_use]
+    pub fn gradient_b(&self, a_from_b: &RelativePose) -> Gradient {
+        Gradient::at(&self.point_on_b.coords, a_from_b.rotation().tr_mul(&self.normal))
+    }
+}
+
+impl Manifold {
+    /// Returns the one-sided rate of the signed distance for twists `(linear, angular)` of A and of
+    /// B, each in the body's own frame about its own origin as in [`Gradient`]; `a_from_b` must be
+    /// the pose of the query. `None` without contacts.
+    ///
+    /// Parallel features touch at many points at once, and a motion may separate the bodies at some
+    /// points while approaching at others: the rate is the least over the contacts as deep as the
+    /// deepest within the bounds. The rate is exact if the points include all vertices of the
+    /// overlap of the faces and a single normal is deepest; otherwise see [`Outcome::gradient_a`].
+    pub fn rate(
+        &self,
+        a_from_b: &RelativePose,
+        (linear_a, angular_a): (&Vector3<f64>, &Vector3<f64>),
+        (linear_b, angular_b): (&Vector3<f64>, &Vector3<f64>),
+    ) -> Option<f64> {
+        let deepest = self.deepest()?.separation;
+        let tie = self.upper() - self.lower();
+        let n = self.normal().into_inner();
+        let m = a_from_b.rotation().tr_mul(&n);
+        let tied = self.points().iter().filter(|p| p.separation <= deepest + tie);
+        let rates = tied.map(|p| {
+            Gradient::at(&p.point_on_a.coords, -n).along(linear_a, angular_a)
+                + Gradient::at(&p.point_on_b.coords, m).along(linear_b, angular_b)
+        });
+        rates.reduce(f64::min)
+    }
+}

@@ -1,0 +1,295 @@
+//! Contacts of a polyhedron with a half-space: a floor without end.
+//!
+//! ```text
+//!        \   body   /
+//!         \        .'      n      outward normal of the half-space
+//!          v-----.'  ^     v      lowest vertex: its height is the signed distance
+//!     ___________ n__|__   v - .  face that bears the contact, nearly parallel to the plane
+//!      half-space
+//! ```
+//!
+//! The signed distance is the height of the lowest vertex, of a body apart as of an overlap: one
+//! support vertex, proven, and no walk. The corners of the face at the lowest vertex that is most
+//! nearly parallel to the plane bear the contact, as those of two polyhedra do
+//! ([`mod@crate::convex::contact`]).
+
+use nalgebra::{Point3, Unit, Vector3};
+use thiserror::Error;
+
+use super::candidates::{Candidates, Location};
+use super::reduce::reduce;
+use super::{MOST_POINTS, ManifoldOptions, tangents_of};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{ACROSS, CERTIFICATE, PLACE_MAX, STEEP, UNIT};
+use crate::base::tuning::contact::SAMPLE;
+use crate::body::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
+use crate::pair::outcome::{Class, Distance};
+
+/// The points `x` with `normal . x <= offset`, in a frame of their own: a floor, or a wall, without
+/// end.
+///
+/// Contacts have no state: they are a function of body, relative pose and options.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::{HalfSpace, ManifoldOptions, RelativePose};
+///
+/// let floor = HalfSpace::new(Vector3::z(), 0.0)?;
+/// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+/// let resting = Isometry3::translation(3.0, 0.0, 0.49);
+/// let pose = RelativePose::from_isometry(&resting)?;
+/// let contacts = floor.contacts(&part, &pose, &ManifoldOptions::within(0.02));
+/// assert_eq!(contacts.points().len(), 4);
+/// assert!((contacts.distance().value + 0.01).abs() < 1e-15);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpace {
+    normal: Unit<Vector3<f64>>,
+    offset: f64,
+}
+
+/// A half-space that is none.
+#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum HalfSpaceError {
+    /// The normal is zero or not finite.
+    #[error("the normal {0:?} has no direction")]
+    Normal([f64; 3]),
+    /// The plane is too far from the origin.
+    #[error("the plane lies {0} from the origin: no number, or farther than a body may lie")]
+    Offset(f64),
+}
+
+/// A contact of a vertex of a body with the plane of a half-space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct HalfSpaceContact {
+    /// The vertex of the body, by which a contact is known over frames.
+    pub vertex: VertexId,
+    /// The point of the plane below the vertex, in the frame of the half-space.
+    pub point_on_plane: Point3<f64>,
+    /// The vertex, in the frame of the body.
+    pub point_on_body: Point3<f64>,
+    /// Height of the vertex above the plane, negative below.
+    pub separation: f64,
+}
+
+/// The contacts of a body with a half-space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HalfSpaceContacts {
+    distance: Distance,
+    lowest: HalfSpaceContact,
+    points: [HalfSpaceContact; MOST_POINTS],
+    count: usize,
+}
+
+impl HalfSpaceContacts {
+    /// Returns the contacts within the prediction, the lowest vertex first; empty if the body is
+    /// further away.
+    #[must_use]
+    pub fn points(&self) -> &[HalfSpaceContact] {
+        &self.points[..self.count]
+    }
+
+    /// Returns the contact of the lowest vertex, however far from the plane.
+    #[must_use]
+    pub fn lowest(&self) -> &HalfSpaceContact {
+        &self.lowest
+    }
+
+    /// Returns the signed distance with its bounds: for an overlap, minus the depth along the
+    /// normal.
+    #[must_use]
+    pub fn distance(&self) -> Distance {
+        self.distance
+    }
+}
+
+impl HalfSpace {
+    /// Returns the half-space of the points `x` with `normal . x <= offset`; the normal may be of
+    /// any length.
+    ///
+    /// # Errors
+    /// A normal without a direction, or a plane farther than `1e116` from the origin.
+    pub fn new(normal: Vector3<f64>, offset: f64) -> Result<Self, HalfSpaceError> {
+        let largest = normal.amax();
+        if !(largest > 0.0 && normal.iter().all(|x| x.is_finite())) {
+            return Err(HalfSpaceError::Normal(normal.into()));
+        }
+        let scaled = normal / largest;
+        let length = sqrt(scaled.norm_squared());
+        let offset = offset / largest / length;
+        // NaN is refused.
+        if !(offset.abs() <= PLACE_MAX) {
+            return Err(HalfSpaceError::Offset(offset));
+        }
+        let normal = Unit::new_unchecked(scaled / length);
+        Ok(Self { normal, offset })
+    }
+
+    /// Returns the outward unit normal.
+    #[must_use]
+    pub fn normal(&self) -> Unit<Vector3<f64>> {
+        self.normal
+    }
+
+    /// Returns the height of the plane over the origin, along the normal.
+    #[must_use]
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// Returns the signed distance of a body, given in the frame of the half-space by `a_from_b`,
+    /// with bounds that include all rounding. Bounds that straddle zero count as touching.
+    #[must_use]
+    pub fn distance(&self, body: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
+        PlacedPlane::new(self, body, a_from_b).distance()
+    }
+
+    /// Returns the contacts of a body within `options.prediction`: corners of the face at the
+    /// lowest vertex that is most nearly parallel to the plane, if its angle to the plane has a
+    /// sine of at most `options.sine`, and else those of an edge, or the lowest vertex alone.
+    #[must_use]
+    pub fn contacts(
+        &self,
+        body: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+    ) -> HalfSpaceContacts {
+        let placed = PlacedPlane::new(self, body, a_from_b);
+        let (distance, lowest) = (placed.distance(), placed.contact(placed.lowest));
+        let mut contacts = HalfSpaceContacts {
+            distance,
+            lowest,
+            points: [lowest; MOST_POINTS],
+            count: 0,
+        };
+        if lowest.separation <= options.prediction {
+            placed.add_points(options, &mut contacts);
+        }
+        contacts
+    }
+}
+
+/// A body over a half-space.
+struct PlacedPlane<'a> {
+    space: &'a HalfSpace,
+    body: &'a ConvexPolyhedron,
+    pose: &'a RelativePose,
+    /// Direction in the body's frame along which the body comes nearer to the half-space.
+    down: Vector3<f64>,
+    lowest: VertexId,
+}
+
+impl<'a> PlacedPlane<'a> {
+    fn new(space: &'a HalfSpace, body: &'a ConvexPolyhedron, pose: &'a RelativePose) -> Self {
+        let down = -pose.rotation().tr_mul(&space.normal);
+        let lowest = body.support_certified(&down, body.lookup.cell(&down)).vertex;
+        Self {
+            space,
+            body,
+            pose,
+            down,
+            lowest,
+        }
+    }
+
+    /// Returns a vertex in the frame of the half-space, and its height above the plane.
+    fn place(&self, vertex: VertexId) -> (Vector3<f64>, f64) {
+        let point = self.body.to_user(&self.body.points[vertex.index()]);
+        let at = self.pose.rotation() * point.coords + self.pose.translation();
+        (at, self.space.normal.dot(&at) - self.space.offset)
+    }
+
+    fn contact(&self, vertex: VertexId) -> HalfSpaceContact {
+        let (at, separation) = self.place(vertex);
+        HalfSpaceContact {
+            vertex,
+            point_on_plane: (at - self.space.normal.into_inner() * separation).into(),
+            point_on_body: self.body.to_user(&self.body.points[vertex.index()]),
+            separation,
+        }
+    }
+
+    /// Returns the sum of the lengths whose rounding is in a height.
+    fn size(&self) -> f64 {
+        let (body, far) = (self.body, |v: &Vector3<f64>| v.abs().sum());
+        body.radius * body.unit() + far(&body.origin) + far(&self.pose.translation()) + self.space.offset.abs()
+    }
+
+    fn distance(&self) -> Distance {
+        let value = self.place(self.lowest).1;
+        let term = CERTIFICATE * UNIT * self.size();
+        let (lower, upper) = (value - term, value + term);
+        let class = if lower > 0.0 {
+            Class::Separated
+        } else if upper < 0.0 {
+            Class::Overlapping
+        } else {
+            Class::Touching
+        };
+        Distance {
+            class,
+            value,
+            lower,
+            upper,
+        }
+    }
+
+    /// Adds the lowest vertex, and the corners of the feature that bears the contact.
+    fn add_points(&self, options: &ManifoldOptions, contacts: &mut HalfSpaceContacts) {
+        let axes = tangents_of(&self.space.normal);
+        let mut candidates = Candidates::new(0.0, options.prediction);
+        let mut add = |vertex: VertexId| {
+            let (at, height) = self.place(vertex);
+            let at = axes.map(|axis| axis.dot(&at));
+            candidates.push(at, [0.0, height], [Location::WHOLE, Location::vertex(vertex.index())]);
+        };
+        add(self.lowest);
+        let t = &self.body.topology;
+        if let Some(face) = self.bearing_face(options.sine) {
+            let corners = t.rim(face).count();
+            let corner = t.rim(face).map(|h| t.from(h)).step_by(corners.div_ceil(SAMPLE));
+            corner.filter(|&v| v != self.lowest).for_each(add);
+        } else if let Some(end) = self.bearing_edge(options.sine) {
+            add(end);
+        }
+        let noise = ACROSS * self.size();
+        let merge = noise.max(options.drift * self.body.radius * self.body.unit());
+        let all = candidates.all();
+        for &k in reduce(all, 0, options.most(), merge, noise).all() {
+            if let Some(vertex) = all[k].on[1].as_vertex() {
+                contacts.points[contacts.count] = self.contact(VertexId(vertex as u32));
+                contacts.count += 1;
+            }
+        }
+    }
+
+    /// Returns the face at the lowest vertex most nearly parallel to the plane, if near enough.
+    fn bearing_face(&self, sine: f64) -> Option<FaceId> {
+        let t = &self.body.topology;
+        let along = |f: FaceId| self.body.planes[f.index()].normal.dot(&self.down);
+        let faces = t.fan(self.lowest).iter().map(|h| t.half_edge(h).face);
+        let face = faces.max_by(|f, g| along(*f).total_cmp(&along(*g)))?;
+        // The null face of a segment has no normal.
+        let cosine = along(face);
+        (cosine > STEEP && cosine * cosine >= 1.0 - sine * sine).then_some(face)
+    }
+
+    /// Returns the other end of the edge at the lowest vertex most nearly parallel to the plane, if
+    /// near enough.
+    fn bearing_edge(&self, sine: f64) -> Option<VertexId> {
+        let (t, points) = (&self.body.topology, &self.body.points);
+        let slope = |v: VertexId| {
+            let e = points[v.index()] - points[self.lowest.index()];
+            -self.down.dot(&e) / sqrt(e.norm_squared())
+        };
+        let end = t
+            .neighbours(self.lowest)
+            .min_by(|v, w| slope(*v).total_cmp(&slope(*w)))?;
+        (slope(end) <= sine).then_some(end)
+    }
+}

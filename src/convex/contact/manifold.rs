@@ -1,0 +1,414 @@
+//! The contact manifold of a pair, persistent over frames.
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use crate::base::motion::BallAtPose;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::{Operand, RelativePose};
+use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::pair::outcome::Outcome;
+use crate::pair::rounding;
+
+use super::candidates::{ContactCandidate, Location};
+use super::facet::Facet;
+use super::facets;
+use super::query::Query;
+use super::rims::{NO_RAYS, Rays};
+use super::{Contacts, MOST_POINTS, ManifoldOptions, PosedOutcome};
+
+/// A point of each body, opposite each other along the normal: of two edges that are parallel but
+/// for the angle of [`ManifoldOptions::sine`], each end and the nearest point of the other edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct ContactPoint {
+    /// Point on A, in A's frame.
+    pub point_on_a: Point3<f64>,
+    /// Point on B, in B's frame.
+    pub point_on_b: Point3<f64>,
+    /// Signed distance from the point on A to the point on B along the normal, in the caller's
+    /// unit: negative if the bodies overlap.
+    pub separation: f64,
+    /// Features that contain the points: a vertex and a face, two edges, or the closest features.
+    pub features: FeaturePair,
+    /// Contact id, constant for the contact's lifetime: the features of its first appearance. No
+    /// two points of a manifold share an id.
+    pub id: FeaturePair,
+}
+
+impl ContactPoint {
+    pub(super) fn witness(outcome: &Outcome) -> Self {
+        Self {
+            point_on_a: outcome.point_on_a,
+            point_on_b: outcome.point_on_b,
+            separation: outcome.distance,
+            features: outcome.features,
+            id: outcome.features,
+        }
+    }
+}
+
+/// The contact points of a pair of bodies: keep a manifold for each pair and pass it to
+/// [`Tracker::manifold`] every frame.
+///
+/// The features of the certified outcome are promoted to the faces or edges within a small angle of
+/// the normal; both are projected along the normal, and the vertices of their overlap are the
+/// contact candidates, of which the deepest and the points that span the most area are kept (after
+/// Gregorius 2013, "The separating axis test between convex polyhedra", GDC; here both faces play
+/// equal parts, whichever body is named first).
+///
+/// Holds at most eight points, and nothing on the heap. If the bodies or the options change, the
+/// manifold is computed from scratch. A deserialized manifold (feature `serde`) resumes in its
+/// saved state, and its points are trusted until they are chosen again.
+///
+/// [`Tracker::manifold`]: crate::Tracker::manifold
+#[doc(alias = "contact points")]
+#[doc(alias = "clipping")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Manifold {
+    points: [ContactPoint; MOST_POINTS],
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "at_most_all"))]
+    count: usize,
+    normal: Unit<Vector3<f64>>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
+    lower: f64,
+    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
+    upper: f64,
+    made: Option<Made>,
+    fresh: bool,
+    /// Location of each point on both features.
+    on: [[Location; 2]; MOST_POINTS],
+    /// Lower bound of each vertex's distance to the boundary of the opposite face when chosen, in
+    /// the caller's unit.
+    margins: [f64; MOST_POINTS],
+    pub(super) rays: Rays,
+}
+
+/// Circumstances of the last computation, by which later motion is measured.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+struct Made {
+    /// Files of older versions have others under another name: they are not recognised.
+    #[cfg_attr(feature = "serde", serde(default, rename = "fingerprints"))]
+    bodies: [Fingerprint; 2],
+    options: ManifoldOptions,
+    /// Bounding ball of the smaller body at its pose.
+    ball: BallAtPose,
+    features: FeaturePair,
+    reference: Operand,
+    /// Normal in the frame of the reference body.
+    normal: Vector3<f64>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
+    lower: f64,
+    upper: f64,
+    /// How far the bodies may move from `ball`.
+    #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
+    budget: f64,
+    /// How far the bodies had moved since the points were chosen.
+    since: f64,
+}
+
+/// Deserializes the number of points; refuses more than the manifold can hold.
+#[cfg(feature = "serde")]
+fn at_most_all<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
+    let count: usize = serde::Deserialize::deserialize(deserializer)?;
+    if count <= MOST_POINTS {
+        Ok(count)
+    } else {
+        Err(serde::de::Error::custom("a manifold holds at most 8 points"))
+    }
+}
+
+impl Default for Manifold {
+    fn default() -> Self {
+        let none = ContactPoint {
+            point_on_a: Point3::origin(),
+            point_on_b: Point3::origin(),
+            separation: 0.0,
+            features: FeaturePair::FIRST,
+            id: FeaturePair::FIRST,
+        };
+        Self {
+            points: [none; MOST_POINTS],
+            count: 0,
+            normal: Vector3::x_axis(),
+            lower: f64::NEG_INFINITY,
+            upper: f64::INFINITY,
+            made: None,
+            fresh: false,
+            on: [ContactCandidate::WITNESS; MOST_POINTS],
+            margins: [0.0; MOST_POINTS],
+            rays: NO_RAYS,
+        }
+    }
+}
+
+impl Manifold {
+    /// Returns a manifold without contacts.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Returns the contacts of an outcome of [`Tracker::closest`](crate::Tracker::closest) for
+    /// these bodies at this pose, with no memory of earlier contacts: for callers who keep their
+    /// own. Without contacts if an id of the outcome names no feature of its body.
+    #[must_use]
+    pub fn of_outcome(
+        (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+        a_from_b: &RelativePose,
+        outcome: &Outcome,
+        options: &ManifoldOptions,
+    ) -> Self {
+        let mut manifold = Self::default();
+        if outcome.features.is_of(a, b) {
+            manifold.renew(&Query::new(a, b, a_from_b, options), outcome, 0.0);
+        }
+        manifold
+    }
+
+    /// Returns the contacts: persistent contacts first, in their old order, then new contacts.
+    /// Empty if the bodies are further apart than the prediction.
+    #[inline]
+    #[must_use]
+    pub fn points(&self) -> &[ContactPoint] {
+        // A deserialized count may be larger.
+        &self.points[..self.count.min(MOST_POINTS)]
+    }
+
+    /// Returns the deepest contact.
+    #[must_use]
+    pub fn deepest(&self) -> Option<&ContactPoint> {
+        let deeper = |x: &&ContactPoint, y: &&ContactPoint| x.separation.total_cmp(&y.separation);
+        self.points().iter().min_by(deeper)
+    }
+
+    /// Returns the unit direction from A to B, in A's frame: the normal of the outcome the manifold
+    /// was computed from, rotated with the reference body since. Without contacts, the normal
+    /// of the last query; x before the first query.
+    #[must_use]
+    pub fn normal(&self) -> Unit<Vector3<f64>> {
+        self.normal
+    }
+
+    /// Returns the features that bear the contact: of each body a face or an edge nearly
+    /// perpendicular to the normal, or the closest feature. `None` before the first query.
+    #[must_use]
+    pub fn features(&self) -> Option<FeaturePair> {
+        self.made.as_ref().map(|m| m.features)
+    }
+
+    /// Returns the body whose feature determines the normal: the body of the face if a face meets
+    /// an edge or a vertex. In doubt the previous reference, initially A.
+    #[must_use]
+    pub fn reference(&self) -> Operand {
+        self.made.as_ref().map_or(Operand::A, |m| m.reference)
+    }
+
+    /// Returns a lower bound of the signed distance, with or without contacts; minus infinity
+    /// before the first query.
+    #[must_use]
+    pub fn lower(&self) -> f64 {
+        self.lower
+    }
+
+    /// Returns an upper bound of the signed distance, with or without contacts; infinity before the
+    /// first query.
+    #[must_use]
+    pub fn upper(&self) -> f64 {
+        self.upper
+    }
+
+    /// Returns whether the points were computed by the last query; otherwise they are old points
+    /// with new separations.
+    #[must_use]
+    pub fn is_fresh(&self) -> bool {
+        self.fresh
+    }
+
+    pub(super) fn on(&self) -> &[[Location; 2]] {
+        &self.on[..self.count]
+    }
+
+    pub(super) fn margins(&self) -> &[f64] {
+        &self.margins[..self.count]
+    }
+
+    /// Returns the mean of the points on A.
+    pub(super) fn middle(&self) -> Option<Point3<f64>> {
+        let points = self.points();
+        let sum = points.iter().fold(Vector3::zeros(), |s, p| s + p.point_on_a.coords);
+        (!points.is_empty()).then(|| Point3::from(sum / points.len() as f64))
+    }
+
+    /// Measures the old points again if the bodies have moved little enough; otherwise returns how
+    /// far the bodies have moved.
+    #[inline(always)]
+    pub(crate) fn refresh(&mut self, query: &Query) -> Result<(), f64> {
+        let Some(made) = &self.made else { return Err(0.0) };
+        let moved = query.ball.displacement(&made.ball);
+        // NaN computes the manifold again.
+        if !(made.is_of(query) && moved <= made.budget) {
+            return Err(moved);
+        }
+        self.fresh = false;
+        (self.lower, self.upper) = (made.lower - moved, made.upper + moved);
+        let n = match made.reference {
+            Operand::A => made.normal,
+            Operand::B => query.rotation * made.normal,
+        };
+        self.normal = Unit::new_unchecked(n);
+        for p in &mut self.points[..self.count] {
+            let between = query.rotation * p.point_on_b.coords + query.translation - p.point_on_a.coords;
+            p.separation = n.dot(&between);
+        }
+        Ok(())
+    }
+
+    /// Computes the contacts of an outcome (of the cores, if the bodies are rounded), with the ids
+    /// of matching contacts from before the bodies `moved`.
+    pub(crate) fn renew(&mut self, query: &Query, outcome: &Outcome, moved: f64) {
+        let [lower, upper] = rounding::bounds([outcome.lower, outcome.upper], query.radii);
+        (self.normal, self.lower, self.upper, self.fresh) = (outcome.normal, lower, upper, true);
+        let (features, since) = if outcome.lower <= query.options.prediction {
+            self.renew_points(query, outcome, moved)
+        } else {
+            self.count = 0;
+            (outcome.features, 0.0)
+        };
+        let reference = reference(outcome.features).unwrap_or(self.reference());
+        let normal = outcome.normal.into_inner();
+        self.made = Some(Made {
+            bodies: query.bodies(),
+            options: *query.options,
+            ball: query.ball,
+            features,
+            reference,
+            normal: match reference {
+                Operand::A => normal,
+                Operand::B => query.rotation.tr_mul(&normal),
+            },
+            lower,
+            upper,
+            budget: query.budget(outcome.lower),
+            since,
+        });
+    }
+
+    /// Computes the points of an outcome; returns the features that bear them, and how far the
+    /// bodies have moved since the candidates were chosen.
+    fn renew_points(&mut self, query: &Query, outcome: &Outcome, moved: f64) -> (FeaturePair, f64) {
+        let options = query.options;
+        let least = query.least_radius();
+        let travelled = self.made.as_ref().filter(|m| m.is_of(query)).map(|m| m.since + moved);
+        let since_choice = travelled.filter(|&t| t <= options.choice * least);
+        let mut contacts = match query.facets {
+            [Facet::Body(a), Facet::Body(b)] => {
+                let (rotation, size) = (&query.rotation, query.size());
+                let posed = PosedOutcome {
+                    a,
+                    b,
+                    rotation,
+                    size,
+                    outcome,
+                };
+                posed.contacts(options, self, since_choice)
+            }
+            facets => facets::contacts(query, outcome, facets, self),
+        };
+        if query.radii != [0.0; 2] {
+            contacts.grow(query, &outcome.normal);
+        }
+        self.rays = contacts.rays;
+        if !contacts.same {
+            self.replace_points(&contacts, 2.0 * moved + options.drift * least);
+            return (contacts.features, 0.0);
+        }
+        for (old, new) in self.points.iter_mut().zip(&contacts.points[..contacts.count]) {
+            *old = ContactPoint { id: old.id, ..*new };
+        }
+        (contacts.features, since_choice.unwrap_or(0.0))
+    }
+
+    /// Replaces the old points by new points. A new point takes id and order from the old point
+    /// with equal features, else from the nearest old point at most `reach` away on either body.
+    fn replace_points(&mut self, contacts: &Contacts, reach: f64) {
+        let new = &contacts.points[..contacts.count];
+        let old = self.points();
+        let mut origin = [usize::MAX; MOST_POINTS];
+        for (i, p) in new.iter().enumerate() {
+            let alike = old.iter().position(|o| o.features == p.features);
+            if let Some(k) = alike.filter(|k| !origin.contains(k)) {
+                origin[i] = k;
+            }
+        }
+        let apart = |o: &ContactPoint, p: &ContactPoint| {
+            let on_a = (o.point_on_a - p.point_on_a).norm_squared();
+            on_a.min((o.point_on_b - p.point_on_b).norm_squared())
+        };
+        for (i, p) in new.iter().enumerate() {
+            if origin[i] == usize::MAX {
+                let near = (0..old.len()).filter(|k| !origin.contains(k) && apart(&old[*k], p) <= reach * reach);
+                let nearest = near.min_by(|&x, &y| apart(&old[x], p).total_cmp(&apart(&old[y], p)));
+                origin[i] = nearest.unwrap_or(usize::MAX);
+            }
+        }
+        self.reorder(contacts, &origin);
+    }
+
+    /// Stores the new points in order. `origin` holds the index of the old point whose id and order
+    /// each new point takes, or an index past the end if there is none.
+    fn reorder(&mut self, contacts: &Contacts, origin: &[usize; MOST_POINTS]) {
+        let new = &contacts.points[..contacts.count];
+        let old = self.points().len();
+        // Ids are read first: the old points are overwritten in order.
+        let ids = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
+        self.count = 0;
+        for k in 0..old {
+            if let Some(i) = origin[..new.len()].iter().position(|&o| o == k) {
+                self.points[self.count] = ContactPoint { id: ids[i], ..new[i] };
+                (self.on[self.count], self.margins[self.count]) = (contacts.on[i], contacts.margins[i]);
+                self.count += 1;
+            }
+        }
+        for (i, p) in new.iter().enumerate() {
+            if origin[i] == usize::MAX {
+                let id = self.free_id(p.features);
+                self.points[self.count] = ContactPoint { id, ..*p };
+                (self.on[self.count], self.margins[self.count]) = (contacts.on[i], contacts.margins[i]);
+                self.count += 1;
+            }
+        }
+    }
+
+    /// Returns a free contact id for this feature pair. If a contact at different features owns the
+    /// id, follows the chain of displaced ids to a free id.
+    fn free_id(&self, features: FeaturePair) -> FeaturePair {
+        let mut id = features;
+        for _ in 0..self.count {
+            match self.points().iter().find(|p| p.id == id) {
+                Some(p) => id = p.features,
+                None => break,
+            }
+        }
+        id
+    }
+}
+
+impl Made {
+    /// Returns whether bodies and options are unchanged.
+    #[inline(always)]
+    fn is_of(&self, query: &Query) -> bool {
+        self.bodies == query.bodies() && self.options == *query.options
+    }
+}
+
+/// Returns the body of the higher-dimensional feature; `None` if the dimensions are equal.
+fn reference(features: FeaturePair) -> Option<Operand> {
+    match features.a.dimension().cmp(&features.b.dimension()) {
+        core::cmp::Ordering::Greater => Some(Operand::A),
+        core::cmp::Ordering::Less => Some(Operand::B),
+        core::cmp::Ordering::Equal => None,
+    }
+}

@@ -1,0 +1,360 @@
+//! Contact manifolds: the few points at which two bodies hold each other apart, kept from frame to
+//! frame; and gradients of the signed distance.
+//!
+//! A manifold starts from a certified outcome: normal, features, witnesses. The features are
+//! promoted to the faces (or edges) within a small angle of the normal ([`promote`]), both are
+//! projected along the normal ([`projection`]), and the vertices of their overlap ([`clip`], and
+//! [`rims`] for faces of many vertices) are the contact candidates. A few candidates are kept
+//! ([`mod@reduce`]): the deepest, and the points that span the most area. [`manifold`] keeps the
+//! contacts over frames.
+//!
+//! Every pair of points (a of A, b of B) satisfies `n . b - n . a >= lower`, the bound of the
+//! outcome, so the deepest contact is the outcome's own; no contact can be deeper.
+//!
+//! Source: the clipping of a reference and an incident face (Gregorius 2013, "The separating axis
+//! test between convex polyhedra", GDC). Departures:
+//! 1. Both faces are projected along the certified normal, and play equal parts: points on A and on
+//!    B lie opposite each other along the normal, whichever body is named first.
+//! 2. The reference only determines the body with which the normal rotates between two outcomes.
+//! 3. Curved shapes bear contacts by flat round faces and straight generators ([`facet`]), clipped
+//!    as circles and segments ([`facets`]); rounded shapes by their cores, and the points move out.
+//! 4. Old contacts are matched by a bound on the motion of the bodies, not by distances of points.
+
+mod axes;
+mod candidates;
+mod clip;
+mod facet;
+mod facets;
+mod gradient;
+mod half_space;
+mod keep;
+mod manifold;
+mod options;
+mod projection;
+mod promote;
+mod query;
+mod reduce;
+mod rims;
+
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{ACROSS, AGREE, STEEP};
+use crate::body::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
+use crate::pair::outcome::{Outcome, Solver};
+use crate::pair::rounding;
+use axes::Axes;
+pub(crate) use candidates::ContactCandidate;
+use candidates::{Candidates, Location};
+use keep::Projections;
+use projection::{LazyProjection, ProjectedFeature};
+use promote::Promotion;
+pub(crate) use reduce::reduce;
+use rims::Rays;
+
+pub(crate) use facet::{Facet, RoundFace};
+pub use gradient::Gradient;
+pub use half_space::{HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError};
+pub use manifold::{ContactPoint, Manifold};
+pub use options::ManifoldOptions;
+pub(crate) use query::{Extent, Query};
+
+/// Most points of a manifold.
+pub(crate) const MOST_POINTS: usize = 8;
+
+/// The contacts of an outcome.
+struct Contacts {
+    points: [ContactPoint; MOST_POINTS],
+    count: usize,
+    /// Features that bear the contacts.
+    features: FeaturePair,
+    /// Location of each contact on both features.
+    on: [[Location; 2]; MOST_POINTS],
+    /// Lower bound of each vertex's distance to the boundary of the opposite face.
+    margins: [f64; MOST_POINTS],
+    /// Whether the contacts are the previous manifold's, in the previous order.
+    same: bool,
+    rays: Rays,
+}
+
+impl Contacts {
+    /// Moves the contacts of two cores out by the radii of the rounded bodies.
+    #[cold]
+    fn grow(&mut self, query: &Query, normal: &Vector3<f64>) {
+        let [on_a, on_b] = query.radii;
+        for point in &mut self.points[..self.count] {
+            point.point_on_a += normal * on_a;
+            point.point_on_b -= query.rotation.tr_mul(normal) * on_b;
+            point.separation = rounding::less(point.separation, query.radii);
+        }
+    }
+}
+
+/// Two bodies, the rotation of `a_from_b`, and the certified outcome.
+#[derive(Clone, Copy)]
+struct PosedOutcome<'a> {
+    a: &'a ConvexPolyhedron,
+    b: &'a ConvexPolyhedron,
+    rotation: &'a Matrix3<f64>,
+    /// The pair's size L, in the caller's units.
+    size: f64,
+    outcome: &'a Outcome,
+}
+
+impl PosedOutcome<'_> {
+    /// Returns the contacts of an outcome whose lower bound is within the prediction.
+    /// `since_choice` is the motion of the bodies since the candidates were chosen, if the choice
+    /// may be kept.
+    fn contacts(self, options: &ManifoldOptions, before: &Manifold, since_choice: Option<f64>) -> Contacts {
+        let outcome = self.outcome;
+        let mut contacts = Contacts {
+            points: [ContactPoint::witness(outcome); MOST_POINTS],
+            count: 1,
+            features: outcome.features,
+            on: [ContactCandidate::WITNESS; MOST_POINTS],
+            margins: [0.0; MOST_POINTS],
+            same: false,
+            rays: before.rays,
+        };
+        // If the bodies are very far apart or very different in size, the witnesses are the only
+        // contact.
+        if self.a.exponent != self.b.exponent || outcome.solver == Solver::Far {
+            return contacts;
+        }
+        let axes = self.axes();
+        let features = self.promoted(&axes, options, before.features());
+        contacts.features = features;
+        if features.a.dimension() > 0 && features.b.dimension() > 0 && self.has_no_upright_face(&axes, features) {
+            self.clip_features(&axes, options, before, since_choice, &mut contacts);
+        }
+        contacts
+    }
+
+    /// Computes the contacts of two features, each an edge or a face.
+    // Not inlined: most contacts of round bodies involve a vertex and need none of the stack space.
+    #[inline(never)]
+    fn clip_features(
+        self,
+        axes: &[Axes; 2],
+        options: &ManifoldOptions,
+        before: &Manifold,
+        since_choice: Option<f64>,
+        contacts: &mut Contacts,
+    ) {
+        let features = contacts.features;
+        let mut projections = Projections {
+            a: LazyProjection::new(self.a, features.a, &axes[0], false),
+            b: LazyProjection::new(self.b, features.b, &axes[1], true),
+        };
+        let since_choice = since_choice.filter(|_| before.features() == Some(features));
+        if since_choice.is_some_and(|moved| projections.keep(&self, options, before, moved, contacts)) {
+            return;
+        }
+        let pair = ProjectedPair {
+            posed: self,
+            a: projections.a.get(),
+            b: projections.b.get(),
+            unit: self.a.unit(),
+        };
+        pair.choose(options, before, contacts);
+    }
+
+    /// Returns the contact axes in each body's stored frame, about the body's witness.
+    #[inline(always)]
+    fn axes(&self) -> [Axes; 2] {
+        let normal = self.outcome.normal.into_inner();
+        let tangents = tangents_of(&normal);
+        let noise = ACROSS * self.size / self.a.unit();
+        [
+            Axes {
+                tangents,
+                normal,
+                witness: self.a.to_stored(&self.outcome.point_on_a),
+                noise,
+            },
+            Axes {
+                tangents: tangents.map(|v| self.rotation.tr_mul(&v)),
+                normal: self.rotation.tr_mul(&normal),
+                witness: self.b.to_stored(&self.outcome.point_on_b),
+                noise,
+            },
+        ]
+    }
+
+    /// Returns the features that bear the contact.
+    #[inline(always)]
+    fn promoted(&self, axes: &[Axes; 2], options: &ManifoldOptions, before: Option<FeaturePair>) -> FeaturePair {
+        let promote = |body, outward, feature, previous| {
+            let promotion = Promotion {
+                body,
+                outward,
+                sine: options.sine,
+                previous,
+            };
+            promotion.promote(feature)
+        };
+        let closest = self.outcome.features;
+        FeaturePair {
+            a: promote(self.a, axes[0].normal, closest.a, before.map(|f| f.a)),
+            b: promote(self.b, -axes[1].normal, closest.b, before.map(|f| f.b)),
+        }
+    }
+
+    /// Returns whether no promoted face is upright, as a closest face may be if a facet of A - B is
+    /// smaller than rounding.
+    #[inline(always)]
+    fn has_no_upright_face(&self, axes: &[Axes; 2], features: FeaturePair) -> bool {
+        let is_not_upright = |body: &ConvexPolyhedron, feature: Feature, outward: Vector3<f64>| match feature {
+            Feature::Face(f) => body.planes[f.index()].normal.dot(&outward) > STEEP,
+            _ => true,
+        };
+        is_not_upright(self.a, features.a, axes[0].normal) && is_not_upright(self.b, features.b, -axes[1].normal)
+    }
+}
+
+/// Two features projected along the normal.
+struct ProjectedPair<'a> {
+    posed: PosedOutcome<'a>,
+    a: &'a ProjectedFeature<'a>,
+    b: &'a ProjectedFeature<'a>,
+    /// Length of a stored unit in the caller's unit.
+    unit: f64,
+}
+
+impl ProjectedPair<'_> {
+    /// Adds the candidates within the prediction, and the witnesses if no candidate is as deep.
+    #[inline(always)]
+    fn add_candidates(
+        &self,
+        options: &ManifoldOptions,
+        before: &Manifold,
+        rays: &mut Rays,
+        candidates: &mut Candidates,
+    ) {
+        let (a, b) = (self.a, self.b);
+        if a.is_edge() && b.is_edge() {
+            clip::overlap_edges(a, b, options.sine, candidates);
+        } else if a.is_large() || b.is_large() {
+            let middle = |p: &Point3<f64>| a.position_of(&self.posed.a.to_stored(p));
+            let hint = before.middle().as_ref().map(middle);
+            rims::clip([a, b], hint, options.most(), rays, candidates);
+        } else {
+            clip::clip(a, b, a.axes.noise, candidates);
+        }
+        if !self.has_deepest(candidates) {
+            candidates.push([0.0; 2], [0.0; 2], ContactCandidate::WITNESS);
+        }
+    }
+
+    /// Returns whether a candidate is as deep as the outcome.
+    #[inline(always)]
+    fn has_deepest(&self, candidates: &Candidates) -> bool {
+        let deep = (self.posed.outcome.upper + AGREE * self.posed.size) / self.unit;
+        candidates.all().iter().any(|c| c.separation <= deep)
+    }
+
+    #[inline(always)]
+    fn no_candidates(&self, options: &ManifoldOptions) -> Candidates {
+        Candidates::new(self.posed.outcome.distance / self.unit, options.prediction / self.unit)
+    }
+
+    #[inline(always)]
+    fn choose(&self, options: &ManifoldOptions, before: &Manifold, contacts: &mut Contacts) {
+        let PosedOutcome { a, b, outcome, .. } = self.posed;
+        let (mut candidates, noise) = (self.no_candidates(options), self.a.axes.noise);
+        self.add_candidates(options, before, &mut contacts.rays, &mut candidates);
+        let merge = noise.max(options.drift * a.radius.min(b.radius));
+        let kept = self.kept(candidates.all(), options, before);
+        let chosen = reduce(candidates.all(), kept, options.most(), merge, noise);
+        contacts.count = 0;
+        for &k in chosen.all() {
+            let candidate = &candidates.all()[k];
+            let point = if candidate.on == ContactCandidate::WITNESS {
+                ContactPoint::witness(outcome)
+            } else {
+                self.contact(candidate, self.features_of(candidate))
+            };
+            // If rounding has split a feature, the witnesses may have the features of a nearby
+            // candidate.
+            let before = &contacts.points[..contacts.count];
+            if before.iter().all(|p| p.features != point.features) {
+                contacts.points[contacts.count] = point;
+                contacts.on[contacts.count] = candidate.on;
+                contacts.margins[contacts.count] = self.margin(candidate, options);
+                contacts.count += 1;
+            }
+        }
+    }
+
+    /// Lower bound of a candidate vertex's distance to the boundary of the opposite face.
+    fn margin(&self, candidate: &ContactCandidate, options: &ManifoldOptions) -> f64 {
+        let inside = match candidate.on.map(Location::as_vertex) {
+            [Some(_), _] => self.b.inside_by(candidate.at),
+            [_, Some(_)] => self.a.inside_by(candidate.at),
+            _ => 0.0,
+        };
+        keep::margin(inside * self.unit, candidate.separation * self.unit, options)
+    }
+
+    /// Returns a bit mask of the candidates that the previous manifold contained; zero if all
+    /// candidates fit or the features changed.
+    fn kept(&self, candidates: &[ContactCandidate], options: &ManifoldOptions, before: &Manifold) -> u64 {
+        if candidates.len() <= options.most() || before.features() != Some(self.features()) {
+            return 0;
+        }
+        let bit = |(k, c): (usize, &ContactCandidate)| u64::from(before.on().contains(&c.on)) << k;
+        candidates.iter().enumerate().map(bit).fold(0, |bits, bit| bits | bit)
+    }
+
+    fn features(&self) -> FeaturePair {
+        FeaturePair {
+            a: self.a.feature,
+            b: self.b.feature,
+        }
+    }
+
+    fn features_of(&self, candidate: &ContactCandidate) -> FeaturePair {
+        if candidate.on == ContactCandidate::WITNESS {
+            return self.posed.outcome.features;
+        }
+        let [a, b] = candidate.on;
+        FeaturePair {
+            a: self.a.feature_at(a),
+            b: self.b.feature_at(b),
+        }
+    }
+
+    fn contact(&self, candidate: &ContactCandidate, features: FeaturePair) -> ContactPoint {
+        let [on_a, on_b] = candidate.on;
+        ContactPoint {
+            point_on_a: self.posed.a.to_user(&self.a.point(on_a, candidate.at)),
+            point_on_b: self.posed.b.to_user(&self.b.point(on_b, candidate.at)),
+            separation: candidate.separation * self.unit,
+            features,
+            id: features,
+        }
+    }
+}
+
+impl ConvexPolyhedron {
+    /// Converts a point from the caller's coordinates to stored coordinates.
+    fn to_stored(&self, p: &Point3<f64>) -> Vector3<f64> {
+        if self.is_unscaled {
+            p.coords
+        } else {
+            (p.coords - self.origin) / self.unit()
+        }
+    }
+}
+
+/// Returns two unit directions perpendicular to a unit direction and to each other, right-handed
+/// with `n`.
+pub(crate) fn tangents_of(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let other = if n.x.abs() < 0.6 {
+        Vector3::new(0.0, -n.z, n.y)
+    } else {
+        Vector3::new(n.z, 0.0, -n.x)
+    };
+    let first = other / sqrt(other.norm_squared());
+    [first, n.cross(&first)]
+}

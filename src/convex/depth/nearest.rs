@@ -1,0 +1,125 @@
+//! The depth from the nearest facet alone: descent, then the proof by a pyramid.
+//!
+//! Costs as much as a walk, and answers most overlaps that are shallow beside the facets of the
+//! bodies. A surface answers the others: deep overlaps, feet near the rim of a facet, facets that
+//! are nearest only in their neighbourhood.
+
+use crate::base::tolerance::AGREE_DEPTH;
+use crate::body::polyhedron::FeaturePair;
+use crate::convex::depth::descent::{Descent, LowFacet, descend};
+use crate::convex::depth::foot::foot;
+use crate::convex::depth::memory::Memory;
+use crate::convex::depth::pyramid::proves;
+use crate::convex::depth::result::{Best, SearchResult};
+use crate::convex::depth::seed::search_from;
+use crate::convex::depth::write_overlap;
+use crate::pair::answer::unit;
+use crate::pair::difference_facet::DifferenceFacet;
+use crate::pair::draft::Draft;
+use crate::pair::outcome::Class;
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
+
+/// What a search from cached state says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum NearestFeature {
+    /// The depth is written, with bounds as close as the request requires.
+    Proven,
+    /// The bodies seem to be apart; the features are a start for the walk.
+    Apart(FeaturePair),
+    /// The nearest facet is within rounding of the origin: the draft holds features, witnesses and
+    /// direction of the touch.
+    Touch,
+    /// Neither; the facet on which a descent ended, if any, is a start for a search.
+    Open(Option<DifferenceFacet>),
+}
+
+/// Searches for the nearest facet from the features `from`, and writes the depth if proven.
+pub(crate) fn nearest_facet(
+    posed: &PosedPair,
+    from: FeaturePair,
+    memory: &mut Memory,
+    draft: &mut Draft,
+) -> NearestFeature {
+    if !posed.same_scale() {
+        return NearestFeature::Open(None);
+    }
+    let facet = match descend(posed, from, &mut draft.work.facets) {
+        Descent::Facet(facet) => facet,
+        Descent::Outside(facet) => return NearestFeature::Apart(facet.features()),
+        Descent::Lost => return NearestFeature::Open(None),
+    };
+    let Some(found) = prove(posed, &facet) else {
+        if !memory.is_empty() {
+            memory.move_to(facet.facet);
+        }
+        return touch_or_open(posed, &facet, draft);
+    };
+    // The next query asks the facet before a surface.
+    memory.clear();
+    memory.move_to(facet.facet);
+    write_overlap(posed, &found, draft);
+    NearestFeature::Proven
+}
+
+/// Returns what a facet tells that proves no depth: a touch, or a start for a search.
+pub(super) fn touch_or_open(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> NearestFeature {
+    if writes_touch(posed, facet, draft) {
+        NearestFeature::Touch
+    } else {
+        NearestFeature::Open(Some(facet.facet))
+    }
+}
+
+/// Writes the touch of bodies at a facet that is no higher than rounding; returns false for a
+/// higher facet.
+fn writes_touch(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> bool {
+    let at = facet.support.filter(|at| at.1 <= AGREE_DEPTH * posed.size());
+    let Some((at, witnesses)) = at.and_then(|at| Some((at, foot(posed, facet.facet, &at)?))) else {
+        return false;
+    };
+    draft.class = Class::Touching;
+    draft.features = facet.facet.features();
+    draft.normal = unit(&at.0.into());
+    (draft.point_on_a, draft.point_on_b) = witnesses;
+    true
+}
+
+/// Searches for the depth of bodies not yet known to overlap, from a facet; returns false, with no
+/// statement about the bodies, if the search does not close.
+#[cold]
+pub(crate) fn depth_from(posed: &PosedPair, facet: DifferenceFacet, memory: &mut Memory, draft: &mut Draft) -> bool {
+    let frame = Transform::of(posed);
+    memory.with_scratch(|memory, scratch| {
+        let Some(found) = search_from(posed, &frame, facet, &mut scratch.surface) else {
+            return false;
+        };
+        write_overlap(posed, &found, draft);
+        memory.keep(&scratch.surface, draft.features, None);
+        true
+    })
+}
+
+/// Returns the depth if the facet proves the depth.
+fn prove(posed: &PosedPair, facet: &LowFacet) -> Option<SearchResult<f64>> {
+    let best = facet.best(posed)?;
+    if !proves(posed, facet.facet, &best) {
+        return None;
+    }
+    let witnesses = foot(posed, facet.facet, &best.rounded())?;
+    Some(SearchResult::proven(&best, witnesses, posed.size()))
+}
+
+impl LowFacet {
+    /// Returns normal and height of the facet; `None` if the features have no normal.
+    #[inline(always)]
+    pub(super) fn best(&self, posed: &PosedPair) -> Option<Best<f64>> {
+        let of_features = || self.facet.height(posed, &Transform::of(posed));
+        let (normal, height) = self.support.or_else(of_features)?;
+        Some(Best {
+            normal,
+            height,
+            facet: Some(self.facet),
+        })
+    }
+}

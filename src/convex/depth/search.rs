@@ -1,0 +1,375 @@
+//! Search for the deepest facet: grows a surface at the nearest triangle until the triangle is
+//! proven to lie on the boundary of A - B.
+
+use crate::base::num::scalar::{Scalar, Vec3, dot, neg};
+use crate::base::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, PLATEAU, SHIFT_DIRECTION, UNIT};
+use crate::base::tuning::depth::REPEATS;
+use crate::body::polyhedron::FeaturePair;
+use crate::convex::minimum::gjk::{Minimum, solve};
+use crate::convex::minimum::simplex::Simplex;
+use crate::convex::minimum::start::vertex_of;
+use crate::convex::minimum::witnesses::witnesses;
+use crate::pair::difference::MinkowskiPoint;
+use crate::pair::difference::{difference_point, support};
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
+
+use crate::convex::depth::direction::unit;
+use crate::convex::depth::result::{Best, SearchEnd, SearchResult};
+use crate::convex::depth::surface::{EnclosingSurface, Filter};
+use crate::pair::difference_facet::DifferenceFacet;
+
+/// A surface on the way to the deepest facet.
+pub(super) struct DepthSearch<'a, T: Scalar> {
+    pub(super) posed: &'a PosedPair<'a>,
+    frame: Transform<T>,
+    /// Whether B is perturbed off its pose.
+    is_shifted: bool,
+    pub(super) surface: &'a mut EnclosingSurface<T>,
+    filter: Filter<T>,
+    best: Option<Best<T>>,
+    size: T,
+    points_added: u32,
+    repeats: u32,
+}
+
+/// Searches from the features of an overlap, about the origin or, in turn, about perturbed points.
+/// Returns the best result if no search closes; if a search closes, `surface` is its surface.
+pub(super) fn search<T: Scalar>(
+    posed: &PosedPair,
+    frame: &Transform<T>,
+    from: FeaturePair,
+    shifts: &[f64],
+    surface: &mut EnclosingSurface<T>,
+) -> Option<SearchResult<T>> {
+    let mut found: Option<SearchResult<T>> = None;
+    let mut points_added = 0;
+    for &shift in shifts {
+        let now = match DepthSearch::enclosing(posed, frame, from, shift, surface) {
+            Ok(mut search) => search.run(frame, shift),
+            Err(found) => found,
+        };
+        points_added += now.points_added;
+        let (end, gap) = (now.end, now.height - now.radius);
+        if found.as_ref().is_none_or(|f| gap < f.height - f.radius) {
+            found = Some(now);
+        }
+        if end != SearchEnd::Stuck {
+            break;
+        }
+    }
+    found.map(|f| SearchResult { points_added, ..f })
+}
+
+/// Returns the result when GJK cannot decide whether the origin is inside: the last direction and
+/// the support along the direction, an upper bound of the depth.
+fn undecided<T: Scalar>(
+    posed: &PosedPair,
+    frame: &Transform<T>,
+    simplex: &Simplex<T>,
+    toward: &Vec3<T>,
+) -> SearchResult<T> {
+    let zero = T::from(0.0);
+    let n = unit(&neg(toward));
+    let is_unit = dot(&n, &n).value() > 0.5;
+    let normal = if is_unit { n } else { [T::from(1.0), zero, zero] };
+    let hint = simplex.points()[0];
+    let height = dot(&normal, &support(posed, frame, &normal, &hint).w);
+    SearchResult {
+        end: SearchEnd::Stuck,
+        normal,
+        height,
+        radius: zero,
+        vertices: core::array::from_fn(|k| simplex.points()[k.min(simplex.len() - 1)]),
+        // Not boundary points of A - B, but nearly coincident points.
+        witnesses: (simplex.witness_distance() <= T::from(AGREE_DEPTH * posed.size()))
+            .then(|| witnesses(posed, simplex)),
+        features: None,
+        points_added: 0,
+    }
+}
+
+impl<'a, T: Scalar> DepthSearch<'a, T> {
+    /// Starts from the tetrahedron that proves a perturbed origin to be inside. Without a
+    /// tetrahedron, returns the solver's result: if the point is outside, a direction along which
+    /// the origin is at most as deep as the perturbation.
+    fn enclosing(
+        posed: &'a PosedPair<'a>,
+        frame: &Transform<T>,
+        from: FeaturePair,
+        shift: f64,
+        surface: &'a mut EnclosingSurface<T>,
+    ) -> Result<Self, SearchResult<T>> {
+        let size = posed.error_scale::<T>().total();
+        let mut shifted = *frame;
+        for (t, offset) in shifted.translation.iter_mut().zip(SHIFT_DIRECTION) {
+            *t = *t + T::from(offset * shift * size);
+        }
+        let simplex = match solve(posed, &shifted, vertex_of(posed, &shifted, from)) {
+            Minimum::Inside { simplex } => simplex,
+            Minimum::Outside { simplex, direction, .. } => return Err(undecided(posed, frame, &simplex, &direction)),
+        };
+        if !surface.start(simplex.points()) {
+            return Err(undecided(posed, frame, &simplex, &simplex.direction()));
+        }
+        let mut search = Self::new(posed, &shifted, surface);
+        search.is_shifted = shift != 0.0;
+        Ok(search)
+    }
+
+    fn new(posed: &'a PosedPair<'a>, frame: &Transform<T>, surface: &'a mut EnclosingSurface<T>) -> Self {
+        let size = posed.error_scale::<T>().total();
+        Self {
+            posed,
+            frame: *frame,
+            is_shifted: false,
+            surface,
+            filter: Filter {
+                margin: T::from(2.0 * CERTIFICATE * T::UNIT * size),
+                noise: T::from(PLATEAU / UNIT * T::UNIT * size),
+            },
+            best: None,
+            size: T::from(size),
+            points_added: 0,
+            repeats: 0,
+        }
+    }
+
+    /// Continues from a surface that encloses the origin, and a direction.
+    pub(super) fn resumed(
+        posed: &'a PosedPair<'a>,
+        frame: &Transform<T>,
+        surface: &'a mut EnclosingSurface<T>,
+        best: Best<T>,
+    ) -> Self {
+        let mut search = Self::new(posed, frame, surface);
+        search.improve(best);
+        search
+    }
+
+    /// Returns the result for a surface whose triangles are all known to be beyond `radius`, up to
+    /// the best direction.
+    pub(super) fn proven(&mut self, radius: T) -> SearchResult<T> {
+        SearchResult {
+            radius,
+            ..self.end(SearchEnd::Closed, true)
+        }
+    }
+
+    /// Keeps the direction if its support is the lowest so far: triangles beyond the support then
+    /// need no further work.
+    fn improve(&mut self, b: Best<T>) {
+        // A zero vector has no support; NaN is never better.
+        if dot(&b.normal, &b.normal).value() > 0.5 && self.best.is_none_or(|best| b.height < best.height) {
+            self.surface.set_target(b.height - self.accepted_gap(T::UNIT));
+            self.best = Some(b);
+        }
+    }
+
+    /// Returns the accepted gap between support and bound, for the rounding of an arithmetic.
+    fn accepted_gap(&self, rounding: f64) -> T {
+        T::from(AGREE_DEPTH / UNIT * rounding) * self.size
+    }
+
+    /// Grows until the ball about the perturbed point contains the origin, then about the origin.
+    pub(super) fn run(&mut self, frame: &Transform<T>, shift: f64) -> SearchResult<T> {
+        if shift != 0.0 {
+            // The length of SHIFT_DIRECTION is at most one.
+            let reached = self.grow(Some(
+                T::from(shift.abs()) * self.size + self.filter.margin + self.filter.margin,
+            ));
+            (self.frame, self.is_shifted) = (*frame, false);
+            let posed = self.posed;
+            self.surface.reposition(|c| difference_point(posed, frame, c.a, c.b));
+            self.best = None;
+            if !reached {
+                return self.end(SearchEnd::Stuck, false);
+            }
+        }
+        let end = if self.grow(None) || self.has_close_bounds() {
+            SearchEnd::Closed
+        } else if self.is_full() {
+            SearchEnd::Full
+        } else {
+            SearchEnd::Stuck
+        };
+        self.end(end, true)
+    }
+
+    /// Returns whether the bounds agree as closely as required, though a finer arithmetic might
+    /// improve them.
+    fn has_close_bounds(&mut self) -> bool {
+        let bound = self.bound();
+        self.best
+            .is_some_and(|b| b.height - bound <= T::from(AGREE_DEPTH * self.posed.size()))
+    }
+
+    /// Returns the height that every triangle is beyond.
+    fn bound(&mut self) -> T {
+        match self.surface.weakest() {
+            Some(t) => self.surface.triangles[t as usize].bound,
+            None => self.surface.target(),
+        }
+    }
+
+    fn is_full(&self) -> bool {
+        let vertices = self.posed.a.points.len() + self.posed.b.points.len();
+        self.surface.triangles.len() > 64 * vertices + 1024
+    }
+
+    /// Grows the surface; returns whether every triangle is beyond `goal` or, without a goal,
+    /// whether the bounds agree.
+    fn grow(&mut self, goal: Option<T>) -> bool {
+        while !self.is_full() {
+            let Some(t) = self.surface.weakest() else {
+                return goal.is_none_or(|goal| self.surface.target() > goal);
+            };
+            let bound = self.surface.triangles[t as usize].bound;
+            if goal.is_some_and(|goal| bound > goal) {
+                return true;
+            }
+            if self.best.is_some_and(|b| self.surface.improve_bound(t, &b.normal)) {
+                continue;
+            }
+            // NaN ends the search.
+            if !(bound > self.filter.margin) {
+                return false;
+            }
+            let direction = self.surface.triangles[t as usize].direction;
+            let top = self.probe(t, &direction);
+            let gain = dot(&direction, &top.w) - bound;
+            if gain < T::from(ALMOST_FLAT) * self.size && self.probe_facets(t) || bound >= self.surface.target() {
+                continue;
+            }
+            let top = self.visible_point(t, top);
+            if !(gain > T::from(0.0)) || !self.has_few_repeats(&top) {
+                return false;
+            }
+            self.points_added += 1;
+            self.surface.insert(t, top, &self.filter);
+        }
+        false
+    }
+
+    /// Returns a point outside the plane of a triangle, which keeps the surface convex: `top` or,
+    /// if `top` was found along a foreign direction and lies inside, the support point along the
+    /// normal.
+    fn visible_point(&mut self, t: u32, top: MinkowskiPoint<T>) -> MinkowskiPoint<T> {
+        if self.surface.is_visible(t, &top.w, &self.filter) {
+            return top;
+        }
+        let outward = self.surface.triangles[t as usize].outward;
+        if !(dot(&outward, &outward).value() > 0.5) {
+            return top;
+        }
+        let other = self.probe(t, &outward);
+        if self.surface.is_visible(t, &other.w, &self.filter) {
+            other
+        } else {
+            top
+        }
+    }
+
+    /// Counts points already on the surface; returns whether repeats are still few.
+    fn has_few_repeats(&mut self, c: &MinkowskiPoint<T>) -> bool {
+        if self.surface.contains_pair(c) {
+            self.repeats += 1;
+        }
+        self.repeats < REPEATS
+    }
+
+    /// Returns the support point of A - B along a unit direction, and keeps the direction if the
+    /// best.
+    fn probe(&mut self, t: u32, n: &Vec3<T>) -> MinkowskiPoint<T> {
+        let top = support(self.posed, &self.frame, n, &self.surface.vertices(t)[0]);
+        self.improve(Best {
+            normal: *n,
+            height: dot(n, &top.w),
+            facet: None,
+        });
+        top
+    }
+
+    /// Tries the facets that may contain the triangle; returns whether a facet normal raised the
+    /// bound.
+    fn probe_facets(&mut self, t: u32) -> bool {
+        let vertices = self.surface.vertices(t);
+        let mut improved = false;
+        let facets = DifferenceFacet::at(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
+        for facet in facets.into_iter().flatten() {
+            let Some((normal, height)) = self.height_of(facet, &vertices[0]) else {
+                continue;
+            };
+            self.improve(Best {
+                normal,
+                height,
+                facet: Some(facet),
+            });
+            improved |= self.surface.improve_bound(t, &normal);
+        }
+        improved
+    }
+
+    /// Returns the normal of a facet that contains `on`, and the support along the normal: from the
+    /// face planes if the arithmetic is f64 and B is not perturbed.
+    fn height_of(&self, facet: DifferenceFacet, on: &MinkowskiPoint<T>) -> Option<(Vec3<T>, T)> {
+        if T::UNIT == UNIT && !self.is_shifted {
+            let (n, height) = facet.height(self.posed, &Transform::of(self.posed))?;
+            return Some((n.map(T::from), T::from(height)));
+        }
+        let n = facet.normal(self.posed, &self.frame, on)?;
+        Some((n, dot(&n, &support(self.posed, &self.frame, &n, on).w)))
+    }
+
+    /// Returns the lowest of the facets that may contain three vertices if the facet is as low as
+    /// the best direction up to rounding: of a facet the height is computed from its own features,
+    /// whatever way a search took to the facet.
+    fn facet_at(&self, vertices: &[MinkowskiPoint<T>; 3], best: &Best<T>) -> Option<Best<T>> {
+        let facets = DifferenceFacet::at(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
+        let heights = facets.into_iter().flatten().filter_map(|facet| {
+            let (normal, height) = self.height_of(facet, &vertices[0])?;
+            Some(Best {
+                normal,
+                height,
+                facet: Some(facet),
+            })
+        });
+        let lowest = heights.min_by(|x, y| x.height.value().total_cmp(&y.height.value()))?;
+        (lowest.height <= best.height + T::from(0.5) * self.accepted_gap(T::UNIT)).then_some(lowest)
+    }
+
+    /// Returns the final result; `winds` must be true only if the surface encloses the origin.
+    fn end(&mut self, end: SearchEnd, winds: bool) -> SearchResult<T> {
+        let zero = T::from(0.0);
+        let weakest = self.surface.weakest();
+        if self.best.is_none() {
+            let t = weakest.unwrap_or(0);
+            let direction = self.surface.triangles[t as usize].direction;
+            self.probe(t, &direction);
+        }
+        let bound = self.bound();
+        let mut best = self.best.unwrap_or(Best {
+            normal: [T::from(1.0), zero, zero],
+            height: T::from(f64::INFINITY),
+            facet: None,
+        });
+        let (mut vertices, mut witnesses) = self.deepest(&best, weakest.unwrap_or(0), end);
+        if end == SearchEnd::Closed
+            && best.facet.is_none()
+            && let Some(facet) = self.facet_at(&vertices, &best)
+        {
+            best = facet;
+            (vertices, witnesses) = self.deepest(&best, weakest.unwrap_or(0), end);
+        }
+        SearchResult {
+            end,
+            normal: best.normal,
+            height: best.height,
+            radius: if winds && bound > zero { bound } else { zero },
+            vertices,
+            witnesses: Some(witnesses),
+            features: best.facet.map(DifferenceFacet::features),
+            points_added: self.points_added,
+        }
+    }
+}

@@ -1,0 +1,292 @@
+//! Main solver: GJK whose direction step knows the curvature.
+//!
+//! From a unit direction the model of `model` gives the next direction: without curvature the step
+//! of GJK, with one smooth branch on each core Newton's method on the normal. The supports at the
+//! next direction are both the next step and the certificate.
+
+use super::balls;
+use super::best::{BranchSet, ProvenBounds};
+use super::flush::{self, Flush};
+use super::model::{MOST, ModelPlane, top};
+use super::posed::{DifferencePoint, PlaneStep, PosedCores, Toward, add, tangent, unit};
+use crate::base::num::scalar::{Scalar, Vec3, dot, root};
+use crate::base::tolerance::{AGREE_CURVED, UNIT};
+use crate::body::shape::Support;
+
+/// Directions that a run may take: a heuristic.
+const STEPS: u32 = 24;
+
+/// Cuts of a step, to a third each, before the run ends: a heuristic.
+const CUTS: u32 = 6;
+
+/// The axis of a flat round face is tried if the squared sine of the angle between axis and
+/// direction is below this: a heuristic.
+const NEAR_AXIS: f64 = 1.0 / 64.0;
+
+/// End of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum RunEnd {
+    /// The bounds agree.
+    Closed,
+    /// The cores seem to overlap: the best direction is close to a local minimum of the depth.
+    Inside,
+    /// The bounds are apart.
+    Open,
+}
+
+/// Returns whether the points that a vector joins lie behind each other, from the part of the
+/// vector along the direction and the length of the vector.
+#[inline(always)]
+pub(super) fn far_behind<T: Scalar>(along: &T, length: &T) -> bool {
+    *along < T::from(0.0) && *along < *length * T::from(-0.98)
+}
+
+/// A direction and the pieces known there.
+#[derive(Clone, Copy)]
+struct Centre<T> {
+    toward: Toward<T>,
+    height: T,
+    pieces: [DifferencePoint<T>; MOST],
+    len: usize,
+    weights: [T; MOST],
+}
+
+impl<T: Scalar> Centre<T> {
+    fn pieces(&self) -> &[DifferencePoint<T>] {
+        &self.pieces[..self.len]
+    }
+
+    fn knows(&self, of: [u32; 2]) -> bool {
+        self.pieces().iter().any(|p| p.of == of)
+    }
+
+    /// Adds a piece without weight; if there is no room, in place of another piece without weight.
+    fn add(&mut self, piece: DifferencePoint<T>) {
+        let zero = T::from(0.0);
+        if self.len < MOST {
+            self.weights[self.len] = zero;
+            self.pieces[self.len] = piece;
+            self.len += 1;
+        } else if let Some(k) = (0..MOST).find(|&k| !(self.weights[k] > zero)) {
+            self.pieces[k] = piece;
+        }
+    }
+
+    /// Returns the weighted sum of the pieces.
+    fn between(&self) -> Vec3<T> {
+        let mut v = [T::from(0.0); 3];
+        for (piece, &weight) in self.pieces().iter().zip(&self.weights) {
+            for k in 0..3 {
+                v[k] = v[k] + piece.w[k] * weight;
+            }
+        }
+        v
+    }
+}
+
+/// One run from a direction and the branches expected there.
+pub(super) struct SolverRun<'r, 'p, A, B, T> {
+    pub(super) posed: &'r PosedCores<'p, A, B, T>,
+    pub(super) best: &'r mut ProvenBounds<T>,
+    /// Whether the run searches the depth of cores that overlap.
+    pub(super) deep: bool,
+}
+
+impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
+    /// Runs until the bounds agree.
+    // Not inlined: one copy for each pair of kinds.
+    #[inline(never)]
+    pub(super) fn run(&mut self, n: Vec3<T>, set: &BranchSet) -> RunEnd {
+        let mut centre = self.evaluate(n, set.branches(), [0; 2]);
+        let share = T::from(1.0) / T::from(centre.len as f64);
+        centre.weights = [share; MOST];
+        let (mut flush, mut kept_back) = (Flush::new(), None);
+        let slack = T::from(AGREE_CURVED / 4.0 * self.posed.size);
+        let last = self.best.evaluations + STEPS;
+        while self.best.evaluations < last {
+            let Some(step) = self.advance(&mut centre) else {
+                return RunEnd::Open;
+            };
+            if self.best.closes(self.posed) {
+                return RunEnd::Closed;
+            }
+            if self.deep {
+                balls::take(
+                    self.posed,
+                    &centre.toward,
+                    (centre.pieces(), &centre.weights),
+                    self.best,
+                );
+            } else if self.seems_inside(&centre, &step) {
+                return RunEnd::Inside;
+            }
+            if !self.deep
+                && let Some(piece) = flush::near(self.posed, self.best, &centre.toward, &step, &mut flush, NEAR_AXIS)
+            {
+                if self.best.closes(self.posed) {
+                    return RunEnd::Closed;
+                }
+                if let Some(n) = unit(&piece.w) {
+                    // Next to the face: on from the direction of the nearest point.
+                    centre = self.evaluate(n, &[piece.of], piece.of);
+                    let share = T::from(1.0) / T::from(centre.len as f64);
+                    (centre.weights, kept_back) = ([share; MOST], None);
+                    continue;
+                }
+            }
+            let Some(trial) = self.follow(&mut centre, &step, slack, &mut kept_back) else {
+                return RunEnd::Open;
+            };
+            centre = trial;
+        }
+        RunEnd::Open
+    }
+
+    /// Takes both supports along `n`, and the points of the branches expected there.
+    fn evaluate(&mut self, n: Vec3<T>, of: &[[u32; 2]], hint: [u32; 2]) -> Centre<T> {
+        let toward = self.posed.toward(n);
+        let hint = of.first().copied().unwrap_or(hint);
+        let new = self.posed.support(&toward, hint);
+        let mut centre = Centre {
+            toward,
+            height: self.best.prove(&toward, &new),
+            pieces: [new; MOST],
+            len: 1,
+            weights: [T::from(0.0); MOST],
+        };
+        for &of in of.iter().filter(|&&of| of != new.of) {
+            let piece = self.posed.of_branches(of, &toward, centre.pieces());
+            centre.add(piece);
+        }
+        centre
+    }
+
+    /// Returns the step of the model at the centre. The points that carry weight are taken as
+    /// witnesses, fixed and moved along their surfaces by the step.
+    fn advance(&mut self, centre: &mut Centre<T>) -> Option<PlaneStep<T>> {
+        let (toward, mut planes) = (centre.toward, [ModelPlane::default(); MOST]);
+        for (plane, piece) in planes.iter_mut().zip(centre.pieces()) {
+            let [d, e] = &toward.tangents;
+            *plane = ModelPlane {
+                c: dot(&toward.n, &piece.w),
+                g: [dot(d, &piece.w), dot(e, &piece.w)],
+                bend: self.posed.bend(piece, &toward),
+            };
+        }
+        let v = centre.between();
+        let half = root(dot(&v, &v)) * T::from(0.5);
+        let mu = if self.deep || centre.height > half {
+            centre.height
+        } else {
+            half
+        };
+        let planes = &planes[..centre.len];
+        // With a height below zero the model is concave only if the bend outweighs the height.
+        let top = top(planes, &centre.weights, mu).or_else(|| top(planes, &centre.weights, half))?;
+        centre.weights = top.weights;
+        let weighted = centre.pieces.into_iter().zip(centre.weights);
+        let kept = weighted.filter(|(_, weight)| *weight > T::from(0.0));
+        if !self.deep {
+            self.best.mixture(self.posed, centre.pieces(), &centre.weights);
+        }
+        let size = top.step[0].value() * top.step[0].value() + top.step[1].value() * top.step[1].value();
+        if !self.deep && size < 0.0625 && !self.best.closes(self.posed) {
+            let mut slid = [DifferencePoint::default(); MOST];
+            let mut len = 0;
+            for (piece, _) in kept {
+                slid[len] = self.posed.slid(&piece, &toward, &top.step);
+                len += 1;
+            }
+            self.best.nearest(self.posed, &slid[..len]);
+        }
+        Some(top.step)
+    }
+
+    /// Returns whether the closest points of the pieces lie behind each other along the direction.
+    fn seems_inside(&self, centre: &Centre<T>, step: &PlaneStep<T>) -> bool {
+        let far = (step[0] * step[0] + step[1] * step[1]).value() > 0.0625;
+        if far || centre.height > T::from(0.0) {
+            return false;
+        }
+        let v = centre.between();
+        far_behind(&dot(&v, &centre.toward.n), &root(dot(&v, &v)))
+    }
+
+    /// Takes the step if the height does not fall. If the height falls, a new branch joins the
+    /// pieces, a bent kink is followed for one more step, and any other step is cut.
+    fn follow(
+        &mut self,
+        centre: &mut Centre<T>,
+        step: &PlaneStep<T>,
+        slack: T,
+        kept_back: &mut Option<(Centre<T>, PlaneStep<T>)>,
+    ) -> Option<Centre<T>> {
+        let (mut of, mut len) = ([[0; 2]; MOST], 0);
+        for (piece, weight) in centre.pieces().iter().zip(&centre.weights) {
+            if *weight > T::from(0.0) {
+                of[len] = piece.of;
+                len += 1;
+            }
+        }
+        let mut step = *step;
+        let floor = match kept_back {
+            Some((before, _)) if before.height > centre.height => before.height,
+            _ => centre.height,
+        };
+        for _ in 0..CUTS {
+            let n = unit(&add(&centre.toward.n, &tangent(&centre.toward, &step)))?;
+            let mut trial = self.evaluate(n, &of[..len], of[0]);
+            self.carry(centre, &mut trial);
+            let rises = trial.height >= floor - slack;
+            if rises {
+                *kept_back = None;
+                return Some(trial);
+            }
+            let new = trial.pieces[0].of;
+            if !centre.knows(new) {
+                // The model did not know this piece: solve again with the piece.
+                let piece = self.posed.of_branches(new, &centre.toward, centre.pieces());
+                centre.add(piece);
+                return Some(*centre);
+            }
+            match kept_back.take() {
+                // Along a bent kink the height falls by the square of the step, and rises in the
+                // next step (Maratos effect).
+                None if len > 1 => {
+                    *kept_back = Some((*centre, step));
+                    return Some(trial);
+                }
+                Some((before, first)) if before.height > trial.height => {
+                    (*centre, step) = (before, first);
+                    len = 0;
+                    for (piece, weight) in centre.pieces().iter().zip(&centre.weights) {
+                        if *weight > T::from(0.0) {
+                            of[len] = piece.of;
+                            len += 1;
+                        }
+                    }
+                }
+                _ => {}
+            }
+            let third = T::from(1.0 / 3.0);
+            step = [step[0] * third, step[1] * third];
+            if !(step[0].value().abs() + step[1].value().abs() > UNIT * UNIT) {
+                return None;
+            }
+        }
+        None
+    }
+
+    /// Copies the weights of pieces that stay.
+    fn carry(&self, from: &Centre<T>, to: &mut Centre<T>) {
+        let mut any = false;
+        for k in 0..to.len {
+            let same = from.pieces().iter().position(|p| p.of == to.pieces[k].of);
+            to.weights[k] = same.map_or(T::from(0.0), |j| from.weights[j]);
+            any |= to.weights[k] > T::from(0.0);
+        }
+        if !any {
+            to.weights[0] = T::from(1.0);
+        }
+    }
+}

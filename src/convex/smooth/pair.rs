@@ -1,0 +1,401 @@
+//! One pair of cores: solver after solver until the bounds agree, and the outcome.
+
+use nalgebra::{Unit, Vector3};
+
+use super::any::{Any, CoreKind};
+use super::best::{BranchSet, ProvenBounds};
+use super::depth;
+use super::frozen::Around;
+use super::layers::{Ended, separate};
+use super::opposite;
+use super::polyhedral::PolyhedralCore;
+use super::posed::{DifferencePoint, PosedCores, add, unit, values};
+use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::scalar::{Scalar, Vec3, sqrt, sub};
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
+use crate::body::polyhedron::{FeaturePair, exponent_of, power_of_two};
+use crate::body::shape::{Core, Support};
+use crate::pair::answer::round_outward;
+use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::transform::Transform;
+
+/// A direction that turned by less in each coordinate is extrapolated: a heuristic.
+const SLIGHT: f64 = 0.25;
+
+/// A turn that changed by less than this share is extrapolated with its change: a heuristic.
+const STEADY: f64 = 0.25;
+
+/// State of a pair between queries.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct WarmStart {
+    start: Option<(Vec3<f64>, BranchSet)>,
+    /// Turn of the direction from the answer before to the last answer, and the turn before.
+    turn: Vec3<f64>,
+    #[cfg_attr(feature = "serde", serde(default))]
+    before: Vec3<f64>,
+}
+
+impl WarmStart {
+    /// Returns a direction to begin with, of a length close to one, and branches. A deserialized
+    /// state may contain no direction.
+    fn start(&self) -> Option<(Vec3<f64>, BranchSet)> {
+        let (n, set) = self.start?;
+        let is_small = n.iter().all(|x| x.abs() <= 2.0);
+        is_small.then(|| (self.ahead(n), set))
+    }
+
+    /// Extrapolates the direction: by the turn, and by the change of the turn if that is small.
+    #[inline(always)]
+    fn ahead(&self, n: Vec3<f64>) -> Vec3<f64> {
+        let most = |v: &Vec3<f64>| v[0].abs().max(v[1].abs()).max(v[2].abs());
+        let (change, size) = (sub(&self.turn, &self.before), most(&self.turn));
+        // NaN is not small.
+        if !(size < SLIGHT) {
+            return n;
+        }
+        let n = add(&n, &self.turn);
+        if most(&change) < size * STEADY {
+            add(&n, &change)
+        } else {
+            n
+        }
+    }
+
+    /// Remembers an answer.
+    fn keep(&mut self, n: Vec3<f64>, set: BranchSet) {
+        self.before = self.turn;
+        self.turn = self.start.map_or([0.0; 3], |(before, _)| sub(&n, &before));
+        self.start = Some((n, set));
+    }
+}
+
+/// Frame and unit in which a pair is solved.
+#[derive(Clone, Copy)]
+pub(super) struct SolverSetting<'p> {
+    pose: &'p RelativePose,
+    cores: [&'p Core; 2],
+    /// Translation of the pose, if both cores are stored as given and of an ordinary size.
+    plain: Option<Vec3<f64>>,
+    /// Lengths of the solvers times `2^exponent` are the caller's.
+    exponent: i32,
+    /// Distance of the stored origins from the origins of the frames, in the unit of the solvers.
+    offsets: f64,
+}
+
+impl<'p> SolverSetting<'p> {
+    #[inline(always)]
+    pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose) -> Self {
+        let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
+        let radii = [a.radius(), b.radius()];
+        let t = pose.translation();
+        let size = radii[0].max(radii[1]).max(t.amax());
+        // NaN is not near.
+        let is_near = t.iter().all(|x| x.abs() < 1.0 / SMALL_PAIR);
+        let is_seen = radii.iter().all(|&r| r > SPECK * size || r == 0.0);
+        let is_ordinary = is_near && size < 1.0 / SMALL_PAIR && size > SMALL_PAIR && is_seen;
+        let is_plain = given(a) && given(b) && is_ordinary;
+        Self {
+            pose,
+            cores: [a, b],
+            plain: is_plain.then_some([t.x, t.y, t.z]),
+            exponent: 0,
+            offsets: 0.0,
+        }
+    }
+
+    /// Returns the radii of both cores, in the caller's unit.
+    fn radii(&self) -> [f64; 2] {
+        self.cores.map(Core::radius)
+    }
+
+    /// Returns the origins about which the points of A and of B are stored.
+    fn origins(&self) -> [Vector3<f64>; 2] {
+        self.cores.map(Core::origin)
+    }
+
+    #[inline(always)]
+    pub(super) fn is_plain(&self) -> bool {
+        self.plain.is_some()
+    }
+
+    #[inline(always)]
+    fn frame(&self) -> Option<Transform<f64>> {
+        let Some(translation) = self.plain else {
+            return self.rounded_frame();
+        };
+        let m = self.pose.rotation();
+        let matrix = [
+            [m[(0, 0)], m[(0, 1)], m[(0, 2)]],
+            [m[(1, 0)], m[(1, 1)], m[(1, 2)]],
+            [m[(2, 0)], m[(2, 1)], m[(2, 2)]],
+        ];
+        Some(Transform { matrix, translation })
+    }
+
+    #[cold]
+    fn rounded_frame(&self) -> Option<Transform<f64>> {
+        let fine = self.fine_frame()?;
+        Some(Transform {
+            matrix: fine.matrix.map(|row| row.map(Scalar::value)),
+            translation: fine.translation.map(Scalar::value),
+        })
+    }
+
+    fn fine_frame(&self) -> Option<Transform<DoubleDouble>> {
+        let [a, b] = self.origins();
+        Transform::between((&a, self.exponent), (&b, self.exponent), self.pose)
+    }
+}
+
+/// Returns the outcome of a pair of known kinds, in the unit of the solvers.
+#[inline(never)]
+pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
+    a: &A,
+    b: &B,
+    setting: &SolverSetting,
+    memory: &mut WarmStart,
+) -> Outcome {
+    let mut outcome = Outcome::starting_at(FeaturePair::FIRST);
+    let Some(frame) = setting.frame() else { return outcome };
+    let t = Vector3::from(frame.translation);
+    let size = a.reach() + b.reach() + sqrt(t.norm_squared()) + UNIT_DOUBLE_DOUBLE / UNIT * setting.offsets;
+    let noise = a.noise() + b.noise();
+    let posed = PosedCores {
+        a,
+        b,
+        frame,
+        size,
+        noise,
+    };
+    let mut best = ProvenBounds::new();
+    let (mut solver, mut set) = (Solver::Walk, None);
+    let ended = separate(&posed, memory.start(), &mut best, &mut solver, |known, corners| {
+        let proven = deepen(&posed, known, corners, &mut outcome);
+        set = proven.or(set);
+        proven.is_some()
+    });
+    outcome.work.steps += best.evaluations;
+    if outcome.solver == Solver::Walk {
+        outcome.solver = solver;
+    }
+    match ended {
+        Ended::Deep => best.set = set.unwrap_or(best.set),
+        Ended::Closed if take(&posed, &best, (CERTIFICATE + noise) * UNIT * size, &mut outcome) => {}
+        Ended::Closed | Ended::Open => finer(&posed, setting, &best, &mut outcome),
+    }
+    memory.keep((*outcome.normal).into(), best.set);
+    outcome
+}
+
+/// Searches the depth of cores that seem to overlap; returns the branches of the deepest points if
+/// the cores overlap or touch.
+#[inline(never)]
+fn deepen<A: CoreKind, B: CoreKind>(
+    posed: &PosedCores<A, B, f64>,
+    known: &ProvenBounds<f64>,
+    corners: Option<Around<f64>>,
+    outcome: &mut Outcome,
+) -> Option<BranchSet> {
+    let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
+    outcome.work.depths += 1;
+    let mut deep = depth::deepen(posed, known, corners);
+    let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
+    let found = is_done.then(|| opposite::witnesses(posed, &mut deep.best));
+    outcome.work.steps += deep.best.evaluations - known.evaluations;
+    let ProvenBounds { on_a, on_b, set, .. } = found?;
+    let answer = ProvenBounds {
+        on_a,
+        on_b,
+        set,
+        ..deep.best
+    };
+    if !take(posed, &answer, term, outcome) {
+        return None;
+    }
+    if deep.grown {
+        outcome.solver = Solver::Surface;
+    }
+    if deep.inside {
+        outcome.class = Class::Overlapping;
+        outcome.upper = outcome.upper.min(0.0);
+        outcome.distance = outcome.distance.min(outcome.upper);
+    }
+    Some(deep.best.set)
+}
+
+/// Runs the solvers in double-double.
+#[cold]
+#[inline(never)]
+fn finer<A: CoreKind, B: CoreKind>(
+    posed: &PosedCores<A, B, f64>,
+    setting: &SolverSetting,
+    best: &ProvenBounds<f64>,
+    outcome: &mut Outcome,
+) {
+    outcome.work.double_doubles += 1;
+    outcome.solver = Solver::DoubleDouble;
+    // No two points of the cores are farther apart than L, nor is a depth greater.
+    (outcome.lower, outcome.upper) = (-2.0 * posed.size, 2.0 * posed.size);
+    let mut known = *best;
+    if !take(posed, best, (CERTIFICATE + posed.noise) * UNIT * posed.size, outcome) {
+        known = ProvenBounds::new();
+    }
+    let (a, b) = (posed.a.any(), posed.b.any());
+    let Some(frame) = setting.fine_frame() else { return };
+    let (a, b, size, noise) = (&a, &b, posed.size, posed.noise);
+    let fine = PosedCores {
+        a,
+        b,
+        frame,
+        size,
+        noise,
+    };
+    let mut found = ProvenBounds::<DoubleDouble>::new();
+    let mut solver = Solver::DoubleDouble;
+    let start = best.n.map(DoubleDouble::from);
+    let start = unit(&start).map(|n| (n, best.set));
+    let ended = separate(&fine, start, &mut found, &mut solver, |finest, corners| {
+        let (mut known, toward) = (known, posed.toward(finest.n.map(Scalar::value)));
+        known.prove(&toward, &posed.support(&toward, [0; 2]));
+        let rounded =
+            |p: DifferencePoint<DoubleDouble>| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value));
+        corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), outcome).is_some())
+    });
+    outcome.work.steps += found.evaluations;
+    outcome.solver = Solver::DoubleDouble;
+    if ended == Ended::Deep {
+        return;
+    }
+    let offsets = if setting.is_plain() { 0.0 } else { setting.offsets };
+    let term = (CERTIFICATE + noise) * UNIT_DOUBLE_DOUBLE * (size + offsets);
+    take(&fine, &found, term, outcome);
+}
+
+/// Copies the bounds and witnesses of a solver to the outcome. Returns false, and copies nothing,
+/// if the solver has failed: a point that is no number, or bounds that contradict each other.
+#[inline(always)]
+fn take<A: Support, B: Support, T: Scalar>(
+    posed: &PosedCores<A, B, T>,
+    best: &ProvenBounds<T>,
+    term: f64,
+    outcome: &mut Outcome,
+) -> bool {
+    let upper = round_outward(best.upper, term).min(f64::MAX);
+    let points = best.on_a.iter().chain(&best.on_b);
+    if !points.fold(true, |all, x| all & x.value().is_finite()) || !(best.lower.value() <= upper) {
+        return false;
+    }
+    (outcome.lower, outcome.upper) = (round_outward(best.lower, -term), upper);
+    let estimate = if outcome.lower > 0.0 { best.upper } else { best.lower };
+    outcome.distance = estimate
+        .value()
+        .clamp(outcome.lower.max(-f64::MAX).min(outcome.upper), outcome.upper);
+    outcome.normal = Unit::new_unchecked(values(&best.n).into());
+    outcome.point_on_a = values(&best.on_a).into();
+    outcome.point_on_b = values(&best.on_b).into();
+    outcome.class = if outcome.lower > 0.0 {
+        Class::Separated
+    } else if outcome.upper < 0.0 {
+        Class::Overlapping
+    } else if outcome.upper - outcome.lower <= (AGREE_CURVED + 2.0 * (CERTIFICATE + posed.noise) * UNIT) * posed.size {
+        Class::Touching
+    } else {
+        Class::Undecided
+    };
+    let (mut a, mut b, mut len) = ([0; 3], [0; 3], 0);
+    for of in best.set.branches() {
+        (a[len], b[len]) = (of[0], of[1]);
+        len += 1;
+    }
+    outcome.features = FeaturePair {
+        a: posed.a.feature(&a[..len], &outcome.point_on_a.coords),
+        b: posed.b.feature(&b[..len], &outcome.point_on_b.coords),
+    };
+    true
+}
+
+/// Returns the outcome of a pair of extreme sizes or places, solved in a unit of the pair; a core
+/// too small to matter counts as a point.
+#[cold]
+pub(super) fn extreme(a: &Core, b: &Core, setting: &SolverSetting, memory: &mut WarmStart) -> Outcome {
+    let [ra, rb] = setting.radii();
+    let [oa, ob] = setting.origins();
+    let t = setting.pose.translation_sixteenth() + setting.pose.rotation() * ob / 16.0 - oa / 16.0;
+    let largest = t.amax();
+    let apart = if largest > 0.0 {
+        largest * (t / largest).norm()
+    } else {
+        0.0
+    };
+    let offsets = oa.abs().sum() + ob.abs().sum();
+    if !(SPECK * apart <= ra + rb) {
+        return far(setting, &t, apart, offsets);
+    }
+    let exponent = exponent_of(ra.max(rb).max(apart));
+    let unit = power_of_two(-exponent);
+    let setting = SolverSetting {
+        plain: None,
+        exponent,
+        offsets: offsets * unit,
+        ..*setting
+    };
+    let size = (ra + rb + apart) * unit;
+    let (speck_a, speck_b) = (ra * unit < SPECK * size, rb * unit < SPECK * size);
+    let a = if speck_a { Any::Point } else { scaled(a, exponent) };
+    let b = if speck_b { Any::Point } else { scaled(b, exponent) };
+    let mut outcome = closest_of(&a, &b, &setting, memory);
+    let lost = |speck: bool, r: f64| if speck { 2.0 * r * unit } else { 0.0 };
+    let (less, back) = (lost(speck_a, ra) + lost(speck_b, rb), power_of_two(exponent));
+    outcome.lower = ((outcome.lower - less) * back).next_down();
+    outcome.upper = ((outcome.upper + less) * back).next_up().min(f64::MAX);
+    outcome.distance = (outcome.distance * back).clamp(outcome.lower, outcome.upper);
+    outcome.point_on_a = (outcome.point_on_a.coords * back + oa).into();
+    outcome.point_on_b = (outcome.point_on_b.coords * back + ob).into();
+    if less > 0.0 {
+        outcome.class = match outcome.class {
+            Class::Separated if outcome.lower > 0.0 => Class::Separated,
+            Class::Overlapping if outcome.upper < 0.0 => Class::Overlapping,
+            Class::Undecided => Class::Undecided,
+            _ => Class::Touching,
+        };
+    }
+    outcome
+}
+
+/// Returns a core in the unit of the solvers.
+fn scaled(core: &Core, exponent: i32) -> Any<'_> {
+    let by = power_of_two(-exponent);
+    match core {
+        Core::Polyhedron(body) => Any::Hull(PolyhedralCore {
+            body,
+            unit: power_of_two(body.exponent - exponent),
+        }),
+        Core::Ellipsoid(core) => Any::Ellipsoid(core.scaled(by)),
+        Core::Cylinder(core) => Any::Cylinder(core.scaled(by)),
+        Core::Cone(core) => Any::Cone(core.scaled(by)),
+        Core::Superquadric(core) => Any::Superquadric(core.scaled(by)),
+    }
+}
+
+/// Returns the outcome of cores so far apart that the sizes are below the rounding of the distance;
+/// `t` and `apart` are in sixteenths.
+fn far(setting: &SolverSetting, t: &Vector3<f64>, apart: f64, offsets: f64) -> Outcome {
+    let mut outcome = Outcome::starting_at(FeaturePair::FIRST);
+    let radii: f64 = setting.radii().iter().sum();
+    let distance = 16.0 * apart;
+    let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii;
+    outcome.lower = distance - slack;
+    outcome.upper = (distance + slack).min(f64::MAX);
+    outcome.distance = distance.clamp(outcome.lower, outcome.upper);
+    outcome.normal = crate::pair::answer::unit(t);
+    outcome.class = if outcome.lower > 0.0 {
+        Class::Separated
+    } else {
+        Class::Undecided
+    };
+    outcome.solver = Solver::Far;
+    [outcome.point_on_a, outcome.point_on_b] = setting.origins().map(Into::into);
+    outcome
+}

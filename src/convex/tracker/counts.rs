@@ -1,0 +1,107 @@
+//! Counters of a tracker: costs of the two ways to start a walk, and totals for the caller.
+
+use crate::base::num::count::{Counter, sum_of_counters};
+use crate::base::tuning::tracker::{CLIMBS, ELLIPSOIDS};
+use crate::pair::outcome::{Solver, Work};
+use crate::pair::world::AnsweredBy;
+
+/// Mean costs of the two ways to start, in steps of the walk: the cheaper way is the start of the
+/// next query.
+///
+/// From the features of the last answer a walk takes `1 + 0.085 sqrt(n)` steps a degree turned;
+/// from the support vertices some five on round bodies, whatever happened in between. Counting the
+/// steps actually taken needs neither n nor the motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct Starts {
+    /// Running means in sixteenths of a step.
+    warm: u16,
+    cold: u16,
+}
+
+impl Starts {
+    #[inline(always)]
+    pub(super) fn prefer_warm(self) -> bool {
+        self.warm <= self.cold
+    }
+
+    /// Includes the cost of the way taken in its mean; the mean of the other way fades, so that
+    /// this way is tried again.
+    #[inline(always)]
+    pub(super) fn learn(&mut self, warm: bool, work: &Work) {
+        let steps = work.steps + ELLIPSOIDS * work.ellipsoids;
+        let cost = 16 * (steps + if warm { 0 } else { CLIMBS }).min(1000) as u16;
+        let (taken, other) = if warm {
+            (&mut self.warm, &mut self.cold)
+        } else {
+            (&mut self.cold, &mut self.warm)
+        };
+        // The first cost is the mean; later ones weigh a quarter.
+        *taken = if *taken == 0 {
+            cost
+        } else {
+            *taken - *taken / 4 + cost / 4
+        };
+        *other -= *other / 128;
+    }
+}
+
+/// Work of a tracker since the tracker was made or reset.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Totals {
+    /// Queries that reached a walk.
+    pub queries: u64,
+    /// Queries whose walk started from the features of the previous answer.
+    pub warm: u64,
+    /// Queries by the solver that answered, in the order of [`Solver`].
+    pub(crate) answered: [u64; Solver::COUNT],
+    /// Feature pairs tested.
+    pub steps: u64,
+    /// Overlaps whose depth was searched.
+    pub depths: u64,
+}
+
+impl Totals {
+    /// Returns how many queries `solver` answered.
+    #[must_use]
+    pub fn answered_by(&self, solver: Solver) -> u64 {
+        self.answered[solver as usize]
+    }
+}
+
+/// Prints queries, the share of warm starts, steps and depths, and the solvers that answered.
+impl core::fmt::Display for Totals {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(
+            f,
+            "{} queries, {} warm, {} steps, {} depths; {}",
+            self.queries,
+            self.warm,
+            self.steps,
+            self.depths,
+            AnsweredBy(&self.answered)
+        )
+    }
+}
+
+impl Totals {
+    /// Counts a query and its work.
+    #[inline(always)]
+    pub(crate) fn note(&mut self, warm: bool, solver: Solver, work: &Work) {
+        self.queries.count(1);
+        self.warm.count(u64::from(warm));
+        self.answered[solver as usize].count(1);
+        self.steps.count(u64::from(work.steps));
+        self.depths.count(u64::from(work.depths));
+    }
+}
+
+sum_of_counters!(Totals {
+    queries,
+    warm,
+    answered,
+    steps,
+    depths
+});

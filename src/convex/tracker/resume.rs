@@ -1,0 +1,102 @@
+//! Depths from the last answer: the deepest facet, and the surface, of the query before.
+
+use super::{Tracker, to_user_units};
+use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::convex::depth::{self, Memory, NearestFeature};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::{Class, Until};
+use crate::pair::posed::PosedPair;
+
+/// What became of the last overlap.
+pub(super) enum Resumed {
+    /// The draft holds the proven depth.
+    Proven,
+    /// The bodies seem apart: these features are near the closest ones.
+    Apart(FeaturePair),
+    /// Nothing is known.
+    Open,
+}
+
+impl Tracker {
+    /// Returns a tracker that starts as after an answer of this class at these features: for
+    /// callers who keep features and class in state of their own, and no tracker. After an overlap,
+    /// the next query for a depth begins at the facet of the features; after any other class the
+    /// tracker is that of [`starting_from`](Self::starting_from). A wrong hint costs time and never
+    /// an answer.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+    ///
+    /// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+    /// let b = solids::octahedron(0.5)?;
+    /// let pose = |x| {
+    ///     RelativePose::from_isometry(&Isometry3::translation(x, 0.2, 0.1))
+    /// };
+    /// let before = Tracker::new().closest(&a, &b, &pose(1.48)?);
+    ///
+    /// // In the next frame, from what the caller kept:
+    /// let mut pair = Tracker::resuming(before.features, before.class, &a, &b);
+    /// let now = pair.closest(&a, &b, &pose(1.49)?);
+    /// assert!((now.distance + 0.01).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn resuming(features: FeaturePair, class: Class, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        let mut tracker = Self::starting_from(features, a, b);
+        if class == Class::Overlapping && features.is_of(a, b) {
+            tracker.memory = Memory::after(features);
+        }
+        tracker
+    }
+
+    /// Answers from the deepest facet or the surface of the last answer. State of no further use is
+    /// dropped. Bodies that came apart since get the start of a walk, whatever the costs of starts
+    /// were: these costs are no part of a replay.
+    #[inline(never)]
+    pub(super) fn resume(&mut self, posed: &PosedPair, until: Until, draft: &mut Draft) -> Resumed {
+        let first = *draft;
+        let mut resumed = NearestFeature::Open(None);
+        if until == Until::LocalDepth
+            && let Some(facet) = self.memory.facet_of(posed)
+        {
+            let kept = (&mut self.memory, &mut self.overlap_proof);
+            resumed = depth::local_depth(posed, facet, kept, draft);
+        }
+        if let NearestFeature::Open(_) = resumed {
+            resumed = depth::resume(posed, &mut self.memory, draft);
+        }
+        if resumed != NearestFeature::Proven {
+            self.memory.clear();
+            let (grown, visited) = (draft.work.points_added, draft.work.facets);
+            *draft = first;
+            (draft.work.points_added, draft.work.facets) = (grown, visited);
+            return match resumed {
+                NearestFeature::Apart(start) => Resumed::Apart(start),
+                _ => Resumed::Open,
+            };
+        }
+        self.totals.note(true, draft.solver, &draft.work);
+        self.stay(draft.features);
+        if !(posed.a.is_unscaled && posed.b.is_unscaled) {
+            to_user_units(posed.a, posed.b, draft);
+        }
+        Resumed::Proven
+    }
+}
+
+/// Answers an overlap from the features at which a walk was refused. The depth is the least even if
+/// a local one will do: the next queries start from its facet.
+#[cold]
+#[inline(never)]
+pub(super) fn enters_overlap(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) -> bool {
+    let from = draft.features;
+    if !from.is_of(posed.a, posed.b) {
+        return false;
+    }
+    match depth::nearest_facet(posed, from, memory, draft) {
+        NearestFeature::Proven => true,
+        NearestFeature::Open(Some(facet)) => depth::depth_from(posed, facet, memory, draft),
+        NearestFeature::Open(None) | NearestFeature::Apart(_) | NearestFeature::Touch => false,
+    }
+}

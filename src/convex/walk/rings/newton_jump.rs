@@ -1,0 +1,455 @@
+//! Newton jumps along large rings.
+//!
+//! If two long face boundaries nearly touch, each step moves the witnesses by one or two vertices,
+//! and the walk would alternate between the two for as many steps as there are vertices on the way.
+//! Here the rings and their spokes are smooth curves (see [`curve`](super::curve)), and Newton's
+//! method goes at once to the least distance. The walk continues from the vertices there: a jump is
+//! a proposal, like every step.
+//!
+//! With `r` from a point of B to a point of A, in up to two variables for each, `|r|^2 / 2` has the
+//! gradient `r . r_i` and the second derivatives `r_i . r_j + r . r_ij`. A side on no ring is
+//! fixed: a vertex takes no variable, an edge takes the variable along itself, and a face takes
+//! none, because the components of `r` in the plane of the face are dropped.
+
+use nalgebra::Vector3;
+
+use crate::base::tuning::walk::{BISECTIONS, CLOSE, DAMPING, REACH, STEPS, TRIES};
+use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
+use crate::convex::walk::rings::cholesky::{System, Variables};
+use crate::convex::walk::rings::curve::{ParabolaFit, RingCurve, RingLocation};
+use crate::pair::draft::Draft;
+use crate::pair::face::{Face, FaceLocation};
+use crate::pair::posed::PosedPair;
+
+/// The feature of one body as a smooth set of points.
+enum RingSide<'a> {
+    /// A vertex on no ring.
+    Vertex(VertexId, Vector3<f64>),
+    /// An edge on no ring: the tail, and the vector to the head.
+    Edge(EdgeId, [Vector3<f64>; 2]),
+    /// A face on no ring: a point of the plane, and the unit normal.
+    Face(FaceId, [Vector3<f64>; 2]),
+    /// A vertex or an edge of a ring: the index and the fit around the index.
+    Ring(RingCurve<'a>, usize, ParabolaFit),
+    /// A spoke or a side face of a ring: the index and the fit around the index.
+    Spokes(RingCurve<'a>, usize, ParabolaFit),
+}
+
+/// Point of a side, with derivatives in the two variables: `x` along the curve and `y` along the
+/// spoke.
+#[derive(Clone, Copy)]
+struct RingJet {
+    point: Vector3<f64>,
+    dx: Vector3<f64>,
+    dy: Vector3<f64>,
+    dxx: Vector3<f64>,
+    dxy: Vector3<f64>,
+}
+
+/// Position on a side: `fraction` of the edge from the vertex `index` to the next, and `y` along
+/// the spoke there.
+struct SidePosition {
+    index: usize,
+    fraction: f64,
+    y: f64,
+    /// Number of vertices between the start and this position.
+    moved: usize,
+}
+
+impl<'a> RingSide<'a> {
+    /// Returns the side of a feature; `None` if the ring of the feature has no fit.
+    fn of(body: &'a ConvexPolyhedron, feature: Feature) -> Option<Self> {
+        let (t, at) = (&body.topology, |v: VertexId| body.points[v.index()]);
+        Some(match (body.ring_location(feature), feature) {
+            (Some(RingLocation::Ring(ring, k)), _) => RingSide::Ring(ring, k, ring.fit(k, false)?),
+            (Some(RingLocation::Spokes(ring, k)), _) => RingSide::Spokes(ring, k, ring.fit(k, true)?),
+            (None, Feature::Vertex(v)) => RingSide::Vertex(v, at(v)),
+            (None, Feature::Edge(e)) => {
+                let (p, q) = (at(t.from(e.half_edge())), at(t.half_edge(e.half_edge()).to));
+                RingSide::Edge(e, [p, q - p])
+            }
+            (None, Feature::Face(f)) => {
+                let p = at(t.half_edge(t.rim_half_edge(f)).to);
+                RingSide::Face(f, [p, body.planes[f.index()].normal])
+            }
+        })
+    }
+
+    fn is_curved(&self) -> bool {
+        matches!(self, RingSide::Ring(..) | RingSide::Spokes(..))
+    }
+
+    /// Returns whether the side has the variable `y`: along an edge or a spoke.
+    fn has_lines(&self) -> bool {
+        matches!(self, RingSide::Edge(..) | RingSide::Spokes(..))
+    }
+
+    /// Transforms the side from B's frame to A's.
+    fn turn_to_frame_of_a(&mut self, posed: &PosedPair) {
+        let point = |p: &mut Vector3<f64>| *p = posed.point_in_a(p);
+        let vector = |v: &mut Vector3<f64>| *v = posed.vector_in_a(v);
+        let jet = |[p, d, c]: &mut [Vector3<f64>; 3]| {
+            point(p);
+            vector(d);
+            vector(c);
+        };
+        match self {
+            RingSide::Vertex(_, p) => point(p),
+            RingSide::Edge(_, [p, u]) | RingSide::Face(_, [p, u]) => {
+                point(p);
+                vector(u);
+            }
+            RingSide::Ring(_, _, fit) => jet(&mut fit.ring),
+            RingSide::Spokes(_, _, fit) => {
+                jet(&mut fit.ring);
+                jet(&mut fit.spoke_ends);
+            }
+        }
+    }
+
+    /// Evaluates point and derivatives at `x`, `y`.
+    fn jet(&self, x: f64, y: f64) -> RingJet {
+        let zero = Vector3::zeros();
+        let fixed = |point: Vector3<f64>, dy: Vector3<f64>| RingJet {
+            point,
+            dx: zero,
+            dy,
+            dxx: zero,
+            dxy: zero,
+        };
+        let follow = |[p, d, c]: &[Vector3<f64>; 3]| (p + (d + c * (0.5 * x)) * x, d + c * x, *c);
+        match self {
+            RingSide::Vertex(_, p) | RingSide::Face(_, [p, _]) => fixed(*p, zero),
+            RingSide::Edge(_, [p, u]) => fixed(p + u * y, *u),
+            RingSide::Ring(_, _, fit) => {
+                let (point, dx, dxx) = follow(&fit.ring);
+                RingJet {
+                    dx,
+                    dxx,
+                    ..fixed(point, zero)
+                }
+            }
+            RingSide::Spokes(_, _, fit) => {
+                let (ring, ends) = (follow(&fit.ring), follow(&fit.spoke_ends));
+                let (spoke, change) = (ends.0 - ring.0, ends.1 - ring.1);
+                RingJet {
+                    point: ring.0 + spoke * y,
+                    dx: ring.1 + change * y,
+                    dy: spoke,
+                    dxx: ring.2 + (ends.2 - ring.2) * y,
+                    dxy: change,
+                }
+            }
+        }
+    }
+
+    /// Returns the position at `x`, `y`.
+    fn position(&self, x: f64, y: f64) -> SidePosition {
+        match self {
+            RingSide::Ring(ring, k, fit) | RingSide::Spokes(ring, k, fit) => {
+                let (index, fraction) = ring.locate(fit, *k, x);
+                SidePosition {
+                    index,
+                    fraction,
+                    y,
+                    moved: ring.index_distance(*k, index),
+                }
+            }
+            _ => SidePosition {
+                index: 0,
+                fraction: 0.0,
+                y,
+                moved: 0,
+            },
+        }
+    }
+
+    /// Returns the point of the body itself at a position, in the frame of the body; `None` for a
+    /// face.
+    fn point(&self, body: &ConvexPolyhedron, position: &SidePosition) -> Option<Vector3<f64>> {
+        let at = |v: VertexId| body.points[v.index()];
+        let &SidePosition {
+            index: j, fraction, y, ..
+        } = position;
+        Some(match self {
+            RingSide::Vertex(v, _) => at(*v),
+            RingSide::Edge(e, _) => {
+                let t = &body.topology;
+                at(t.from(e.half_edge())) * (1.0 - y) + at(t.half_edge(e.half_edge()).to) * y
+            }
+            RingSide::Face(..) => return None,
+            RingSide::Ring(ring, ..) => ring.point(j, fraction),
+            RingSide::Spokes(ring, ..) => ring.point(j, fraction) * (1.0 - y) + at(ring.spoke_end(j)?) * y,
+        })
+    }
+
+    /// Returns the feature at a position, for a pair with a feature of dimension `other`.
+    fn feature(&self, body: &ConvexPolyhedron, position: &SidePosition, other: usize) -> Feature {
+        let &SidePosition {
+            index: j, y, fraction, ..
+        } = position;
+        let (vertex, edge) = (Feature::Vertex, Feature::Edge);
+        let t = &body.topology;
+        let on_ring = |ring: &RingCurve| {
+            if other == 2 {
+                vertex(ring.nearest_vertex(j, fraction))
+            } else {
+                edge(ring.edge(j))
+            }
+        };
+        match self {
+            RingSide::Vertex(v, _) => vertex(*v),
+            RingSide::Face(f, _) => Feature::Face(*f),
+            RingSide::Edge(e, _) if y <= 0.0 => vertex(t.from(e.half_edge())),
+            RingSide::Edge(e, _) if y >= 1.0 => vertex(t.half_edge(e.half_edge()).to),
+            RingSide::Edge(e, _) => edge(*e),
+            RingSide::Ring(ring, ..) => on_ring(ring),
+            RingSide::Spokes(ring, ..) => match (ring.spoke(j), ring.spoke_end(j)) {
+                _ if y <= 0.0 => on_ring(ring),
+                (_, Some(far)) if y >= 1.0 => vertex(far),
+                _ if other == 0 => Feature::Face(ring.side_face(j)),
+                (Some(spoke), _) if other == 1 => edge(spoke),
+                _ => vertex(ring.nearest_vertex(j, fraction)),
+            },
+        }
+    }
+
+    /// Returns the dimension of the feature to expect at `y`.
+    fn dimension(&self, y: f64) -> usize {
+        match self {
+            RingSide::Vertex(..) => 0,
+            RingSide::Edge(..) => usize::from(y > 0.0 && y < 1.0),
+            RingSide::Spokes(..) if y >= 1.0 => 0,
+            RingSide::Ring(..) | RingSide::Spokes(..) => 1,
+            RingSide::Face(..) => 2,
+        }
+    }
+}
+
+/// Jumps to the features at which the curves of the pair are closest. Returns whether the jump
+/// leads elsewhere.
+#[cold]
+#[inline(never)]
+pub(crate) fn newton_jump(posed: &PosedPair, draft: &mut Draft) -> bool {
+    let pair = draft.features;
+    let (Some(a), Some(mut b)) = (RingSide::of(posed.a, pair.a), RingSide::of(posed.b, pair.b)) else {
+        return false;
+    };
+    if !a.is_curved() && !b.is_curved() {
+        return false;
+    }
+    b.turn_to_frame_of_a(posed);
+    let jump = NewtonJump { posed, a: &a, b: &b };
+    match jump.target() {
+        Some(to) => {
+            draft.features = to.walkable(posed.a, posed.b);
+            true
+        }
+        None => false,
+    }
+}
+
+/// Both sides of a jump, in A's frame.
+struct NewtonJump<'a, 'b> {
+    posed: &'a PosedPair<'b>,
+    a: &'a RingSide<'a>,
+    b: &'a RingSide<'a>,
+}
+
+/// The end of a jump, evaluated on the bodies themselves.
+enum Landing {
+    /// Squared distance of the two points.
+    SquaredDistance(f64),
+    /// The point is over no part of the face: it lies beyond this edge.
+    OutsideFace(EdgeId),
+}
+
+impl NewtonJump<'_, '_> {
+    /// Returns the pair from which to continue: at the end of Newton's method, or a part of the way
+    /// there. `None` if a jump leads no closer or hardly moves.
+    fn target(&self) -> Option<FeaturePair> {
+        let (start, before, mut at) = newton(self.a, self.b)?;
+        for _ in 0..TRIES {
+            let positions = self.positions(&at);
+            if positions.0.moved.max(positions.1.moved) <= 1 {
+                return None;
+            }
+            match self.landing(&positions) {
+                Landing::OutsideFace(edge) => return Some(self.across_boundary(&start, &at, edge)),
+                Landing::SquaredDistance(squared) if squared < before => return Some(self.features(&positions, None)),
+                Landing::SquaredDistance(_) => at = interpolate(&start, &at, 0.25),
+            }
+        }
+        None
+    }
+
+    fn positions(&self, at: &Variables) -> (SidePosition, SidePosition) {
+        (self.a.position(at[0], at[1]), self.b.position(at[2], at[3]))
+    }
+
+    /// Evaluates the distance between the points of the bodies themselves.
+    fn landing(&self, positions: &(SidePosition, SidePosition)) -> Landing {
+        let posed = self.posed;
+        let (on_a, on_b) = (self.a.point(posed.a, &positions.0), self.b.point(posed.b, &positions.1));
+        match (on_a, on_b, self.a, self.b) {
+            (Some(p), Some(q), ..) => Landing::SquaredDistance((p - posed.point_in_a(&q)).norm_squared()),
+            (_, Some(q), RingSide::Face(f, _), _) => height_over_face(posed.a, *f, &posed.point_in_a(&q), posed.size()),
+            (Some(p), _, _, RingSide::Face(f, _)) => height_over_face(posed.b, *f, &posed.point_in_b(&p), posed.size()),
+            _ => Landing::SquaredDistance(f64::INFINITY),
+        }
+    }
+
+    /// Returns the pair for a jump from over a face to beyond `edge` of the face boundary: the
+    /// boundary edge that is passed first, and the edge of the curve that passes.
+    fn across_boundary(&self, start: &Variables, at: &Variables, mut edge: EdgeId) -> FeaturePair {
+        let (mut over, mut out, mut positions) = (0.0, 1.0, self.positions(at));
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (over + out);
+            let there = self.positions(&interpolate(start, at, middle));
+            match self.landing(&there) {
+                Landing::OutsideFace(e) => (out, edge, positions) = (middle, e, there),
+                Landing::SquaredDistance(_) => over = middle,
+            }
+        }
+        self.features(&positions, Some(edge))
+    }
+
+    /// Returns the features at two positions; `edge` replaces a face if the point lies beyond this
+    /// boundary edge.
+    fn features(&self, positions: &(SidePosition, SidePosition), edge: Option<EdgeId>) -> FeaturePair {
+        let dimension =
+            |side: &RingSide, position: &SidePosition| if edge.is_some() { 1 } else { side.dimension(position.y) };
+        let name = |side: &RingSide, body: &ConvexPolyhedron, position: &SidePosition, other: usize| match (side, edge)
+        {
+            (RingSide::Face(..), Some(e)) => Feature::Edge(e),
+            _ => side.feature(body, position, other),
+        };
+        FeaturePair {
+            a: name(self.a, self.posed.a, &positions.0, dimension(self.b, &positions.1)),
+            b: name(self.b, self.posed.b, &positions.1, dimension(self.a, &positions.0)),
+        }
+    }
+}
+
+/// Returns the point at `fraction` of the way between two points.
+fn interpolate(from: &Variables, to: &Variables, fraction: f64) -> Variables {
+    core::array::from_fn(|k| from[k] + (to[k] - from[k]) * fraction)
+}
+
+/// Evaluates a point over a face: the squared height, or the boundary edge beyond which the point
+/// lies.
+fn height_over_face(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>, size: f64) -> Landing {
+    let plane = &body.planes[face.index()];
+    let face = Face {
+        body,
+        face,
+        normal: &plane.normal,
+    };
+    let (location, corner) = face.locate(x, size);
+    match location {
+        FaceLocation::Outside(edge) => Landing::OutsideFace(edge),
+        _ => {
+            let height = plane.normal.dot(&(x - corner));
+            Landing::SquaredDistance(height * height)
+        }
+    }
+}
+
+/// Runs Newton's method, first along the lines alone, then in all variables. Returns the start, the
+/// squared distance there, and the end.
+fn newton(a: &RingSide, b: &RingSide) -> Option<(Variables, f64, Variables)> {
+    let mut at = [0.0, 0.5, 0.0, 0.5];
+    let lines = [false, a.has_lines(), false, b.has_lines()];
+    let all = [a.is_curved(), lines[1], b.is_curved(), lines[3]];
+    if lines[1] || lines[3] {
+        newton_step(a, b, &mut at, lines)?;
+    }
+    let start = at;
+    let (before, mut by) = newton_step(a, b, &mut at, all)?;
+    for _ in 1..STEPS {
+        // The next step would be as short as the square of the last.
+        if by >= CLOSE {
+            by = newton_step(a, b, &mut at, all)?.1;
+        }
+    }
+    Some((start, before, at))
+}
+
+/// The relevant part of the difference of two points, and the derivatives of both.
+type Evaluation = (Vector3<f64>, RingJet, RingJet);
+
+/// Evaluates both sides and their difference.
+fn evaluate(a: &RingSide, b: &RingSide, at: &Variables) -> Evaluation {
+    let (ja, jb) = (a.jet(at[0], at[1]), b.jet(at[2], at[3]));
+    (relevant(a, b, &(ja.point - jb.point)), ja, jb)
+}
+
+/// Returns the relevant part of a vector: over a face, only the component along the normal.
+fn relevant(a: &RingSide, b: &RingSide, r: &Vector3<f64>) -> Vector3<f64> {
+    match (a, b) {
+        (RingSide::Face(_, [_, n]), _) | (_, RingSide::Face(_, [_, n])) => n * r.dot(n),
+        _ => *r,
+    }
+}
+
+/// Takes a Newton step in the variables that are `free`. Returns the squared length before the
+/// step, and the length of the step in `x`.
+fn newton_step(a: &RingSide, b: &RingSide, at: &mut Variables, free: [bool; 4]) -> Option<(f64, f64)> {
+    let evaluation = evaluate(a, b, at);
+    // Far from the least distance the second derivatives may not be positive; the damped ones
+    // always are.
+    let solved = newton_system(a, b, at, &evaluation, free, true).solve();
+    let by = solved.or_else(|| newton_system(a, b, at, &evaluation, free, false).solve())?;
+    for k in 0..4 {
+        let (low, high) = if k % 2 == 0 { (-REACH, REACH) } else { (0.0, 1.0) };
+        at[k] = (at[k] + by[k]).clamp(low, high);
+    }
+    Some((evaluation.0.norm_squared(), by[0].abs().max(by[2].abs())))
+}
+
+/// Returns the linear system of a step: Newton's if `curved`, else damped and certainly positive
+/// definite.
+#[inline(always)]
+fn newton_system(
+    a: &RingSide,
+    b: &RingSide,
+    at: &Variables,
+    (r, ja, jb): &Evaluation,
+    free: [bool; 4],
+    curved: bool,
+) -> System {
+    let mut system = System::default();
+    let mut first = [Vector3::zeros(); 4];
+    for i in 0..4 {
+        if !free[i] {
+            continue;
+        }
+        let (jet, sign) = if i < 2 { (ja, 1.0) } else { (jb, -1.0) };
+        let is_line = i % 2 == 1;
+        let d = relevant(a, b, &(if is_line { jet.dy } else { jet.dx } * sign));
+        let downhill = -d.dot(r);
+        // Fixed: a variable that would leave the end of its line, and a position at an apex, which
+        // `x` does not move.
+        let ends = is_line && (at[i] <= 0.0 && downhill < 0.0 || at[i] >= 1.0 && downhill > 0.0);
+        if ends || d == Vector3::zeros() {
+            continue;
+        }
+        let n = system.len;
+        let mut row = [0.0; 4];
+        for k in 0..n {
+            row[k] = d.dot(&first[k]);
+        }
+        let bend = if is_line { 0.0 } else { sign * r.dot(&jet.dxx) };
+        row[n] = if curved {
+            d.norm_squared() + bend
+        } else {
+            (d.norm_squared() + bend.abs()) * (1.0 + DAMPING)
+        };
+        if curved && is_line && n > 0 && system.variables[n - 1] == i - 1 {
+            row[n - 1] += sign * r.dot(&jet.dxy);
+        }
+        system.push(i, row, downhill);
+        first[n] = d;
+    }
+    system
+}

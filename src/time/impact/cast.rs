@@ -1,0 +1,276 @@
+//! The search of a cast: look, step, prove.
+
+use alloc::vec::Vec;
+
+use nalgebra::Isometry3;
+
+use super::{Certificate, Impact, Tolerance};
+use crate::base::motion::Motion;
+use crate::base::pose::{PoseError, RelativePose};
+use crate::base::tolerance::ROOT;
+use crate::base::tuning::impact::{AIM, CLEAR, DOUBLINGS, LEAST, LOOKS, SHRINK};
+use crate::pair::outcome::Class;
+use crate::time::separation::{Flight, Measure, Proof, Separation};
+
+/// A cast in the making.
+pub(super) struct CastSearch<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
+    pub(super) pair: &'a mut S,
+    pub(super) motion_a: &'a A,
+    pub(super) motion_b: &'a B,
+    pub(super) until: f64,
+    pub(super) tolerance: Tolerance,
+    pub(super) distance: f64,
+    /// What is known of the begin of the interval.
+    pub(super) seen: Option<Measure>,
+    pub(super) queries: u32,
+    pub(super) proofs: u32,
+    /// Takes the proof of each step, one after the other from the begin of the interval.
+    pub(super) trail: Option<&'a mut Vec<Certificate>>,
+}
+
+/// What a search keeps from look to look.
+struct LookBudget {
+    /// Looks that are left; further rounds of a look are counted, too.
+    left: u32,
+    /// Factor by which the tolerance has shrunk while the pair is nearer than the tolerance.
+    shrunk: f64,
+}
+
+/// The continuation of a search after a look.
+enum Next {
+    /// Free up to this time.
+    Go(f64),
+    Found(Impact),
+}
+
+impl LookBudget {
+    /// Shrinks the tolerance for another round; false if no round is left.
+    fn again(&mut self) -> bool {
+        self.shrunk *= SHRINK;
+        self.left = self.left.saturating_sub(1);
+        self.left > 0
+    }
+}
+
+impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<'_, S, A, B> {
+    pub(super) fn run(&mut self, from: f64) -> Result<Impact, PoseError> {
+        let mut time = from;
+        let mut budget = LookBudget {
+            left: LOOKS,
+            shrunk: 1.0,
+        };
+        while budget.left > 0 {
+            budget.left -= 1;
+            let (relative, flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
+            let apart = flight.apart(self.pair);
+            if flight.is_known() {
+                if apart.span >= flight.span && apart.span > 0.0 {
+                    self.note((time, self.until), self.distance, Proof::Balls);
+                    return Ok(Impact::Miss);
+                }
+                if apart.gap > CLEAR * apart.reach {
+                    let next = later(time, apart.span);
+                    if next > time {
+                        self.note((time, next), self.distance, Proof::Balls);
+                        time = next;
+                        continue;
+                    }
+                }
+            }
+            let known = self.seen.take().filter(|_| time == from);
+            let seen = known.unwrap_or_else(|| {
+                self.queries += 1;
+                self.pair.measure(&relative)
+            });
+            if self.is_met(&seen) {
+                // Steps are proven, so a pair can meet only at the begin of the interval, or on a
+                // motion that breaks its contract.
+                return Ok(if time == from {
+                    Impact::Start { seen }
+                } else {
+                    Impact::Near {
+                        safe: time,
+                        distance: seen.upper,
+                    }
+                });
+            }
+            if !flight.is_known() {
+                break;
+            }
+            if flight.span == 0.0 {
+                return Ok(self.at_once(time, seen, apart.noise, &relative));
+            }
+            match self.step(time, &seen, flight, apart.noise, &mut budget)? {
+                Next::Go(next) => time = next,
+                Next::Found(impact) => return Ok(impact),
+            }
+        }
+        Ok(Impact::Unknown { safe: time })
+    }
+
+    fn note(&mut self, (from, until): (f64, f64), distance: f64, proof: Proof) {
+        if let Some(trail) = &mut self.trail {
+            trail.push(Certificate {
+                from,
+                until,
+                distance,
+                proof,
+            });
+        }
+    }
+
+    fn is_met(&self, seen: &Measure) -> bool {
+        if self.distance > 0.0 {
+            seen.upper <= self.distance
+        } else {
+            matches!(seen.class, Class::Touching | Class::Overlapping)
+        }
+    }
+
+    /// The answer of an interval without length, for a pair that is not seen to meet.
+    fn at_once(&mut self, time: f64, seen: Measure, noise: f64, relative: &RelativePose) -> Impact {
+        if seen.class == Class::Separated && seen.lower - noise > self.distance {
+            self.note((time, time), self.distance, Proof::Own);
+            return Impact::Miss;
+        }
+        self.proofs += 1;
+        if self.pair.meets(relative, self.distance, &seen) {
+            return Impact::Start { seen };
+        }
+        Impact::Near {
+            safe: time,
+            distance: seen.upper,
+        }
+    }
+
+    /// One look: a hit if the pair is near enough for a proof, else a step as far as a plane
+    /// proves.
+    fn step(
+        &mut self,
+        time: f64,
+        seen: &Measure,
+        mut flight: Flight,
+        noise: f64,
+        budget: &mut LookBudget,
+    ) -> Result<Next, PoseError> {
+        let gap = seen.upper - self.distance;
+        let least = LEAST * noise;
+        let whole = self.allowed(seen, &flight).max(least);
+        if gap > whole {
+            budget.shrunk = 1.0;
+        }
+        loop {
+            let allowed = (whole * budget.shrunk).max(least);
+            if gap <= allowed {
+                let last = !(allowed > least);
+                if let Some(hit) = self.hit(time, seen, &flight, gap + AIM * allowed, last)? {
+                    let seen = *seen;
+                    return Ok(Next::Found(Impact::Hit { safe: time, hit, seen }));
+                }
+                if !last {
+                    if !budget.again() {
+                        break;
+                    }
+                    continue;
+                }
+            }
+            let aim = if gap <= allowed { 0.0 } else { AIM * allowed };
+            flight.keep = self.distance + aim;
+            let free = self.pair.free_for(seen, &flight);
+            if free.span >= flight.span {
+                self.note((time, self.until), flight.keep, free.proof);
+                return Ok(Next::Found(Impact::Miss));
+            }
+            let next = later(time, free.span).min(self.until);
+            if next > time {
+                self.note((time, next), flight.keep, free.proof);
+                return Ok(Next::Go(next));
+            }
+            if !(allowed > least) {
+                let distance = seen.upper;
+                return Ok(Next::Found(Impact::Near { safe: time, distance }));
+            }
+            if !budget.again() {
+                break;
+            }
+        }
+        Ok(Next::Found(Impact::Unknown { safe: time }))
+    }
+
+    /// The tolerance as a length.
+    fn allowed(&self, seen: &Measure, flight: &Flight) -> f64 {
+        match self.tolerance {
+            Tolerance::Distance(length) => length,
+            // The displacement of the witnesses towards each other in half that time, at the pace
+            // of the displacement left.
+            Tolerance::Time(width) => {
+                let gap = seen.upper - self.distance;
+                flight
+                    .forecast(&*self.pair, seen, gap)
+                    .map_or(0.0, |time| if time > 0.0 { 0.5 * width * gap / time } else { 0.0 })
+            }
+        }
+    }
+
+    /// A time at which the pair is proven to meet, `way` nearer than now.
+    fn hit(
+        &mut self,
+        time: f64,
+        seen: &Measure,
+        flight: &Flight,
+        way: f64,
+        last: bool,
+    ) -> Result<Option<f64>, PoseError> {
+        let Some(mut ahead) = flight.forecast(&*self.pair, seen, way) else {
+            return Ok(None);
+        };
+        for _ in 0..if last { DOUBLINGS } else { 1 } {
+            let at = (time + ahead).next_up().min(self.until);
+            if at <= time {
+                return Ok(None);
+            }
+            self.proofs += 1;
+            let relative = RelativePose::new(&self.motion_a.pose(at), &self.motion_b.pose(at))?;
+            if self.pair.meets(&relative, self.distance, seen) {
+                return Ok(Some(at));
+            }
+            if at == self.until {
+                return Ok(None);
+            }
+            ahead *= 2.0;
+        }
+        Ok(None)
+    }
+}
+
+/// Both motions from a time on, to the end of an interval.
+pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
+    motion_a: &A,
+    motion_b: &B,
+    time: f64,
+    until: f64,
+    keep: f64,
+) -> Result<(RelativePose, Flight), PoseError> {
+    let (pose_a, pose_b): (Isometry3<f64>, Isometry3<f64>) = (motion_a.pose(time), motion_b.pose(time));
+    let relative = RelativePose::new(&pose_a, &pose_b)?;
+    // Rounded up, so that a proof for the span is a proof to the end.
+    let span = if until > time { (until - time).next_up() } else { 0.0 };
+    let flight = Flight {
+        pose_a,
+        pose_b,
+        course_a: motion_a.course(time, span),
+        course_b: motion_b.course(time, span),
+        span,
+        keep,
+    };
+    Ok((relative, flight))
+}
+
+/// The time after a span, never beyond it.
+pub(super) fn later(time: f64, span: f64) -> f64 {
+    if span > 0.0 {
+        (time + span * (1.0 - ROOT)).next_down()
+    } else {
+        time
+    }
+}

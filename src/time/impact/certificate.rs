@@ -1,0 +1,167 @@
+//! One look as a certificate that the caller can check.
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+
+use super::cast::{flight, later};
+use super::{ImpactError, check};
+use crate::base::motion::Motion;
+use crate::base::pose::Operand;
+use crate::pair::outcome::Class;
+use crate::time::separation::{Proof, Separation};
+
+/// A proof that two shapes stay apart from one time until another.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Certificate {
+    /// The begin of the interval proven.
+    pub from: f64,
+    /// The end of the interval proven: `from` if nothing is proven.
+    pub until: f64,
+    /// Lower bound of the distance of the shapes from `from` until `until`.
+    pub distance: f64,
+    /// The proof.
+    pub proof: Proof,
+}
+
+impl Certificate {
+    /// Returns the normal of the plane at a time, in the world, from A to B; `None` if no plane
+    /// proves the certificate.
+    ///
+    /// Along the normal all points of A are below all points of B by more than
+    /// [`distance`](Self::distance), from `from` until `until`: a test of every vertex checks the
+    /// certificate.
+    #[must_use]
+    pub fn normal(&self, time: f64) -> Option<Vector3<f64>> {
+        let Proof::Plane { normal, spin } = self.proof else {
+            return None;
+        };
+        Some(UnitQuaternion::from_scaled_axis(spin * (time - self.from)) * normal)
+    }
+
+    /// Returns the gap of the shapes along the plane at a time, by the support points of the pair;
+    /// `None` if no plane proves the certificate.
+    pub fn gap<S, A, B>(&self, pair: &mut S, motion_a: &A, motion_b: &B, time: f64) -> Option<f64>
+    where
+        S: Separation + ?Sized,
+        A: Motion + ?Sized,
+        B: Motion + ?Sized,
+    {
+        let normal = self.normal(time)?;
+        let (pose_a, pose_b) = (motion_a.pose(time), motion_b.pose(time));
+        let mut height = |of: Operand, pose: &Isometry3<f64>, n: &Vector3<f64>| {
+            let (centre, _) = pair.ball(of);
+            n.dot(&(pose.rotation * centre.coords)) + pair.support(of, &(pose.rotation.conjugate() * n)).height
+        };
+        let (high_a, high_b) = (
+            height(Operand::A, &pose_a, &normal),
+            height(Operand::B, &pose_b, &-normal),
+        );
+        let offset = pose_b.translation.vector - pose_a.translation.vector;
+        Some(normal.dot(&offset) - high_a - high_b)
+    }
+}
+
+/// Returns the time for which two shapes are proven to stay more than `distance` apart, by one
+/// look.
+///
+/// The certificate ends at its begin if the shapes are not more than `distance` apart there, or if
+/// a motion returns a course that is not finite.
+///
+/// # Errors
+/// If the interval ends before its begin, the distance is negative or not finite, or a motion
+/// leaves the range of poses.
+pub fn free_until<S, A, B>(
+    pair: &mut S,
+    motion_a: &A,
+    motion_b: &B,
+    interval: (f64, f64),
+    distance: f64,
+) -> Result<Certificate, ImpactError>
+where
+    S: Separation + ?Sized,
+    A: Motion + ?Sized,
+    B: Motion + ?Sized,
+{
+    check(interval)?;
+    if !(0.0..f64::INFINITY).contains(&distance) {
+        let what = "distance";
+        return Err(ImpactError::Size { what, value: distance });
+    }
+    let (from, end) = interval;
+    let (relative, flight) = flight(motion_a, motion_b, from, end, distance)?;
+    let certificate = |span: f64, proof: Proof| Certificate {
+        from,
+        until: if span >= flight.span {
+            end
+        } else {
+            later(from, span).clamp(from, end)
+        },
+        distance,
+        proof,
+    };
+    let nothing = Certificate {
+        until: from,
+        ..certificate(0.0, Proof::Own)
+    };
+    if !flight.is_known() {
+        return Ok(nothing);
+    }
+    let apart = flight.apart(pair);
+    if apart.span > 0.0 && apart.span >= flight.span {
+        return Ok(certificate(apart.span, Proof::Balls));
+    }
+    let seen = pair.measure(&relative);
+    if seen.class != Class::Separated || !(seen.lower > distance) {
+        return Ok(nothing);
+    }
+    let free = pair.free_for(&seen, &flight);
+    Ok(if apart.span > free.span {
+        certificate(apart.span, Proof::Balls)
+    } else {
+        certificate(free.span, free.proof)
+    })
+}
+
+/// Returns the instant until which shapes that overlap at least `depth` deep at the begin of the
+/// interval are proven to overlap: the begin if nothing is proven, as of a motion that returns a
+/// course that is not finite.
+///
+/// A motion that moves no point of A, seen from B, by more than `m` changes the depth by at most
+/// `m`.
+///
+/// # Errors
+/// If the interval ends before its begin, the depth is negative or not finite, or a motion leaves
+/// the range of poses.
+pub fn held_until<S, A, B>(
+    pair: &S,
+    motion_a: &A,
+    motion_b: &B,
+    interval: (f64, f64),
+    depth: f64,
+) -> Result<f64, ImpactError>
+where
+    S: Separation + ?Sized,
+    A: Motion + ?Sized,
+    B: Motion + ?Sized,
+{
+    check(interval)?;
+    if !(0.0..f64::INFINITY).contains(&depth) {
+        return Err(ImpactError::Size {
+            what: "depth",
+            value: depth,
+        });
+    }
+    let (from, end) = interval;
+    let (_, flight) = flight(motion_a, motion_b, from, end, 0.0)?;
+    let span = if flight.is_known() {
+        flight.held(pair, depth)
+    } else {
+        0.0
+    };
+    Ok(if span > 0.0 && span >= flight.span {
+        end
+    } else {
+        later(from, span).clamp(from, end)
+    })
+}

@@ -1,0 +1,5 @@
+//! Pairs over time: how long a pair stays apart, times of impact, and when a pair is due.
+
+pub mod impact;
+pub mod schedule;
+pub mod separation;

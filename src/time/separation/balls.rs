@@ -1,0 +1,168 @@
+//! Balls about the pivots, which contain the shapes at every turn.
+
+use nalgebra::{Isometry3, Vector3};
+
+use super::straight::cut;
+use super::{Flight, Separation};
+use crate::base::motion::{Course, Drift, length};
+use crate::base::num::scalar::{magnitude, sqrt};
+use crate::base::pose::Operand;
+use crate::base::tolerance::{BALLS, PLANE, ROOT};
+use crate::base::tuning::separation::ROUNDS;
+
+/// The time for which balls stay apart on a flight.
+pub(crate) struct Apart {
+    /// Time for which the balls are apart; infinite if for ever.
+    pub(crate) span: f64,
+    /// The radii about the pivots, and their sum.
+    pub(crate) radii: [f64; 2],
+    pub(crate) reach: f64,
+    /// The distance of the balls.
+    pub(crate) gap: f64,
+    /// Upper bound of the effect of rounding and of the constant drift of both motions on a
+    /// distance.
+    pub(crate) noise: f64,
+}
+
+/// The radius about the pivot, and the pivot in the world less the pose's translation.
+fn about<S: Separation + ?Sized>(pair: &S, of: Operand, pose: &Isometry3<f64>, course: &Course) -> (f64, Vector3<f64>) {
+    let (centre, radius) = pair.ball(of);
+    let arm = centre - course.pivot;
+    let radius = radius
+        + if arm == Vector3::zeros() {
+            0.0
+        } else {
+            length(&arm) * (1.0 + PLANE)
+        };
+    let lever = if course.pivot.coords == Vector3::zeros() {
+        Vector3::zeros()
+    } else {
+        pose.rotation * course.pivot.coords
+    };
+    (radius, lever)
+}
+
+pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart {
+    let (timed, tick) = flight.on_own_clock();
+    let (a, b, span) = (&timed.course_a, &timed.course_b, timed.span);
+    let (radius_a, lever_a) = about(pair, Operand::A, &flight.pose_a, a);
+    let (radius_b, lever_b) = about(pair, Operand::B, &flight.pose_b, b);
+    let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
+    let (between, velocity) = (offset + (lever_b - lever_a), b.linear - a.linear);
+    let drift = a.drift(radius_a) + b.drift(radius_b);
+    let reach = radius_a + radius_b;
+    let size = reach + length(&offset) + 2.0 * (length(&a.pivot.coords) + length(&b.pivot.coords));
+    let noise = PLANE * size + drift.0[0] + f64::MIN_POSITIVE;
+    let bent = 0.5 * length(&(b.acceleration - a.acceleration)) * span * span;
+    let radius = reach + flight.keep + PLANE * size + drift.at(span) + bent + f64::MIN_POSITIVE;
+    Apart {
+        span: until_as_near(&between, &velocity, radius) * tick,
+        radii: [radius_a, radius_b],
+        reach,
+        gap: length(&between) - radius,
+        noise,
+    }
+}
+
+/// Returns the time before which a point at an even velocity is farther than `radius` from the
+/// origin; infinite if for ever.
+fn until_as_near(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> f64 {
+    // Products are of degree four, so lengths and velocities are scaled to about one.
+    let (unit, pace) = (magnitude(from.amax().max(radius)), magnitude(velocity.amax()));
+    let (from, velocity, radius) = (from / unit, velocity / pace, radius / unit);
+    // Both sides a little to the worse: more than what rounding takes of any term.
+    let square = from.norm_squared();
+    let above = square - (radius * radius + BALLS * (square + radius * radius));
+    let approach = -from.dot(&velocity);
+    let speed = velocity.norm_squared();
+    let root = approach * approach - speed * above;
+    if !(above > 0.0) {
+        0.0
+    } else if approach <= 0.0 || root < 0.0 {
+        f64::INFINITY
+    } else {
+        above / (approach + sqrt(root)) * (1.0 - ROOT) * unit / pace
+    }
+}
+
+/// Returns the time in which no point of A, seen from B, moves by as much as `way`.
+pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &Flight, way: f64) -> f64 {
+    let (timed, tick) = flight.on_own_clock();
+    let (a, b) = (&timed.course_a, &timed.course_b);
+    let (radius_a, _) = about(pair, Operand::A, &flight.pose_a, a);
+    let (radius_b, _) = about(pair, Operand::B, &flight.pose_b, b);
+    let Drift([d0, d1, d2, d3]) = a.drift(radius_a) + b.drift(radius_b);
+    let push = length(&(b.acceleration - a.acceleration));
+    let pace = length(&(b.linear - a.linear)) + radius_a * length(&a.angular) + radius_b * length(&b.angular);
+    let way = way * (1.0 - PLANE) - d0 - f64::MIN_POSITIVE;
+    until_as_far(&Drift([0.0, pace + d1, push + d2, d3]), way, timed.span) * tick
+}
+
+/// Returns a time up to which a displacement that grows from zero is less than `way`: at most
+/// `span`.
+fn until_as_far(growth: &Drift, way: f64, span: f64) -> f64 {
+    // Comparisons are written so that NaN ends at zero.
+    if !(way > 0.0) {
+        return 0.0;
+    }
+    if growth.at(span) < way {
+        return span;
+    }
+    // The first and the second term reach the way by themselves no earlier, and the cubic term is
+    // at most the way after some cuts: all three are at most three ways.
+    let [_, first, second, _] = growth.0;
+    let mut late = span.min(way / first).min(sqrt(2.0 * way / second));
+    // Cuts by a quarter do not end at zero.
+    while growth.at(late) > 3.0 * way && late > f64::MIN_POSITIVE {
+        late *= cut(growth.at(late) / (3.0 * way));
+    }
+    // The displacement is convex, so below its chords: a chord reaches the way first.
+    let most = growth.at(late);
+    let mut early = 0.0;
+    for _ in 0..ROUNDS {
+        let gone = growth.at(early);
+        let next = early + (late - early) * ((way - gone) / (most - gone));
+        if !(next > early) {
+            break;
+        }
+        early = next.min(late);
+    }
+    early * (1.0 - ROOT)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::rng::Rng;
+
+    /// Against the displacement itself, over growths of every degree and size.
+    #[test]
+    fn nothing_is_held_too_long_or_given_up_too_early() {
+        let mut rng = Rng::new(17);
+        for case in 0..4000 {
+            let term = |rng: &mut Rng, k: u32| {
+                if case >> k & 1 == 1 {
+                    rng.log_range(1e-60, 1e60)
+                } else {
+                    0.0
+                }
+            };
+            let growth = Drift([0.0, term(&mut rng, 0), term(&mut rng, 1), term(&mut rng, 2)]);
+            let (way, span) = (rng.log_range(1e-30, 1e30), rng.log_range(1e-3, 1e3));
+            let until = until_as_far(&growth, way, span);
+            assert!(
+                growth.at(until) <= way * (1.0 + 1e-14) && until <= span,
+                "{growth:?} {way} {until}"
+            );
+            assert!(
+                until == span || growth.at(1.2 * until) > way,
+                "{growth:?} {way} {until} {span}"
+            );
+        }
+        for bad in [f64::NAN, f64::INFINITY] {
+            assert_eq!(until_as_far(&Drift([0.0, bad, 1.0, 1.0]), 1.0, 1.0), 0.0);
+            assert_eq!(until_as_far(&Drift([0.0, 1.0, 1.0, bad]), 1.0, 1.0), 0.0);
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! The first root of a cubic, bounded from below by the hull of its Bernstein coefficients.
+//!
+//! A polynomial on [0, 1] lies in the convex hull of the points (k / 3, coefficient k) (Farouki
+//! 2012, "The Bernstein polynomial basis: a centennial retrospective", section 3). So it has no
+//! root before the hull of these points reaches zero.
+
+use crate::base::tolerance::{BERNSTEIN, ROOT};
+use crate::base::tuning::separation::ROUNDS;
+
+/// Returns a number in 0..=1 such that the cubic is positive before it, rounding included; 1 if the
+/// whole of the cubic is.
+#[inline]
+pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
+    let largest = coefficients.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    let mut c = coefficients.map(|c| c - BERNSTEIN * largest);
+    // Written so that NaN ends at zero, of any of the coefficients.
+    if !(coefficients.iter().all(|c| c.is_finite()) && c[0] > 0.0) {
+        return 0.0;
+    }
+    let mut from = 0.0;
+    for _ in 0..ROUNDS {
+        let x = hull_until(&c);
+        if x >= 1.0 {
+            return 1.0;
+        }
+        from += (1.0 - from) * x;
+        c = rest(&c, x);
+        if !(c[0] > 0.0) || x < 1.0 / 4096.0 {
+            break;
+        }
+    }
+    from * (1.0 - ROOT)
+}
+
+/// Returns the place at which the hull of the points reaches zero: the least crossing over all
+/// pairs, not only over the pairs with the first point.
+#[inline]
+fn hull_until(c: &[f64; 4]) -> f64 {
+    let mut least: f64 = 1.0;
+    for j in 1..4 {
+        if c[j] >= 0.0 {
+            continue;
+        }
+        for i in 0..j {
+            if c[i] >= 0.0 {
+                let x = (i as f64 + (j - i) as f64 * (c[i] / (c[i] - c[j]))) * (1.0 / 3.0);
+                least = least.min(x * (1.0 - ROOT));
+            }
+        }
+    }
+    least
+}
+
+/// The coefficients over [x, 1] (de Casteljau).
+#[inline]
+pub(crate) fn rest(c: &[f64; 4], x: f64) -> [f64; 4] {
+    let y = 1.0 - x;
+    let (p, q, r) = (y * c[0] + x * c[1], y * c[1] + x * c[2], y * c[2] + x * c[3]);
+    let (s, t) = (y * p + x * q, y * q + x * r);
+    [y * s + x * t, t, r, c[3]]
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::rng::Rng;
+
+    fn value(c: &[f64; 4], x: f64) -> f64 {
+        rest(c, x)[0]
+    }
+
+    /// Against a dense search for the first sign change, on cubics whose middle coefficients dip
+    /// below the ends.
+    #[test]
+    fn no_root_comes_before_the_bound() {
+        let mut rng = Rng::new(7);
+        let (mut whole, mut tight, mut dips) = (0, 0, 0);
+        for _ in 0..20_000 {
+            let c = [
+                rng.log_range(1e-9, 1.0),
+                rng.range(-1.0, 1.0),
+                rng.range(-1.0, 1.0),
+                rng.range(-1.0, 1.0),
+            ];
+            let bound = positive_until(c);
+            let root = (0..=1000).map(|k| f64::from(k) / 1000.0).find(|&x| value(&c, x) <= 0.0);
+            let root = root.unwrap_or(1.0);
+            assert!(bound <= root, "{c:?}: {bound} exceeds {root}");
+            whole += u32::from(bound == 1.0);
+            tight += u32::from(root < 1.0 && root - bound < 0.01);
+            dips += u32::from(root < 1.0 && c[3] > 0.0);
+        }
+        assert!(whole > 3000 && tight > 5000 && dips > 300, "{whole} {tight} {dips}");
+    }
+
+    /// The crossing of the second and the last point comes before those of the first point here.
+    #[test]
+    fn the_hull_is_that_of_all_pairs() {
+        let c = [1.0, 0.01, 0.6, -1.0];
+        assert!(hull_until(&c) < 0.35, "{}", hull_until(&c));
+        for k in 0..4 {
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut c = [1.0; 4];
+                c[k] = bad;
+                assert_eq!(positive_until(c), 0.0, "{c:?}");
+            }
+        }
+        assert_eq!(positive_until([0.0, 1.0, 1.0, 1.0]), 0.0);
+    }
+}

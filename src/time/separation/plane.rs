@@ -1,0 +1,438 @@
+//! One look ahead: a separating plane that turns with the closest features, bounded over all points
+//! of both shapes at once.
+//!
+//! # Scheme
+//!
+//! At an instant, n points from A to B, `dc`, `dv`, `da` lead from A's pivot to B's, and the shapes
+//! turn at `wA`, `wB`. Let the normal turn at any rate chosen, `n(s) = exp(eta s) n`. With `h_X(m)`
+//! the greatest `m . x` over the points x of X about its pivot, in axes that turn with X, the gap
+//! along the normal is
+//!
+//! `g(s) = n(s) . (dc + dv s + da s^2 / 2) - h_A(mA(s)) - h_B(-mB(s))`,
+//!
+//! `m_X(s) = exp(-w_X s) exp(eta s) n`,
+//!
+//! and `g > 0` on an interval proves the shapes apart there, whatever eta is. Taylor's theorem with
+//! `m' = (eta - w) x n`, `m'' = eta x (eta x n) - 2 w x (eta x n) + w x (w x n)` and
+//! a bound M of `|m'''|` on the interval [0, s1] put m within `M s^3 / 6` of a parabola, and a
+//! parabola is a Bezier curve: with `D0 = n`, `D1 = n + s1 m' / 2`, `D2 = n + s1 m' + s1^2 m'' / 2`
+//! and x = s / s1,
+//!
+//! `h(m(s)) <= (1 - x)^2 h(D0) + 2 x (1 - x) h(D1) + x^2 h(D2) + r M s^3 / 6`,
+//!
+//! since h is sublinear and at most r times its argument's length. Three support points a shape
+//! bound all points at all times. The first term f, `n(s) . (dc + dv s + da s^2 / 2)`, is treated
+//! likewise. So g is at least the cubic of four Bernstein coefficients, less the drifts of both
+//! motions, and its first root bounds the time.
+//!
+//! # Third derivatives
+//!
+//! Let E, W and D be the cross products with eta, w and `eta - w`, and `e = |eta x n|`. As
+//! `n' = E n(s)`, derivatives of m are `exp(-w s) P n(s)` with `P = D`, then `-W D + D E`, then
+//! `W^2 D - 2 W D E + D E^2`. E commutes with the rotation about eta, so `|E n(s)| = e` and
+//! `|E^2 n(s)| = |eta| e` at every s, and n(s) is within `e s` of n. Hence
+//!
+//! `|D n(s)| <= min(|eta - w|, |(eta - w) x n| + |eta - w| e s1)`,
+//!
+//! `M = |w|^2 |D n(s)| + |eta - w| e (2 |w| + |eta|)`,
+//!
+//! `|f'''| <= e (|eta|^2 |dc + dv s + da s^2 / 2| + 3 |eta| |dv + da s| + 3 |da|)`.
+//!
+//! Both vanish where n is the axis of all turns, as of a plate that spins over a parallel one; e is
+//! at most `|eta|`, so M is never more than `|eta - w| (|eta| + |w|)^2`.
+//!
+//! # Which way the plane turns
+//!
+//! The distance is the greatest gap over all n: a plane that turns as the closest direction does
+//! touches it to first order, and a step to its root converges quadratically. A face carries its
+//! normal along (eta = w); two edges keep theirs perpendicular to both.
+//!
+//! Sources: a plane attached to features is Gregorius 2013 (continuous collision, GDC) and Box2D's
+//! time of impact (Catto), there without a bound between the ends. Departures: 1. the bound over
+//! the interval; 2. the plane of two edges turns with both;
+//! 3. far from contact a plane that does not turn is tried, too; 4. rounding and the drift of
+//!    motions are part of the bound.
+
+use nalgebra::{Isometry3, Matrix3, Vector3};
+
+use super::bernstein::positive_until;
+use super::straight::{cut, one_norm, straight_until, time_to, turns_neither};
+use super::{Flight, Free, Measure, Proof, Separation, Tangent};
+use crate::base::motion::{Course, Drift, length};
+use crate::base::num::scalar::greater;
+use crate::base::pose::{Operand, rotation_matrix};
+use crate::base::tolerance::{PLANE, TILT};
+use crate::base::tuning::separation::{AHEAD, ENOUGH, FAR, TRIES};
+
+/// Returns the time for which a turning plane proves the shapes more than `flight.keep` apart.
+pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
+    let (timed, tick) = flight.on_own_clock();
+    let free = free_on_own_clock(pair, seen, &timed);
+    let proof = match free.proof {
+        Proof::Plane { normal, spin } => Proof::Plane {
+            normal,
+            spin: spin / tick,
+        },
+        other => other,
+    };
+    Free {
+        span: free.span * tick,
+        proof,
+    }
+}
+
+fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
+    let still = Vector3::zeros();
+    if seen.by_plane && turns_neither(flight) {
+        let normal = flight.pose_a.rotation * seen.normal.into_inner();
+        return Free {
+            span: straight_until(pair, flight, &normal, seen.lower),
+            proof: Proof::Plane { normal, spin: still },
+        };
+    }
+    let setting = PlaneSetting::new(pair, flight);
+    let normal = setting.a.rotation * seen.normal.into_inner();
+    let at = (setting.a.height(pair, &normal), setting.b.height(pair, &-normal));
+    let spin = setting.spin(&normal, &seen.tangent);
+    let (mut plane, mut chosen) = (setting.plane(&normal, &spin, &at), spin);
+    if spin != still && seen.lower - flight.keep > FAR * (setting.a.reach + setting.b.reach) {
+        let other = setting.plane(&normal, &still, &at);
+        if other.ahead > plane.ahead {
+            (plane, chosen) = (other, still);
+        }
+    }
+    Free {
+        span: plane.reach(pair),
+        proof: Proof::Plane { normal, spin: chosen },
+    }
+}
+
+/// Returns the time in which the witnesses come nearer by `way`, to second order; `None` if never.
+pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight: &Flight, way: f64) -> Option<f64> {
+    let (timed, tick) = flight.on_own_clock();
+    let flight = &timed;
+    let ahead = |slope: f64, bend: f64| Some(time_to(way, slope, bend) * tick).filter(|t| *t < f64::INFINITY);
+    if turns_neither(flight) {
+        let normal = flight.pose_a.rotation * seen.normal.into_inner();
+        return ahead(normal.dot(&flight.velocity()), normal.dot(&flight.acceleration()));
+    }
+    let set = PlaneSetting::new(pair, flight);
+    let normal = set.a.rotation * seen.normal.into_inner();
+    let spin = set.spin(&normal, &seen.tangent);
+    let (turn_a, turn_b) = (set.a.turn(&normal, &spin), set.b.turn(&normal, &spin));
+    let on_a = set.a.rotation * (seen.point_on_a - flight.course_a.pivot);
+    let on_b = set.b.rotation * (seen.point_on_b - flight.course_b.pivot);
+    let [_, f1, f2] = set.way(&normal, &spin);
+    let slope = f1 - turn_a.first.dot(&on_a) + turn_b.first.dot(&on_b);
+    let bend = f2 - turn_a.second.dot(&on_a) + turn_b.second.dot(&on_b);
+    ahead(slope, bend)
+}
+
+/// One shape at the instant.
+struct PlaneSide {
+    which: Operand,
+    /// From the shape's axes to the world's.
+    rotation: Matrix3<f64>,
+    /// From the pivot to the centre of the ball, in the shape's axes.
+    arm: Vector3<f64>,
+    /// No point of the shape is farther from the pivot.
+    reach: f64,
+    angular: Vector3<f64>,
+    rate: f64,
+}
+
+/// Heights of both shapes along the normal, and their points.
+type Heights = ((f64, Vector3<f64>), (f64, Vector3<f64>));
+
+/// Turn of the direction as seen from a shape: the first and the second derivative, and what bounds
+/// the third.
+struct Turn {
+    /// Whether the direction does not turn at all.
+    rests: bool,
+    first: Vector3<f64>,
+    second: Vector3<f64>,
+    /// The rate at which the direction turns less that of the shape.
+    off: f64,
+    /// Upper bound of the length of the first derivative.
+    pace: f64,
+}
+
+impl PlaneSide {
+    fn new<S: Separation + ?Sized>(pair: &S, which: Operand, pose: &Isometry3<f64>, course: &Course) -> Self {
+        let (centre, radius) = pair.ball(which);
+        let q = pose.rotation.coords;
+        let arm = centre - course.pivot;
+        Self {
+            which,
+            rotation: rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared()),
+            arm,
+            reach: radius + one_norm(&arm),
+            angular: course.angular,
+            rate: length(&course.angular),
+        }
+    }
+
+    /// Returns the height about the pivot along a direction of the world, and the support point.
+    fn height<S: Separation + ?Sized>(&self, pair: &mut S, direction: &Vector3<f64>) -> (f64, Vector3<f64>) {
+        let own = self.rotation.tr_mul(direction);
+        let support = pair.support(self.which, &own);
+        (
+            support.height + own.dot(&self.arm),
+            self.rotation * (support.point + self.arm),
+        )
+    }
+
+    fn turn(&self, n: &Vector3<f64>, spin: &Vector3<f64>) -> Turn {
+        let w = &self.angular;
+        if w == spin {
+            return Turn {
+                rests: true,
+                first: Vector3::zeros(),
+                second: Vector3::zeros(),
+                off: 0.0,
+                pace: 0.0,
+            };
+        }
+        let (with_spin, first) = (spin.cross(n), (spin - w).cross(n));
+        Turn {
+            rests: false,
+            first,
+            second: spin.cross(&with_spin) - w.cross(&with_spin) * 2.0 + w.cross(&w.cross(n)),
+            off: length(&(spin - w)),
+            pace: tilt(&first, &(spin - w)),
+        }
+    }
+
+    /// Bound of the third derivative of a direction, times the cube of an interval, for the angle
+    /// by which the direction turns and the length of the way of its tip.
+    fn remainder(&self, turn: &Turn, interval: f64, [angle, tilt]: [f64; 2]) -> f64 {
+        let [rate, off, pace] = [self.rate, turn.off, turn.pace].map(|x| x * interval);
+        rate * rate * off.min(pace + off * tilt) + off * tilt * (2.0 * rate + angle)
+    }
+}
+
+/// Both shapes at the instant.
+struct PlaneSetting<'a> {
+    flight: &'a Flight,
+    a: PlaneSide,
+    b: PlaneSide,
+    /// From A's pivot to B's.
+    between: Vector3<f64>,
+    velocity: Vector3<f64>,
+    acceleration: Vector3<f64>,
+    drift: Drift,
+    /// Lengths to which rounding is relative, without the displacements of the pivots.
+    size: f64,
+}
+
+impl<'a> PlaneSetting<'a> {
+    fn new<S: Separation + ?Sized>(pair: &S, flight: &'a Flight) -> Self {
+        let (course_a, course_b) = (&flight.course_a, &flight.course_b);
+        let a = PlaneSide::new(pair, Operand::A, &flight.pose_a, course_a);
+        let b = PlaneSide::new(pair, Operand::B, &flight.pose_b, course_b);
+        let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
+        let (pivot_a, pivot_b) = (course_a.pivot.coords, course_b.pivot.coords);
+        let between = offset + (b.rotation * pivot_b - a.rotation * pivot_a);
+        Self {
+            between,
+            velocity: flight.velocity(),
+            acceleration: flight.acceleration(),
+            drift: course_a.drift(a.reach) + course_b.drift(b.reach),
+            size: flight.size(a.reach + b.reach),
+            flight,
+            a,
+            b,
+        }
+    }
+
+    /// Returns the rate at which the plane turns with the features.
+    fn spin(&self, n: &Vector3<f64>, tangent: &Tangent) -> Vector3<f64> {
+        match tangent {
+            Tangent::Free => Vector3::zeros(),
+            Tangent::WithA => self.a.angular,
+            Tangent::WithB => self.b.angular,
+            Tangent::Edges(a, b) => {
+                let (ea, eb) = (self.a.rotation * a, self.b.rotation * b);
+                let (wa, wb) = (&self.a.angular, &self.b.angular);
+                let (across_a, across_b) = (ea.cross(n), eb.cross(n));
+                let turned = across_b * (wa.cross(n).dot(&ea) / ea.dot(&across_b))
+                    + across_a * (wb.cross(n).dot(&eb) / eb.dot(&across_a));
+                let spin = n.cross(&turned) + n * (0.5 * n.dot(&(wa + wb)));
+                // Nearly parallel edges; NaN for parallel ones.
+                if spin.norm() <= 4.0 * (self.a.rate + self.b.rate) {
+                    spin
+                } else {
+                    Vector3::zeros()
+                }
+            }
+        }
+    }
+
+    /// Returns the plane that turns at a rate, and the interval of the first try.
+    fn plane<'b>(&'b self, n: &'b Vector3<f64>, spin: &Vector3<f64>, at: &'b Heights) -> PlaneBetween<'b> {
+        let spin_rate = length(spin);
+        let mut plane = PlaneBetween {
+            setting: self,
+            n,
+            turn_a: self.a.turn(n, spin),
+            turn_b: self.b.turn(n, spin),
+            spin_rate,
+            tilt: tilt(&spin.cross(n), spin),
+            rate: spin_rate + self.a.rate.max(self.b.rate),
+            way: self.way(n, spin),
+            at_a: &at.0,
+            at_b: &at.1,
+            gap: 0.0,
+            ahead: 0.0,
+        };
+        plane.gap = plane.way[0] - at.0.0 - at.1.0 - plane.taken(0.0);
+        if plane.gap > 0.0 {
+            plane.ahead = plane.shortened(self.flight.span.min(AHEAD * plane.expected()));
+        }
+        plane
+    }
+
+    /// `n(s) . (dc + dv s + da s^2 / 2)` and its first two derivatives.
+    fn way(&self, n: &Vector3<f64>, spin: &Vector3<f64>) -> [f64; 3] {
+        let (turned, bent) = (spin.cross(n), spin.cross(&spin.cross(n)));
+        [
+            n.dot(&self.between),
+            turned.dot(&self.between) + n.dot(&self.velocity),
+            bent.dot(&self.between) + 2.0 * turned.dot(&self.velocity) + n.dot(&self.acceleration),
+        ]
+    }
+}
+
+/// A plane that turns, and the heights of both shapes at the instant.
+struct PlaneBetween<'a> {
+    setting: &'a PlaneSetting<'a>,
+    n: &'a Vector3<f64>,
+    turn_a: Turn,
+    turn_b: Turn,
+    spin_rate: f64,
+    /// Upper bound of the velocity of the tip of the normal.
+    tilt: f64,
+    /// No direction turns faster as either shape sees it.
+    rate: f64,
+    way: [f64; 3],
+    at_a: &'a (f64, Vector3<f64>),
+    at_b: &'a (f64, Vector3<f64>),
+    /// The gap at the instant, less the margin.
+    gap: f64,
+    /// The interval of the first try; zero if there is no gap.
+    ahead: f64,
+}
+
+impl PlaneBetween<'_> {
+    fn reach<S: Separation + ?Sized>(&self, pair: &mut S) -> f64 {
+        let (mut length, mut best) = (self.ahead, 0.0);
+        for _ in 0..TRIES {
+            if !(length > best) {
+                break;
+            }
+            let part = positive_until(self.coefficients(pair, length));
+            if part >= 1.0 {
+                return length;
+            }
+            let proven = part * length;
+            best = proven.max(best);
+            if part >= ENOUGH {
+                break;
+            }
+            length = self.shortened(2.0 * proven);
+        }
+        best
+    }
+
+    /// Returns the margin that rounding, the distance to keep and the constant part of the drifts
+    /// take off every coefficient of an interval.
+    fn taken(&self, length: f64) -> f64 {
+        let (set, q) = (self.setting, 1.0 + self.rate * length);
+        let ways = length * (one_norm(&set.velocity) + length * one_norm(&set.acceleration));
+        PLANE * q * q * (set.size + ways) + set.flight.keep + set.drift.0[0] + f64::MIN_POSITIVE
+    }
+
+    /// Returns the time at which the present support points would meet the plane from both sides,
+    /// the drifts against them; infinite if never.
+    fn expected(&self) -> f64 {
+        let (a, b) = (&self.at_a.1, &self.at_b.1);
+        let slope = self.way[1] - self.turn_a.first.dot(a) + self.turn_b.first.dot(b);
+        let bend = self.way[2] - self.turn_a.second.dot(a) + self.turn_b.second.dot(b);
+        let [_, d1, d2, _] = self.setting.drift.0;
+        time_to(self.gap, slope - d1, bend - d2)
+    }
+
+    /// Bound of the remainder of Taylor's theorem over an interval: of the third derivative of the
+    /// gap, times the cube of the interval, over six. All factors are angles and ways of the
+    /// interval, so no cube of a rate leaves f64.
+    fn remainder(&self, interval: f64) -> f64 {
+        let set = self.setting;
+        let [angle, tilt] = [self.spin_rate, self.tilt].map(|x| x * interval);
+        let push = length(&set.acceleration) * interval * interval;
+        let pace = length(&set.velocity) * interval + push;
+        let apart = length(&set.between) + pace;
+        let of_way = tilt * (angle * (angle * apart + 3.0 * pace) + 3.0 * push);
+        let of_a = set.a.reach * set.a.remainder(&self.turn_a, interval, [angle, tilt]);
+        let of_b = set.b.reach * set.b.remainder(&self.turn_b, interval, [angle, tilt]);
+        (of_way + of_a + of_b) * ((1.0 + PLANE) / 6.0)
+    }
+
+    /// Returns the interval, cut until the remainder is at most twice the gap, and until the margin
+    /// leaves half of the gap; zero for an interval without end.
+    fn shortened(&self, interval: f64) -> f64 {
+        let mut interval = if interval < f64::INFINITY { interval } else { 0.0 };
+        let (now, half) = (self.taken(0.0), 0.5 * self.gap);
+        loop {
+            let (rest, margin) = (self.remainder(interval), self.taken(interval));
+            if !(rest > 2.0 * self.gap || margin > now + half) {
+                return interval;
+            }
+            if !(interval > f64::MIN_POSITIVE) {
+                return 0.0;
+            }
+            interval *= cut(greater(rest / (2.0 * self.gap), (margin - now) / half));
+        }
+    }
+
+    /// Bernstein coefficients of a cubic that is nowhere above the gap over an interval.
+    fn coefficients<S: Separation + ?Sized>(&self, pair: &mut S, length: f64) -> [f64; 4] {
+        let (set, [f0, f1, f2]) = (self.setting, self.way);
+        let taken = self.taken(length);
+        let half = 0.5 * length;
+        let mut height = |side: &PlaneSide, turn: &Turn, at: f64, sign: f64| {
+            if turn.rests {
+                return [at, at];
+            }
+            let near = (self.n + turn.first * half) * sign;
+            let far = (self.n + (turn.first + turn.second * half) * length) * sign;
+            [side.height(pair, &near).0, side.height(pair, &far).0]
+        };
+        let a = height(&set.a, &self.turn_a, self.at_a.0, 1.0);
+        let b = height(&set.b, &self.turn_b, self.at_b.0, -1.0);
+        let b0 = f0 - self.at_a.0 - self.at_b.0 - taken;
+        let b1 = f0 + f1 * half - a[0] - b[0] - taken;
+        let b2 = f0 + (f1 + f2 * half) * length - a[1] - b[1] - taken;
+        let rest = self.remainder(length);
+        let (d1, d2, d3) = self.drifts(length);
+        [
+            b0,
+            (b0 + 2.0 * b1) * (1.0 / 3.0) - d1,
+            (2.0 * b1 + b2) * (1.0 / 3.0) - d2,
+            b2 - rest - d3,
+        ]
+    }
+
+    /// Bernstein coefficients of the drifts, without their constant part.
+    fn drifts(&self, length: f64) -> (f64, f64, f64) {
+        let [_, d1, d2, d3] = self.setting.drift.0;
+        let (linear, square) = (d1 * length, 0.5 * d2 * length * length);
+        let cube = d3 * length * length * length * (1.0 / 6.0);
+        let third = 1.0 / 3.0;
+        (linear * third, (2.0 * linear + square) * third, linear + square + cube)
+    }
+}
+
+/// Upper bound of the length of the cross product of a rate with a unit vector, from the product.
+fn tilt(product: &Vector3<f64>, rate: &Vector3<f64>) -> f64 {
+    length(product) + TILT * one_norm(rate)
+}

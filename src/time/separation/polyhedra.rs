@@ -1,0 +1,265 @@
+//! Two convex polyhedra and their tracker.
+
+use nalgebra::{Point3, Vector3};
+
+use super::{Measure, Separation, SupportPoint, Tangent};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tolerance::{HEIGHT, UNIT};
+use crate::base::tuning::separation::{FEW, FLUSH, RIM, SMALLER};
+use crate::body::polyhedron::support::Extreme;
+use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
+use crate::convex::minimum::overlap_proof::OverlapProof;
+use crate::convex::tracker::Tracker;
+use crate::pair::outcome::{Outcome, Until};
+
+/// Two convex polyhedra that can be measured over time.
+#[derive(Debug)]
+pub(crate) struct PolyhedronPair<'a> {
+    a: BoundedHull<'a>,
+    b: BoundedHull<'a>,
+    tracker: &'a mut Tracker,
+}
+
+/// A body, a ball about it, and the vertex of the last support.
+#[derive(Clone, Debug)]
+struct BoundedHull<'a> {
+    shape: &'a ConvexPolyhedron,
+    /// The centre of the ball in stored coordinates.
+    middle: Vector3<f64>,
+    centre: Point3<f64>,
+    radius: f64,
+    hint: VertexId,
+    /// The face of the last measure.
+    face: Option<FaceId>,
+}
+
+impl<'a> BoundedHull<'a> {
+    fn new(shape: &'a ConvexPolyhedron) -> Self {
+        let half = (shape.high - shape.low) * 0.5;
+        let diagonal = sqrt(half.norm_squared()) * (1.0 + 8.0 * UNIT);
+        // Of a body that is stored about an origin of its own, only that has no rounding.
+        let (middle, radius) = if shape.origin == Vector3::zeros() && diagonal < SMALLER * shape.radius {
+            (shape.low + half, diagonal + 2.0 * UNIT * shape.radius)
+        } else {
+            (Vector3::zeros(), shape.radius)
+        };
+        Self {
+            shape,
+            middle,
+            centre: Point3::from(middle * shape.unit() + shape.origin),
+            radius: radius * shape.unit(),
+            hint: VertexId(0),
+            face: None,
+        }
+    }
+
+    #[inline]
+    fn support(&mut self, direction: &Vector3<f64>) -> SupportPoint {
+        let highest = self.highest(direction);
+        self.hint = highest.vertex;
+        let length = one_norm(direction);
+        let height = over_middle(highest.value, direction, &self.middle) + HEIGHT * length * self.shape.radius;
+        let unit = self.shape.unit();
+        SupportPoint {
+            height: height * unit,
+            point: (self.shape.points[highest.vertex.index()] - self.middle) * unit,
+        }
+    }
+
+    /// The highest vertex in stored coordinates, and a height that no vertex exceeds but for
+    /// rounding.
+    #[inline]
+    fn highest(&self, direction: &Vector3<f64>) -> Extreme {
+        let points = &self.shape.points;
+        if points.len() <= FEW {
+            let first = Extreme {
+                vertex: VertexId(0),
+                value: f64::NEG_INFINITY,
+            };
+            return self.shape.vertices().zip(points).fold(first, |best, (vertex, p)| {
+                let value = direction.dot(p);
+                if value > best.value {
+                    Extreme { vertex, value }
+                } else {
+                    best
+                }
+            });
+        }
+        if let Some(face) = self.face {
+            let plane = &self.shape.planes[face.index()];
+            let off = one_norm(&(direction - plane.normal));
+            if off < FLUSH {
+                return Extreme {
+                    vertex: self.hint,
+                    value: plane.offset + off * self.shape.radius,
+                };
+            }
+        }
+        self.shape.support_certified(direction, self.hint)
+    }
+
+    /// Takes note of the feature that was measured, and a vertex of it.
+    fn note(&mut self, feature: Feature, vertex: VertexId) {
+        self.hint = vertex;
+        self.face = match feature {
+            Feature::Face(face) => Some(face),
+            _ => None,
+        };
+    }
+
+    fn edge(&self, edge: EdgeId) -> [VertexId; 2] {
+        let (t, h) = (&self.shape.topology, edge.half_edge());
+        [t.from(h), t.half_edge(h).to]
+    }
+
+    fn direction(&self, edge: EdgeId) -> Vector3<f64> {
+        let [from, to] = self.edge(edge).map(|v| self.shape.points[v.index()]);
+        to - from
+    }
+
+    /// Returns the triangle of a fan of a face whose least side is farthest from a point: the
+    /// triangle contains the point if the face does.
+    fn triangle(&self, face: FaceId, point: &Vector3<f64>) -> Option<[VertexId; 3]> {
+        let t = &self.shape.topology;
+        let normal = self.shape.planes[face.index()].normal;
+        let corner = |h: HalfEdgeId| self.shape.points[t.from(h).index()];
+        let side = |p: Vector3<f64>, q: Vector3<f64>| normal.dot(&(q - p).cross(&(point - p)));
+        let mut rim = t.rim(face);
+        let first = rim.next()?;
+        let mut before = rim.next()?;
+        let mut best = (f64::NEG_INFINITY, None);
+        for (k, h) in rim.enumerate() {
+            if k > RIM {
+                return None;
+            }
+            let [p, q, r] = [first, before, h].map(corner);
+            let least = side(p, q).min(side(q, r)).min(side(r, p));
+            if least > best.0 {
+                best = (least, Some([first, before, h].map(|h| t.from(h))));
+            }
+            before = h;
+        }
+        best.1
+    }
+}
+
+impl<'a> PolyhedronPair<'a> {
+    pub(crate) fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, tracker: &'a mut Tracker) -> Self {
+        Self {
+            a: BoundedHull::new(a),
+            b: BoundedHull::new(b),
+            tracker,
+        }
+    }
+
+    /// Returns the polyhedra and the tracker, for a question at one pose.
+    pub(crate) fn asked(&mut self) -> (&'a ConvexPolyhedron, &'a ConvexPolyhedron, &mut Tracker) {
+        (self.a.shape, self.b.shape, self.tracker)
+    }
+
+    /// Returns the first broken invariant of the tracker.
+    pub(crate) fn checked(&self) -> Result<(), alloc::string::String> {
+        self.tracker.check()
+    }
+
+    /// Returns an outcome of the tracker as a measure, and takes note of the features.
+    #[inline]
+    pub(crate) fn seen(&mut self, outcome: &Outcome) -> Measure {
+        let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
+        self.a.note(outcome.features.a, on_a);
+        self.b.note(outcome.features.b, on_b);
+        let mut seen = Measure::new(outcome, self.tangent(outcome.features.a, outcome.features.b));
+        // Of bodies that are stored in other units the normal was turned once more.
+        seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
+        seen
+    }
+
+    fn tangent(&self, a: Feature, b: Feature) -> Tangent {
+        match (a, b) {
+            (Feature::Face(_), _) | (Feature::Edge(_), Feature::Vertex(_)) => Tangent::WithA,
+            (_, Feature::Face(_)) | (Feature::Vertex(_), Feature::Edge(_)) => Tangent::WithB,
+            (Feature::Edge(a), Feature::Edge(b)) => Tangent::Edges(self.a.direction(a), self.b.direction(b)),
+            (Feature::Vertex(_), Feature::Vertex(_)) => Tangent::Free,
+        }
+    }
+
+    /// Returns four points of the Minkowski difference that are expected to contain the origin just
+    /// behind the facet of the closest features: the triangle of the facet with the witnesses, and
+    /// the point farthest behind the facet.
+    fn behind(&self, a_from_b: &RelativePose, seen: &Measure) -> Option<OverlapProof> {
+        if !(self.a.shape.is_unscaled && self.b.shape.is_unscaled) {
+            return None;
+        }
+        let features = seen.features?;
+        let (on_a, on_b) = (&seen.point_on_a.coords, &seen.point_on_b.coords);
+        let facet = match (features.a, features.b) {
+            (Feature::Face(f), Feature::Vertex(v)) => self.a.triangle(f, on_a)?.map(|u| [u, v]),
+            (Feature::Vertex(u), Feature::Face(f)) => self.b.triangle(f, on_b)?.map(|v| [u, v]),
+            (Feature::Edge(e), Feature::Edge(f)) => {
+                let ([p, q], [r, s]) = (self.a.edge(e), self.b.edge(f));
+                let along = |body: &BoundedHull, edge: EdgeId, from: VertexId, at: &Vector3<f64>| {
+                    let way = body.direction(edge);
+                    (at - body.shape.points[from.index()]).dot(&way) / way.norm_squared()
+                };
+                if along(&self.a, e, p, on_a) + along(&self.b, f, r, on_b) < 1.0 {
+                    [[p, r], [q, r], [p, s]]
+                } else {
+                    [[q, s], [q, r], [p, s]]
+                }
+            }
+            _ => return None,
+        };
+        let normal = seen.normal.into_inner();
+        let normal_in_b = a_from_b.rotation().tr_mul(&normal);
+        let deep = [
+            self.a.shape.support_cold(&-normal),
+            self.b.shape.support_cold(&normal_in_b),
+        ];
+        Some(OverlapProof::guess([facet[0], facet[1], facet[2], deep]))
+    }
+}
+
+impl Separation for PolyhedronPair<'_> {
+    #[inline]
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        let body = if of == Operand::A { &self.a } else { &self.b };
+        (body.centre, body.radius)
+    }
+
+    #[inline]
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        let outcome = self.tracker.measure(self.a.shape, self.b.shape, a_from_b, Until::Class);
+        self.seen(&outcome)
+    }
+
+    /// By [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties count
+    /// as met.
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
+        let (a, b) = (self.a.shape, self.b.shape);
+        if distance > 0.0 {
+            return self.tracker.within(a, b, a_from_b, distance);
+        }
+        if let Some(hold) = self.behind(a_from_b, seen) {
+            self.tracker.expect(hold);
+        }
+        self.tracker.intersects(a, b, a_from_b)
+    }
+
+    #[inline]
+    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
+        let body = if of == Operand::A { &mut self.a } else { &mut self.b };
+        body.support(direction)
+    }
+}
+
+/// Returns a height along a direction, over the middle of the body.
+#[inline(always)]
+pub(crate) fn over_middle(height: f64, direction: &Vector3<f64>, middle: &Vector3<f64>) -> f64 {
+    height - direction.dot(middle)
+}
+
+/// The sum of the absolute coordinates: no less than the length.
+fn one_norm(v: &Vector3<f64>) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}

@@ -1,0 +1,148 @@
+//! Shapes that do not turn: the gap along a normal is a parabola, exactly.
+
+use nalgebra::Vector3;
+
+use super::bernstein::positive_until;
+use super::{Flight, Separation};
+use crate::base::motion::{Course, Drift};
+use crate::base::num::scalar::{greater, sqrt};
+use crate::base::pose::Operand;
+use crate::base::tolerance::PLANE;
+use crate::base::tuning::separation::{AHEAD, CUT, CUT_FAR, CUT_MOST};
+
+/// Whether neither shape turns: then a plane that proves the shapes apart keeps its normal, and the
+/// gap is a parabola, exactly.
+pub(super) fn turns_neither(flight: &Flight) -> bool {
+    flight.course_a.angular == Vector3::zeros() && flight.course_b.angular == Vector3::zeros()
+}
+
+/// Returns the time for which shapes that do not turn are apart along a normal, from the gap along
+/// the normal now.
+pub(super) fn straight_until<S: Separation + ?Sized>(pair: &S, flight: &Flight, n: &Vector3<f64>, gap: f64) -> f64 {
+    let reach = |which: Operand, course: &Course| {
+        let (centre, radius) = pair.ball(which);
+        radius + one_norm(&(centre - course.pivot))
+    };
+    let (course_a, course_b) = (&flight.course_a, &flight.course_b);
+    let (reach_a, reach_b) = (reach(Operand::A, course_a), reach(Operand::B, course_b));
+    let size = flight.size(reach_a + reach_b);
+    let Drift([d0, d1, d2, d3]) = course_a.drift(reach_a) + course_b.drift(reach_b);
+    let (velocity, acceleration) = (flight.velocity(), flight.acceleration());
+    let (slope, bend) = (n.dot(&velocity), n.dot(&acceleration));
+    let margin = |length: f64| PLANE * length * (one_norm(&velocity) + length * one_norm(&acceleration));
+    let now = gap - (PLANE * size + flight.keep + d0 + f64::MIN_POSITIVE);
+    let mut length = flight.span.min(AHEAD * time_to(gap, slope - d1, bend - d2));
+    if !(length < f64::INFINITY && now > 0.0) {
+        return 0.0;
+    }
+    while margin(length) > 0.5 * now && length > f64::MIN_POSITIVE {
+        length *= cut(margin(length) / (0.5 * now));
+    }
+    let b0 = now - margin(length);
+    let way = |k: f64| slope * length * (k / 3.0);
+    let (late, square) = (d1 * length, 0.5 * (bend - d2) * length * length);
+    let cube = d3 * length * length * length * (1.0 / 6.0);
+    let part = positive_until([
+        b0,
+        b0 + way(1.0) - late * (1.0 / 3.0),
+        b0 + way(2.0) - late * (2.0 / 3.0) + square * (1.0 / 3.0),
+        b0 + way(3.0) - late + square - cube,
+    ]);
+    part * length
+}
+
+impl Flight {
+    /// Returns the velocity of B's pivot less that of A's.
+    pub(super) fn velocity(&self) -> Vector3<f64> {
+        self.course_b.linear - self.course_a.linear
+    }
+
+    pub(super) fn acceleration(&self) -> Vector3<f64> {
+        self.course_b.acceleration - self.course_a.acceleration
+    }
+
+    /// Returns lengths to which rounding is relative, without the displacements of the pivots;
+    /// `reach` is the sum of those of both shapes.
+    pub(super) fn size(&self, reach: f64) -> f64 {
+        let offset = self.pose_b.translation.vector - self.pose_a.translation.vector;
+        let pivots = one_norm(&self.course_a.pivot.coords) + one_norm(&self.course_b.pivot.coords);
+        reach + one_norm(&offset) + 2.0 * pivots + self.keep
+    }
+}
+
+/// The first time at which `way + slope s + bend s^2 / 2` is zero; infinite if never.
+pub(super) fn time_to(way: f64, slope: f64, bend: f64) -> f64 {
+    let square = slope * slope - 2.0 * way * bend;
+    let pace = sqrt(square.max(0.0)) - slope;
+    if square >= 0.0 && pace > 0.0 {
+        2.0 * way / pace
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// Returns the factor by which an interval is cut if a bound over the interval is `excess` times
+/// what is allowed: a quarter off while the bound is near, so that no cut is much too deep; far
+/// off, as much as a bound of degree eight needs at least, so that some hundred cuts end at any
+/// bound. An infinite bound is cut as deep as may be.
+pub(super) fn cut(excess: f64) -> f64 {
+    if excess < CUT_FAR {
+        CUT
+    } else {
+        greater(sqrt(sqrt(sqrt(1.0 / excess))), CUT_MOST)
+    }
+}
+
+/// The sum of the absolute coordinates: no less than the length.
+pub(super) fn one_norm(v: &Vector3<f64>) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::rng::Rng;
+
+    /// Bounds of every degree and size, and infinite ones: a hundred cuts or so, and none much too
+    /// deep.
+    #[test]
+    fn cuts_end_soon_and_none_is_much_too_deep() {
+        let mut rng = Rng::new(29);
+        let mut most = 0;
+        for case in 0..3000 {
+            let terms: [f64; 8] = core::array::from_fn(|_| {
+                if rng.chance(0.3) {
+                    rng.log_range(1e-290, 1e290)
+                } else {
+                    0.0
+                }
+            });
+            let allowed = rng.log_range(1e-290, 1e290);
+            let bound = |x: f64| {
+                terms
+                    .iter()
+                    .fold((0.0, x), |(sum, power), c| (sum + c * power, power * x))
+                    .0
+            };
+            let mut interval = rng.log_range(1e-300, 2.0);
+            let mut cuts = 0;
+            let mut last = interval;
+            while bound(interval) > allowed && interval > f64::MIN_POSITIVE {
+                last = interval;
+                interval *= cut(bound(interval) / allowed);
+                cuts += 1;
+            }
+            assert!(cuts < 150, "{case}: {terms:?} {allowed} {cuts}");
+            // Powers of such intervals are no longer normal.
+            let is_known = bound(last) < f64::INFINITY && interval > 1e-37;
+            assert!(
+                !is_known || cuts == 0 || bound(1.34 * interval) > allowed,
+                "{case}: {terms:?} {allowed} {interval}"
+            );
+            most = cuts.max(most);
+        }
+        assert!(most > 30, "{most}");
+        assert_eq!([cut(1.0), cut(f64::INFINITY), cut(f64::NAN)], [CUT, CUT_MOST, CUT_MOST]);
+    }
+}
