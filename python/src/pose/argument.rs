@@ -4,7 +4,7 @@ use lin_canny::RelativePose;
 use lin_canny::nalgebra::Isometry3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{PyDict, PyList, PyTuple};
 
 use super::rigid;
 use crate::array::shape_text;
@@ -90,7 +90,8 @@ fn of_pair(pair: &Bound<'_, PyTuple>) -> PyResult<Isometry3<f64>> {
     }
     let [x, y, z] = floats(&pair.get_item(0)?, "a position")?;
     let turn = pair.get_item(1)?;
-    let is_plain = turn.is_instance_of::<PyTuple>() || turn.cast::<PyArray1<f64>>().is_ok();
+    let is_plain =
+        turn.is_instance_of::<PyTuple>() || turn.is_instance_of::<PyList>() || turn.cast::<PyArray1<f64>>().is_ok();
     let method = if is_plain { None } else { turn.getattr_opt("as_quat")? };
     let turn = method.map_or(Ok(turn), |method| method.call0())?;
     let [qx, qy, qz, qw] = floats(&turn, "a quaternion (x, y, z, w)")?;
@@ -111,8 +112,16 @@ fn floats<const N: usize>(obj: &Bound<'_, PyAny>, what: &str) -> PyResult<[f64; 
     if let Ok(tuple) = obj.cast::<PyTuple>()
         && tuple.len() == N
     {
-        for (k, to) in to.iter_mut().enumerate() {
-            *to = tuple.get_borrowed_item(k)?.extract().map_err(wrong)?;
+        for (to, item) in to.iter_mut().zip(tuple.iter_borrowed()) {
+            *to = item.extract().map_err(wrong)?;
+        }
+        return Ok(to);
+    }
+    if let Ok(list) = obj.cast::<PyList>()
+        && list.len() == N
+    {
+        for (to, item) in to.iter_mut().zip(list.iter()) {
+            *to = item.extract().map_err(wrong)?;
         }
         return Ok(to);
     }
