@@ -97,7 +97,8 @@ impl PairTracker {
     }
 
     /// Returns whether the geometries are at most `d` apart, `d` a length; no for a negative `d`.
-    /// Exact for polyhedra, rounded or not. Raises UndecidedError if a surface of patches leaves the answer open.
+    /// Exact for polyhedra, rounded or not. Raises UndecidedError if a surface of patches leaves
+    /// the answer open.
     #[pyo3(signature = (a, b, d, pose_a=None, pose_b=None))]
     fn within(
         &mut self,

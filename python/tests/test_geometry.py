@@ -38,8 +38,8 @@ def every_kind():
 
 # The highest point of each geometry, by hand; the dome is 2 x 2 quadratic, its middle is -1/2 - 1/2.
 TOPS = {
-    "hull": 1, "polygon": 0, "segment": 1, "point": 0, "box": 1, "ball": 1, "capsule": 1.5, "cylinder": 1, "cone": 1, "ellipsoid": 1,
-    "rounded": 1.25, "pieces": 1.5, "mesh": 1, "sheet": 0, "surface": -1,
+    "hull": 1, "polygon": 0, "segment": 1, "point": 0, "box": 1, "ball": 1, "capsule": 1.5, "cylinder": 1,
+    "cone": 1, "ellipsoid": 1, "rounded": 1.25, "pieces": 1.5, "mesh": 1, "sheet": 0, "surface": -1,
 }  # fmt: skip
 
 

@@ -20,9 +20,9 @@ pub(crate) fn class_name(class: Class) -> &'static str {
 
 /// The closest points of two geometries, with proven bounds of the signed distance.
 ///
-/// Points and normal are in the frame of the poses given, the world. For convex geometries, apart or
-/// overlapping, `point_b - point_a` is `distance * normal`: in length to rounding, in direction to
-/// some 1e-6.
+/// Points and normal are in the frame of the poses given, the world. For convex geometries, apart
+/// or overlapping, `point_b - point_a` is `distance * normal`: in length to rounding, in direction
+/// to some 1e-6.
 #[pyclass(frozen, module = "lin_canny")]
 pub(crate) struct Closest {
     answer: Answer,
