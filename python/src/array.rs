@@ -1,0 +1,170 @@
+//! Arrays of numpy: reading of arguments, structured answers.
+
+use lin_canny::nalgebra::{Point3, Vector3};
+use numpy::{Element, PyArray1, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PySlice};
+
+/// A type of numbers that arguments are converted to.
+pub(crate) trait Number: Element {
+    /// The name of the dtype.
+    const DTYPE: &'static str;
+    /// The kinds of dtypes that are accepted: `f` for floats, `i` and `u` for integers.
+    const KINDS: &'static str;
+}
+
+impl Number for f64 {
+    const DTYPE: &'static str = "float64";
+    const KINDS: &'static str = "fiu";
+}
+
+impl Number for i64 {
+    const DTYPE: &'static str = "int64";
+    const KINDS: &'static str = "iu";
+}
+
+/// What an argument is called, and the exception that refuses it.
+#[derive(Clone, Copy)]
+pub(crate) struct Argument {
+    pub(crate) name: &'static str,
+    pub(crate) error: fn(String) -> PyErr,
+}
+
+/// Returns the argument as an array in row-major order: the array itself if it is one.
+pub(crate) fn contiguous<'py, T: Number>(
+    obj: &Bound<'py, PyAny>,
+    argument: Argument,
+) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
+    let (py, Argument { name, error }) = (obj.py(), argument);
+    let numpy = py.import("numpy")?;
+    let any = numpy
+        .call_method1("asarray", (obj,))
+        .map_err(|e| error(format!("{name}: {e}")))?;
+    let dtype = any.getattr("dtype")?;
+    let kind: String = dtype.getattr("kind")?.extract()?;
+    let is_empty = any.getattr("size")?.extract::<usize>()? == 0;
+    if !is_empty && !T::KINDS.contains(&kind) {
+        return Err(error(format!("{name}: numbers of dtype {dtype}, not {}", T::DTYPE)));
+    }
+    let options = PyDict::new(py);
+    options.set_item("dtype", T::DTYPE)?;
+    let array = numpy.call_method("ascontiguousarray", (any,), Some(&options))?;
+    array.extract()
+}
+
+/// Returns the rows of an array of shape (M, N).
+pub(crate) fn rows<'a, T: Number, const N: usize>(
+    array: &'a PyReadonlyArrayDyn<'_, T>,
+    argument: Argument,
+) -> PyResult<&'a [[T; N]]> {
+    let shape = array.shape();
+    if shape.len() != 2 || shape[1] != N {
+        let Argument { name, error } = argument;
+        return Err(error(format!(
+            "{name} have the shape (N, {N}), not {}",
+            shape_text(shape)
+        )));
+    }
+    Ok(array.as_slice()?.as_chunks().0)
+}
+
+/// Returns a shape as numpy prints it.
+pub(crate) fn shape_text(shape: &[usize]) -> String {
+    match shape {
+        [one] => format!("({one},)"),
+        _ => format!(
+            "({})",
+            shape.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
+        ),
+    }
+}
+
+/// Returns the points of an array of shape (N, 3).
+pub(crate) fn points(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vec<Point3<f64>>> {
+    let array = contiguous::<f64>(obj, argument)?;
+    Ok(rows::<f64, 3>(&array, argument)?
+        .iter()
+        .map(|p| Point3::from(*p))
+        .collect())
+}
+
+/// Returns three numbers.
+pub(crate) fn vector(obj: &Bound<'_, PyAny>, argument: Argument) -> PyResult<Vector3<f64>> {
+    let array = contiguous::<f64>(obj, argument)?;
+    match array.as_slice()? {
+        [x, y, z] if array.shape() == [3] => Ok(Vector3::new(*x, *y, *z)),
+        _ => Err((argument.error)(format!(
+            "{} has the shape (3,), not {}",
+            argument.name,
+            shape_text(array.shape())
+        ))),
+    }
+}
+
+/// Returns three numbers as an array.
+pub(crate) fn triple<'py>(py: Python<'py>, v: [f64; 3]) -> Bound<'py, PyArray1<f64>> {
+    PyArray1::from_slice(py, &v)
+}
+
+/// A field of a structured array: name, dtype, and how many numbers it has.
+pub(crate) type Field = (&'static str, &'static str, usize);
+
+/// Returns rows of numbers as a structured array, of which each field takes the next columns.
+pub(crate) fn structured<'py, const N: usize>(
+    py: Python<'py>,
+    table: Vec<[f64; N]>,
+    fields: &[Field],
+) -> PyResult<Bound<'py, PyAny>> {
+    let count = table.len();
+    let table = PyArray1::from_vec(py, table.into_flattened()).reshape([count, N])?;
+    if fields.iter().all(|field| field.1 == "f8" && field.2 == 1) {
+        let dtype = record(py, fields.iter().copied())?;
+        return table.call_method1("view", (dtype,))?.call_method1("reshape", (count,));
+    }
+    let (transposed, mut first, mut named) = (table.getattr("T")?, 0, Vec::new());
+    for &(name, dtype, width) in fields {
+        let column = match width {
+            1 => transposed.get_item(first)?,
+            _ => {
+                let part = PySlice::new(py, first as isize, (first + width) as isize, 1);
+                transposed.get_item(part)?.getattr("T")?
+            }
+        };
+        named.push(((name, dtype, width), column));
+        first += width;
+    }
+    filled(py, count, named)
+}
+
+/// Returns a structured array of columns: name, dtype and numbers of each field.
+pub(crate) fn columns<'py>(
+    py: Python<'py>,
+    count: usize,
+    fields: &[(&'static str, &'static str, Bound<'py, PyAny>)],
+) -> PyResult<Bound<'py, PyAny>> {
+    let named = fields
+        .iter()
+        .map(|(name, dtype, column)| ((*name, *dtype, 1), column.clone()));
+    filled(py, count, named.collect())
+}
+
+/// Returns a dtype of fields.
+fn record<'py>(py: Python<'py>, fields: impl Iterator<Item = Field>) -> PyResult<Bound<'py, PyAny>> {
+    let names = PyList::empty(py);
+    for (name, dtype, width) in fields {
+        match width {
+            1 => names.append((name, dtype))?,
+            _ => names.append((name, dtype, (width,)))?,
+        }
+    }
+    py.import("numpy")?.call_method1("dtype", (names,))
+}
+
+fn filled<'py>(py: Python<'py>, count: usize, fields: Vec<(Field, Bound<'py, PyAny>)>) -> PyResult<Bound<'py, PyAny>> {
+    let dtype = record(py, fields.iter().map(|(field, _)| *field))?;
+    let out = py.import("numpy")?.call_method1("empty", (count, dtype))?;
+    for ((name, ..), column) in fields {
+        out.set_item(name, column)?;
+    }
+    Ok(out)
+}

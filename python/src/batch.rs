@@ -1,0 +1,155 @@
+//! Batches: blocks of queries over threads, outside of the lock of the interpreter.
+//!
+//! Every block of [`BLOCK`] queries begins with a fresh state, so that the answers do not depend on
+//! the number of threads, bit for bit.
+
+use std::iter::Enumerate;
+use std::slice::ChunksMut;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+
+use crate::errors::refused;
+
+/// Queries that share a state.
+pub(crate) const BLOCK: usize = 1024;
+
+/// Queries between two looks at the clock, at most.
+const LOOK: usize = 64;
+
+/// Time between two looks at signals and progress.
+const BREATH: Duration = Duration::from_millis(50);
+
+/// How a batch is answered: the state that a block begins with, and the answers of a few queries
+/// from the index given on.
+pub(crate) trait Batch: Sync {
+    /// What a block keeps from query to query.
+    type State: Send;
+    /// The answer of a query.
+    type Row: Send + Copy;
+    /// Queries between two looks at the clock.
+    const LOOK: usize = LOOK;
+
+    fn start(&self) -> PyResult<Self::State>;
+    fn answer(&self, state: &mut Self::State, first: usize, rows: &mut [Self::Row]) -> PyResult<()>;
+}
+
+/// The number of threads, and whom to tell about progress.
+pub(crate) struct Run<'py> {
+    threads: usize,
+    progress: Option<Bound<'py, PyAny>>,
+}
+
+impl<'py> Run<'py> {
+    /// Returns the run of a batch of `count` queries. `progress` is a callable with the arguments
+    /// done and total, or `True` for a bar of tqdm.
+    pub(crate) fn new(
+        py: Python<'py>,
+        count: usize,
+        threads: usize,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        if threads == 0 {
+            return Err(refused("threads is 0: a batch needs one"));
+        }
+        let reporter = |p| py.import("lin_canny._progress")?.call_method1("reporter", (p, count));
+        Ok(Self {
+            threads: threads.min(count.div_ceil(BLOCK)).max(1),
+            progress: progress.map(reporter).transpose()?.filter(|p| !p.is_none()),
+        })
+    }
+
+    /// Answers all queries of a batch.
+    pub(crate) fn rows<B: Batch>(&self, py: Python<'_>, batch: &B, rows: &mut [B::Row]) -> PyResult<()> {
+        let total = rows.len();
+        let queue = Queue {
+            batch,
+            blocks: Mutex::new(rows.chunks_mut(BLOCK).enumerate()),
+            done: AtomicUsize::new(0),
+        };
+        let mut jobs: Vec<Option<Job<B>>> = (0..self.threads).map(|_| None).collect();
+        loop {
+            let until = Instant::now() + BREATH;
+            let is_finished = py.detach(|| queue.breath(&mut jobs, until))?;
+            py.check_signals()?;
+            if let Some(report) = &self.progress {
+                report.call1((queue.done.load(Ordering::Relaxed), total))?;
+            }
+            if is_finished {
+                return Ok(());
+            }
+        }
+    }
+}
+
+/// A block in work: its state, and the rows that are left.
+struct Job<'a, B: Batch> {
+    state: B::State,
+    first: usize,
+    rows: &'a mut [B::Row],
+}
+
+/// The blocks that no thread has taken.
+struct Queue<'a, 'b, B: Batch> {
+    batch: &'b B,
+    blocks: Mutex<Enumerate<ChunksMut<'a, B::Row>>>,
+    done: AtomicUsize,
+}
+
+impl<'a, B: Batch> Queue<'a, '_, B> {
+    /// Works on all jobs until the time given; returns whether all blocks are done.
+    fn breath(&self, jobs: &mut [Option<Job<'a, B>>], until: Instant) -> PyResult<bool> {
+        if let [job] = jobs {
+            return self.work(job, until);
+        }
+        std::thread::scope(|scope| {
+            let spawn = |job| scope.spawn(move || self.work(job, until));
+            let threads: Vec<_> = jobs.iter_mut().map(spawn).collect();
+            let mut is_finished = true;
+            for thread in threads {
+                let ended = thread.join();
+                is_finished &= ended.map_err(|_| PyRuntimeError::new_err("a thread of the batch panicked"))??;
+            }
+            Ok(is_finished)
+        })
+    }
+
+    fn work(&self, job: &mut Option<Job<'a, B>>, until: Instant) -> PyResult<bool> {
+        loop {
+            let mut current = match job.take() {
+                Some(current) => current,
+                None => match self.next()? {
+                    Some(current) => current,
+                    None => return Ok(true),
+                },
+            };
+            let count = B::LOOK.min(current.rows.len());
+            let (now, later) = std::mem::take(&mut current.rows).split_at_mut(count);
+            self.batch.answer(&mut current.state, current.first, now)?;
+            self.done.fetch_add(count, Ordering::Relaxed);
+            if !later.is_empty() {
+                (current.first, current.rows) = (current.first + count, later);
+                *job = Some(current);
+            }
+            if Instant::now() >= until {
+                return Ok(false);
+            }
+        }
+    }
+
+    fn next(&self) -> PyResult<Option<Job<'a, B>>> {
+        let block = self.blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
+        block
+            .map(|(k, rows)| {
+                Ok(Job {
+                    state: self.batch.start()?,
+                    first: k * BLOCK,
+                    rows,
+                })
+            })
+            .transpose()
+    }
+}

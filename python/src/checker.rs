@@ -1,0 +1,331 @@
+//! Robots among obstacles: clearances, motions proven free, paths.
+
+mod answers;
+mod batches;
+mod setup;
+
+pub(crate) use answers::{NearPair, Verdict};
+
+use std::time::{Duration, Instant};
+
+use lin_canny_robot::Setup;
+use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanOptions, WorldId};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::array::{Argument, contiguous, shape_text};
+use crate::errors::{plan_error, refused};
+use crate::robot::Robot;
+use answers::Pair;
+use setup::{Obstacle, RobotArgument};
+
+const CONFIGURATION: Argument = Argument {
+    name: "a configuration",
+    error: |why| plan_error(why),
+};
+const CONFIGURATIONS: Argument = Argument {
+    name: "configurations",
+    error: |why| plan_error(why),
+};
+
+/// Time between two looks at signals during a search.
+const BREATH: Duration = Duration::from_millis(50);
+
+/// Robots among obstacles: clearances with bounds, motions proven free over their whole length,
+/// paths. A checker is used by one thread at a time; batches use several.
+///
+/// robot: a Robot, or a dict from a prefix of names to a tuple (Robot, pose) for several robots.
+/// pose: of the root link of a single robot. cell: the path of a JSON file of obstacles. obstacles:
+/// tuples (name, Geometry, pose). ignore: pairs of names of links and obstacles that are not
+/// checked. margin: the distance that pairs must keep to be free.
+#[pyclass(module = "lin_canny")]
+pub(crate) struct Checker {
+    setup: Setup,
+    checker: Loaded<JointTree>,
+    names: Vec<String>,
+    robot_bodies: usize,
+    /// The arguments, for pickling.
+    arguments: (Py<PyTuple>, Py<PyDict>),
+}
+
+#[pymethods]
+impl Checker {
+    #[new]
+    #[pyo3(signature = (
+        robot, *, pose=None, cell=None, obstacles=None, ignore=None, ignore_adjacent=true, margin=0.0
+    ))]
+    #[allow(clippy::too_many_arguments)] // the signature in Python
+    fn new<'py>(
+        py: Python<'py>,
+        robot: RobotArgument<'py>,
+        pose: Option<Bound<'py, PyAny>>,
+        cell: Option<Bound<'py, PyAny>>,
+        obstacles: Option<Vec<Obstacle<'py>>>,
+        ignore: Option<Vec<(String, String)>>,
+        ignore_adjacent: bool,
+        margin: f64,
+    ) -> PyResult<Self> {
+        let options = PyDict::new(py);
+        options.set_item("pose", &pose)?;
+        options.set_item("cell", &cell)?;
+        options.set_item("obstacles", &obstacles)?;
+        options.set_item("ignore", &ignore)?;
+        options.set_item("ignore_adjacent", ignore_adjacent)?;
+        options.set_item("margin", margin)?;
+        let robot_object = robot.object().clone();
+        let mut setup = setup::of_robots(&robot, pose)?;
+        if ignore_adjacent {
+            setup.ignore_adjacent();
+        }
+        let in_cell = setup::add_cell(&mut setup, &robot, cell)?;
+        let others = setup::add_obstacles(&mut setup, obstacles.unwrap_or_default())?;
+        for (a, b) in ignore.unwrap_or_default() {
+            setup.ignore_pair(&a, &b);
+        }
+        let arguments = (PyTuple::new(py, [robot_object])?.unbind(), options.unbind());
+        let mut checker = Self::of_setup(setup, in_cell + others, arguments)?;
+        checker.checker.set_margin(margin).map_err(plan_error)?;
+        Ok(checker)
+    }
+
+    fn __getnewargs_ex__(&self, py: Python<'_>) -> PyResult<(Py<PyTuple>, Py<PyDict>)> {
+        let options = self.arguments.1.bind(py).copy()?;
+        options.set_item("margin", self.margin())?;
+        Ok((self.arguments.0.clone_ref(py), options.unbind()))
+    }
+
+    /// The names of the coordinates of a configuration.
+    #[getter]
+    fn coordinates(&self) -> Vec<&str> {
+        self.setup.coordinates().iter().map(|c| c.name.as_str()).collect()
+    }
+
+    /// The number of coordinates of a configuration.
+    #[getter]
+    fn dof(&self) -> usize {
+        self.setup.coordinates().len()
+    }
+
+    /// Least and greatest value of each coordinate, shape (dof, 2).
+    #[getter]
+    fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let limits: Vec<[f64; 2]> = self.setup.coordinates().iter().map(|c| c.limits).collect();
+        PyArray1::from_vec(py, limits.into_flattened()).reshape([self.dof(), 2])
+    }
+
+    /// The names of all bodies, those of the robots first, then the obstacles: a link with several
+    /// bodies is named once for each.
+    #[getter]
+    fn bodies(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The distance that pairs must keep to be free, a length.
+    #[getter]
+    fn margin(&self) -> f64 {
+        self.checker.margin()
+    }
+
+    #[setter]
+    fn set_margin(&mut self, margin: f64) -> PyResult<()> {
+        self.checker.set_margin(margin).map_err(plan_error)
+    }
+
+    /// Returns the pair of least signed distance at a configuration, shape (dof,); None if there is
+    /// no pair to check.
+    fn clearance(&mut self, q: &Bound<'_, PyAny>) -> PyResult<Option<NearPair>> {
+        let found = self.checker.clearance(&configuration(q)?).map_err(plan_error)?;
+        Ok(found.map(|near| NearPair::new(near, &self.checker)))
+    }
+
+    /// Returns all pairs whose signed distance exceeds the least by at most `slack`, a length, the
+    /// nearest first.
+    fn nearest(&mut self, q: &Bound<'_, PyAny>, slack: f64) -> PyResult<Vec<NearPair>> {
+        let found = self.checker.nearest(&configuration(q)?, slack).map_err(plan_error)?;
+        Ok(found
+            .into_iter()
+            .map(|near| NearPair::new(near, &self.checker))
+            .collect())
+    }
+
+    /// Returns whether a configuration keeps the margin, by exact predicates; with a second
+    /// configuration, whether the straight segment between both is proven to, over its whole
+    /// length.
+    #[pyo3(signature = (q, to=None))]
+    fn is_free(&mut self, q: &Bound<'_, PyAny>, to: Option<&Bound<'_, PyAny>>) -> PyResult<bool> {
+        let q = configuration(q)?;
+        match to {
+            Some(to) => self.checker.is_free(&q, &configuration(to)?),
+            None => self.checker.free_at(&q),
+        }
+        .map_err(plan_error)
+    }
+
+    /// Returns whether the straight segment between two configurations is free, blocked at a time
+    /// by a pair, or unknown: proven over its whole length.
+    fn certify(&mut self, py: Python<'_>, start: &Bound<'_, PyAny>, goal: &Bound<'_, PyAny>) -> PyResult<Verdict> {
+        let ends = [configuration(start)?, configuration(goal)?];
+        let verdict = py.detach(|| self.checker.certify(&ends[0], &ends[1]));
+        Ok(Verdict::new(0, verdict.map_err(plan_error)?, &self.checker))
+    }
+
+    /// Returns the verdict on a path, shape (K, dof): free, or that on the first segment that is
+    /// not, whose number is `segment`.
+    fn certify_path(&mut self, py: Python<'_>, path: &Bound<'_, PyAny>) -> PyResult<Verdict> {
+        let path = self.path(path)?;
+        let found = py.detach(|| self.checker.certify_path(&path));
+        let (segment, verdict) = found.map_err(plan_error)?;
+        Ok(Verdict::new(segment, verdict, &self.checker))
+    }
+
+    /// Returns the least clearance along the straight segment between two configurations: a proven
+    /// lower bound, a distance that is attained, the time at which it is, and the names of the pair
+    /// there. `relative`: how far the bounds may be apart, as a part of the upper bound.
+    #[pyo3(signature = (start, goal, *, relative=1e-3))]
+    fn clearance_along(
+        &mut self,
+        py: Python<'_>,
+        start: &Bound<'_, PyAny>,
+        goal: &Bound<'_, PyAny>,
+        relative: f64,
+    ) -> PyResult<(f64, f64, f64, Option<Pair>)> {
+        let ends = [configuration(start)?, configuration(goal)?];
+        let found = py.detach(|| self.checker.clearance_along(&ends[0], &ends[1], relative));
+        let found = found.map_err(plan_error)?;
+        let pair = found.pair.map(|pair| answers::names(&self.checker, pair));
+        Ok((found.lower, found.upper, found.t, pair))
+    }
+
+    /// Returns a path from one configuration to another, shape (K, dof), of which every segment is
+    /// proven to keep the margin; None if the limits ended the search, which proves nothing.
+    ///
+    /// seed: of the random slices; the same seed gives the same path unless `seconds` end the
+    /// search. slices: random slices, at most. seconds: time of the search, at most. shorten: tries
+    /// to shorten the path. Ctrl-C ends the search.
+    #[pyo3(signature = (start, goal, *, seed=0, slices=10_000, seconds=None, shorten=300))]
+    #[allow(clippy::too_many_arguments)] // the signature in Python
+    fn plan<'py>(
+        &mut self,
+        py: Python<'py>,
+        start: &Bound<'py, PyAny>,
+        goal: &Bound<'py, PyAny>,
+        seed: u64,
+        slices: u64,
+        seconds: Option<f64>,
+        shorten: usize,
+    ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
+        let ends = [configuration(start)?, configuration(goal)?];
+        let options = PlanOptions::default().seed(seed).slices(slices);
+        let limit = seconds.unwrap_or(f64::INFINITY);
+        let path = py.detach(|| self.search(&ends, &options, limit, shorten))?;
+        let Some(path) = path else { return Ok(None) };
+        let (rows, columns) = (path.len(), self.dof());
+        Ok(Some(PyArray1::from_vec(py, path.concat()).reshape([rows, columns])?))
+    }
+
+    fn __repr__(&self) -> String {
+        let (own, all) = (self.robot_bodies, self.names.len());
+        format!(
+            "<Checker: {own} bodies, {} obstacles, {} coordinates>",
+            all - own,
+            self.dof()
+        )
+    }
+}
+
+impl Checker {
+    fn of_setup(setup: Setup, obstacles: usize, arguments: (Py<PyTuple>, Py<PyDict>)) -> PyResult<Self> {
+        let checker = setup.checker().map_err(plan_error)?;
+        let own = checker.space().bodies();
+        let parts = (0..own)
+            .map(WorldId::Robot)
+            .chain((0..obstacles).map(WorldId::Obstacle));
+        let names = parts.map(|part| checker.name(part).to_owned()).collect();
+        Ok(Self {
+            setup,
+            checker,
+            names,
+            robot_bodies: own,
+            arguments,
+        })
+    }
+
+    /// Returns the checker of the links of a robot alone.
+    pub(crate) fn alone(robot: &Bound<'_, Robot>) -> PyResult<Self> {
+        let py = robot.py();
+        let mut setup = setup::of_robots(&RobotArgument::One(robot.clone()), None)?;
+        setup.ignore_adjacent();
+        let arguments = (PyTuple::new(py, [robot])?.unbind(), PyDict::new(py).unbind());
+        Self::of_setup(setup, 0, arguments)
+    }
+
+    /// Returns the configurations of a path.
+    fn path(&self, path: &Bound<'_, PyAny>) -> PyResult<Path> {
+        let array = contiguous::<f64>(path, CONFIGURATIONS)?;
+        let rows = configurations(&array, self.dof())?;
+        Ok(rows.map(<[f64]>::to_vec).collect())
+    }
+
+    fn search(
+        &mut self,
+        [start, goal]: &[Vec<f64>; 2],
+        options: &PlanOptions,
+        seconds: f64,
+        shorten: usize,
+    ) -> PyResult<Option<Path>> {
+        let (began, mut looked, mut raised) = (Instant::now(), Instant::now(), None);
+        let mut stop = || {
+            if looked.elapsed() > BREATH {
+                looked = Instant::now();
+                raised = Python::attach(|py| py.check_signals()).err();
+            }
+            raised.is_some() || began.elapsed().as_secs_f64() > seconds
+        };
+        let found = self.checker.plan_until(start, goal, options, &mut stop);
+        if let Some(error) = raised {
+            return Err(error);
+        }
+        match found.map_err(plan_error)?.path {
+            Some(path) => {
+                let short = self.checker.shorten(&path, shorten, options.seed);
+                Ok(Some(short.map_err(plan_error)?))
+            }
+            None => Ok(None),
+        }
+    }
+}
+
+/// Returns a configuration of an argument of shape (dof,).
+fn configuration(obj: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    if let Ok(array) = obj.cast::<PyArray1<f64>>()
+        && let Ok(numbers) = array.to_vec()
+    {
+        return Ok(numbers);
+    }
+    let array = contiguous::<f64>(obj, CONFIGURATION)?;
+    match array.shape() {
+        [_] => Ok(array.as_slice()?.to_vec()),
+        shape => Err(plan_error(format!(
+            "a configuration has the shape (dof,), not {}",
+            shape_text(shape)
+        ))),
+    }
+}
+
+/// Returns the rows of an array of shape (N, dof).
+fn configurations<'a>(
+    array: &'a numpy::PyReadonlyArrayDyn<'_, f64>,
+    dof: usize,
+) -> PyResult<std::slice::ChunksExact<'a, f64>> {
+    if dof == 0 {
+        return Err(refused("the robots have no coordinates"));
+    }
+    match array.shape() {
+        [_, columns] if *columns == dof => Ok(array.as_slice()?.chunks_exact(dof)),
+        shape => Err(plan_error(format!(
+            "configurations have the shape (N, {dof}), not {}",
+            shape_text(shape)
+        ))),
+    }
+}

@@ -1,0 +1,177 @@
+//! Answers of a checker, with names.
+
+use lin_canny_robot::plan::{Checker, JointTree, NearPair as Near, Verdict as Judged, WorldPair};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use crate::array::triple;
+
+/// The names of two bodies.
+pub(super) type Pair = (String, String);
+
+/// Returns the names of a pair.
+pub(super) fn names(checker: &Checker<JointTree>, pair: WorldPair) -> Pair {
+    (checker.name(pair.a).to_owned(), checker.name(pair.b).to_owned())
+}
+
+/// Two bodies near each other at a configuration, with bounds of their signed distance.
+#[pyclass(frozen, module = "lin_canny")]
+pub(crate) struct NearPair {
+    near: Near,
+    pair: Pair,
+}
+
+impl NearPair {
+    pub(super) fn new(near: Near, checker: &Checker<JointTree>) -> Self {
+        let pair = names(checker, near.pair);
+        Self { near, pair }
+    }
+}
+
+#[pymethods]
+impl NearPair {
+    /// The signed distance: negative for an overlap, zero for an overlap of unknown depth.
+    #[getter]
+    fn distance(&self) -> f64 {
+        self.near.distance
+    }
+
+    /// Lower bound of the signed distance.
+    #[getter]
+    fn lower(&self) -> f64 {
+        self.near.lower
+    }
+
+    /// Upper bound of the signed distance.
+    #[getter]
+    fn upper(&self) -> f64 {
+        self.near.upper
+    }
+
+    /// The name of the first body.
+    #[getter]
+    fn a(&self) -> &str {
+        &self.pair.0
+    }
+
+    /// The name of the second body.
+    #[getter]
+    fn b(&self) -> &str {
+        &self.pair.1
+    }
+
+    /// The witness on the first body in the world, shape (3,).
+    #[getter]
+    fn point_a<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, self.near.witnesses[0].coords.into())
+    }
+
+    /// The witness on the second body in the world, shape (3,).
+    #[getter]
+    fn point_b<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, self.near.witnesses[1].coords.into())
+    }
+
+    /// The derivative of the signed distance by each coordinate, divided by the length that a unit
+    /// of the coordinate stands for (1 for a slide, the reach of the robot for a turn), shape
+    /// (dof,); zero for an overlap of unknown depth.
+    #[getter]
+    fn gradient<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.near.gradient)
+    }
+
+    fn __repr__(&self) -> String {
+        let Near {
+            distance, lower, upper, ..
+        } = self.near;
+        let (a, b) = &self.pair;
+        format!("<NearPair {a:?} - {b:?}: {distance:.6} in [{lower:.15}, {upper:.15}]>")
+    }
+}
+
+/// Whether a motion is free: a statement about every instant of it.
+#[pyclass(frozen, module = "lin_canny")]
+pub(crate) struct Verdict {
+    segment: usize,
+    verdict: Judged,
+    pair: Option<Pair>,
+}
+
+impl Verdict {
+    pub(super) fn new(segment: usize, verdict: Judged, checker: &Checker<JointTree>) -> Self {
+        let pair = match verdict {
+            Judged::Blocked { pair, .. } => Some(names(checker, pair)),
+            _ => None,
+        };
+        Self { segment, verdict, pair }
+    }
+}
+
+#[pymethods]
+impl Verdict {
+    /// "free" (every pair keeps the margin at every instant), "blocked" (a pair is proven not to)
+    /// or "unknown" (rounding hides it).
+    #[getter]
+    fn state(&self) -> &'static str {
+        match self.verdict {
+            Judged::Free { .. } => "free",
+            Judged::Blocked { .. } => "blocked",
+            _ => "unknown",
+        }
+    }
+
+    /// Whether the motion is proven free.
+    #[getter]
+    fn is_free(&self) -> bool {
+        self.verdict.is_free()
+    }
+
+    /// The number of the segment of the path; 0 for a free path and for a single segment.
+    #[getter]
+    fn segment(&self) -> usize {
+        self.segment
+    }
+
+    /// The time on the segment, 0 to 1, up to which all pairs are proven to keep the margin.
+    #[getter]
+    fn safe(&self) -> f64 {
+        self.verdict.safe()
+    }
+
+    /// The time at which a pair is proven not to keep the margin; None unless blocked.
+    #[getter]
+    fn blocked_at(&self) -> Option<f64> {
+        match self.verdict {
+            Judged::Blocked { t, .. } => Some(t),
+            _ => None,
+        }
+    }
+
+    /// The names of the pair that blocks; None unless blocked.
+    #[getter]
+    fn pair(&self) -> Option<Pair> {
+        self.pair.clone()
+    }
+
+    /// The closest points of the pair that blocks, at the time `safe`, in the world, each of shape
+    /// (3,); None unless blocked.
+    #[getter]
+    #[allow(clippy::type_complexity)] // a pair of arrays
+    fn points<'py>(&self, py: Python<'py>) -> Option<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+        match self.verdict {
+            Judged::Blocked { witnesses: [a, b], .. } => {
+                Some((triple(py, a.coords.into()), triple(py, b.coords.into())))
+            }
+            _ => None,
+        }
+    }
+
+    fn __repr__(&self) -> String {
+        match (&self.verdict, &self.pair) {
+            (Judged::Blocked { safe, t, .. }, Some((a, b))) => {
+                format!("<Verdict blocked: {a:?} and {b:?} between {safe:.9} and {t:.9}>")
+            }
+            _ => format!("<Verdict {}>", self.state()),
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! The arguments of a checker.
+
+use std::path::PathBuf;
+
+use lin_canny::nalgebra::Isometry3;
+use lin_canny_robot::{Cell, Setup};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::errors::{file_error, refused};
+use crate::geometry::Geometry;
+use crate::pose::Pose;
+use crate::robot::Robot;
+
+/// Name, geometry and pose of an obstacle.
+pub(super) type Obstacle<'py> = (String, Bound<'py, Geometry>, Bound<'py, PyAny>);
+
+/// A robot, or several by prefix.
+#[derive(FromPyObject)]
+pub(super) enum RobotArgument<'py> {
+    One(Bound<'py, Robot>),
+    Several(Bound<'py, PyDict>),
+}
+
+impl<'py> RobotArgument<'py> {
+    /// Returns the argument as given.
+    pub(super) fn object(&self) -> &Bound<'py, PyAny> {
+        match self {
+            Self::One(robot) => robot.as_any(),
+            Self::Several(robots) => robots.as_any(),
+        }
+    }
+
+    fn first(&self) -> PyResult<Bound<'py, Robot>> {
+        match self {
+            Self::One(robot) => Ok(robot.clone()),
+            Self::Several(robots) => match robots.values().get_item(0) {
+                Ok(item) => Ok(item.extract::<(Bound<'py, Robot>, Bound<'py, PyAny>)>()?.0),
+                Err(_) => Err(refused("a checker needs a robot")),
+            },
+        }
+    }
+}
+
+/// Returns a pose; the identity if left out.
+fn pose_of(pose: Option<&Bound<'_, PyAny>>) -> PyResult<Isometry3<f64>> {
+    pose.map_or(Ok(Isometry3::identity()), |pose| Ok(pose.extract::<Pose>()?.0))
+}
+
+fn add(setup: &mut Setup, prefix: &str, robot: &Robot, pose: Isometry3<f64>) {
+    setup.robot(prefix, &robot.robot, pose);
+    if let Some(srdf) = &robot.srdf {
+        setup.ignore(prefix, srdf);
+    }
+}
+
+/// Returns the setup of the robots, with the pairs of their SRDFs.
+pub(super) fn of_robots(robots: &RobotArgument<'_>, pose: Option<Bound<'_, PyAny>>) -> PyResult<Setup> {
+    let mut setup = Setup::new();
+    match robots {
+        RobotArgument::One(robot) => add(&mut setup, "", robot.get(), pose_of(pose.as_ref())?),
+        RobotArgument::Several(_) if pose.is_some() => {
+            return Err(refused(
+                "pose is that of a single robot: several have theirs beside them",
+            ));
+        }
+        RobotArgument::Several(robots) => {
+            for (prefix, placed) in robots.iter() {
+                let (robot, pose): (Bound<'_, Robot>, Bound<'_, PyAny>) = placed.extract()?;
+                add(
+                    &mut setup,
+                    &prefix.extract::<String>()?,
+                    robot.get(),
+                    pose_of(Some(&pose))?,
+                );
+            }
+        }
+    }
+    Ok(setup)
+}
+
+/// Adds the obstacles of a JSON file, and returns their number.
+pub(super) fn add_cell(
+    setup: &mut Setup,
+    robots: &RobotArgument<'_>,
+    cell: Option<Bound<'_, PyAny>>,
+) -> PyResult<usize> {
+    let Some(cell) = cell else { return Ok(0) };
+    let (packages, meshes) = robots.first()?.get().mesh_sources()?;
+    let cell = Cell::load(cell.extract::<PathBuf>()?, &packages, &meshes).map_err(file_error)?;
+    setup.cell(&cell);
+    Ok(cell.obstacles.len())
+}
+
+/// Adds obstacles, and returns their number.
+pub(super) fn add_obstacles(setup: &mut Setup, obstacles: Vec<Obstacle<'_>>) -> PyResult<usize> {
+    let count = obstacles.len();
+    for (name, geometry, pose) in obstacles {
+        setup.obstacle(name, geometry.get().0.clone(), pose_of(Some(&pose))?);
+    }
+    Ok(count)
+}

@@ -1,0 +1,189 @@
+//! Geometries: what bodies are made of.
+
+mod build;
+mod patches;
+
+use std::borrow::Cow;
+
+use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::{Composite, Geometry as Body, Mesh, Piece, ShapeKind};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::array::triple;
+use crate::errors::{geometry_error, refused};
+use crate::pose::Pose;
+
+/// A geometry in its own frame: immutable, shared by any number of trackers, scenes and threads.
+///
+/// Lengths are in the caller's unit; nothing depends on the unit. Every constructor raises
+/// `GeometryError` for input that makes no geometry, and names the point, triangle or parameter.
+#[pyclass(frozen, module = "lin_canny")]
+pub(crate) struct Geometry(pub(crate) Body);
+
+/// A piece as an argument: a geometry, or a geometry and its pose.
+#[derive(FromPyObject)]
+enum PieceArgument<'py> {
+    Placed(Bound<'py, Geometry>, Pose),
+    Bare(Bound<'py, Geometry>),
+}
+
+fn piece(k: usize, argument: &PieceArgument) -> PyResult<Piece> {
+    let (geometry, pose) = match argument {
+        PieceArgument::Placed(geometry, pose) => (geometry.get(), pose.0),
+        PieceArgument::Bare(geometry) => (geometry.get(), Isometry3::identity()),
+    };
+    let shape = geometry.0.as_convex();
+    let shape = shape.ok_or_else(|| geometry_error(format!("piece {k} is a {}, not convex", geometry.0.kind())))?;
+    let mut piece = Piece::new(shape.into_owned());
+    piece.pose = pose;
+    Ok(piece)
+}
+
+#[pymethods]
+impl Geometry {
+    /// Returns the union of convex pieces.
+    ///
+    /// pieces: geometries, or tuples of a geometry and its pose in the frame of the union.
+    #[staticmethod]
+    fn pieces(py: Python<'_>, pieces: Vec<PieceArgument<'_>>) -> PyResult<Self> {
+        let pieces: PyResult<Vec<Piece>> = pieces.iter().enumerate().map(|(k, p)| piece(k, p)).collect();
+        let pieces = pieces?;
+        let body = py.detach(|| Composite::new(pieces)).map_err(geometry_error)?;
+        Ok(Self(body.into()))
+    }
+
+    /// Returns the geometry grown by a ball of radius `by` (Minkowski sum): convex geometries only.
+    fn rounded(&self, by: f64) -> PyResult<Self> {
+        let shape = self.0.as_convex();
+        let shape = shape.ok_or_else(|| geometry_error(format!("a {} cannot be rounded", self.0.kind())))?;
+        let rounded = shape.into_owned().rounded(by).map_err(geometry_error)?;
+        Ok(Self(rounded.into()))
+    }
+
+    /// The kind: "polyhedron", "point or segment", "rounded polyhedron", "curved shape",
+    /// "composite", "mesh" or "surface of patches".
+    #[getter]
+    fn kind(&self) -> String {
+        self.0.kind().to_string()
+    }
+
+    /// Whether the geometry is convex.
+    #[getter]
+    fn is_convex(&self) -> bool {
+        !matches!(
+            self.0.kind(),
+            ShapeKind::Composite | ShapeKind::Mesh | ShapeKind::Surface
+        )
+    }
+
+    /// Whether the geometry has an inside: of a mesh, whether it is closed.
+    #[getter]
+    fn is_solid(&self) -> bool {
+        match &self.0 {
+            Body::Mesh(mesh) => mesh.kind() == lin_canny::MeshKind::Solid,
+            Body::Surface(_) => false,
+            _ => true,
+        }
+    }
+
+    /// A ball that contains the geometry: centre, shape (3,), and radius.
+    #[getter]
+    fn bounding_ball<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<f64>>, f64) {
+        let (centre, radius) = self.0.bounding_ball();
+        (triple(py, centre.coords.into()), radius)
+    }
+
+    /// The vertices, float64 of shape (N, 3), of a mesh or polyhedron, or of the surface of a
+    /// composite of polyhedra.
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let (vertices, _) = self.indexed()?;
+        let count = vertices.len();
+        PyArray1::from_vec(py, vertices.into_flattened()).reshape([count, 3])
+    }
+
+    /// The triangles, int64 of shape (M, 3): indices of `vertices`, counterclockwise from outside.
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<i64>>> {
+        let (_, triangles) = self.indexed()?;
+        let count = triangles.len();
+        PyArray1::from_vec(py, triangles.into_flattened()).reshape([count, 3])
+    }
+
+    /// Returns a `trimesh.Trimesh` of `vertices` and `triangles`; needs the package trimesh.
+    fn to_trimesh<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let options = pyo3::types::PyDict::new(py);
+        options.set_item("process", false)?;
+        let arrays = (self.vertices(py)?, self.triangles(py)?);
+        py.import("trimesh")?.call_method("Trimesh", arrays, Some(&options))
+    }
+
+    fn __repr__(&self) -> String {
+        match &self.0 {
+            Body::Polyhedron(p) => {
+                format!(
+                    "<Geometry hull: {} vertices, {} faces>",
+                    p.vertex_count(),
+                    p.face_count()
+                )
+            }
+            Body::Mesh(m) => {
+                let (vertices, triangles) = (m.vertex_count(), m.triangle_count());
+                format!(
+                    "<Geometry {} mesh: {vertices} vertices, {triangles} triangles>",
+                    m.kind()
+                )
+            }
+            Body::Composite(c) => format!("<Geometry composite: {} pieces>", c.pieces().len()),
+            Body::Surface(s) => format!("<Geometry surface: {} patches>", s.patches().len()),
+            other => format!("<Geometry {}: radius {:.6}>", other.kind(), other.bounding_ball().1),
+        }
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let bytes = postcard::to_stdvec(&self.0).map_err(refused)?;
+        let make = py.get_type::<Self>().getattr("_from_bytes")?;
+        Ok((make, (PyBytes::new(py, &bytes),)))
+    }
+
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        postcard::from_bytes(bytes).map(Self).map_err(geometry_error)
+    }
+}
+
+/// Vertices, and triangles of their indices.
+type IndexedTriangles = (Vec<[f64; 3]>, Vec<[i64; 3]>);
+
+impl Geometry {
+    /// Returns the triangles of the surface.
+    fn mesh_of(&self) -> PyResult<Cow<'_, Mesh>> {
+        match &self.0 {
+            Body::Mesh(mesh) => Ok(Cow::Borrowed(mesh)),
+            Body::Polyhedron(body) => Mesh::from_convex(body).map(Cow::Owned).map_err(geometry_error),
+            Body::Composite(body) => body.to_mesh().map(Cow::Owned).map_err(geometry_error),
+            other => Err(geometry_error(format!("a {} has no triangles", other.kind()))),
+        }
+    }
+
+    fn indexed(&self) -> PyResult<IndexedTriangles> {
+        let mesh = self.mesh_of()?;
+        let mut numbers = std::collections::HashMap::new();
+        let mut vertices = Vec::with_capacity(mesh.vertex_count());
+        let mut number = |p: &Point3<f64>| {
+            let coordinates: [f64; 3] = p.coords.into();
+            *numbers.entry(coordinates.map(f64::to_bits)).or_insert_with(|| {
+                vertices.push(coordinates);
+                vertices.len() as i64 - 1
+            })
+        };
+        let mut triangles: Vec<_> = mesh
+            .triangles()
+            .map(|(k, t)| (k, t.each_ref().map(&mut number)))
+            .collect();
+        triangles.sort_unstable_by_key(|(k, _)| *k);
+        Ok((vertices, triangles.into_iter().map(|(_, t)| t).collect()))
+    }
+}

@@ -1,0 +1,137 @@
+//! Geometries from points, triangles and parameters.
+
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::{ConvexPolyhedron, Mesh, Shape, ShapeError};
+use pyo3::prelude::*;
+
+use super::Geometry;
+use crate::array::{Argument, contiguous, points, rows, vector};
+use crate::errors::geometry_error;
+
+const POINTS: Argument = Argument {
+    name: "points",
+    error: |why| geometry_error(why),
+};
+const POINT: Argument = Argument {
+    name: "a point",
+    ..POINTS
+};
+const VERTICES: Argument = Argument {
+    name: "vertices",
+    ..POINTS
+};
+const TRIANGLES: Argument = Argument {
+    name: "triangles",
+    ..POINTS
+};
+
+fn of_shape(shape: Result<Shape, ShapeError>) -> PyResult<Geometry> {
+    Ok(Geometry(shape.map_err(geometry_error)?.into()))
+}
+
+/// Returns the triangles of an array of shape (M, 3).
+fn triangles_of(obj: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
+    let array = contiguous::<i64>(obj, TRIANGLES)?;
+    let given = rows::<i64, 3>(&array, TRIANGLES)?;
+    let mut triangles = Vec::with_capacity(given.len());
+    for (k, corners) in given.iter().enumerate() {
+        let mut triangle = [0; 3];
+        for (to, &corner) in triangle.iter_mut().zip(corners) {
+            *to = u32::try_from(corner)
+                .map_err(|_| geometry_error(format!("triangle {k} names point {corner}, which does not exist")))?;
+        }
+        triangles.push(triangle);
+    }
+    Ok(triangles)
+}
+
+#[pymethods]
+impl Geometry {
+    /// Returns the convex hull of points, shape (N, 3), that do not all lie in a plane.
+    #[staticmethod]
+    fn hull(py: Python<'_>, points: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let points = self::points(points, POINTS)?;
+        let body = py.detach(|| ConvexPolyhedron::from_points(&points));
+        Ok(Self(body.map_err(geometry_error)?.into()))
+    }
+
+    /// Returns the convex polygon that is the hull of points of a plane, shape (N, 3).
+    #[staticmethod]
+    fn polygon(points: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let body = ConvexPolyhedron::polygon(&self::points(points, POINTS)?);
+        Ok(Self(body.map_err(geometry_error)?.into()))
+    }
+
+    /// Returns the segment between two points, each of shape (3,).
+    #[staticmethod]
+    fn segment(start: &Bound<'_, PyAny>, end: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let [start, end] = [vector(start, POINT)?, vector(end, POINT)?].map(Point3::from);
+        let body = ConvexPolyhedron::segment(start, end);
+        Ok(Self(body.map_err(geometry_error)?.into()))
+    }
+
+    /// Returns a single point, shape (3,).
+    #[staticmethod]
+    fn point(point: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let body = ConvexPolyhedron::point(Point3::from(vector(point, POINT)?));
+        Ok(Self(body.map_err(geometry_error)?.into()))
+    }
+
+    /// Returns the mesh of triangles as they are: a solid if the mesh is closed, else a surface.
+    ///
+    /// vertices: shape (N, 3). triangles: indices of vertices, shape (M, 3), counterclockwise from
+    /// outside.
+    #[staticmethod]
+    fn mesh(py: Python<'_>, vertices: &Bound<'_, PyAny>, triangles: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let (vertices, triangles) = (points(vertices, VERTICES)?, triangles_of(triangles)?);
+        let mesh = py.detach(|| Mesh::new(&vertices, &triangles));
+        Ok(Self(mesh.map_err(geometry_error)?.into()))
+    }
+
+    /// Returns the mesh of a `trimesh.Trimesh`, or of any object with `vertices` and `faces`.
+    #[staticmethod]
+    fn from_trimesh(py: Python<'_>, mesh: &Bound<'_, PyAny>) -> PyResult<Self> {
+        Self::mesh(py, &mesh.getattr("vertices")?, &mesh.getattr("faces")?)
+    }
+
+    /// Returns the box about the origin with the given half extents along x, y and z.
+    #[staticmethod]
+    #[pyo3(name = "box")]
+    fn cuboid(half_x: f64, half_y: f64, half_z: f64) -> PyResult<Self> {
+        of_shape(Shape::cuboid(Vector3::new(half_x, half_y, half_z)))
+    }
+
+    /// Returns the ball about the origin.
+    #[staticmethod]
+    fn ball(radius: f64) -> PyResult<Self> {
+        of_shape(Shape::ball(radius))
+    }
+
+    /// Returns the capsule about the origin along z: the points within `radius` of the segment from
+    /// -half_length to half_length.
+    #[staticmethod]
+    #[pyo3(signature = (*, half_length, radius))]
+    fn capsule(half_length: f64, radius: f64) -> PyResult<Self> {
+        of_shape(Shape::capsule(half_length, radius))
+    }
+
+    /// Returns the cylinder about the origin along z.
+    #[staticmethod]
+    #[pyo3(signature = (*, half_height, radius))]
+    fn cylinder(half_height: f64, radius: f64) -> PyResult<Self> {
+        of_shape(Shape::cylinder(half_height, radius))
+    }
+
+    /// Returns the cone about the origin along z: apex at half_height, base disc at -half_height.
+    #[staticmethod]
+    #[pyo3(signature = (*, half_height, radius))]
+    fn cone(half_height: f64, radius: f64) -> PyResult<Self> {
+        of_shape(Shape::cone(half_height, radius))
+    }
+
+    /// Returns the ellipsoid about the origin with the given semi-axes along x, y and z.
+    #[staticmethod]
+    fn ellipsoid(semi_x: f64, semi_y: f64, semi_z: f64) -> PyResult<Self> {
+        of_shape(Shape::ellipsoid(Vector3::new(semi_x, semi_y, semi_z)))
+    }
+}

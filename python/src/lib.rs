@@ -1,0 +1,33 @@
+//! The extension module `lin_canny._native`. The package in Python re-exports all of it but names
+//! with an underscore.
+
+mod array;
+mod batch;
+mod checker;
+mod errors;
+mod geometry;
+mod pose;
+mod robot;
+mod scene;
+mod tracker;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<geometry::Geometry>()?;
+    module.add_class::<tracker::PairTracker>()?;
+    module.add_class::<tracker::Closest>()?;
+    module.add_class::<tracker::Penetration>()?;
+    module.add_class::<tracker::Cast>()?;
+    module.add_class::<scene::Scene>()?;
+    module.add_class::<scene::ScenePair>()?;
+    module.add_class::<robot::Robot>()?;
+    module.add_class::<checker::Checker>()?;
+    module.add_class::<checker::NearPair>()?;
+    module.add_class::<checker::Verdict>()?;
+    module.add_function(wrap_pyfunction!(tracker::distances, module)?)?;
+    #[cfg(feature = "bench")]
+    module.add_function(wrap_pyfunction!(tracker::rust_loop, module)?)?;
+    errors::add(module)
+}

@@ -1,0 +1,167 @@
+//! Robots of URDF files.
+
+use std::path::PathBuf;
+
+use lin_canny_robot::{LoadOptions, MeshOptions, MeshUse, Packages, Robot as Loaded, Srdf};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::checker::Checker;
+use crate::errors::{file_error, refused};
+
+/// The files of a robot.
+#[derive(Clone)]
+struct Files {
+    urdf: PathBuf,
+    srdf: Option<PathBuf>,
+    packages: Vec<PathBuf>,
+    meshes: String,
+    pieces: Option<PathBuf>,
+}
+
+impl Files {
+    fn packages(&self) -> Packages {
+        Packages::new(&self.packages).with_environment()
+    }
+
+    fn mesh_options(&self) -> PyResult<MeshOptions> {
+        let usage = match self.meshes.as_str() {
+            "hull" => MeshUse::Hull,
+            "mesh" => MeshUse::Mesh,
+            "pieces" => MeshUse::Pieces,
+            other => {
+                return Err(refused(format!(
+                    "meshes is \"hull\", \"mesh\" or \"pieces\", not {other:?}"
+                )));
+            }
+        };
+        let mut options = MeshOptions::new(usage);
+        options.pieces.clone_from(&self.pieces);
+        Ok(options)
+    }
+}
+
+/// A robot of a URDF file: links, joints and the geometry of the links.
+///
+/// A configuration has a number for each of `coordinates`, radians for joints that turn and the
+/// unit of the file for joints that slide. Cylinders, capsules and spheres are exact. A robot is
+/// pickled by the paths of its files, which are read again.
+#[pyclass(frozen, module = "lin_canny")]
+pub(crate) struct Robot {
+    pub(crate) robot: Loaded,
+    pub(crate) srdf: Option<Srdf>,
+    files: Files,
+}
+
+impl Robot {
+    /// Returns where this robot looks for packages, and what meshes become: for cells too.
+    pub(crate) fn mesh_sources(&self) -> PyResult<(Packages, MeshOptions)> {
+        Ok((self.files.packages(), self.files.mesh_options()?))
+    }
+}
+
+#[pymethods]
+impl Robot {
+    /// Returns the robot of a URDF file; the pairs of links of an SRDF file are not checked.
+    ///
+    /// packages: folders in which `package://` is looked up, before those of ROS_PACKAGE_PATH and
+    /// those above the URDF. meshes: what mesh files become, "hull", "mesh" (the triangles as they
+    /// are) or "pieces" (the hulls of the objects of an OBJ of the same name in the folder
+    /// `pieces`). Raises FileError, which names file, line and element.
+    #[staticmethod]
+    #[pyo3(signature = (urdf, srdf=None, *, packages=Vec::new(), meshes="hull", pieces=None))]
+    fn load(
+        py: Python<'_>,
+        urdf: PathBuf,
+        srdf: Option<PathBuf>,
+        packages: Vec<PathBuf>,
+        meshes: &str,
+        pieces: Option<PathBuf>,
+    ) -> PyResult<Self> {
+        let meshes = meshes.to_owned();
+        let files = Files {
+            urdf,
+            srdf,
+            packages,
+            meshes,
+            pieces,
+        };
+        let mut options = LoadOptions::default();
+        options.meshes = files.mesh_options()?;
+        let robot = py.detach(|| Loaded::load_with(&files.urdf, &files.packages(), &options));
+        let robot = robot.map_err(file_error)?;
+        let srdf = files.srdf.as_ref().map(|path| Srdf::load(path, &robot)).transpose();
+        Ok(Self {
+            srdf: srdf.map_err(file_error)?,
+            robot,
+            files,
+        })
+    }
+
+    /// The name in the URDF.
+    #[getter]
+    fn name(&self) -> &str {
+        self.robot.name()
+    }
+
+    /// The names of the links, the root first.
+    #[getter]
+    fn links(&self) -> Vec<&str> {
+        self.robot.links().iter().map(|link| link.name.as_str()).collect()
+    }
+
+    /// The names of the coordinates of a configuration.
+    #[getter]
+    fn coordinates(&self) -> Vec<&str> {
+        self.robot.coordinates().iter().map(|c| c.name.as_str()).collect()
+    }
+
+    /// The number of coordinates of a configuration.
+    #[getter]
+    fn dof(&self) -> usize {
+        self.robot.coordinates().len()
+    }
+
+    /// Least and greatest value of each coordinate, shape (dof, 2).
+    #[getter]
+    fn limits<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let limits: Vec<[f64; 2]> = self.robot.coordinates().iter().map(|c| c.limits).collect();
+        PyArray1::from_vec(py, limits.into_flattened()).reshape([self.dof(), 2])
+    }
+
+    /// Returns the clearance between the links of the robot alone at many configurations, shape
+    /// (N, dof): see `Checker.clearances`. Adjacent links and pairs of the SRDF are not checked.
+    #[pyo3(signature = (q, *, threads=1, progress=None))]
+    fn clearances<'py>(
+        slf: &Bound<'py, Self>,
+        q: &Bound<'py, PyAny>,
+        threads: usize,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        Checker::alone(slf)?.clearances(slf.py(), q, threads, progress)
+    }
+
+    fn __repr__(&self) -> String {
+        let (links, dof) = (self.robot.links().len(), self.dof());
+        format!("<Robot {:?}: {links} links, {dof} coordinates>", self.robot.name())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let Files {
+            urdf,
+            srdf,
+            packages,
+            meshes,
+            pieces,
+        } = &self.files;
+        let options = PyDict::new(py);
+        options.set_item("packages", packages)?;
+        options.set_item("meshes", meshes)?;
+        options.set_item("pieces", pieces)?;
+        let load = py.get_type::<Self>().getattr("load")?;
+        let partial = py.import("functools")?.getattr("partial")?;
+        let load = partial.call((load,), Some(&options))?;
+        (load, (urdf, srdf)).into_pyobject(py)
+    }
+}

@@ -1,0 +1,150 @@
+//! Scenes of many bodies.
+
+mod answers;
+mod effects;
+
+pub(crate) use answers::ScenePair;
+
+use lin_canny::Velocity;
+use lin_canny::nalgebra::Isometry3;
+use lin_canny::scene::{Body, BodyId, Group, Scene as Loaded};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::array::{Argument, vector};
+use crate::errors::{pose_error, refused, scene_error};
+use crate::geometry::Geometry;
+use crate::pose::{Pose, Poses};
+
+const VELOCITY: Argument = Argument {
+    name: "a velocity",
+    error: |why| scene_error(why),
+};
+
+/// Many bodies: a step finds which are near each other, and computes what is called for.
+///
+/// Bodies are in groups 0 to 31. `call_for` says what is computed between two groups; without it
+/// nothing is. Ids of bodies are integers. Poses are those of `PairTracker`. Points and normals of
+/// answers are in the world.
+#[pyclass(module = "lin_canny")]
+pub(crate) struct Scene(Loaded);
+
+/// Returns the integer for an id.
+fn number(id: BodyId) -> u64 {
+    u64::from(id.generation) << 32 | u64::from(id.index)
+}
+
+/// Returns the id of an integer.
+fn body(number: u64) -> BodyId {
+    BodyId {
+        index: number as u32,
+        generation: (number >> 32) as u32,
+    }
+}
+
+fn group(number: u8) -> PyResult<Group> {
+    Group::new(number).ok_or_else(|| scene_error(format!("groups are numbered 0 to 31, not {number}")))
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    fn new() -> Self {
+        Self(Loaded::new())
+    }
+
+    /// Inserts a body at a pose, and returns its id. Two fixed bodies are no pair.
+    #[pyo3(signature = (geometry, pose=None, *, group=0, fixed=false))]
+    fn insert(&mut self, geometry: &Bound<'_, Geometry>, pose: Option<Pose>, group: u8, fixed: bool) -> PyResult<u64> {
+        let geometry = geometry.get().0.clone();
+        let new = if fixed {
+            Body::fixed(geometry)
+        } else {
+            Body::moving(geometry)
+        };
+        let pose = pose.map_or_else(Isometry3::identity, |pose| pose.0);
+        let id = self.0.insert(new.group(self::group(group)?), pose);
+        id.map(number).map_err(scene_error)
+    }
+
+    /// Removes a body.
+    fn remove(&mut self, id: u64) -> PyResult<()> {
+        self.0.remove(body(id)).map_err(scene_error)
+    }
+
+    /// Moves a body to a pose.
+    fn set_pose(&mut self, id: u64, pose: Pose) -> PyResult<()> {
+        self.0.set_pose(body(id), pose.0).map_err(scene_error)
+    }
+
+    /// Moves many bodies: poses of shape (N, 4, 4) or (N, 7), one for each id.
+    fn set_poses(&mut self, ids: Vec<u64>, poses: &Bound<'_, PyAny>) -> PyResult<()> {
+        let poses = Poses::new(poses)?;
+        let view = poses.view()?;
+        if ids.len() != view.len() {
+            return Err(scene_error(format!("{} ids and {} poses", ids.len(), view.len())));
+        }
+        for (k, id) in ids.into_iter().enumerate() {
+            let pose = view.isometry(k).ok_or_else(|| pose_error(view.fault(k)))?;
+            self.0.set_pose(body(id), pose).map_err(scene_error)?;
+        }
+        Ok(())
+    }
+
+    /// Returns the pose of a body, shape (4, 4).
+    fn pose<'py>(&self, py: Python<'py>, id: u64) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let stale = || scene_error(format!("{} is not, or no longer, in this scene", body(id)));
+        let matrix = self.0.pose(body(id)).ok_or_else(stale)?.to_homogeneous();
+        PyArray1::from_slice(py, matrix.transpose().as_slice()).reshape([4, 4])
+    }
+
+    /// Sets the velocity of a body, in the world: lengths per time, and radians per time about the
+    /// origin of its geometry. `advance` moves it.
+    fn set_velocity(&mut self, id: u64, linear: &Bound<'_, PyAny>, angular: &Bound<'_, PyAny>) -> PyResult<()> {
+        let velocity = Velocity::new(vector(linear, VELOCITY)?, vector(angular, VELOCITY)?);
+        self.0.set_velocity(body(id), velocity).map_err(scene_error)
+    }
+
+    /// Moves all bodies by their velocities over a time; a step answers afterwards.
+    fn advance(&mut self, time: f64) -> PyResult<()> {
+        self.0.advance(time).map_err(scene_error)
+    }
+
+    /// Excludes a pair of bodies from all effects.
+    fn ignore_pair(&mut self, a: u64, b: u64) -> PyResult<()> {
+        self.0.ignore_pair(body(a), body(b)).map_err(scene_error)
+    }
+
+    /// Admits a pair that was excluded.
+    fn allow_pair(&mut self, a: u64, b: u64) -> PyResult<()> {
+        self.0.allow_pair(body(a), body(b)).map_err(scene_error)
+    }
+
+    /// Applies all changes and computes what is called for; the lock of the interpreter is free
+    /// meanwhile.
+    fn step(&mut self, py: Python<'_>) {
+        py.detach(|| {
+            self.0.step();
+        });
+    }
+
+    fn __len__(&self) -> usize {
+        self.0.body_count()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Scene: {} bodies, {} pairs>", self.0.body_count(), self.0.pair_count())
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let bytes = postcard::to_stdvec(&self.0).map_err(refused)?;
+        let make = py.get_type::<Self>().getattr("_from_bytes")?;
+        Ok((make, (PyBytes::new(py, &bytes),)))
+    }
+
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        postcard::from_bytes(bytes).map(Self).map_err(scene_error)
+    }
+}

@@ -1,0 +1,187 @@
+//! Answers of a scene.
+
+use lin_canny::impact::Impact;
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::scene::{ClosestPair, PairAnswer, Scene as Loaded};
+use lin_canny::{Distance, Outcome};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use super::{Scene, body, group, number};
+use crate::array::{columns, triple};
+use crate::errors::scene_error;
+use crate::tracker::class_name;
+
+/// Two bodies of a scene and their closest points, in the world.
+#[pyclass(frozen, module = "lin_canny")]
+pub(crate) struct ScenePair {
+    ids: [u64; 2],
+    outcome: Outcome,
+    points: [Point3<f64>; 2],
+    normal: Vector3<f64>,
+}
+
+impl ScenePair {
+    fn new(found: &ClosestPair, scene: &Loaded) -> Self {
+        let still = Isometry3::identity();
+        let [a, b] = [found.a, found.b].map(|id| scene.pose(id).copied().unwrap_or(still));
+        Self {
+            ids: [number(found.a), number(found.b)],
+            outcome: found.outcome,
+            points: [a * found.outcome.point_on_a, b * found.outcome.point_on_b],
+            normal: a.rotation * *found.outcome.normal,
+        }
+    }
+}
+
+#[pymethods]
+impl ScenePair {
+    /// The id of the first body.
+    #[getter]
+    fn a(&self) -> u64 {
+        self.ids[0]
+    }
+
+    /// The id of the second body.
+    #[getter]
+    fn b(&self) -> u64 {
+        self.ids[1]
+    }
+
+    /// The signed distance.
+    #[getter]
+    fn distance(&self) -> f64 {
+        self.outcome.distance
+    }
+
+    /// Lower bound of the signed distance.
+    #[getter]
+    fn lower(&self) -> f64 {
+        self.outcome.lower
+    }
+
+    /// Upper bound of the signed distance.
+    #[getter]
+    fn upper(&self) -> f64 {
+        self.outcome.upper
+    }
+
+    /// "separated", "touching", "overlapping" or "undecided".
+    #[getter]
+    fn state(&self) -> &'static str {
+        class_name(self.outcome.class)
+    }
+
+    /// The witness on the first body in the world, shape (3,).
+    #[getter]
+    fn point_a<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, self.points[0].coords.into())
+    }
+
+    /// The witness on the second body in the world, shape (3,).
+    #[getter]
+    fn point_b<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, self.points[1].coords.into())
+    }
+
+    /// The unit vector from the first to the second body in the world, shape (3,).
+    #[getter]
+    fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, self.normal.into())
+    }
+
+    fn __repr__(&self) -> String {
+        let Outcome {
+            distance, lower, upper, ..
+        } = self.outcome;
+        let [a, b] = self.ids;
+        format!("<ScenePair {a} - {b}: {distance:.6} in [{lower:.15}, {upper:.15}]>")
+    }
+}
+
+/// Returns 1 for yes, 0 for no, -1 if not called for.
+fn flag(answer: Option<bool>) -> i8 {
+    answer.map_or(-1, i8::from)
+}
+
+/// Returns a number of a distance, NaN if there is none.
+fn number_of(pair: &PairAnswer, get: fn(&Distance) -> f64) -> f64 {
+    pair.distance.as_ref().map_or(f64::NAN, get)
+}
+
+#[pymethods]
+impl Scene {
+    /// Returns all pairs whose boxes overlap: a structured array with the fields `a`, `b` (ids),
+    /// `overlaps`, `within` (1 yes, 0 no, -1 not called for), `distance`, `lower`, `upper` (NaN if
+    /// not called for, or beyond the range called for).
+    fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let pairs: Vec<PairAnswer> = self.0.pairs().collect();
+        let ids = |id: fn(&PairAnswer) -> u64| PyArray1::from_iter(py, pairs.iter().map(id)).into_any();
+        let flags = |get: fn(&PairAnswer) -> Option<bool>| {
+            PyArray1::from_iter(py, pairs.iter().map(|pair| flag(get(pair)))).into_any()
+        };
+        let numbers = |get: fn(&Distance) -> f64| {
+            PyArray1::from_iter(py, pairs.iter().map(|pair| number_of(pair, get))).into_any()
+        };
+        let fields = [
+            ("a", "u8", ids(|pair| number(pair.a))),
+            ("b", "u8", ids(|pair| number(pair.b))),
+            ("overlaps", "i1", flags(|pair| pair.overlaps)),
+            ("within", "i1", flags(|pair| pair.within)),
+            ("distance", "f8", numbers(|d| d.value)),
+            ("lower", "f8", numbers(|d| d.lower)),
+            ("upper", "f8", numbers(|d| d.upper)),
+        ];
+        columns(py, pairs.len(), &fields)
+    }
+
+    /// Returns the changes of the last step: tuples of what changed, such as "overlap began", "came
+    /// within" or "boxes parted", and the ids of the two bodies.
+    fn events(&self) -> Vec<(String, u64, u64)> {
+        let told = self.0.events().iter();
+        told.map(|e| (e.change.to_string(), number(e.a), number(e.b))).collect()
+    }
+
+    /// Returns the first contacts within the time of the last `advance`: tuples of the ids of two
+    /// bodies, the time up to which they are proven apart, and the time at which they are proven to
+    /// meet, None if rounding or a limit hides it.
+    fn impacts(&self) -> Vec<(u64, u64, f64, Option<f64>)> {
+        let hit = |impact: &Impact| match *impact {
+            Impact::Hit { hit, .. } => Some(hit),
+            _ => None,
+        };
+        let all = self.0.impacts().iter();
+        all.map(|i| (number(i.a), number(i.b), i.safe(), hit(&i.impact)))
+            .collect()
+    }
+
+    /// Returns the pair of least signed distance of two groups, however far apart, as of the last
+    /// step; None if there is no pair. Anything has to be called for between the groups.
+    fn closest_pair(&self, py: Python<'_>, group_a: u8, group_b: u8) -> PyResult<Option<ScenePair>> {
+        let groups = (group(group_a)?, group(group_b)?);
+        let found = py.detach(|| self.0.closest_pair(groups.0, groups.1));
+        let found = found.map_err(scene_error)?;
+        Ok(found.map(|pair| ScenePair::new(&pair, &self.0)))
+    }
+
+    /// Returns all pairs of two groups that are at most `d` apart, exactly, as of the last step.
+    fn pairs_within(&self, py: Python<'_>, group_a: u8, group_b: u8, d: f64) -> PyResult<Vec<ScenePair>> {
+        let groups = (group(group_a)?, group(group_b)?);
+        let found = py.detach(|| self.0.pairs_within(groups.0, groups.1, d));
+        Ok(self.named(&found.map_err(scene_error)?))
+    }
+
+    /// Returns the `count` bodies nearest to a body and no farther away than `farthest`, nearest
+    /// first, as of the last step.
+    #[pyo3(signature = (id, count, farthest=f64::INFINITY))]
+    fn nearest(&self, id: u64, count: usize, farthest: f64) -> PyResult<Vec<ScenePair>> {
+        let found = self.0.nearest(body(id), count, farthest).map_err(scene_error)?;
+        Ok(self.named(&found))
+    }
+}
+
+impl Scene {
+    fn named(&self, pairs: &[ClosestPair]) -> Vec<ScenePair> {
+        pairs.iter().map(|pair| ScenePair::new(pair, &self.0)).collect()
+    }
+}

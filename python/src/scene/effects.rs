@@ -1,0 +1,41 @@
+//! What is computed between the groups of a scene.
+
+use lin_canny::impact::Tolerance;
+use lin_canny::scene::Effects;
+use pyo3::prelude::*;
+
+use super::{Scene, group};
+use crate::errors::scene_error;
+
+#[pymethods]
+impl Scene {
+    /// Says what is computed between the pairs of two groups, or within one group twice named.
+    ///
+    /// boxes: events of the boxes. overlap: whether bodies share a point. within: whether bodies
+    /// are at most this far apart. distance: the signed distance up to this range. depth: the depth
+    /// of overlaps of convex bodies. impact: the first contact between two steps of bodies that
+    /// `advance` moves, in a bracket in which bodies are at most this far apart. A call replaces
+    /// the one before for these groups; without any effect nothing is computed.
+    #[pyo3(signature = (
+        group_a, group_b, *, boxes=false, overlap=false, within=None, distance=None, depth=false, impact=None
+    ))]
+    #[allow(clippy::too_many_arguments)] // the signature in Python
+    fn call_for(
+        &mut self,
+        group_a: u8,
+        group_b: u8,
+        boxes: bool,
+        overlap: bool,
+        within: Option<f64>,
+        distance: Option<f64>,
+        depth: bool,
+        impact: Option<f64>,
+    ) -> PyResult<()> {
+        let mut effects = Effects::none().boxes(boxes).overlap(overlap).depth(depth);
+        effects.within = within;
+        effects.distance = distance;
+        effects.impact = impact.map(Tolerance::Distance);
+        let called = self.0.call_for(group(group_a)?, group(group_b)?, effects);
+        called.map_err(scene_error)
+    }
+}

@@ -1,0 +1,123 @@
+//! Queries of two geometries.
+
+mod at_poses;
+mod cast;
+mod closest;
+mod contacts;
+
+pub(crate) use at_poses::distances;
+#[cfg(feature = "bench")]
+pub(crate) use at_poses::rust_loop;
+pub(crate) use cast::Cast;
+pub(crate) use closest::{Closest, class_name};
+pub(crate) use contacts::Penetration;
+
+use lin_canny::{Decision, PairTracker as Tracker};
+use pyo3::prelude::*;
+
+use crate::errors::undecided_error;
+use crate::geometry::Geometry;
+use crate::pose::{Pose, relative};
+
+/// Queries of two geometries, which begin at the closest features of the last query.
+///
+/// One tracker for each pair makes queries of a moving pair cheap; a tracker that was used with
+/// another pair only costs time. What is kept changes the time of a query, never the answer beyond
+/// the bounds. A tracker is used by one thread at a time.
+///
+/// Poses: an array of shape (4, 4); (position, quaternion xyzw) as a tuple, or as an array of shape
+/// (7,); (position, scipy Rotation); `pinocchio.SE3`, scipy's `RigidTransform`; None is the
+/// identity. Quaternions are x, y, z, w. Both poses are in one frame, the world, and so are the
+/// points and normals of the answers.
+#[pyclass(module = "lin_canny")]
+pub(crate) struct PairTracker {
+    pub(crate) tracker: Tracker,
+}
+
+/// Returns a decision as a bool.
+fn decided(decision: Decision) -> PyResult<bool> {
+    match decision {
+        Decision::Yes => Ok(true),
+        Decision::No => Ok(false),
+        _ => Err(undecided_error(
+            "rounding or the budget of the query leaves the answer open",
+        )),
+    }
+}
+
+#[pymethods]
+impl PairTracker {
+    #[new]
+    fn new() -> Self {
+        Self {
+            tracker: Tracker::new(),
+        }
+    }
+
+    /// Returns the closest points, with bounds of the signed distance: positive apart, negative by
+    /// the penetration depth if two convex geometries overlap, zero if others do.
+    #[pyo3(signature = (a, b, pose_a=None, pose_b=None))]
+    fn closest(
+        &mut self,
+        a: &Bound<'_, Geometry>,
+        b: &Bound<'_, Geometry>,
+        pose_a: Option<Pose>,
+        pose_b: Option<Pose>,
+    ) -> PyResult<Closest> {
+        let pose = relative(pose_a, pose_b)?;
+        let answer = self.tracker.closest(&a.get().0, &b.get().0, &pose);
+        Ok(Closest::new(answer, pose))
+    }
+
+    /// Returns the signed distance, as `closest` does.
+    #[pyo3(signature = (a, b, pose_a=None, pose_b=None))]
+    fn distance(
+        &mut self,
+        a: &Bound<'_, Geometry>,
+        b: &Bound<'_, Geometry>,
+        pose_a: Option<Pose>,
+        pose_b: Option<Pose>,
+    ) -> PyResult<f64> {
+        let pose = relative(pose_a, pose_b)?;
+        Ok(self.tracker.distance(&a.get().0, &b.get().0, &pose).value)
+    }
+
+    /// Returns whether the geometries share a point; touching counts. Exact for polyhedra, rounded
+    /// or not. Raises UndecidedError if a surface of patches leaves the answer open.
+    #[pyo3(signature = (a, b, pose_a=None, pose_b=None))]
+    fn intersects(
+        &mut self,
+        a: &Bound<'_, Geometry>,
+        b: &Bound<'_, Geometry>,
+        pose_a: Option<Pose>,
+        pose_b: Option<Pose>,
+    ) -> PyResult<bool> {
+        let pose = relative(pose_a, pose_b)?;
+        decided(self.tracker.intersects(&a.get().0, &b.get().0, &pose))
+    }
+
+    /// Returns whether the geometries are at most `d` apart, `d` a length; no for a negative `d`.
+    /// Exact for polyhedra, rounded or not. Raises UndecidedError if a surface of patches leaves
+    /// the answer open.
+    #[pyo3(signature = (a, b, d, pose_a=None, pose_b=None))]
+    fn within(
+        &mut self,
+        a: &Bound<'_, Geometry>,
+        b: &Bound<'_, Geometry>,
+        d: f64,
+        pose_a: Option<Pose>,
+        pose_b: Option<Pose>,
+    ) -> PyResult<bool> {
+        let pose = relative(pose_a, pose_b)?;
+        decided(self.tracker.within(&a.get().0, &b.get().0, &pose, d))
+    }
+
+    fn __repr__(&self) -> &'static str {
+        "<PairTracker>"
+    }
+
+    /// A tracker that was pickled begins anew.
+    fn __reduce__<'py>(&self, py: Python<'py>) -> (Bound<'py, PyAny>, ()) {
+        (py.get_type::<Self>().into_any(), ())
+    }
+}

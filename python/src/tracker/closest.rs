@@ -1,0 +1,119 @@
+//! The answer about the closest points.
+
+use lin_canny::{Answer, Class, RelativePose};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::array::triple;
+use crate::errors::refused;
+
+/// Returns the word for a class.
+pub(crate) fn class_name(class: Class) -> &'static str {
+    match class {
+        Class::Separated => "separated",
+        Class::Touching => "touching",
+        Class::Overlapping => "overlapping",
+        _ => "undecided",
+    }
+}
+
+/// The closest points of two geometries, with proven bounds of the signed distance.
+///
+/// Points and normal are in the frame of the poses given, the world. For convex geometries, apart
+/// or overlapping, `point_b - point_a` is `distance * normal`: in length to rounding, in direction
+/// to some 1e-6.
+#[pyclass(frozen, module = "lin_canny")]
+pub(crate) struct Closest {
+    answer: Answer,
+    pose: RelativePose,
+}
+
+impl Closest {
+    #[inline]
+    pub(crate) fn new(answer: Answer, pose: RelativePose) -> Self {
+        Self { answer, pose }
+    }
+}
+
+#[pymethods]
+impl Closest {
+    /// The signed distance: negative by the penetration depth if two convex geometries overlap,
+    /// zero if others do.
+    #[getter]
+    fn distance(&self) -> f64 {
+        self.answer.distance
+    }
+
+    /// Lower bound of the signed distance; minus infinity if the depth of an overlap is unknown.
+    #[getter]
+    fn lower(&self) -> f64 {
+        self.answer.lower
+    }
+
+    /// Upper bound of the signed distance.
+    #[getter]
+    fn upper(&self) -> f64 {
+        self.answer.upper
+    }
+
+    /// "separated", "touching", "overlapping" or "undecided".
+    #[getter]
+    fn state(&self) -> &'static str {
+        class_name(self.answer.class)
+    }
+
+    /// The closest features, such as "v3-f1": vertex 3 of A and face 1 of B.
+    #[getter]
+    fn features(&self) -> String {
+        self.answer.features.to_string()
+    }
+
+    /// The piece, triangle or patch of each witness, by the caller's index; 0 if convex.
+    #[getter]
+    fn parts(&self) -> (u32, u32) {
+        (self.answer.on[0].part, self.answer.on[1].part)
+    }
+
+    /// The witness on A in the world, shape (3,).
+    #[getter]
+    fn point_a<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, (self.pose.poses().0 * self.answer.point_on_a).coords.into())
+    }
+
+    /// The witness on B in the world, shape (3,).
+    #[getter]
+    fn point_b<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, (self.pose.poses().1 * self.answer.point_on_b).coords.into())
+    }
+
+    /// The unit vector from A to B in the world, shape (3,).
+    #[getter]
+    fn normal<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, (self.pose.poses().0.rotation * *self.answer.normal).into())
+    }
+
+    fn __repr__(&self) -> String {
+        let Answer { outcome: o, .. } = &self.answer;
+        format!(
+            "<Closest {}: {:.6} in [{:.15}, {:.15}], {}>",
+            class_name(o.class),
+            o.distance,
+            o.lower,
+            o.upper,
+            o.features
+        )
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+        let bytes = postcard::to_stdvec(&(&self.answer, &self.pose)).map_err(refused)?;
+        let make = py.get_type::<Self>().getattr("_from_bytes")?;
+        Ok((make, (PyBytes::new(py, &bytes),)))
+    }
+
+    #[staticmethod]
+    fn _from_bytes(bytes: &[u8]) -> PyResult<Self> {
+        let (answer, pose) = postcard::from_bytes(bytes).map_err(refused)?;
+        Ok(Self { answer, pose })
+    }
+}

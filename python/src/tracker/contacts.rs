@@ -1,0 +1,135 @@
+//! Contact points, and the depth of solids of any kind.
+
+use lin_canny::{ManifoldOptions, PatchContact, PenetrationBounds, RelativePose};
+use numpy::PyArray1;
+use pyo3::prelude::*;
+
+use super::PairTracker;
+use crate::array::{structured, triple};
+use crate::errors::{pair_error, refused};
+use crate::geometry::Geometry;
+use crate::pose::{Pose, relative};
+
+/// Numbers of a contact: two points, normal, separation, group, two patches.
+const COLUMNS: usize = 13;
+
+/// Returns the row of a contact, in the world.
+fn row(contact: &PatchContact, group: usize, pose: &RelativePose) -> [f64; COLUMNS] {
+    let (pose_a, pose_b) = pose.poses();
+    let a = pose_a * contact.point.point_on_a;
+    let b = pose_b * contact.point.point_on_b;
+    let n = pose_a.rotation * *contact.normal;
+    let [patch_a, patch_b] = contact.patches.map(f64::from);
+    [
+        a.x,
+        a.y,
+        a.z,
+        b.x,
+        b.y,
+        b.z,
+        n.x,
+        n.y,
+        n.z,
+        contact.point.separation,
+        group as f64,
+        patch_a,
+        patch_b,
+    ]
+}
+
+/// Bounds of the penetration depth of two solids: the length of the shortest translation of B after
+/// which they share no inner point.
+#[pyclass(frozen, module = "lin_canny")]
+pub(crate) struct Penetration {
+    bounds: PenetrationBounds,
+    pose: RelativePose,
+}
+
+#[pymethods]
+impl Penetration {
+    /// Lower bound of the depth.
+    #[getter]
+    fn lower(&self) -> f64 {
+        self.bounds.lower
+    }
+
+    /// Upper bound of the depth: the length of `shift`.
+    #[getter]
+    fn upper(&self) -> f64 {
+        self.bounds.upper
+    }
+
+    /// A translation of B in the world that parts the solids, shape (3,).
+    #[getter]
+    fn shift<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        triple(py, (self.pose.poses().0.rotation * self.bounds.shift).into())
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "<Penetration in [{:.15}, {:.15}]>",
+            self.bounds.lower, self.bounds.upper
+        )
+    }
+}
+
+#[pymethods]
+impl PairTracker {
+    /// Returns the contact points no farther apart than `prediction`, a length: a structured array
+    /// with the fields `point_a`, `point_b`, `normal` (each (3,), in the world), `separation`,
+    /// `group` (contacts of one direction, the deepest group first), `patch_a` and `patch_b`.
+    ///
+    /// max_points: the largest number of points of a group, 1 to 8. Raises PairError for surfaces
+    /// of patches.
+    #[pyo3(signature = (a, b, pose_a=None, pose_b=None, *, prediction=0.0, max_points=4))]
+    #[allow(clippy::too_many_arguments)] // the signature in Python
+    fn contacts<'py>(
+        &mut self,
+        py: Python<'py>,
+        a: &Bound<'py, Geometry>,
+        b: &Bound<'py, Geometry>,
+        pose_a: Option<Pose>,
+        pose_b: Option<Pose>,
+        prediction: f64,
+        max_points: usize,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        if !(prediction >= 0.0) || !(1..=8).contains(&max_points) {
+            return Err(refused(format!(
+                "prediction is at least 0 and max_points 1 to 8, not {prediction} and {max_points}"
+            )));
+        }
+        let pose = relative(pose_a, pose_b)?;
+        let options = ManifoldOptions::within(prediction).max_points(max_points);
+        let groups = self.tracker.contacts(&a.get().0, &b.get().0, &pose, &options);
+        let groups = groups.map_err(pair_error)?.iter().enumerate();
+        let rows = groups.flat_map(|(k, group)| group.contacts.iter().map(move |c| row(c, k, &pose)));
+        let [point_a, point_b, normal] = ["point_a", "point_b", "normal"].map(|name| (name, "f8", 3));
+        let numbers = [
+            ("separation", "f8", 1),
+            ("group", "i4", 1),
+            ("patch_a", "i4", 1),
+            ("patch_b", "i4", 1),
+        ];
+        let [separation, group, patch_a, patch_b] = numbers;
+        let fields = [point_a, point_b, normal, separation, group, patch_a, patch_b];
+        structured(py, rows.collect(), &fields)
+    }
+
+    /// Returns bounds of the penetration depth of two solids; None if one of both has no inside: a
+    /// mesh that is not closed, or a surface of patches. Of two convex geometries `closest` tells
+    /// the depth itself.
+    #[pyo3(signature = (a, b, pose_a=None, pose_b=None))]
+    fn penetration(
+        &mut self,
+        py: Python<'_>,
+        a: &Bound<'_, Geometry>,
+        b: &Bound<'_, Geometry>,
+        pose_a: Option<Pose>,
+        pose_b: Option<Pose>,
+    ) -> PyResult<Option<Penetration>> {
+        let pose = relative(pose_a, pose_b)?;
+        let (a, b) = (&a.get().0, &b.get().0);
+        let found = py.detach(|| self.tracker.penetration(a, b, &pose));
+        Ok(found.map(|bounds| Penetration { bounds, pose }))
+    }
+}

@@ -1,0 +1,135 @@
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import lin_canny as lc
+
+BOX = lc.Geometry.box(1, 1, 1)
+
+
+def poses(count, seed=0, spread=3.0):
+    """Return random poses, shape (count, 7)."""
+    rng = np.random.default_rng(seed)
+    q = rng.normal(size=(count, 4))
+    q /= np.linalg.norm(q, axis=1)[:, None]
+    return np.hstack([rng.normal(size=(count, 3)) * spread, q])
+
+
+def matrices(seven):
+    x, y, z, w = seven[:, 3:].T
+    m = np.zeros((len(seven), 4, 4))
+    m[:, 0, :3] = np.stack([1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)], 1)
+    m[:, 1, :3] = np.stack([2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)], 1)
+    m[:, 2, :3] = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], 1)
+    m[:, :3, 3], m[:, 3, 3] = seven[:, :3], 1
+    return m
+
+
+@given(st.integers(0, 130), st.integers(0, 2**32 - 1))
+@settings(max_examples=40, deadline=None)
+def test_a_batch_is_the_single_calls(count, seed):
+    at = poses(count, seed)
+    found = lc.distances(BOX, BOX, at)
+    assert found.shape == (count,) and found.dtype.names == ("distance", "lower", "upper")
+    assert np.all(found["lower"] <= found["distance"]) and np.all(found["distance"] <= found["upper"])
+    by_matrix = lc.distances(BOX, BOX, matrices(at))
+    assert np.allclose(by_matrix["distance"], found["distance"], atol=1e-12)
+    for pose, row in zip(at, found):
+        single = lc.PairTracker().closest(BOX, BOX, None, pose)
+        assert single.lower <= row["upper"] and row["lower"] <= single.upper
+
+
+@pytest.mark.parametrize("other", [BOX, lc.Geometry.ball(1), lc.Geometry.mesh(BOX.vertices, BOX.triangles)])
+def test_bits_do_not_depend_on_threads(other):
+    at = poses(5000)
+    one = lc.distances(BOX, other, at)
+    assert np.array_equal(one, lc.distances(BOX, other, at, threads=3))
+    assert np.any(one["distance"] > 0) and np.any(one["distance"] <= 0)
+    # Blocks of 1024 poses start afresh.
+    assert np.array_equal(one[2048:], lc.distances(BOX, other, at[2048:]))
+
+
+def test_forms_of_poses():
+    at = poses(100)
+    expected = lc.distances(BOX, BOX, at)
+    forms = [
+        (at[:, :3], at[:, 3:]),
+        np.asfortranarray(at),
+        np.repeat(at, 2, axis=0)[::2],
+        at.tolist(),
+    ]
+    for form in forms:
+        assert np.array_equal(lc.distances(BOX, BOX, form), expected)
+    m = matrices(at)
+    expected = lc.distances(BOX, BOX, m)
+    assert np.array_equal(lc.distances(BOX, BOX, np.asfortranarray(m)), expected)
+    single = lc.distances(BOX, BOX, m.astype(np.float32))
+    assert np.allclose(single["distance"], expected["distance"], atol=1e-4)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_the_pose_that_is_refused_is_named(threads):
+    at = poses(3000)
+    at[2007, 3:] *= 2
+    with pytest.raises(lc.PoseError, match="pose 2007: a quaternion .* squared norm is [34]"):
+        lc.distances(BOX, BOX, at, threads=threads)
+    m = matrices(poses(9))
+    m[7, 0, 3] = np.inf
+    with pytest.raises(lc.PoseError, match="pose 7: translation of B"):
+        lc.distances(BOX, BOX, m)
+    with pytest.raises(lc.PoseError, match=r"not \(9, 3, 3\)"):
+        lc.distances(BOX, BOX, m[:, :3, :3])
+    with pytest.raises(lc.LinCannyError, match="threads is 0"):
+        lc.distances(BOX, BOX, m, threads=0)
+
+
+def test_progress_and_exceptions_of_the_callable():
+    told = []
+    lc.distances(BOX, BOX, poses(3000), progress=lambda done, total: told.append((done, total)))
+    assert told[-1] == (3000, 3000) and told == sorted(told)
+    with pytest.raises(ZeroDivisionError):
+        lc.distances(BOX, BOX, poses(9), progress=lambda done, total: 1 / 0)
+
+
+def test_a_bar_of_tqdm(capfd):
+    pytest.importorskip("tqdm", reason="tqdm is not installed")
+    lc.distances(BOX, BOX, poses(3000), progress=True)
+    assert "3000/3000" in capfd.readouterr().err
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs signals of POSIX")
+@pytest.mark.parametrize("threads", [1, 2])
+def test_ctrl_c_ends_a_batch(threads):
+    ring = lc.Geometry.hull(np.random.default_rng(1).normal(size=(500, 3)))
+    at = np.tile(poses(10_000, spread=0.5), (200, 1))  # minutes of work
+    timer = threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT))
+    start = time.perf_counter()
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        lc.distances(ring, ring, at, threads=threads)
+    assert time.perf_counter() - start < 5
+
+
+def test_other_threads_run_during_a_batch():
+    hull = lc.Geometry.hull(np.random.default_rng(1).normal(size=(100, 3)))
+    at, ticks, stop = np.tile(poses(10_000, spread=1), (4, 1)), [0], threading.Event()
+
+    def tick():
+        while not stop.is_set():
+            ticks[0] += 1
+            time.sleep(0.001)
+
+    ticker = threading.Thread(target=tick)
+    ticker.start()
+    before = ticks[0]
+    lc.distances(hull, hull, at)
+    during = ticks[0] - before
+    stop.set()
+    ticker.join()
+    assert during > 5

@@ -1,0 +1,131 @@
+import math
+import pickle
+
+import numpy as np
+import pytest
+
+import lin_canny as lc
+
+SQUARE = [[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]
+HIGH = ((0, 0, 5), (0, 0, 0, 1))
+
+
+def dome(weights=None):
+    points = [[[x, y, -abs(x) - abs(y)] for y in (-1, 0, 1)] for x in (-1, 0, 1)]
+    return lc.Geometry.surface([points], weights)
+
+
+def every_kind():
+    cube = lc.Geometry.box(1, 1, 1)
+    return {
+        "hull": lc.Geometry.hull(np.vstack([SQUARE, [[0, 0, 1]]])),
+        "polygon": lc.Geometry.polygon(SQUARE),
+        "segment": lc.Geometry.segment([0, 0, -1], [0, 0, 1]),
+        "point": lc.Geometry.point([0, 0, 0]),
+        "box": cube,
+        "ball": lc.Geometry.ball(1),
+        "capsule": lc.Geometry.capsule(half_length=1, radius=0.5),
+        "cylinder": lc.Geometry.cylinder(half_height=1, radius=0.5),
+        "cone": lc.Geometry.cone(half_height=1, radius=0.5),
+        "ellipsoid": lc.Geometry.ellipsoid(1, 2, 1),
+        "rounded": cube.rounded(0.25),
+        "pieces": lc.Geometry.pieces([cube, (lc.Geometry.ball(0.5), ((0, 0, 1), (0, 0, 0, 1)))]),
+        "mesh": lc.Geometry.mesh(cube.vertices, cube.triangles),
+        "sheet": lc.Geometry.mesh(SQUARE, [[0, 1, 2], [0, 2, 3]]),
+        "surface": dome(),
+    }
+
+
+# The highest point of each geometry, by hand; the dome is 2 x 2 quadratic, its middle is -1/2 - 1/2.
+TOPS = {
+    "hull": 1, "polygon": 0, "segment": 1, "point": 0, "box": 1, "ball": 1, "capsule": 1.5, "cylinder": 1,
+    "cone": 1, "ellipsoid": 1, "rounded": 1.25, "pieces": 1.5, "mesh": 1, "sheet": 0, "surface": -1,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TOPS)
+def test_the_distance_to_a_ball_above_is_exact(name):
+    found = lc.PairTracker().closest(every_kind()[name], lc.Geometry.ball(0.5), None, HIGH)
+    assert found.lower <= 4.5 - TOPS[name] <= found.upper
+    assert found.distance == pytest.approx(4.5 - TOPS[name], abs=1e-8)
+    assert found.normal @ [0, 0, 1] == pytest.approx(1, abs=1e-4)
+
+
+@pytest.mark.parametrize("name", TOPS)
+def test_pickled_geometry_gives_the_same_bits(name):
+    before = every_kind()[name]
+    after = pickle.loads(pickle.dumps(before))
+    assert repr(after) == repr(before)
+    ball = lc.Geometry.ball(0.5)
+    distances = [lc.PairTracker().distance(g, ball, None, HIGH) for g in (before, after)]
+    assert distances[0] == distances[1]
+
+
+def test_reprs_and_properties():
+    kinds = every_kind()
+    assert repr(kinds["box"]) == "<Geometry hull: 8 vertices, 6 faces>"
+    assert repr(kinds["mesh"]) == "<Geometry solid mesh: 8 vertices, 12 triangles>"
+    assert repr(kinds["pieces"]) == "<Geometry composite: 2 pieces>"
+    assert kinds["ellipsoid"].kind == "curved shape"
+    assert kinds["box"].is_convex and not kinds["mesh"].is_convex
+    assert kinds["mesh"].is_solid and not kinds["sheet"].is_solid and not kinds["surface"].is_solid
+    centre, radius = kinds["box"].bounding_ball
+    assert np.allclose(centre, 0) and math.sqrt(3) <= radius < 1.8
+
+
+def test_triangles_face_outwards():
+    cube = every_kind()["box"]
+    assert cube.vertices.shape == (8, 3) and cube.triangles.shape == (12, 3)
+    a, b, c = cube.vertices[cube.triangles].transpose(1, 0, 2)
+    assert np.einsum("ij,ij", a, np.cross(b, c)) / 6 == pytest.approx(8)
+    with pytest.raises(lc.GeometryError, match="curved shape has no triangles"):
+        _ = every_kind()["cone"].vertices
+
+
+def test_nurbs_and_weights():
+    # A quarter of a cylinder of radius 1 about y: rational in u, straight in v.
+    arc = np.array([[1, 0, 0], [1, 0, 1], [0, 0, 1]], float)
+    points = np.stack([arc + [0, y, 0] for y in (-1, 1)], axis=1)
+    weights = np.array([[1, 1], [math.sqrt(0.5)] * 2, [1, 1]])
+    ball, at = lc.Geometry.ball(0.25), ((2, 0, 2), (0, 0, 0, 1))
+    nurbs = lc.Geometry.nurbs((2, 1), [0, 0, 0, 1, 1, 1], [0, 0, 1, 1], points, weights)
+    for quarter in (nurbs, lc.Geometry.surface([points], [weights])):
+        distance = lc.PairTracker().distance(quarter, ball, None, at)
+        assert distance == pytest.approx(math.sqrt(8) - 1.25, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: lc.Geometry.hull(np.zeros((5, 4))), r"points have the shape \(N, 3\), not \(5, 4\)"),
+        (lambda: lc.Geometry.hull([0, 0, 0]), r"not \(3,\)"),
+        (lambda: lc.Geometry.hull([["a", "b", "c"]]), "dtype <U1"),
+        (lambda: lc.Geometry.hull(np.ones((4, 3), complex)), "complex128"),
+        (lambda: lc.Geometry.hull([[0, 0, 0], [0, math.nan, 0]]), "point 1"),
+        (lambda: lc.Geometry.mesh(np.eye(3), [[0, 1, 9]]), "9"),
+        (lambda: lc.Geometry.mesh(np.eye(3), [[0, 1, -1]]), "triangle 0 names point -1"),
+        (lambda: lc.Geometry.mesh(np.eye(3), [[0.5, 1, 2]]), "float64, not int64"),
+        (lambda: lc.Geometry.ball(-1), "-1"),
+        (lambda: lc.Geometry.pieces([every_kind()["sheet"]]), "piece 0 is a mesh"),
+        (lambda: every_kind()["mesh"].rounded(0.1), "mesh cannot be rounded"),
+        (lambda: lc.Geometry.surface([np.zeros((2, 2))]), r"\(M, N, 3\)"),
+        (lambda: lc.Geometry._from_bytes(b"\x09"), "."),
+    ],
+)
+def test_refused_geometries(call, words):
+    with pytest.raises(lc.GeometryError, match=words) as caught:
+        call()
+    assert isinstance(caught.value, ValueError)
+
+
+def test_lengths_of_capsules_are_named():
+    with pytest.raises(TypeError):
+        lc.Geometry.capsule(1, 0.5)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.int16, np.uint8])
+def test_points_of_any_real_dtype_and_strides(dtype):
+    points = np.zeros((8, 6), dtype, order="F")
+    points[:, ::2] = [[x, y, z] for x in (0, 2) for y in (0, 2) for z in (0, 2)]
+    hull = lc.Geometry.hull(points[:, ::2])
+    assert lc.PairTracker().distance(hull, lc.Geometry.ball(1), None, ((5, 1, 1), (0, 0, 0, 1))) == 2
