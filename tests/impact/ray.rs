@@ -239,7 +239,7 @@ fn scenes_tell_the_first_body() {
         } else {
             rng.range(1.0, 30.0)
         };
-        let may_hit = |id: &BodyId| k % 5 != 0 || id.index % 2 == 0;
+        let may_hit = |id: &BodyId| k % 5 != 0 || id.index.is_multiple_of(2);
         let found = scene.cast_ray(&ray, length, |id| may_hit(&id)).expect("a ray");
         let each = bodies.iter().filter(|(id, ..)| may_hit(id));
         let all = each.filter_map(|(id, shape, at)| {
