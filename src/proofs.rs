@@ -84,7 +84,7 @@ fn isometry([x, y, z, w]: [f64; 4], t: Triple) -> Isometry3<f64> {
     Isometry3::from_parts(Vector3::from(t).into(), q)
 }
 
-/// The rows of the rotation, and the translation; `None` for poses that are refused.
+/// Returns the rows of the rotation, and the translation; `None` for poses that are refused.
 pub fn relative_pose(a: ([f64; 4], Triple), b: ([f64; 4], Triple)) -> Option<([Triple; 3], Triple)> {
     let both = RelativePose::new(&isometry(a.0, a.1), &isometry(b.0, b.1)).ok()?;
     let m = both.rotation();
@@ -145,7 +145,7 @@ pub fn double_quotient(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [hi, lo]
 }
 
-/// The constants of `tolerance` by name, each in the roundings that the constant counts.
+/// Returns the constants of `tolerance` by name, each in the roundings that the constant counts.
 pub fn constants() -> Vec<(&'static str, f64)> {
     macro_rules! by {
         ($unit:expr, $($name:ident)*) => { [$((stringify!($name), tolerance::$name / $unit)),*].to_vec() };

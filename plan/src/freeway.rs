@@ -71,7 +71,8 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok((places, FreewayEnd::Budget))
     }
 
-    /// The step along the secant whose component of the sweep coordinate is `way`, as a length.
+    /// Returns the step along the secant whose component of the sweep coordinate is `way`, as a
+    /// length.
     fn predicted(
         &self,
         here: &ClearConfiguration,

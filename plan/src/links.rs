@@ -51,8 +51,8 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Ok(at)
     }
 
-    /// The nearest to a configuration of a few random nodes, of those of other components than a
-    /// node's if one is given.
+    /// Returns the nearest to a configuration of a few random nodes, of those of other components
+    /// than a node's if one is given.
     pub(crate) fn near_one(&mut self, q: &[f64], apart_from: Option<usize>) -> Option<usize> {
         let own = apart_from.map(|node| self.roadmap.component(node));
         let mut best = (f64::INFINITY, None);
@@ -85,8 +85,8 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         Ok(())
     }
 
-    /// The nearest node of each of the nearest other components, of at most [`MANY`] nodes of a
-    /// component chosen at random.
+    /// Returns the nearest node of each of the nearest other components, of at most [`MANY`] nodes
+    /// of a component chosen at random.
     fn strangers(&mut self, node: usize) -> Vec<usize> {
         let Self {
             roadmap,
@@ -132,7 +132,7 @@ pub(crate) fn apart<C: ConfigurationSpace>(space: &C, a: &[f64], b: &[f64]) -> f
     each.map(|((x, y), s)| ((x - y) * s).abs()).fold(0.0, f64::max)
 }
 
-/// A few nodes of a freeway, both ends among them.
+/// Returns a few nodes of a freeway, both ends among them.
 pub(crate) fn spaced(nodes: &[usize]) -> Vec<usize> {
     let last = nodes.len() - 1;
     let mut some: Vec<usize> = (0..=TRIES_A_FREEWAY)

@@ -225,9 +225,9 @@ impl JointTree {
     }
 }
 
-/// The length of a unit of each coordinate: of the joints that it drives the greatest of the factor
-/// of a slide, and for a turn the factor times the distance to the farthest point beyond. 1 for a
-/// coordinate that moves nothing.
+/// Returns the length of a unit of each coordinate: of the joints that it drives the greatest of
+/// the factor of a slide, and for a turn the factor times the distance to the farthest point
+/// beyond. 1 for a coordinate that moves nothing.
 fn scales(joints: &[TreeJoint], limits: &[[f64; 2]], mut beyond: Vec<f64>) -> Vec<f64> {
     let mut scales = std::vec![0.0f64; limits.len()];
     for (index, joint) in joints.iter().enumerate().rev() {
@@ -250,8 +250,8 @@ fn scales(joints: &[TreeJoint], limits: &[[f64; 2]], mut beyond: Vec<f64>) -> Ve
     scales.into_iter().map(known).collect()
 }
 
-/// The first of the links that keep their relative pose to each link: links that fixed joints
-/// connect.
+/// Returns the first of the links that keep their relative pose to each link: links that fixed
+/// joints connect.
 fn rigid(joints: &[TreeJoint]) -> Vec<usize> {
     let mut first = std::vec![0];
     for (index, joint) in joints.iter().enumerate() {

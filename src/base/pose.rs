@@ -149,7 +149,7 @@ impl PoseBits {
         self.t.spare()
     }
 
-    /// Whether the rotation is a unit quaternion. NaN fails the comparison.
+    /// Returns whether the rotation is a unit quaternion. NaN fails the comparison.
     #[inline(always)]
     fn is_unit(&self) -> bool {
         (self.norm_squared() - 1.0).abs() <= POSE_UNIT
@@ -172,7 +172,7 @@ impl PoseBits {
     }
 }
 
-/// Whether the rotation of a pose is a unit quaternion, as [`RelativePose::new`] requires.
+/// Returns whether the rotation of a pose is a unit quaternion, as [`RelativePose::new`] requires.
 #[inline]
 pub(crate) fn is_unit(pose: &Isometry3<f64>) -> bool {
     PoseBits::new(pose).is_unit()

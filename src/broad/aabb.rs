@@ -114,13 +114,13 @@ impl Aabb {
         }
     }
 
-    /// Whether the closed boxes share a point: touching boxes do.
+    /// Returns whether the closed boxes share a point: touching boxes do.
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.max[k] && other.min[k] <= self.max[k])
     }
 
-    /// Whether `other` lies within this box, faces included.
+    /// Returns whether `other` lies within this box, faces included.
     #[must_use]
     pub fn contains(&self, other: &Self) -> bool {
         (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
@@ -206,7 +206,7 @@ impl StoredBox {
         }
     }
 
-    /// Whether the closed boxes share a point.
+    /// Returns whether the closed boxes share a point.
     #[inline(always)]
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
@@ -218,7 +218,7 @@ impl StoredBox {
         all
     }
 
-    /// Whether `other` lies within this box, faces included.
+    /// Returns whether `other` lies within this box, faces included.
     #[inline(always)]
     #[must_use]
     pub fn contains(&self, other: &Self) -> bool {

@@ -249,7 +249,7 @@ impl Bodies {
         Ok(())
     }
 
-    /// Whether the options of two bodies allow a pair.
+    /// Returns whether the options of two bodies allow a pair.
     #[inline]
     pub(crate) fn may_pair(&self, a: u32, b: u32) -> bool {
         let [a, b] = [a, b].map(|i| &self.details[i as usize]);

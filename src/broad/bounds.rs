@@ -54,14 +54,14 @@ impl Bounds {
         }
     }
 
-    /// Whether the closed boxes share a point.
+    /// Returns whether the closed boxes share a point.
     #[inline(always)]
     pub(crate) fn overlaps(&self, other: &Self) -> bool {
         let meets = self.lo.simd_le(other.hi) & other.lo.simd_le(self.hi);
         meets.to_bitmask() & AXES == AXES
     }
 
-    /// Whether `other` lies within this box, faces included.
+    /// Returns whether `other` lies within this box, faces included.
     #[inline(always)]
     pub(crate) fn contains(&self, other: &Self) -> bool {
         let within = self.lo.simd_le(other.lo) & other.hi.simd_le(self.hi);
@@ -84,7 +84,7 @@ impl Bounds {
     }
 }
 
-/// Whether any axis exceeds its bound.
+/// Returns whether any axis exceeds its bound.
 #[inline(always)]
 pub(crate) fn any_above(v: f32x4, bounds: f32x4) -> bool {
     v.simd_gt(bounds).to_bitmask() & AXES != 0

@@ -192,7 +192,7 @@ pub trait BroadPhase: HasState {
         self.state().bodies.ids()
     }
 
-    /// Whether the id names a body.
+    /// Returns whether the id names a body.
     fn contains(&self, id: BodyId) -> bool {
         self.state().bodies.index_of(id).is_ok()
     }

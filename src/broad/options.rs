@@ -20,7 +20,7 @@ impl Groups {
         pairs_with: u32::MAX,
     };
 
-    /// Whether two bodies of these groups may pair.
+    /// Returns whether two bodies of these groups may pair.
     #[must_use]
     pub fn meet(self, other: Self) -> bool {
         self.member_of & other.pairs_with != 0 && other.member_of & self.pairs_with != 0

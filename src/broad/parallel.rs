@@ -51,7 +51,7 @@ pub(super) fn join(a: impl FnOnce() + Send, b: impl FnOnce() + Send) {
     }
 }
 
-/// Whether `items` ascend strictly by `key`.
+/// Returns whether `items` ascend strictly by `key`.
 pub(super) fn ascends<T: Sync>(items: &[T], key: impl Fn(&T) -> u32 + Sync + Copy, threads: usize) -> bool {
     if threads > 1 && items.len() > 2 {
         // Halves share an item, so that every two neighbours are compared.

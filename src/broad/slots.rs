@@ -37,7 +37,7 @@ impl Slots {
         slots.is_consistent().then_some(slots)
     }
 
-    /// Whether every index without a body is listed once and no other is.
+    /// Returns whether every index without a body is listed once and no other is.
     pub(crate) fn is_consistent(&self) -> bool {
         let mut is_listed = alloc::vec![false; self.generations.len()];
         for (list, most) in [(&self.free, RETIRED), (&self.leaving, u32::MAX)] {
@@ -83,7 +83,7 @@ impl Slots {
         }
     }
 
-    /// Whether a body lives at an index.
+    /// Returns whether a body lives at an index.
     #[inline]
     pub(crate) fn lives(&self, index: u32) -> bool {
         self.generations.get(index as usize).is_some_and(|g| g % 2 == 1)
@@ -135,7 +135,7 @@ impl Slots {
         [&self.free, &self.leaving]
     }
 
-    /// Whether bodies were removed since the last step.
+    /// Returns whether bodies were removed since the last step.
     pub(crate) fn has_leaving(&self) -> bool {
         !self.leaving.is_empty()
     }
@@ -162,7 +162,7 @@ impl Slots {
     }
 }
 
-/// Whether an id is that of the body that lives at place `i` of these generations.
+/// Returns whether an id is that of the body that lives at place `i` of these generations.
 #[inline]
 pub(crate) fn is_living(generations: &[u32], i: usize, id: BodyId) -> bool {
     id.generation % 2 == 1 && generations.get(i) == Some(&id.generation)

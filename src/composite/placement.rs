@@ -31,7 +31,7 @@ impl<'a> Placed<'a> {
         Self::new(pose, a.is_in_place() && b.is_in_place())
     }
 
-    /// The relative pose of two parts, and whether it is the bodies' own without rounding.
+    /// Returns the relative pose of two parts, and whether it is the bodies' own without rounding.
     pub(crate) fn between(&self, p: &Isometry3<f64>, q: &Isometry3<f64>) -> (RelativePose, bool) {
         let Some(composed) = &self.composed else {
             return (*self.pose, true);

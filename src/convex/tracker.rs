@@ -423,7 +423,7 @@ impl Replay {
     }
 }
 
-/// Whether the bounding balls alone prove the bodies more than `d` apart.
+/// Returns whether the bounding balls alone prove the bodies more than `d` apart.
 #[inline]
 pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
     if !a.is_unscaled || !b.is_unscaled {
@@ -435,8 +435,8 @@ pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relati
     pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0) + LEAST_SQUARE
 }
 
-/// Whether a pair of different units is computed in the unit of `x`: true if `x` has the larger
-/// unit, or `y` is a point, which has no size of its own.
+/// Returns whether a pair of different units is computed in the unit of `x`: true if `x` has the
+/// larger unit, or `y` is a point, which has no size of its own.
 #[cold]
 fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
     y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0

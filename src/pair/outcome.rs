@@ -383,7 +383,8 @@ impl Decision {
 }
 
 impl Outcome {
-    /// Whether the distance is within one unit in the last place of the truth, as the bounds prove.
+    /// Returns whether the distance is within one unit in the last place of the truth, as the
+    /// bounds prove.
     #[cfg(feature = "exact")]
     pub(crate) fn is_tight(&self) -> bool {
         self.lower > 0.0 && self.lower >= self.distance.next_down() && self.upper <= self.distance.next_up()

@@ -123,8 +123,8 @@ impl ConvexPolyhedron {
     }
 }
 
-/// The bound of [`edge_bound`](ConvexPolyhedron::edge_bound) for weights that are not negative and
-/// a body of this radius.
+/// Returns the bound of [`edge_bound`](ConvexPolyhedron::edge_bound) for weights that are not
+/// negative and a body of this radius.
 #[inline(always)]
 pub(crate) fn two_planes_bound(
     n: PackedVec3,

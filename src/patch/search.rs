@@ -274,7 +274,8 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         }
     }
 
-    /// A little more than the level, so that rounding leaves the interval no wider than asked for.
+    /// Returns a little more than the level, so that rounding leaves the interval no wider than
+    /// asked for.
     fn target(&self) -> f64 {
         self.level() + 4.0 * UNIT * self.trees.frame.size
     }

@@ -197,7 +197,7 @@ fn fingerprint(patches: &[Patch]) -> Fingerprint {
     all.end()
 }
 
-/// Whether borders lie on each other in pairs, each by its control points.
+/// Returns whether borders lie on each other in pairs, each by its control points.
 fn is_closed(patches: &[Patch], reach: f64) -> bool {
     let near = |p: &Point3<f64>, q: &Point3<f64>| (p - q).amax() <= SEAM * reach;
     let mut borders: Vec<(f64, Vec<Point3<f64>>, bool)> = Vec::new();

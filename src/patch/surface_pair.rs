@@ -81,7 +81,7 @@ impl SurfacePair<'_> {
         }
     }
 
-    /// The answer of a surface that has a point within the mesh.
+    /// Returns the answer of a surface that has a point within the mesh.
     fn inside(&self, found: Answer, (spot, point): (Spot, Point3<f64>), pose: &RelativePose) -> Answer {
         let mut answer = found;
         let o = &mut answer.outcome;

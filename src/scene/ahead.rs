@@ -32,7 +32,7 @@ use crate::time::schedule::ticks;
 use crate::time::separation::Flight;
 
 impl StepContext<'_> {
-    /// Whether a sleeping pair still sleeps.
+    /// Returns whether a sleeping pair still sleeps.
     #[inline]
     pub(super) fn is_asleep(&self, header: &PairHeader) -> bool {
         let bodies = self.bodies;
@@ -145,7 +145,8 @@ impl StepContext<'_> {
         false
     }
 
-    /// Whether the motions of the last tick go on: neither body was disturbed after the tick.
+    /// Returns whether the motions of the last tick go on: neither body was disturbed after the
+    /// tick.
     fn is_foreseen(&self, header: &PairHeader) -> bool {
         let bodies = self.bodies;
         let is_late = |i: u32| bodies.moving.get(i as usize).is_some_and(|m| m.is_late(bodies.step));

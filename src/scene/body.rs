@@ -302,7 +302,8 @@ impl BodyTable {
         }
     }
 
-    /// Whether the motion of a body changes in the step being prepared, for all that is known.
+    /// Returns whether the motion of a body changes in the step being prepared, for all that is
+    /// known.
     #[inline]
     pub(super) fn is_disturbed(&self, index: u32) -> bool {
         let moving = self.moving.get(index as usize);

@@ -61,7 +61,7 @@ impl Travel {
         self.moved = step;
     }
 
-    /// Whether the box is marked as due.
+    /// Returns whether the box is marked as due.
     pub(super) fn is_due(&self, step: u32) -> bool {
         self.due == step
     }

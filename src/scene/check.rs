@@ -97,7 +97,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Whether the time or the way until a pair is looked at again is one that a look may give.
+    /// Returns whether the time or the way until a pair is looked at again is one that a look may
+    /// give.
     fn may_sleep(&self, header: &PairHeader) -> bool {
         let PairFlags {
             known,
@@ -117,7 +118,7 @@ impl Scene {
     }
 }
 
-/// Whether a pair has no answer but those called for.
+/// Returns whether a pair has no answer but those called for.
 fn is_called(state: &PairFlags, plan: &PairPlan) -> bool {
     (plan.overlap || !state.overlaps)
         && (plan.within != NEVER || !state.within)

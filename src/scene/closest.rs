@@ -126,7 +126,7 @@ fn by_bound(x: &Candidate, y: &Candidate) -> core::cmp::Ordering {
 }
 
 impl ClosestSearch<'_> {
-    /// The least upper bound found.
+    /// Returns the least upper bound found.
     fn upper(&self) -> f64 {
         self.best.map_or(f64::INFINITY, |near| near.outcome.upper)
     }

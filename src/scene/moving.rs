@@ -43,8 +43,8 @@ impl Moving {
         self.late == step
     }
 
-    /// Whether the body was disturbed in this step and in the step before, as by a solver that
-    /// changes velocities in every step: then a look ahead is wasted.
+    /// Returns whether the body was disturbed in this step and in the step before, as by a solver
+    /// that changes velocities in every step: then a look ahead is wasted.
     pub(super) fn is_steered(&self, step: u32) -> bool {
         self.disturbed == [step, step.wrapping_sub(1)]
     }

@@ -75,7 +75,8 @@ impl StepContext<'_> {
         travels[header.a as usize].odometer + travels[header.b as usize].odometer
     }
 
-    /// Whether the last answer remains valid: neither body moved, or the budget is not used up.
+    /// Returns whether the last answer remains valid: neither body moved, or the budget is not used
+    /// up.
     #[inline]
     fn is_answered(&self, header: &mut PairHeader, counts: &mut Counts) -> bool {
         let [a, b] = [header.a, header.b].map(|i| &self.bodies.travels[i as usize]);
@@ -102,7 +103,7 @@ impl StepContext<'_> {
         false
     }
 
-    /// Whether two balls are so far apart that no effect called for can apply.
+    /// Returns whether two balls are so far apart that no effect called for can apply.
     #[inline]
     fn is_clear(&self, header: &mut PairHeader, reach: f64, counts: &mut Counts) -> bool {
         let [a, b] = [header.a, header.b].map(|i| &self.bodies.balls[i as usize]);

@@ -250,7 +250,7 @@ impl<T: PairEngine> DetailTables<T> {
         ]
     }
 
-    /// Whether the lists of all tables are equally long.
+    /// Returns whether the lists of all tables are equally long.
     fn is_parallel(&self) -> bool {
         self.predicates.is_parallel()
             && self.distances.is_parallel()
@@ -365,7 +365,7 @@ impl PairTables {
         (table, entry.is_box_event_sent())
     }
 
-    /// Whether every pair of the tables is found by its slot, and every slot finds a pair.
+    /// Returns whether every pair of the tables is found by its slot, and every slot finds a pair.
     pub(super) fn is_consistent(&self) -> bool {
         let tables = self.polyhedra.headers().into_iter().chain(self.mixed.headers());
         let rows = (0u32..).zip(tables).flat_map(|(table, headers)| {

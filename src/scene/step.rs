@@ -51,7 +51,8 @@ impl Scene {
         &self.report
     }
 
-    /// Whether a call since the last step changed anything that a step reads, beside the ticks.
+    /// Returns whether a call since the last step changed anything that a step reads, beside the
+    /// ticks.
     pub(super) fn is_due(&self) -> bool {
         self.changed || self.replanned != 0 || !self.bodies.due.is_empty()
     }
@@ -263,8 +264,8 @@ impl Scene {
     }
 }
 
-/// Whether the queries expected in a step are worth threads, for a scene whose boxes are from
-/// `bodies` bodies on.
+/// Returns whether the queries expected in a step are worth threads, for a scene whose boxes are
+/// from `bodies` bodies on.
 #[cfg(feature = "parallel")]
 fn is_shared(queries: u64, bodies: usize) -> bool {
     queries.saturating_mul(QUERY_IN_BOXES) >= bodies as u64

@@ -136,8 +136,8 @@ impl Course {
         most * (1.0 + 16.0 * UNIT) + f64::MIN_POSITIVE
     }
 
-    /// Whether all numbers are finite, and no bound is negative: else nothing is known of the
-    /// motion.
+    /// Returns whether all numbers are finite, and no bound is negative: else nothing is known of
+    /// the motion.
     pub(crate) fn is_known(&self) -> bool {
         let vectors = [&self.pivot.coords, &self.linear, &self.angular, &self.acceleration];
         let is_bound = |drift: &Drift| drift.0.iter().all(|d| (0.0..f64::INFINITY).contains(d));

@@ -21,13 +21,13 @@ pub(crate) fn magnitude(x: f64) -> f64 {
     }
 }
 
-/// The greater of two numbers, the second if one is NaN: a single instruction.
+/// Returns the greater of two numbers, the second if one is NaN: a single instruction.
 #[inline(always)]
 pub(crate) fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The lesser of two numbers, the second if one is NaN: a single instruction.
+/// Returns the lesser of two numbers, the second if one is NaN: a single instruction.
 #[inline(always)]
 pub(crate) fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }

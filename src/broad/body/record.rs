@@ -100,7 +100,7 @@ impl Record {
         self.stamp() == step
     }
 
-    /// Whether the body is present in the step being prepared.
+    /// Returns whether the body is present in the step being prepared.
     pub(crate) fn present(&self) -> bool {
         is_present(&self.new)
     }

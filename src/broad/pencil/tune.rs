@@ -239,7 +239,7 @@ impl Tuning {
         }
     }
 
-    /// Whether the coming sweep is to count.
+    /// Returns whether the coming sweep is to count.
     pub(super) fn wants_counts(&self) -> bool {
         self.wait <= 1
     }

@@ -20,8 +20,8 @@ use crate::convex::contact::ContactPoint;
 use crate::pair::outcome::{Class, Outcome};
 
 impl PosedPatches<'_> {
-    /// The outcome along the normal of a face at the lowest place over the face on an edge of the
-    /// other part's deepest vertex, which is not over the face itself.
+    /// Returns the outcome along the normal of a face at the lowest place over the face on an edge
+    /// of the other part's deepest vertex, which is not over the face itself.
     ///
     /// A face that ends in a valley bears contacts within the prediction; any other one overlaps,
     /// if it is the nearest to the vertex.
@@ -50,7 +50,7 @@ impl PosedPatches<'_> {
         places.min_by(|x, y| x.distance.total_cmp(&y.distance))
     }
 
-    /// What is at the foot of an outcome's vertex on the plane of the face.
+    /// Returns what is at the foot of an outcome's vertex on the plane of the face.
     fn under(&self, is_of_a: bool, outcome: &Outcome) -> Under {
         let PatchQuery { a, b, pose, doubt, .. } = self.query;
         let n = (self.parts[0].1 * outcome.normal).into_inner();
@@ -63,8 +63,8 @@ impl PosedPatches<'_> {
         }
     }
 
-    /// The first place along an edge, from the vertex of an outcome, at which the bodies fully bear
-    /// a contact along the outcome's normal that is no farther apart than `level`.
+    /// Returns the first place along an edge, from the vertex of an outcome, at which the bodies
+    /// fully bear a contact along the outcome's normal that is no farther apart than `level`.
     fn first_borne(
         &self,
         is_of_a: bool,
@@ -102,8 +102,8 @@ impl PosedPatches<'_> {
         Some(at(on))
     }
 
-    /// An outcome along a face whose point on the other part moves along an edge by a step in the
-    /// other part's frame.
+    /// Returns an outcome along a face whose point on the other part moves along an edge by a step
+    /// in the other part's frame.
     fn moved(&self, is_of_a: bool, outcome: &Outcome, edge: EdgeId, step: Vector3<f64>) -> Outcome {
         let (n, rotation, mut moved) = (outcome.normal, self.pose.rotation(), *outcome);
         if is_of_a {
@@ -129,7 +129,7 @@ impl PosedPatches<'_> {
         moved
     }
 
-    /// The closest points of an outcome of the cores as a contact of the parts.
+    /// Returns the closest points of an outcome of the cores as a contact of the parts.
     fn witness(&self, outcome: &Outcome) -> ContactPoint {
         let [on_a, on_b] = [0, 1].map(|k| self.parts[k].0.round());
         ContactPoint {

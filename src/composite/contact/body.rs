@@ -129,7 +129,8 @@ impl ContactPatches {
         }
     }
 
-    /// The patch of a point of the surface, in the caller's unit, or the piece that holds it.
+    /// Returns the patch of a point of the surface, in the caller's unit, or the piece that holds
+    /// it.
     pub(super) fn patch_at(&self, piece: u32, point: &Point3<f64>) -> u32 {
         match &self.0 {
             PatchedBody::Surface(surface) => surface.patch_at(point),
@@ -137,7 +138,7 @@ impl ContactPatches {
         }
     }
 
-    /// The patch of an item of the tree.
+    /// Returns the patch of an item of the tree.
     pub(super) fn patch(&self, item: u32) -> u32 {
         match &self.0 {
             PatchedBody::Surface(surface) => surface.patch_of_item(item),
@@ -145,7 +146,7 @@ impl ContactPatches {
         }
     }
 
-    /// The convex body of a patch, and its pose in the body's frame.
+    /// Returns the convex body of a patch, and its pose in the body's frame.
     pub(super) fn part(&self, patch: u32) -> Option<(Shape, Isometry3<f64>)> {
         match &self.0 {
             PatchedBody::Surface(surface) => Some((surface.hull(patch)?, Isometry3::identity())),
@@ -156,7 +157,7 @@ impl ContactPatches {
         }
     }
 
-    /// Whether a normal in the body's frame is that of a face of a patch.
+    /// Returns whether a normal in the body's frame is that of a face of a patch.
     pub(super) fn has_face(&self, patch: u32, n: &Vector3<f64>) -> bool {
         match &self.0 {
             PatchedBody::Surface(surface) => surface.has_face(patch, n),
@@ -164,14 +165,14 @@ impl ContactPatches {
         }
     }
 
-    /// Whether a point along an outward normal is at the end of what a piece bears, both in the
-    /// body's frame: what bears contacts is closed.
+    /// Returns whether a point along an outward normal is at the end of what a piece bears, both in
+    /// the body's frame: what bears contacts is closed.
     pub(super) fn ends(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> bool {
         matches!(&self.0, PatchedBody::Pieces(body, tolerance) if is_end(body, patch, point, n, tolerance + doubt))
     }
 
-    /// How far a patch bears a contact at a point along an outward normal, both in the body's frame
-    /// and the caller's unit.
+    /// Returns how far a patch bears a contact at a point along an outward normal, both in the
+    /// body's frame and the caller's unit.
     pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
         match &self.0 {
             PatchedBody::Surface(surface) => surface.bears(patch, point, n, (sine, doubt)),
@@ -185,8 +186,8 @@ impl ContactPatches {
         }
     }
 
-    /// Whether no surface of the body is nearer to a point inside than `depth`. The point is in the
-    /// frame of the patch's part.
+    /// Returns whether no surface of the body is nearer to a point inside than `depth`. The point
+    /// is in the frame of the patch's part.
     pub(super) fn is_clear(&self, patch: u32, point: &Point3<f64>, (depth, doubt): (f64, f64)) -> bool {
         match &self.0 {
             PatchedBody::Surface(surface) => surface.is_clear(point, depth),
@@ -194,7 +195,8 @@ impl ContactPatches {
         }
     }
 
-    /// What is at a point of the plane of a patch's face, beyond the face, in the body's frame.
+    /// Returns what is at a point of the plane of a patch's face, beyond the face, in the body's
+    /// frame.
     pub(super) fn under(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> Under {
         match &self.0 {
             PatchedBody::Surface(surface) if surface.is_below(point, doubt) => Under::Body,
@@ -203,7 +205,7 @@ impl ContactPatches {
         }
     }
 
-    /// Whether the way from a point of the surface to a point below leaves the body.
+    /// Returns whether the way from a point of the surface to a point below leaves the body.
     pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
         matches!(&self.0, PatchedBody::Surface(surface) if surface.is_left(from, to, doubt))
     }

@@ -17,9 +17,9 @@ use crate::composite::parts::Parted;
 use crate::composite::pieces::{Composite, Piece};
 use crate::convex::shape_tracker::ShapeTracker;
 
-/// Whether the surface of the union is as far from a point inside as `depth`, as far as faces and
-/// feet on curved pieces tell. The point is in the frame of one of the pieces, and `depth` below
-/// its core.
+/// Returns whether the surface of the union is as far from a point inside as `depth`, as far as
+/// faces and feet on curved pieces tell. The point is in the frame of one of the pieces, and
+/// `depth` below its core.
 pub(super) fn is_clear(body: &Composite, of: u32, point: &Point3<f64>, (depth, slack): (f64, f64)) -> bool {
     let own = &body.pieces()[of as usize];
     if body.pieces().len() == 1 {
@@ -52,7 +52,7 @@ struct NearPoint<'a> {
 }
 
 impl NearPoint<'_> {
-    /// Whether the surface of a piece is within reach where no other piece covers it.
+    /// Returns whether the surface of a piece is within reach where no other piece covers it.
     fn is_exposed(&self, of: u32) -> bool {
         let piece = &self.body.pieces()[of as usize];
         let Core::Polyhedron(core) = piece.shape.core() else {
@@ -68,7 +68,7 @@ impl NearPoint<'_> {
         })
     }
 
-    /// Whether a part of a face that no other piece covers is within reach.
+    /// Returns whether a part of a face that no other piece covers is within reach.
     fn is_left(&self, (of, n): (u32, &Vector3<f64>), polygon: &[Vector3<f64>], covers: usize) -> bool {
         let (square, foot) = nearest(polygon, &self.place);
         if !(square < self.reach * self.reach) {
@@ -94,7 +94,8 @@ impl NearPoint<'_> {
         })
     }
 
-    /// Whether the point of a curved shape that is nearest is within reach, and not covered.
+    /// Returns whether the point of a curved shape that is nearest is within reach, and not
+    /// covered.
     fn is_foot_exposed(&self, of: u32, Piece { shape, pose, .. }: &Piece) -> bool {
         let foot = foot(shape, &pose.inverse_transform_point(&Point3::from(self.place)));
         foot.is_some_and(|(foot, n)| {
@@ -105,7 +106,8 @@ impl NearPoint<'_> {
     }
 }
 
-/// The corners of a face of a piece, in the body's frame, moved out by the radius of the piece.
+/// Returns the corners of a face of a piece, in the body's frame, moved out by the radius of the
+/// piece.
 fn rim(piece: &Piece, core: &ConvexPolyhedron, face: FaceId, n: &Vector3<f64>) -> Vec<Vector3<f64>> {
     let corners = core.face_vertices(face).filter_map(|v| core.vertex(v));
     corners
@@ -113,7 +115,7 @@ fn rim(piece: &Piece, core: &ConvexPolyhedron, face: FaceId, n: &Vector3<f64>) -
         .collect()
 }
 
-/// The squared distance of a point from a convex polygon, and the point of the polygon.
+/// Returns the squared distance of a point from a convex polygon, and the point of the polygon.
 fn nearest(polygon: &[Vector3<f64>], point: &Vector3<f64>) -> (f64, Vector3<f64>) {
     let mut best = (f64::INFINITY, *point);
     for w in polygon.windows(2).skip(1) {
@@ -125,7 +127,7 @@ fn nearest(polygon: &[Vector3<f64>], point: &Vector3<f64>) -> (f64, Vector3<f64>
     best
 }
 
-/// The part of a convex polygon above a plane.
+/// Returns the part of a convex polygon above a plane.
 fn beyond(polygon: &[Vector3<f64>], m: &Vector3<f64>, level: f64) -> Vec<Vector3<f64>> {
     let mut left = Vec::with_capacity(polygon.len() + 1);
     for (k, p) in polygon.iter().enumerate() {
@@ -141,7 +143,7 @@ fn beyond(polygon: &[Vector3<f64>], m: &Vector3<f64>, level: f64) -> Vec<Vector3
     left
 }
 
-/// The point of a shape's surface that is nearest to a point, and the normal there.
+/// Returns the point of a shape's surface that is nearest to a point, and the normal there.
 fn foot(shape: &Shape, point: &Point3<f64>) -> Option<(Point3<f64>, Vector3<f64>)> {
     let (dot, at) = dot_at(point)?;
     let found = ShapeTracker::new().closest(shape, &dot, &at);

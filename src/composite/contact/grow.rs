@@ -53,7 +53,7 @@ fn unit_normal(mesh: &Mesh, t: u32) -> Vector3<f64> {
     if length > 0.0 { n / length } else { n }
 }
 
-/// The edges of all triangles as they run, in order, each with its triangle.
+/// Returns the edges of all triangles as they run, in order, each with its triangle.
 fn edges(mesh: &Mesh) -> Vec<([u32; 2], u32)> {
     let mut edges = Vec::with_capacity(3 * mesh.triangles.len());
     for (k, &[a, b, c]) in (0u32..).zip(&mesh.triangles) {
@@ -71,13 +71,13 @@ struct MeshSurface<'a> {
 }
 
 impl MeshSurface<'_> {
-    /// The height of a vertex over the plane of a triangle.
+    /// Returns the height of a vertex over the plane of a triangle.
     fn height(&self, triangle: u32, vertex: u32) -> f64 {
         let base = self.mesh.points[self.mesh.triangles[triangle as usize][0] as usize];
         self.normals[triangle as usize].dot(&(self.mesh.points[vertex as usize] - base))
     }
 
-    /// The triangles that share an edge with one, run in the opposite sense.
+    /// Returns the triangles that share an edge with one, run in the opposite sense.
     fn adjacent(&self, triangle: u32) -> impl Iterator<Item = u32> + '_ {
         let [a, b, c] = self.mesh.triangles[triangle as usize];
         [[b, a], [c, b], [a, c]].into_iter().flat_map(move |edge| {
@@ -156,8 +156,8 @@ impl<'a> Growing<'a> {
     }
 }
 
-/// The vertices of a patch that span its hull within a tolerance: of each plane the corners of the
-/// hull of its triangles, so that a flat face is flat whatever its vertices inside are.
+/// Returns the vertices of a patch that span its hull within a tolerance: of each plane the corners
+/// of the hull of its triangles, so that a flat face is flat whatever its vertices inside are.
 pub(super) fn corners(mesh: &Mesh, patch: &PatchTriangles, tolerance: f64) -> Vec<u32> {
     let mut by_plane: Vec<(u32, u32)> = patch.iter().map(|&(t, plane)| (plane, t)).collect();
     by_plane.sort_unstable();

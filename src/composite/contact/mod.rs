@@ -152,13 +152,13 @@ impl ContactTracker {
         &self.found
     }
 
-    /// The names of the contacts of the last query.
+    /// Returns the names of the contacts of the last query.
     fn names(&self) -> Vec<(NodePair, crate::body::polyhedron::FeaturePair)> {
         let all = self.found.iter().flat_map(|g| &g.contacts);
         all.map(|c| (c.patches, c.point.id)).collect()
     }
 
-    /// The contacts of all pairs of patches that are near.
+    /// Returns the contacts of all pairs of patches that are near.
     fn ask_all(&mut self, query: &PatchQuery, frame: &TreeFrame) -> Vec<PatchContact> {
         let mut all = Vec::new();
         self.near.values_mut().for_each(|n| n.is_seen = false);
@@ -212,7 +212,8 @@ fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64
     groups.into_iter().map(reduced).collect()
 }
 
-/// The pairs of patches whose boxes are not proven farther apart than the prediction, in order.
+/// Returns the pairs of patches whose boxes are not proven farther apart than the prediction, in
+/// order.
 fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
     let PatchQuery { a, b, options, .. } = query;
     let (of_a, of_b) = (a.side().tree, b.side().tree);

@@ -1,4 +1,4 @@
-//! Two patches that are near: the manifold of their hulls, as far as both bodies bear it.
+//! Two patches that are near: the contacts of their hulls that lie on the surfaces of both bodies.
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
@@ -48,7 +48,7 @@ impl NearPatches {
         })
     }
 
-    /// Whether the hulls of the patches are not proven apart.
+    /// Returns whether the hulls of the patches are not proven apart.
     pub(super) fn may_overlap(&self) -> bool {
         !(self.manifold.lower() > 0.0)
     }
@@ -95,12 +95,12 @@ impl NearPatches {
 }
 
 impl PosedPatches<'_> {
-    /// The normal of a manifold in A's frame.
+    /// Returns the normal of a manifold in A's frame.
     fn normal(&self, manifold: &Manifold) -> Unit<Vector3<f64>> {
         self.parts[0].1 * manifold.normal()
     }
 
-    /// A contact of the parts as one of the bodies.
+    /// Returns a contact of the parts as one of the bodies.
     pub(super) fn point(&self, point: &ContactPoint) -> ContactPoint {
         ContactPoint {
             point_on_a: self.parts[0].1 * point.point_on_a,
@@ -129,8 +129,8 @@ impl PosedPatches<'_> {
         if is_deepest_borne { nearly | fully } else { 0 }
     }
 
-    /// The points of a manifold that both bodies bear fully, as bits, with those at the end of a
-    /// face that goes on below the other face of a valley.
+    /// Returns the points of a manifold that both bodies bear fully, as bits, with those at the end
+    /// of a face that goes on below the other face of a valley.
     fn fully_borne(&self, manifold: &Manifold) -> u8 {
         let n = self.normal(manifold);
         bits(manifold, |point| {
@@ -139,7 +139,7 @@ impl PosedPatches<'_> {
         })
     }
 
-    /// Whether a point is at the end of a face of a piece, and on a face of the other body.
+    /// Returns whether a point is at the end of a face of a piece, and on a face of the other body.
     fn is_at_end(&self, n: &Vector3<f64>, point: &ContactPoint) -> bool {
         let PatchQuery {
             a,
@@ -180,7 +180,7 @@ impl PosedPatches<'_> {
         of_a.min(of_b)
     }
 
-    /// Whether the deepest contact leaves one of the bodies on the other side.
+    /// Returns whether the deepest contact leaves one of the bodies on the other side.
     fn is_through(&self, point: &ContactPoint) -> bool {
         let PatchQuery { a, b, pose, doubt, .. } = self.query;
         let (rotation, translation) = (pose.rotation(), pose.translation());
@@ -189,7 +189,8 @@ impl PosedPatches<'_> {
         a.is_left(&point.point_on_a, &in_a, *doubt) || b.is_left(&point.point_on_b, &in_b, *doubt)
     }
 
-    /// Whether a patch of a mesh has all of the other part behind it, from where no contact comes.
+    /// Returns whether a patch of a mesh has all of the other part behind it, from where no contact
+    /// comes.
     fn is_behind(&self, n: &Vector3<f64>, deepest: &ContactPoint) -> bool {
         let PatchQuery { a, b, .. } = self.query;
         let [(p, _), (q, _)] = self.parts;
@@ -236,13 +237,13 @@ impl PosedPatches<'_> {
         borne
     }
 
-    /// The points of a manifold that lie on the parts that are convex bodies, as bits: witnesses on
-    /// the plane of a face may lie beside the face.
+    /// Returns the points of a manifold that lie on the parts that are convex bodies, as bits:
+    /// witnesses on the plane of a face may lie beside the face.
     fn on_parts(&self, manifold: &Manifold) -> u8 {
         bits(manifold, |point| self.is_on_parts(point))
     }
 
-    /// Whether a contact lies on the parts that are convex bodies.
+    /// Returns whether a contact lies on the parts that are convex bodies.
     pub(super) fn is_on_parts(&self, point: &ContactPoint) -> bool {
         let PatchQuery { a, b, doubt, .. } = self.query;
         let [(p, _), (q, _)] = self.parts;
@@ -268,7 +269,7 @@ impl PosedPatches<'_> {
         }
     }
 
-    /// The outcomes along the normals of faces of A or of B, the greatest gap first.
+    /// Returns the outcomes along the normals of faces of A or of B, the greatest gap first.
     fn faces(&self) -> impl Iterator<Item = (bool, Outcome)> + '_ {
         let PatchQuery { a, b, .. } = self.query;
         let [(p, at_p), (q, at_q)] = self.parts;
@@ -292,13 +293,13 @@ impl PosedPatches<'_> {
     }
 }
 
-/// The points of a manifold that pass a test, as bits.
+/// Returns the points of a manifold that pass a test, as bits.
 fn bits(manifold: &Manifold, passes: impl Fn(&ContactPoint) -> bool) -> u8 {
     let points = manifold.points().iter().enumerate();
     points.fold(0, |bits, (k, point)| bits | u8::from(passes(point)) << k)
 }
 
-/// The outcomes of the faces of a core that is a polyhedron.
+/// Returns the outcomes of the faces of a core that is a polyhedron.
 fn faces<'a>(core: &'a Core, other: &'a Core, pose: &'a RelativePose) -> impl Iterator<Item = Outcome> + 'a {
     let body: Option<&ConvexPolyhedron> = match core {
         Core::Polyhedron(body) => Some(body),

@@ -91,7 +91,7 @@ impl PatchedMesh {
         self.order[item as usize]
     }
 
-    /// The patch of the triangle that is nearest to a point in the caller's unit.
+    /// Returns the patch of the triangle that is nearest to a point in the caller's unit.
     pub(super) fn patch_at(&self, point: &Point3<f64>) -> u32 {
         let foot = self.mesh.nearest(&(point.coords / self.mesh.unit()));
         self.patch_of[foot.triangle as usize]
@@ -101,13 +101,14 @@ impl PatchedMesh {
         self.hulls.len()
     }
 
-    /// The triangles of a patch; none for a patch that is not there.
+    /// Returns the triangles of a patch; none for a patch that is not there.
     pub(super) fn triangles(&self, patch: u32) -> &[u32] {
         let range = self.first.get(patch as usize..patch as usize + 2);
         range.map_or(&[], |r| &self.of_patch[r[0] as usize..r[1] as usize])
     }
 
-    /// The hull of a patch, with depth; `None` for a patch too small beside its place to be a body.
+    /// Returns the hull of a patch, with depth; `None` for a patch too small beside its place to be
+    /// a body.
     pub(super) fn hull(&self, patch: u32) -> Option<Shape> {
         match self.hulls.get(patch as usize)? {
             Some(hull) => Some(hull.clone()),
@@ -137,8 +138,8 @@ impl PatchedMesh {
         built.ok().map(Shape::from)
     }
 
-    /// How far the mesh admits a contact of a patch at a point in the caller's unit, along an
-    /// outward unit normal. `doubt` is by how much the point may be off its place, `sine` the
+    /// Returns how far the mesh admits a contact of a patch at a point in the caller's unit, along
+    /// an outward unit normal. `doubt` is by how much the point may be off its place, `sine` the
     /// largest angle of a face that is nearly perpendicular to the normal.
     pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
         let place = point.coords / self.mesh.unit();
@@ -179,7 +180,7 @@ impl PatchedMesh {
         }
     }
 
-    /// Whether a patch has a triangle with this normal.
+    /// Returns whether a patch has a triangle with this normal.
     pub(super) fn has_face(&self, patch: u32, n: &Vector3<f64>) -> bool {
         self.triangles(patch).iter().any(|&t| {
             let own = triangle::normal(&self.mesh.corners(t));
@@ -187,14 +188,14 @@ impl PatchedMesh {
         })
     }
 
-    /// Whether a point is as far from the mesh as `depth`.
+    /// Returns whether a point is as far from the mesh as `depth`.
     pub(super) fn is_clear(&self, point: &Point3<f64>, depth: f64) -> bool {
         let (place, reach) = (point.coords / self.mesh.unit(), depth / self.mesh.unit() - self.slack);
         let is_nearer = |t: u32| triangle::nearest(&place, &self.mesh.corners(t)).0 < reach * reach;
         !(reach > 0.0 && self.mesh.tree.any_near(&place, reach, is_nearer))
     }
 
-    /// Whether a point is below the triangle that is nearest to it.
+    /// Returns whether a point is below the triangle that is nearest to it.
     pub(super) fn is_below(&self, point: &Point3<f64>, doubt: f64) -> bool {
         let place = point.coords / self.mesh.unit();
         let foot = self.mesh.nearest(&place);
@@ -203,7 +204,7 @@ impl PatchedMesh {
         n.dot(&(place - foot.point)) < -skin * sqrt(n.norm_squared())
     }
 
-    /// Whether the way from a point of the surface to a point below leaves the mesh.
+    /// Returns whether the way from a point of the surface to a point below leaves the mesh.
     pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
         let unit = self.mesh.unit();
         let skin = 2.0 * (self.slack + doubt / unit);

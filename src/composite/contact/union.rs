@@ -22,13 +22,13 @@ pub(super) enum Under {
     Unknown,
 }
 
-/// Whether another piece holds the point and is higher along the normal: then the whole has no such
-/// normal there.
+/// Returns whether another piece holds the point and is higher along the normal: then the whole has
+/// no such normal there.
 pub(super) fn is_covered(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
     cover(body, of, point, n, slack).is_some()
 }
 
-/// A piece that covers a point of another one.
+/// Returns a piece that covers a point of another one.
 pub(super) fn cover<'a>(
     body: &'a Composite,
     of: u32,
@@ -42,8 +42,8 @@ pub(super) fn cover<'a>(
     })
 }
 
-/// Whether a covered point of a face is at the end of the part of the face that is not: some place
-/// of the face next to the point is not covered.
+/// Returns whether a covered point of a face is at the end of the part of the face that is not:
+/// some place of the face next to the point is not covered.
 pub(super) fn is_end(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
     let Some(Piece { shape, pose, .. }) = body.pieces().get(of as usize) else {
         return false;
@@ -56,7 +56,7 @@ pub(super) fn is_end(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3
     })
 }
 
-/// What is at a point of the plane of a face of a piece.
+/// Returns what is at a point of the plane of a face of a piece.
 pub(super) fn under(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> Under {
     if is_covered(body, of, point, n, slack) {
         Under::Body
@@ -90,7 +90,7 @@ fn other<'a>(
     found
 }
 
-/// Whether a point is within `slack` of a shape, or of the planes of all its faces.
+/// Returns whether a point is within `slack` of a shape, or of the planes of all its faces.
 pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
     if let (Core::Polyhedron(core), 0.0) = (shape.core(), shape.round())
         && core.face_count() >= 4
@@ -103,7 +103,7 @@ pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
     dot_at(point).is_some_and(|(dot, at)| ShapeTracker::new().within(shape, &dot, &at, slack))
 }
 
-/// A point as a shape, and its pose.
+/// Returns a point as a shape, and its pose.
 pub(super) fn dot_at(point: &Point3<f64>) -> Option<(Shape, RelativePose)> {
     let dot = ConvexPolyhedron::point(Point3::origin()).ok()?;
     let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;

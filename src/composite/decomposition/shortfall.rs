@@ -181,7 +181,8 @@ pub(in crate::composite) fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], reso
     })
 }
 
-/// An upper bound of the distances of three points from a piece; `None` if it is more than `most`.
+/// Returns an upper bound of the distances of three points from a piece; `None` if it is more than
+/// `most`.
 fn farthest(hull: &mut PieceHull, points: &[Point3<f64>; 3], most: f64, slack: f64) -> Option<f64> {
     points
         .iter()

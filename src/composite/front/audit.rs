@@ -104,7 +104,7 @@ mod tests {
     use crate::base::pose::RelativePose;
     use crate::composite::mesh::tracker::MeshTracker;
 
-    /// A torus of `n` times `m` squares about z, its tube `thick` and wavy by `wave`.
+    /// Returns a torus of `n` times `m` squares about z, its tube `thick` and wavy by `wave`.
     fn torus(n: u32, m: u32, thick: f64, wave: f64) -> Mesh {
         let angle = |k: u32, of: u32| f64::from(k) * core::f64::consts::TAU / f64::from(of);
         let point = |k: u32| {

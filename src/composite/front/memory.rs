@@ -70,8 +70,8 @@ impl FrontMemory {
         self.conclude(search);
     }
 
-    /// Whether any pair of items is within the distance that the search asks for. Unless the roots
-    /// are far apart, the pairs that decided last are tried first.
+    /// Returns whether any pair of items is within the distance that the search asks for. Unless
+    /// the roots are far apart, the pairs that decided last are tried first.
     pub(in crate::composite) fn is_within<J: Judge>(&mut self, search: &mut TreeSearch<J>) -> bool {
         search.start(&mut self.stack, None);
         if !self.stack.is_empty() {
@@ -109,8 +109,8 @@ impl FrontMemory {
         }
     }
 
-    /// How far the pose is from that of the last query: the norm of the difference of rotations,
-    /// the shift as a part of L.
+    /// Returns how far the pose is from that of the last query: the norm of the difference of
+    /// rotations, the shift as a part of L.
     fn motion(&self, frame: &TreeFrame) -> f64 {
         self.pose.as_ref().map_or(f64::INFINITY, |(r, t)| {
             let turn = sqrt(0.5 * (frame.rotation - r).norm_squared());
@@ -118,7 +118,8 @@ impl FrontMemory {
         })
     }
 
-    /// Whether a front is worth its cut: there is none and fronts pay, or it has grown too long.
+    /// Returns whether a front is worth its cut: there is none and fronts pay, or it has grown too
+    /// long.
     fn is_cut_due(&mut self) -> bool {
         if self.front.is_empty() {
             self.worth.is_due()

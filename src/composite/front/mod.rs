@@ -84,8 +84,8 @@ impl Front {
         self.len() == 0
     }
 
-    /// Whether no more entries are taken: the front does not cover all pairs any more and must be
-    /// cleared at the end of the query.
+    /// Returns whether no more entries are taken: the front does not cover all pairs any more and
+    /// must be cleared at the end of the query.
     pub(in crate::composite) fn is_full(&self) -> bool {
         self.len() >= MOST_ENTRIES
     }
@@ -211,7 +211,7 @@ impl Front {
         self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0[10][place.at as usize % WIDTH] += by;
     }
 
-    /// The place of an entry by its number.
+    /// Returns the place of an entry by its number.
     #[cfg(test)]
     pub(in crate::composite) fn place(&self, k: usize) -> EntryId {
         let first = self.halves[0].pairs.len();
@@ -219,7 +219,7 @@ impl Front {
         EntryId { half, at: at as u32 }
     }
 
-    /// The direction of an entry at a pose, in A's frame.
+    /// Returns the direction of an entry at a pose, in A's frame.
     pub(in crate::composite) fn normal(&self, frame: &Single, place: EntryId) -> [f32; 3] {
         let block = &self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0;
         let n = [0, 1, 2].map(|c| block[c][place.at as usize % WIDTH]);
@@ -231,7 +231,7 @@ impl Front {
     }
 }
 
-/// Where the entry of a pair stands: with the larger node.
+/// Returns where the entry of a pair stands: with the larger node.
 fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: NodePair) -> u8 {
     let radius = |b: &OrientedBox, scale: f32| b.radius() * scale;
     u8::from(radius(&a.boxes[x as usize], frame.scale_a) < radius(&b.boxes[y as usize], frame.scale_b))

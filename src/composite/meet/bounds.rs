@@ -51,7 +51,7 @@ pub(in crate::composite) struct BoundAim {
 }
 
 impl BoundAim {
-    /// A gap that is enough, without a direction that may prove it.
+    /// Returns a gap that is enough, without a direction that may prove it.
     pub(in crate::composite) const fn to(level: f32) -> Self {
         Self { level, known: None }
     }
@@ -120,9 +120,9 @@ fn combined(w: [f32x4; 3], v: &[[f32x4; 3]; 3]) -> [f32x4; 3] {
     ]
 }
 
-/// The gap along an excess vector, and its length: coordinates of the centres' difference in the
-/// axes of one box, half extents of that box and of the other, and the products of the axes, by the
-/// axis of the first.
+/// Returns the gap along an excess vector, and its length: coordinates of the centres' difference
+/// in the axes of one box, half extents of that box and of the other, and the products of the axes,
+/// by the axis of the first.
 #[inline(always)]
 fn excess(d: [f32x4; 3], h: [f32x4; 3], g: [f32x4; 3], m: &[[f32x4; 3]; 3]) -> (f32x4, f32x4, [f32x4; 3]) {
     let over = [d[0].abs() - h[0], d[1].abs() - h[1], d[2].abs() - h[2]];
@@ -174,7 +174,7 @@ impl BestGaps {
     }
 }
 
-/// The best gap of each of up to eight pairs of nodes, and its direction.
+/// Returns the best gap of each of up to eight pairs of nodes, and its direction.
 pub(in crate::composite) fn bounds(
     frame: &Single,
     (a, b): (&Tree, &Tree),
@@ -201,7 +201,7 @@ pub(in crate::composite) fn bounds(
     found
 }
 
-/// The best gap of each of four pairs, and its direction.
+/// Returns the best gap of each of four pairs, and its direction.
 #[inline(never)]
 fn bound_four(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WIDTH]), aim: &BoundAim) -> BestGaps {
     let (a, b) = (Four::new(a, frame.scale_a), Four::new(b, frame.scale_b));

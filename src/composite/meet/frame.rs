@@ -79,7 +79,7 @@ impl Way {
         }
     }
 
-    /// The image of a point.
+    /// Returns the image of a point.
     #[inline(always)]
     pub(in crate::composite) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let (r, t) = (&self.r, &self.t);
@@ -90,7 +90,7 @@ impl Way {
         ]
     }
 
-    /// The direction that the map turns to `n`.
+    /// Returns the direction that the map turns to `n`.
     #[inline(always)]
     pub(in crate::composite) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let r = &self.r;
@@ -176,8 +176,8 @@ impl Single {
     }
 }
 
-/// The distance of two bodies' origins in the caller's unit, by how much the distance of the bodies
-/// may differ, and the direction.
+/// Returns the distance of two bodies' origins in the caller's unit, by how much the distance of
+/// the bodies may differ, and the direction.
 pub(in crate::composite) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
     let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();

@@ -21,14 +21,14 @@ use crate::composite::mesh::Mesh;
 use crate::composite::tree::{Below, OrientedBox, Tree};
 
 impl Mesh {
-    /// The winding number about a point in stored coordinates that does not lie on the surface.
-    /// `None` if every segment met an edge or passed through a vertex.
+    /// Returns the winding number about a point in stored coordinates that does not lie on the
+    /// surface. `None` if every segment met an edge or passed through a vertex.
     pub(in crate::composite) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
         self.winding_of(point, |_| true)
     }
 
-    /// The winding number of some of the triangles, which close a surface on which the point does
-    /// not lie.
+    /// Returns the winding number of some of the triangles, which close a surface on which the
+    /// point does not lie.
     pub(in crate::composite) fn winding_of(&self, point: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
         let flush = power_of_two(exponent_of(self.radius) - FLUSH_EXPONENT);
         let p = point.map(|x| if x.abs() < flush { 0.0 } else { x });
@@ -38,7 +38,7 @@ impl Mesh {
         (0..SEGMENTS).find_map(|k| self.crossings(&p, &self.outside(&p, k), &counts))
     }
 
-    /// A place outside the bounding box, near the side that is nearest.
+    /// Returns a place outside the bounding box, near the side that is nearest.
     fn outside(&self, p: &Vector3<f64>, attempt: usize) -> Vector3<f64> {
         let (up, down) = (self.high - p, p - self.low);
         let (x, y) = (up.imin(), down.imin());
@@ -82,7 +82,8 @@ impl Mesh {
         Some(sum)
     }
 
-    /// Whether the surface is certainly farther than `error` from a point in stored coordinates.
+    /// Returns whether the surface is certainly farther than `error` from a point in stored
+    /// coordinates.
     pub(in crate::composite) fn is_clear_of(&self, point: &Vector3<f64>, error: f64) -> bool {
         !self.tree.any_near(point, error, |t| {
             let (square, _) = triangle::nearest(point, &self.corners(t));
@@ -103,14 +104,14 @@ impl Mesh {
         self.winding(point).map(|w| w != 0)
     }
 
-    /// Whether a segment certainly passes through a triangle from which its first end is farther
-    /// than `skin`.
+    /// Returns whether a segment certainly passes through a triangle from which its first end is
+    /// farther than `skin`.
     pub(in crate::composite) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
         self.any_crossed(from, to, |corners| triangle::nearest(from, corners).0 > skin * skin)
     }
 
-    /// The part of a segment before it first passes through a triangle farther along than `skin`,
-    /// right up to rounding; triangles of which only an edge is met are left out.
+    /// Returns the part of a segment before it first passes through a triangle farther along than
+    /// `skin`, right up to rounding; triangles of which only an edge is met are left out.
     pub(in crate::composite) fn first_crossing(
         &self,
         from: &Vector3<f64>,
@@ -130,7 +131,7 @@ impl Mesh {
         first
     }
 
-    /// Whether a segment certainly passes through a triangle that is what is looked for.
+    /// Returns whether a segment certainly passes through a triangle that is what is looked for.
     fn any_crossed(
         &self,
         from: &Vector3<f64>,
@@ -195,8 +196,8 @@ impl Segment {
         }
     }
 
-    /// Whether the segment certainly misses a box: apart along one of its axes, or along the normal
-    /// of one and the segment.
+    /// Returns whether the segment certainly misses a box: apart along one of its axes, or along
+    /// the normal of one and the segment.
     fn misses(&self, b: &OrientedBox) -> bool {
         let offset = self.middle - b.centre();
         let (mut m, mut e) = (Vector3::zeros(), Vector3::zeros());

@@ -31,7 +31,7 @@ impl OpenLeafPair {
     }
 }
 
-/// The numbers of the bits that are set.
+/// Returns the numbers of the bits that are set.
 #[inline(always)]
 fn bits(mut left: u32) -> impl Iterator<Item = u32> {
     core::iter::from_fn(move || {

@@ -123,8 +123,8 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         least
     }
 
-    /// The time of the closest points along their own direction: no pair needs more. The whole
-    /// span if they do not come nearer.
+    /// Returns the time of the closest points along their own direction: no pair needs more. The
+    /// whole span if they do not come nearer.
     fn goal(&self, seen: &Measure) -> f64 {
         let [a, b] = &self.movers;
         let n = a.pose.rotation * seen.normal.into_inner();
@@ -173,8 +173,8 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         f64::INFINITY
     }
 
-    /// The gap of two nodes along a unit direction, by boxes and slabs, or by the parts if they are
-    /// few.
+    /// Returns the gap of two nodes along a unit direction, by boxes and slabs, or by the parts if
+    /// they are few.
     fn gap(&self, [x, y]: NodePair, n: &Vector3<f64>) -> f64 {
         let PosedTrees { a, b, frame, .. } = self.posed;
         let (of_a, of_b) = (a.side().tree, b.side().tree);
@@ -188,8 +188,8 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         (low + n.dot(&frame.translation) - 2.0 * frame.error - high) * a.stored_unit()
     }
 
-    /// The time for which two nodes stay apart along a direction, by the gap at the instant: at
-    /// most the flight's span.
+    /// Returns the time for which two nodes stay apart along a direction, by the gap at the
+    /// instant: at most the flight's span.
     fn time(&self, [x, y]: NodePair, n: &Vector3<f64>, gap: f64) -> f64 {
         let way = gap - self.keep;
         if !(way > 0.0) {
@@ -212,8 +212,8 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         }
     }
 
-    /// The time of a ball of Q, by its centre in the body's frame and its radius, over a node of P
-    /// along a direction in the world that leads from P to Q.
+    /// Returns the time of a ball of Q, by its centre in the body's frame and its radius, over a
+    /// node of P along a direction in the world that leads from P to Q.
     fn time_with(&self, [p, q]: [usize; 2], n: &Vector3<f64>, (centre, radius): (Vector3<f64>, f64), way: f64) -> f64 {
         let (p, q) = (&self.movers[p], &self.movers[q]);
         let place = q.origin + q.pose.rotation * centre;
@@ -241,8 +241,8 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     }
 }
 
-/// The first time at which `way - pace s - bend s^2 / 2` is zero, for a bend that is not negative;
-/// infinite if never, zero if the way is not positive or the square of the way is lost.
+/// Returns the first time at which `way - pace s - bend s^2 / 2` is zero, for a bend that is not
+/// negative; infinite if never, zero if the way is not positive or the square of the way is lost.
 fn first_root(way: f64, pace: f64, bend: f64) -> f64 {
     // Written so that NaN is zero.
     if !(way > 0.0 && way * way > LEAST_SQUARE) {

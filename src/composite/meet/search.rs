@@ -17,10 +17,10 @@ pub(in crate::composite) trait Judge {
     /// The features of a pair, told with points and bounds.
     type Features: Copy;
 
-    /// The greatest `n . x` of an item of A, in A's stored frame.
+    /// Returns the greatest `n . x` of an item of A, in A's stored frame.
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64;
 
-    /// The least `n . y` of an item of B, in B's stored frame.
+    /// Returns the least `n . y` of an item of B, in B's stored frame.
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64;
 
     /// Returns how many pairs needed a certified query of two polygons.
@@ -32,8 +32,8 @@ pub(in crate::composite) trait Judge {
     /// and the winding numbers taken. `found`: a contact.
     fn shares_inside(&self, touching: &Touching, found: &Measured<Self::Features>) -> (bool, u64);
 
-    /// The distance of two items, with bounds that are proven: the lower one at most the frame's
-    /// `tie` below the lesser of the distance and `known`, if any arithmetic can.
+    /// Returns the distance of two items, with bounds that are proven: the lower one at most the
+    /// frame's `tie` below the lesser of the distance and `known`, if any arithmetic can.
     fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<Self::Features>;
 }
 
@@ -56,7 +56,7 @@ pub(in crate::composite) struct Measured<F> {
 }
 
 impl<F> Measured<F> {
-    /// Whether the items are in contact as far as rounding can tell.
+    /// Returns whether the items are in contact as far as rounding can tell.
     fn is_contact(&self, frame: &TreeFrame) -> bool {
         self.lower == 0.0 && self.upper <= 2.0 * frame.error
     }
@@ -149,7 +149,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         search
     }
 
-    /// The gap that a pair must exceed to be passed by, in A's stored units.
+    /// Returns the gap that a pair must exceed to be passed by, in A's stored units.
     pub(in crate::composite) fn level(&self) -> f64 {
         match self.goal {
             MeshGoal::Within(d) => d,
@@ -174,7 +174,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
     }
 
-    /// Whether the answer is known already.
+    /// Returns whether the answer is known already.
     pub(in crate::composite) fn is_over(&self) -> bool {
         let Some(best) = &self.best else { return false };
         match self.goal {
@@ -315,13 +315,13 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         None
     }
 
-    /// The direction along which two boxes are parted best.
+    /// Returns the direction along which two boxes are parted best.
     pub(in crate::composite) fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
         let n = unit(&Vector3::from(normal.map(f64::from)))?;
         Some(TriedDirection::new(self.frame, &n))
     }
 
-    /// A direction and a gap in double precision, as an entry of the front keeps them.
+    /// Returns a direction and a gap in double precision, as an entry of the front keeps them.
     pub(in crate::composite) fn proof(&self, n: &Vector3<f64>, gap: f64) -> GapProof {
         // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
         // precision is far more.
@@ -329,9 +329,9 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         ([n.x as f32, n.y as f32, n.z as f32], gap)
     }
 
-    /// The gap of two nodes along a direction in double precision, error taken off: by boxes and
-    /// slabs, and if the gap is short by no more than single precision can hide, by the vertices of
-    /// small nodes.
+    /// Returns the gap of two nodes along a direction in double precision, error taken off: by
+    /// boxes and slabs, and if the gap is short by no more than single precision can hide, by the
+    /// vertices of small nodes.
     fn look(&mut self, [x, y]: NodePair, n: &TriedDirection) -> f64 {
         self.work.looks += 1;
         let lift = n.lift - 2.0 * self.frame.error;
@@ -449,8 +449,8 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 }
 
-/// The two halves of a pair: of the box with the larger surface, unless that is a leaf. Not of the
-/// longer box: parts of a long thin one may be as long.
+/// Returns the two halves of a pair: of the box with the larger surface, unless that is a leaf. Not
+/// of the longer box: parts of a long thin one may be as long.
 pub(in crate::composite) fn split_pair(
     (a, b): (&Tree, &Tree),
     frame: &TreeFrame,
@@ -478,7 +478,7 @@ fn keep(list: &mut [(f32, NodePair, [f32; 3]); AT_ONCE], new: (f32, NodePair, [f
     }
 }
 
-/// The items of a node, if they are few.
+/// Returns the items of a node, if they are few.
 fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
     let (first, last) = tree.range(node);
     (last - first <= FEW_ITEMS).then_some((first, last))

@@ -54,12 +54,13 @@ struct Seen<'a, P> {
 }
 
 impl<P: Fn(&Vector3<f64>) -> Vector3<f64>> Seen<'_, P> {
-    /// Whether a point is certainly inside the other mesh.
+    /// Returns whether a point is certainly inside the other mesh.
     fn is_held(&self, p: &Vector3<f64>) -> bool {
         self.other.holds(&(self.place)(p), self.doubt * self.ratio) == Some(true)
     }
 
-    /// Whether the middle of a triangle, or a point behind it, is certainly inside both meshes.
+    /// Returns whether the middle of a triangle, or a point behind it, is certainly inside both
+    /// meshes.
     fn is_shared(&self, t: u32) -> bool {
         let middle = self.own.triangle_middle(t);
         self.is_held(&middle)
@@ -68,7 +69,7 @@ impl<P: Fn(&Vector3<f64>) -> Vector3<f64>> Seen<'_, P> {
                 .is_some_and(|p| self.is_held(&p))
     }
 
-    /// An inner point behind a triangle, halfway to the next triangle of either mesh.
+    /// Returns an inner point behind a triangle, halfway to the next triangle of either mesh.
     fn behind(&self, corners: &Triangle, middle: &Vector3<f64>) -> Option<Vector3<f64>> {
         let normal = triangle::normal(corners);
         let end = middle - normal * (4.0 * self.own.radius / sqrt(normal.norm_squared()));
@@ -83,15 +84,15 @@ impl<P: Fn(&Vector3<f64>) -> Vector3<f64>> Seen<'_, P> {
     }
 }
 
-/// A few triangles from all over a mesh.
+/// Returns a few triangles from all over a mesh.
 fn spread(mesh: &Mesh) -> impl Iterator<Item = u32> {
     let count = mesh.triangles.len();
     (0..count as u32).step_by(count.div_ceil(SPREAD))
 }
 
 impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
-    /// Whether two solids certainly share inner points, and the winding numbers taken of parts.
-    /// `found`: a contact.
+    /// Returns whether two solids certainly share inner points, and the winding numbers taken of
+    /// parts. `found`: a contact.
     ///
     /// Where the normal parts the bodies, middles on their own side of the plane of contact are not
     /// looked at: in flush contact none is left.

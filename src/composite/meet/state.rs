@@ -66,8 +66,8 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         Some(Self { a, b, pose, frame })
     }
 
-    /// Whether the pair is answered as B and A: lengths leave the range in the unit of A, and B's
-    /// is larger.
+    /// Returns whether the pair is answered as B and A: lengths leave the range in the unit of A,
+    /// and B's is larger.
     pub(in crate::composite) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
         a.side().exponent < b.side().exponent && TreeFrame::new(a.side(), b.side(), pose).is_none()
     }
@@ -78,7 +78,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         search
     }
 
-    /// The ball of B about its tree's origin, as seen from A, in A's stored units.
+    /// Returns the ball of B about its tree's origin, as seen from A, in A's stored units.
     fn place(&self) -> BallAtPose {
         let (tree, frame) = (self.b.side().tree, &self.frame);
         let radius = f64::from(tree.reach) * tree.unit() * frame.scale;
@@ -86,14 +86,14 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         BallAtPose::new(Operand::B, (&centre, radius), &frame.rotation, &frame.translation)
     }
 
-    /// A point of A in B's stored frame.
+    /// Returns a point of A in B's stored frame.
     pub(in crate::composite) fn back(&self, p: &Vector3<f64>) -> Vector3<f64> {
         let ratio = self.a.stored_unit() / self.b.stored_unit();
         self.frame.rotation.tr_mul(&(p - self.frame.translation)) * ratio
     }
 
-    /// Whether a part of one body is inside the other, whose surfaces are proven to be `lower`
-    /// apart; and the winding numbers taken.
+    /// Returns whether a part of one body is inside the other, whose surfaces are proven to be
+    /// `lower` apart; and the winding numbers taken.
     pub(in crate::composite) fn inside(&self, lower: f64) -> (Inside, u64) {
         // A point moved to the other frame is off its place by the error of the frame: on its side
         // of a surface that is farther.
@@ -169,7 +169,7 @@ impl TreeState {
         is_new
     }
 
-    /// The closest points, by the front if there is one.
+    /// Returns the closest points, by the front if there is one.
     pub(in crate::composite) fn closest<A: Parted, B: Parted, J: Judge>(
         &mut self,
         posed: &PosedTrees<A, B>,
@@ -224,7 +224,7 @@ impl TreeState {
         }
     }
 
-    /// Whether one body is inside the other, whose surfaces are proven to be `lower` apart.
+    /// Returns whether one body is inside the other, whose surfaces are proven to be `lower` apart.
     fn held<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>, lower: f64) -> Inside {
         let now = posed.place();
         // The bodies moved less than the proven clearance, so the old proof holds.
@@ -243,7 +243,7 @@ impl TreeState {
         inside
     }
 
-    /// Whether solids that touch certainly share inner points.
+    /// Returns whether solids that touch certainly share inner points.
     fn shares_inside<A: Parted, B: Parted, F>(
         &mut self,
         posed: &PosedTrees<A, B>,
@@ -255,7 +255,7 @@ impl TreeState {
         is_shared
     }
 
-    /// Whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
+    /// Returns whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
     pub(in crate::composite) fn within<A: Parted, B: Parted, J: Judge>(
         &mut self,
         posed: &PosedTrees<A, B>,
@@ -278,7 +278,7 @@ impl TreeState {
         !is_apart
     }
 
-    /// A lower bound of the distance in the caller's unit, by the state alone.
+    /// Returns a lower bound of the distance in the caller's unit, by the state alone.
     pub(in crate::composite) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) -> f64 {
         let moved = |(lower, then): &(f64, BallAtPose)| lower - posed.place().displacement(then);
         let carried = self.free.as_ref().map_or(0.0, moved);

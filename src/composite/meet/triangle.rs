@@ -31,13 +31,13 @@ pub(in crate::composite) struct Closest {
 
 pub(in crate::composite) type Triangle = [Vector3<f64>; 3];
 
-/// The normal of a triangle, with twice its area as length.
+/// Returns the normal of a triangle, with twice its area as length.
 #[inline(always)]
 pub(in crate::composite) fn normal([a, b, c]: &Triangle) -> Vector3<f64> {
     (b - a).cross(&(c - a))
 }
 
-/// The closest points of two triangles.
+/// Returns the closest points of two triangles.
 pub(in crate::composite) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     let mut best = Closest {
         square: f64::INFINITY,
@@ -66,7 +66,7 @@ pub(in crate::composite) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     best
 }
 
-/// The squared distance of a point from a triangle, and the nearest feature.
+/// Returns the squared distance of a point from a triangle, and the nearest feature.
 pub(in crate::composite) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, TriangleSpot) {
     let mut best = Closest {
         square: f64::INFINITY,
@@ -85,7 +85,7 @@ pub(in crate::composite) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64,
     }
 }
 
-/// The squared distance of a point from a triangle, and the nearest point.
+/// Returns the squared distance of a point from a triangle, and the nearest point.
 pub(in crate::composite) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
     let (square, spot) = nearest(point, y);
     let foot = match spot {
@@ -220,7 +220,7 @@ fn foot(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>, swappe
     }
 }
 
-/// Whether a point projects into a triangle.
+/// Returns whether a point projects into a triangle.
 #[inline(always)]
 fn is_over(point: &Vector3<f64>, y: &Triangle, n: &Vector3<f64>) -> bool {
     (0..3).all(|i| {
@@ -249,7 +249,8 @@ fn pierce(
     }
 }
 
-/// The point at which an edge of `x`, whose vertices have these heights, passes through `y`.
+/// Returns the point at which an edge of `x`, whose vertices have these heights, passes through
+/// `y`.
 fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) -> Option<(Vector3<f64>, u8)> {
     (0..3).find_map(|i| {
         let j = (i + 1) % 3;
@@ -260,9 +261,9 @@ fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) ->
     })
 }
 
-/// Whether two triangles certainly cross, each of whose vertices may be off its place by `error`:
-/// an edge of one has its ends on different sides of the other and passes inside its three edges,
-/// each sign beyond doubt.
+/// Returns whether two triangles certainly cross, each of whose vertices may be off its place by
+/// `error`: an edge of one has its ends on different sides of the other and passes inside its three
+/// edges, each sign beyond doubt.
 ///
 /// A determinant of three differences up to `s` of points that are each off by `error` is off by
 /// `6 error s^2` to first order, its rounding by `14 UNIT s^3`; `error` is more than `64 UNIT s`.

@@ -101,15 +101,16 @@ fn judged(points: &[Vector3<f64>], every: Sieved) -> (Sieved, Edges) {
     (once, found)
 }
 
-/// Whether three points are exactly collinear: by a cross product that is certain, else by exact
-/// predicates.
+/// Returns whether three points are exactly collinear: by a cross product that is certain, else by
+/// exact predicates.
 fn is_collinear([a, b, c]: [&Vector3<f64>; 3]) -> bool {
     let (u, v) = (b - a, c - a);
     let certain = SIDE_ERROR * u.amax() * v.amax();
     u.cross(&v).amax() <= 2.0 * certain && sign::projection(a, b, c).is_none()
 }
 
-/// The triangles without those that have the same corners in the same sense as an earlier one.
+/// Returns the triangles without those that have the same corners in the same sense as an earlier
+/// one.
 fn without_repeated(every: &Sieved) -> Sieved {
     let turned = |t: &[u32; 3]| {
         let low = (0..3).min_by_key(|&k| t[k]).unwrap_or(0);

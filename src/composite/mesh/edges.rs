@@ -47,10 +47,10 @@ pub(super) fn judge(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Edges {
     edges
 }
 
-/// Whether edges cancel as sets of points counted with their sense: an edge from one vertex to
-/// another cancels two edges back by way of a vertex between, as where a triangle without area was
-/// dropped. On every line, as many edges must end at each vertex as begin: what is closed on a line
-/// goes over every place of the line to and fro.
+/// Returns whether edges cancel as sets of points counted with their sense: an edge from one vertex
+/// to another cancels two edges back by way of a vertex between, as where a triangle without area
+/// was dropped. On every line, as many edges must end at each vertex as begin: what is closed on a
+/// line goes over every place of the line to and fro.
 fn cancels(points: &[Vector3<f64>], edges: &[[u32; 2]]) -> bool {
     let ways = |&[from, to]: &[u32; 2]| [(from, to, 1), (to, from, -1)];
     let mut ends: Vec<(u32, u32, i64)> = edges.iter().flat_map(ways).collect();
@@ -58,8 +58,9 @@ fn cancels(points: &[Vector3<f64>], edges: &[[u32; 2]]) -> bool {
     ends.chunk_by(|a, b| a.0 == b.0).all(|at| cancels_at(points, at))
 }
 
-/// Whether the ends of edges at one vertex cancel along every line. Edges of one line are near each
-/// other in the order of their slants; exact predicates tell them from others of like slant.
+/// Returns whether the ends of edges at one vertex cancel along every line. Edges of one line are
+/// near each other in the order of their slants; exact predicates tell them from others of like
+/// slant.
 fn cancels_at(points: &[Vector3<f64>], at: &[(u32, u32, i64)]) -> bool {
     let end = |&(v, w, sense): &(u32, u32, i64)| (slant(&(points[w as usize] - points[v as usize])), v, w, sense);
     let mut ends: Vec<(f64, u32, u32, i64)> = at.iter().map(end).collect();
@@ -85,8 +86,8 @@ fn cancels_at(points: &[Vector3<f64>], at: &[(u32, u32, i64)]) -> bool {
     true
 }
 
-/// A number of the line through the origin along a direction that is not zero: the square of the
-/// cosine of the angle to a fixed line that no round number is along.
+/// Returns a number of the line through the origin along a direction that is not zero: the square
+/// of the cosine of the angle to a fixed line that no round number is along.
 fn slant(v: &Vector3<f64>) -> f64 {
     let u = v / v.amax();
     let along = u.dot(&Vector3::new(0.137, 0.618_033_988, 0.381_966));
@@ -144,8 +145,8 @@ pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: boo
     (parts, vertices)
 }
 
-/// How far the first corners of a tetrahedron are from each other: the square of a length or of an
-/// area, or a volume.
+/// Returns how far the first corners of a tetrahedron are from each other: the square of a length
+/// or of an area, or a volume.
 fn spread([a, b, c, d]: [&Vector3<f64>; 4], corner: usize) -> f64 {
     let (u, v, w) = (b - a, c - a, d - a);
     match corner {
@@ -155,7 +156,7 @@ fn spread([a, b, c, d]: [&Vector3<f64>; 4], corner: usize) -> f64 {
     }
 }
 
-/// The root of a vertex; the path to it is halved on the way.
+/// Returns the root of a vertex; the path to it is halved on the way.
 pub(super) fn find(parent: &mut [u32], mut v: u32) -> u32 {
     while parent[v as usize] != v {
         let above = parent[parent[v as usize] as usize];

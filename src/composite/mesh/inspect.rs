@@ -107,7 +107,7 @@ impl Mesh {
         }
     }
 
-    /// A number of the part of every vertex.
+    /// Returns a number of the part of every vertex.
     fn labels(&self) -> Vec<u32> {
         let mut label: Vec<u32> = (0..self.points.len() as u32).collect();
         for t in &self.triangles {
@@ -121,7 +121,7 @@ impl Mesh {
     }
 }
 
-/// Whether an edge of one triangle passes through the inside of another: all signs exact.
+/// Returns whether an edge of one triangle passes through the inside of another: all signs exact.
 fn passes(x: &[Vector3<f64>; 3], [a, b, c]: &[Vector3<f64>; 3]) -> bool {
     let heights = [0, 1, 2].map(|i| sign::side(a, b, c, &x[i]));
     (0..3).any(|i| {

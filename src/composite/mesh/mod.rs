@@ -132,7 +132,7 @@ impl Mesh {
         self.report.kind == MeshKind::Solid
     }
 
-    /// A stored point in the caller's coordinates.
+    /// Returns a stored point in the caller's coordinates.
     pub(crate) fn given(&self, stored: &Vector3<f64>) -> Point3<f64> {
         Point3::from(if self.exponent == 0 {
             *stored
@@ -146,13 +146,13 @@ impl Mesh {
         crate::body::polyhedron::power_of_two(self.exponent)
     }
 
-    /// The middle of a triangle in stored coordinates.
+    /// Returns the middle of a triangle in stored coordinates.
     pub(crate) fn triangle_middle(&self, triangle: u32) -> Vector3<f64> {
         let [a, b, c] = self.corners(triangle);
         (a + b + c) / 3.0
     }
 
-    /// The corners of a triangle in stored coordinates.
+    /// Returns the corners of a triangle in stored coordinates.
     #[inline(always)]
     pub(crate) fn corners(&self, triangle: u32) -> [Vector3<f64>; 3] {
         let [a, b, c] = self.triangles[triangle as usize];

@@ -25,7 +25,7 @@ pub(in crate::composite) struct From<'a> {
 }
 
 impl<'a> From<'a> {
-    /// A point in stored coordinates of the body.
+    /// Returns a point in stored coordinates of the body.
     pub(in crate::composite) fn new(tree: &'a Tree, point: &Vector3<f64>) -> Self {
         let place = (point - tree.centre) / tree.unit();
         // Axes as stored are orthonormal within 8 UNIT_SINGLE.

@@ -107,7 +107,7 @@ fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
     Spot::new(triangle, feature)
 }
 
-/// The gap of two placed triangles along a direction.
+/// Returns the gap of two placed triangles along a direction.
 #[inline(always)]
 fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
     let high = p.iter().map(|x| n.dot(x)).fold(f64::NEG_INFINITY, f64::max);
@@ -131,7 +131,7 @@ fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] 
     [of_p, -of_q, across, -across]
 }
 
-/// The unit vector of a direction; `None` for a zero direction and for NaN.
+/// Returns the unit vector of a direction; `None` for a zero direction and for NaN.
 fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     let n = v / sqrt(v.norm_squared());
     // Written so that NaN is none.

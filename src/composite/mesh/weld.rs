@@ -85,7 +85,7 @@ fn order(a: &Vector3<f64>, b: &Vector3<f64>) -> core::cmp::Ordering {
     a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z))
 }
 
-/// A number that is equal for equal points; no coordinate is a negative zero.
+/// Returns a number that is equal for equal points; no coordinate is a negative zero.
 fn mix(p: &Vector3<f64>) -> u64 {
     p.iter().fold(0, |h, x| stir(h ^ x.to_bits()))
 }

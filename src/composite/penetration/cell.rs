@@ -96,7 +96,7 @@ impl<'a> CellCut<'a> {
         }
     }
 
-    /// The planes; `None` if there are too many, or a triangle is too near.
+    /// Returns the planes; `None` if there are too many, or a triangle is too near.
     fn run(mut self) -> Option<Vec<CellPlane>> {
         self.add(false, 0);
         while let Some(OpenNode {
@@ -164,8 +164,8 @@ impl<'a> CellCut<'a> {
     }
 }
 
-/// The corners of the part below all planes, in the caller's unit: the polar of the hull of the
-/// planes' poles.
+/// Returns the corners of the part below all planes, in the caller's unit: the polar of the hull of
+/// the planes' poles.
 fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[CellPlane]) -> Option<Vec<Point3<f64>>> {
     let room = |plane: &CellPlane| plane.level - plane.n.dot(place);
     let poles: Vec<_> = planes.iter().map(|p| Point3::from(p.n / room(p))).collect();

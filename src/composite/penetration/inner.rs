@@ -108,8 +108,8 @@ fn points(mesh: &Mesh) -> impl Iterator<Item = &Vector3<f64>> {
 }
 
 impl InnerPoints<'_> {
-    /// The deepest overlap with a mesh, in the mesh's frame and the caller's unit; of a vertex only
-    /// if it is deeper than `floor`.
+    /// Returns the deepest overlap with a mesh, in the mesh's frame and the caller's unit; of a
+    /// vertex only if it is deeper than `floor`.
     fn in_mesh(&mut self, outer: &Mesh, floor: f64) -> Option<ProvenDepth> {
         let (mut best, unit) = (None, outer.unit());
         match self.body {
@@ -132,8 +132,8 @@ impl InnerPoints<'_> {
         best
     }
 
-    /// How deep a point is inside a solid mesh, at least, and the unit direction of the way out;
-    /// `None` if it is no deeper than `least`. All in stored units of the mesh.
+    /// Returns how deep a point is inside a solid mesh, at least, and the unit direction of the way
+    /// out; `None` if it is no deeper than `least`. All in stored units of the mesh.
     ///
     /// Of most points a triangle near them shows that they are no deeper than the deepest before.
     fn deeper_point(&mut self, mesh: &Mesh, place: &Vector3<f64>, least: f64) -> Option<ProvenDepth> {
@@ -148,14 +148,14 @@ impl InnerPoints<'_> {
         (is_deeper && self.is_inside(mesh, place)).then(|| (depth, (foot.point - place) / distance))
     }
 
-    /// Whether a point is inside a solid mesh by its winding number.
+    /// Returns whether a point is inside a solid mesh by its winding number.
     fn is_inside(&mut self, mesh: &Mesh, place: &Vector3<f64>) -> bool {
         self.windings += 1;
         mesh.winding(place).is_some_and(|w| w != 0)
     }
 
-    /// How deep a ball overlaps a solid mesh, at least; negative if nothing is known. And the unit
-    /// direction in which the ball leaves. All in stored units of the mesh.
+    /// Returns how deep a ball overlaps a solid mesh, at least; negative if nothing is known. And
+    /// the unit direction in which the ball leaves. All in stored units of the mesh.
     fn ball(&mut self, mesh: &Mesh, centre: &Vector3<f64>, radius: f64) -> (f64, Vector3<f64>) {
         let (foot, doubt) = (mesh.nearest(centre), self.doubt);
         let distance = sqrt(foot.square);
@@ -204,13 +204,13 @@ impl InnerPoints<'_> {
     }
 }
 
-/// Whether the box of a mesh meets a ball.
+/// Returns whether the box of a mesh meets a ball.
 fn may_hold(mesh: &Mesh, centre: &Vector3<f64>, radius: f64) -> bool {
     (0..3).all(|k| centre[k] >= mesh.low[k] - radius && centre[k] <= mesh.high[k] + radius)
 }
 
-/// The deepest of a mesh's vertices in the pieces of a body, in the body's frame and the caller's
-/// unit.
+/// Returns the deepest of a mesh's vertices in the pieces of a body, in the body's frame and the
+/// caller's unit.
 fn in_pieces(outer: &Composite, mesh: &Mesh, inner: &InnerPoints) -> Option<ProvenDepth> {
     let unit = outer.stored_unit();
     let points: Vec<Point3<f64>> = points(mesh).map(|p| Point3::from((inner.place)(p) * unit)).collect();
@@ -229,14 +229,14 @@ fn in_pieces(outer: &Composite, mesh: &Mesh, inner: &InnerPoints) -> Option<Prov
     best
 }
 
-/// How deep a point is in a shape, at least, and the way out.
+/// Returns how deep a point is in a shape, at least, and the way out.
 fn depth_in(tracker: &mut ShapeTracker, shape: &Shape, point: &Vector3<f64>) -> Option<ProvenDepth> {
     let dot = Shape::from(ConvexPolyhedron::point(Point3::origin()).ok()?);
     let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;
     overlap(&tracker.closest(shape, &dot, &at))
 }
 
-/// The overlap of an outcome, and the translation of B that ends the overlap.
+/// Returns the overlap of an outcome, and the translation of B that ends the overlap.
 fn overlap(found: &Outcome) -> Option<ProvenDepth> {
     let is_deep = found.class == Class::Overlapping && found.upper < 0.0;
     is_deep.then(|| (-found.upper, found.normal.into_inner() * -found.distance))
@@ -267,7 +267,7 @@ pub(super) fn of_wholes<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose)
     }
 }
 
-/// The convex part of a mesh about its middle, or all pieces.
+/// Returns the convex part of a mesh about its middle, or all pieces.
 fn wholes(body: PartsRef) -> Vec<(Shape, Isometry3<f64>)> {
     match body {
         PartsRef::Mesh(mesh) => about(body, &(mesh.centroid().coords / mesh.unit()), 2.0 * mesh.radius),
@@ -275,7 +275,7 @@ fn wholes(body: PartsRef) -> Vec<(Shape, Isometry3<f64>)> {
     }
 }
 
-/// The deepest pair of placed convex bodies.
+/// Returns the deepest pair of placed convex bodies.
 fn of_pairs(
     of_a: &[(Shape, Isometry3<f64>)],
     of_b: &[(Shape, Isometry3<f64>)],

@@ -123,7 +123,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         found
     }
 
-    /// A translation that moves the balls about the boxes apart.
+    /// Returns a translation that moves the balls about the boxes apart.
     fn far(&self) -> Vector3<f64> {
         let (low_a, high_a) = self.bodies.a.corners_of_box();
         let (low_b, high_b) = self.bodies.b.corners_of_box();
@@ -170,8 +170,8 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         shift * high
     }
 
-    /// A lower bound of the depth by convex parts about the middle of the overlap that the last
-    /// translation ended: where the bodies then were nearest.
+    /// Returns a lower bound of the depth by convex parts about the middle of the overlap that the
+    /// last translation ended: where the bodies then were nearest.
     fn between(&self, pose: &RelativePose) -> f64 {
         let Some((shift, on_a)) = &self.parted else { return 0.0 };
         let (middle, length) = (on_a - shift * 0.5, sqrt(shift.norm_squared()));
@@ -212,7 +212,8 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     }
 }
 
-/// The bounds, and the winding numbers taken beside the queries. `None` if a body is a surface.
+/// Returns the bounds, and the winding numbers taken beside the queries. `None` if a body is a
+/// surface.
 fn bounds<A: Parted, B: Parted>(
     (a, b): (&A, &B),
     pose: &RelativePose,

@@ -349,7 +349,8 @@ impl Parted for Composite {
     }
 }
 
-/// An inner point of a piece and another of its points, in the caller's unit and the body's frame.
+/// Returns an inner point of a piece and another of its points, in the caller's unit and the body's
+/// frame.
 fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
     let two = match piece.shape.core() {
         Core::Polyhedron(body) => [Some(body.centroid()), body.vertex_points().next()],

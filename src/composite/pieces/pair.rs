@@ -45,7 +45,7 @@ impl<'a, A: Parted, B: Parted> PartJudge<'a, A, B> {
         }
     }
 
-    /// The bounds of two parts about which nothing is known.
+    /// Returns the bounds of two parts about which nothing is known.
     fn unknown(&self, frame: &TreeFrame, pair: NodePair) -> Measured<FeaturePair> {
         let (on_a, on_b) = (self.posed.a.side().tree.centre, self.posed.b.side().tree.centre);
         Measured {

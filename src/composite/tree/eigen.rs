@@ -8,8 +8,8 @@ use crate::base::num::scalar::sqrt;
 /// quadratic. Not a matter of soundness.
 const SWEEPS: usize = 6;
 
-/// The eigenvectors of a symmetric matrix as orthonormal rows by falling eigenvalue, and the
-/// eigenvalues (Jacobi's rotations, 1846).
+/// Returns the eigenvectors of a symmetric matrix as orthonormal rows by falling eigenvalue, and
+/// the eigenvalues (Jacobi's rotations, 1846).
 pub(super) fn axes(matrix: &Matrix3<f64>) -> ([Vector3<f64>; 3], [f64; 3]) {
     let (mut m, mut v) = (*matrix, Matrix3::identity());
     for _ in 0..SWEEPS {

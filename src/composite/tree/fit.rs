@@ -117,8 +117,9 @@ impl Tree {
         self.store_extents(node, &low, &high, range, vertices, slack);
     }
 
-    /// The normal of the largest triangle as the third axis; the first is the axis of the spread or
-    /// an edge of that triangle, whichever gives the rectangle of least area and circumference.
+    /// Returns the normal of the largest triangle as the third axis; the first is the axis of the
+    /// spread or an edge of that triangle, whichever gives the rectangle of least area and
+    /// circumference.
     fn flat_axes<I: AsRef<[u32]>>(
         &self,
         node: usize,
@@ -250,7 +251,7 @@ fn dual_axes(b: &OrientedBox) -> [Vector3<f64>; 3] {
     [y.cross(&z) / volume, z.cross(&x) / volume, x.cross(&y) / volume]
 }
 
-/// The largest triangle of a range, of a piece's first three corners, and its unit normal.
+/// Returns the largest triangle of a range, of a piece's first three corners, and its unit normal.
 fn largest_triangle<I: AsRef<[u32]>>(
     (first, last): (usize, usize),
     vertices: &Vertices<I>,
@@ -266,7 +267,7 @@ fn largest_triangle<I: AsRef<[u32]>>(
     unit.iter().all(|x| x.is_finite()).then_some((corners, unit))
 }
 
-/// The least number of single precision that is not below `x`.
+/// Returns the least number of single precision that is not below `x`.
 pub(in crate::composite) fn up(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) < x { near.next_up() } else { near }

@@ -52,9 +52,9 @@ impl OrientedBox {
         Vector3::new(x, y, z)
     }
 
-    /// A segment `-u` to `u` about the centre, and how far from it points below the node are at
-    /// most; no segment if the ball about the centre is not twice as large. Lengths are times
-    /// `scale`, a power of two.
+    /// Returns a segment `-u` to `u` about the centre, and how far from it points below the node
+    /// are at most; no segment if the ball about the centre is not twice as large. Lengths are
+    /// times `scale`, a power of two.
     #[inline(always)]
     pub(crate) fn rod(&self, scale: f32) -> (f32, [f32; 3]) {
         let [long, wide, deep, radius] = self.rows[3].map(|h| h * scale);
@@ -68,7 +68,7 @@ impl OrientedBox {
         }
     }
 
-    /// An eighth of the surface of the box.
+    /// Returns an eighth of the surface of the box.
     #[inline(always)]
     pub(crate) fn area(&self) -> f32 {
         let [x, y, z, _] = self.rows[3];
@@ -145,7 +145,7 @@ impl Tree {
         self.links[node as usize] & LEAF_MARK != 0
     }
 
-    /// Whether the tree has a single item.
+    /// Returns whether the tree has a single item.
     #[inline(always)]
     pub(crate) fn is_alone(&self) -> bool {
         self.links[0] == LEAF_MARK
@@ -168,7 +168,7 @@ impl Tree {
         }
     }
 
-    /// The slab of a node or of its nearest ancestor that has one.
+    /// Returns the slab of a node or of its nearest ancestor that has one.
     pub(crate) fn slab(&self, node: u32) -> Option<&Slab> {
         self.slabs.get(*self.nearest.get(node as usize)? as usize)
     }

@@ -182,7 +182,7 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         0
     }
 
-    /// The unit normal of an item's first three corners; zero if they are collinear.
+    /// Returns the unit normal of an item's first three corners; zero if they are collinear.
     fn normal(&self, item: u32) -> Vector3<f64> {
         let mut corners = self.corners(item);
         let (Some(a), Some(b), Some(c)) = (corners.next(), corners.next(), corners.next()) else {
@@ -193,7 +193,7 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         if length > 0.0 { n / length } else { Vector3::zeros() }
     }
 
-    /// The extents of items along three axes.
+    /// Returns the extents of items along three axes.
     fn sides(&self, first: usize, count: usize, rows: &[Vector3<f64>; 3]) -> [f64; 3] {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for corner in self.items[first..first + count]

@@ -328,7 +328,7 @@ pub(crate) fn within(
     d == f64::INFINITY || compare(a, b, pose, hint, &[d]).is_le()
 }
 
-/// The distance of the closed bodies against a sum of finite numbers that are not negative,
+/// Returns the distance of the closed bodies against a sum of finite numbers that are not negative,
 /// exactly.
 pub(crate) fn compare(
     a: &ConvexPolyhedron,

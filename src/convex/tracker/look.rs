@@ -10,7 +10,7 @@ use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Until};
 use crate::pair::posed::PosedPair;
 
 impl Tracker {
-    /// Whether the closed bodies share a point: touching is intersecting.
+    /// Returns whether the closed bodies share a point: touching is intersecting.
     ///
     /// With the feature `exact` the answer equals exact arithmetic on the poses given. Without
     /// `exact`, bodies within `1e-27 L` of touching count as intersecting.
@@ -18,8 +18,8 @@ impl Tracker {
         self.within(a, b, a_from_b, 0.0)
     }
 
-    /// Whether the closed bodies are at most `d` apart, `d` in the caller's units. Always false for
-    /// a negative or NaN `d`.
+    /// Returns whether the closed bodies are at most `d` apart, `d` in the caller's units. Always
+    /// false for a negative or NaN `d`.
     ///
     /// With the feature `exact` the answer equals exact arithmetic on the poses and the `d` given.
     /// Without `exact`, a distance that the bounds cannot distinguish from `d` counts as within.

@@ -6,7 +6,7 @@ use crate::body::polyhedron::ConvexPolyhedron;
 use crate::pair::outcome::{Class, Until};
 
 impl Tracker {
-    /// Whether the closed bodies are at most the exact sum of three numbers apart, like
+    /// Returns whether the closed bodies are at most the exact sum of three numbers apart, like
     /// [`within`](Self::within); false unless all three numbers are zero or positive.
     pub(crate) fn within_reach(
         &mut self,

@@ -18,7 +18,7 @@ use crate::patch::surface::Surface;
 use crate::patch::tree::{Grown, Nodes};
 use crate::rng::Rng;
 
-/// A value of a patch in twice the digits, from its numbers as they are stored.
+/// Returns a value of a patch in twice the digits, from its numbers as they are stored.
 fn exact(patch: &Patch, at: [f64; 2]) -> [Wide; 4] {
     let curve = |mut c: Vec<[Wide; 4]>, t: f64| {
         let (t, s) = (Wide::from(t), Wide::from(1.0) - Wide::from(t));
@@ -36,7 +36,7 @@ fn exact(patch: &Patch, at: [f64; 2]) -> [Wide; 4] {
     )
 }
 
-/// The height of a point above a bowl, in twice the digits.
+/// Returns the height of a point above a bowl, in twice the digits.
 fn height(half: &BowlSide, h: &[Wide; 4]) -> Wide {
     let x = [0, 1, 2].map(|k| h[k] / h[3] - Wide::from(half.at[k]));
     let dot = |n: &Vector3<f64>| (0..3).fold(Wide::from(0.0), |s, k| s + Wide::from(n[k]) * x[k]);
@@ -70,8 +70,8 @@ fn patch(rng: &mut Rng, off: &Vector3<f64>) -> Patch {
     }
 }
 
-/// The bound of a random node above a random bowl, less the greatest height found of the patch
-/// itself, in the size of the pair.
+/// Returns the bound of a random node above a random bowl, less the greatest height found of the
+/// patch itself, in the size of the pair.
 fn excess(rng: &mut Rng, far: f64) -> Option<f64> {
     let off = unit(rng) * far;
     let patch = patch(rng, &off);

@@ -16,7 +16,7 @@ use crate::patch::surface::Surface;
 use crate::patch::tree::{Grown, Nodes};
 use crate::rng::Rng;
 
-/// A patch over a square of size 2.
+/// Returns a patch over a square of size 2.
 fn patch(rng: &mut Rng) -> Patch {
     let [p, q] = [1 + rng.below(3), 1 + rng.below(3)];
     let at = |k: usize, d: usize| 2.0 * k as f64 / d as f64 - 1.0;
@@ -32,7 +32,7 @@ fn patch(rng: &mut Rng) -> Patch {
     }
 }
 
-/// The least distance found of two points of the boxes.
+/// Returns the least distance found of two points of the boxes.
 fn least(rng: &mut Rng, [a, b]: [&Patch; 2], sides: &[[f64; 2]; 4], frame: &NetFrame) -> f64 {
     let of = |at: &[f64; 4]| {
         let (p, q) = (a.point(at[0], at[1]), b.point(at[2], at[3]));

@@ -127,7 +127,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         }
     }
 
-    /// The answer of an interval without length, for a pair that is not seen to meet.
+    /// Returns the answer of an interval without length, for a pair that is not seen to meet.
     fn at_once(&mut self, time: f64, seen: Measure, noise: f64, relative: &RelativePose) -> Impact {
         if seen.class == Class::Separated && seen.lower - noise > self.distance {
             self.note((time, time), self.distance, Proof::Own);
@@ -197,7 +197,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         Ok(Next::Found(Impact::Unknown { safe: time }))
     }
 
-    /// The tolerance as a length.
+    /// Returns the tolerance as a length.
     fn allowed(&self, seen: &Measure, flight: &Flight) -> f64 {
         match self.tolerance {
             Tolerance::Distance(length) => length,
@@ -212,7 +212,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         }
     }
 
-    /// A time at which the pair is proven to meet, `way` nearer than now.
+    /// Returns a time at which the pair is proven to meet, `way` nearer than now.
     fn hit(
         &mut self,
         time: f64,
@@ -266,7 +266,7 @@ pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
     Ok((relative, flight))
 }
 
-/// The time after a span, never beyond it.
+/// Returns the time after a span, never beyond it.
 pub(super) fn later(time: f64, span: f64) -> f64 {
     if span > 0.0 {
         (time + span * (1.0 - ROOT)).next_down()

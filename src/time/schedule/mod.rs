@@ -220,7 +220,7 @@ impl Schedule {
         }
     }
 
-    /// Whether an answer to a pair that was due is one about the pair as it is now.
+    /// Returns whether an answer to a pair that was due is one about the pair as it is now.
     fn is_valid(&self, due: &Due) -> bool {
         let (a, b) = due.pair;
         let is_old = |body: u32| self.disturbed.get(&body).is_none_or(|epoch| *epoch <= due.epoch);

@@ -24,7 +24,7 @@ pub(crate) struct Apart {
     pub(crate) noise: f64,
 }
 
-/// The radius about the pivot, and the pivot in the world less the pose's translation.
+/// Returns the radius about the pivot, and the pivot in the world less the pose's translation.
 fn about<S: Separation + ?Sized>(pair: &S, of: Operand, pose: &Isometry3<f64>, course: &Course) -> (f64, Vector3<f64>) {
     let (centre, radius) = pair.ball(of);
     let arm = centre - course.pivot;

@@ -51,7 +51,7 @@ fn hull_until(c: &[f64; 4]) -> f64 {
     least
 }
 
-/// The coefficients over [x, 1] (de Casteljau).
+/// Returns the coefficients over [x, 1] (de Casteljau).
 #[inline]
 pub(crate) fn rest(c: &[f64; 4], x: f64) -> [f64; 4] {
     let y = 1.0 - x;

@@ -175,7 +175,7 @@ pub enum Proof {
 }
 
 impl Flight {
-    /// Whether both courses are those of motions: else nothing is proven of them.
+    /// Returns whether both courses are those of motions: else nothing is proven of them.
     pub(crate) fn is_known(&self) -> bool {
         self.course_a.is_known() && self.course_b.is_known()
     }
@@ -234,7 +234,7 @@ impl Measure {
 }
 
 impl From<&Answer> for Measure {
-    /// The measure of geometries that no plane keeps apart.
+    /// Returns the measure of geometries that no plane keeps apart.
     fn from(answer: &Answer) -> Self {
         Self {
             pieces: answer.parts(),

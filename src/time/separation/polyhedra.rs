@@ -67,8 +67,8 @@ impl<'a> BoundedHull<'a> {
         }
     }
 
-    /// The highest vertex in stored coordinates, and a height that no vertex exceeds but for
-    /// rounding.
+    /// Returns the highest vertex in stored coordinates, and a height that no vertex exceeds but
+    /// for rounding.
     #[inline]
     fn highest(&self, direction: &Vector3<f64>) -> Extreme {
         let points = &self.shape.points;
@@ -259,7 +259,7 @@ pub(crate) fn over_middle(height: f64, direction: &Vector3<f64>, middle: &Vector
     height - direction.dot(middle)
 }
 
-/// The sum of the absolute coordinates: no less than the length.
+/// Returns the sum of the absolute coordinates: no less than the length.
 fn one_norm(v: &Vector3<f64>) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
 }

@@ -10,8 +10,8 @@ use crate::base::pose::Operand;
 use crate::base::tolerance::PLANE;
 use crate::base::tuning::separation::{AHEAD, CUT, CUT_FAR, CUT_MOST};
 
-/// Whether neither shape turns: then a plane that proves the shapes apart keeps its normal, and the
-/// gap is a parabola, exactly.
+/// Returns whether neither shape turns: then a plane that proves the shapes apart keeps its normal,
+/// and the gap is a parabola, exactly.
 pub(super) fn turns_neither(flight: &Flight) -> bool {
     flight.course_a.angular == Vector3::zeros() && flight.course_b.angular == Vector3::zeros()
 }
@@ -70,7 +70,7 @@ impl Flight {
     }
 }
 
-/// The first time at which `way + slope s + bend s^2 / 2` is zero; infinite if never.
+/// Returns the first time at which `way + slope s + bend s^2 / 2` is zero; infinite if never.
 pub(super) fn time_to(way: f64, slope: f64, bend: f64) -> f64 {
     let square = slope * slope - 2.0 * way * bend;
     let pace = sqrt(square.max(0.0)) - slope;
@@ -93,7 +93,7 @@ pub(super) fn cut(excess: f64) -> f64 {
     }
 }
 
-/// The sum of the absolute coordinates: no less than the length.
+/// Returns the sum of the absolute coordinates: no less than the length.
 pub(super) fn one_norm(v: &Vector3<f64>) -> f64 {
     v.x.abs() + v.y.abs() + v.z.abs()
 }
