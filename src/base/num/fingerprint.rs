@@ -20,6 +20,13 @@ use nalgebra::Vector3;
 pub(crate) struct Fingerprint([u64; 2]);
 
 impl Fingerprint {
+    /// Returns the fingerprint of a kind of body that numbers describe.
+    pub(crate) fn of(kind: [u8; 8], numbers: &[f64]) -> Self {
+        let mut all = Fingerprinter::new(kind);
+        numbers.iter().for_each(|x| all.number(*x));
+        all.end()
+    }
+
     /// Returns the fingerprint of a body and a number that changes it in a way named by `kind`.
     pub(crate) fn with(self, kind: [u8; 8], number: f64) -> Self {
         let mut all = Fingerprinter::new(kind);

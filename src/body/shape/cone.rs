@@ -1,9 +1,13 @@
 //! Circular cones.
 
-use nalgebra::Vector3;
+use core::f64::consts::PI;
+
+use nalgebra::{Point3, Vector3};
 
 use super::cylinder::{circle_bent, of_circle, on_circle};
 use super::support::{Disc, Flat, Support};
+use super::{Curved, Mass};
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::{EdgeId, FaceId, Feature, VertexId};
@@ -30,12 +34,33 @@ impl Cone {
     pub fn half_height(&self) -> f64 {
         self.half_height
     }
+}
 
-    pub(crate) fn scaled(&self, by: f64) -> Self {
+impl Curved for Cone {
+    const ORDER: u32 = 3;
+
+    fn fingerprint(&self) -> Fingerprint {
+        Fingerprint::of(*b"cone    ", &[self.radius, self.half_height])
+    }
+
+    fn scaled(&self, by: f64) -> Self {
         Self {
             radius: self.radius * by,
             half_height: self.half_height * by,
         }
+    }
+
+    fn contains(&self, p: &Vector3<f64>) -> bool {
+        let (r, h) = (self.radius, self.half_height);
+        p.z.abs() <= h && p.xy().norm() * (2.0 * h) <= r * (h - p.z)
+    }
+
+    fn mass(&self) -> Mass {
+        let (r, h) = (self.radius, self.half_height);
+        // Mean squares about the centroid, a quarter of the height over the base.
+        let mean = Vector3::new(r * r * 3.0 / 20.0, r * r * 3.0 / 20.0, h * h * 3.0 / 20.0);
+        let centroid = Point3::new(0.0, 0.0, -h / 2.0);
+        Mass::symmetric(PI * r * r * 2.0 * h / 3.0, centroid, mean)
     }
 }
 

@@ -1,8 +1,12 @@
 //! Circular cylinders.
 
-use nalgebra::Vector3;
+use core::f64::consts::PI;
+
+use nalgebra::{Point3, Vector3};
 
 use super::support::{Disc, Flat, Support};
+use super::{Curved, Mass};
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::base::tolerance::{PIVOT, UNIT};
 use crate::body::polyhedron::{EdgeId, FaceId, Feature};
@@ -25,13 +29,6 @@ impl Cylinder {
     #[must_use]
     pub fn half_height(&self) -> f64 {
         self.half_height
-    }
-
-    pub(crate) fn scaled(&self, by: f64) -> Self {
-        Self {
-            radius: self.radius * by,
-            half_height: self.half_height * by,
-        }
     }
 }
 
@@ -62,6 +59,31 @@ pub(super) fn circle_bent<T: Scalar>(radius: f64, n: &Vec3<T>, d: &Vec3<T>) -> V
     }
     let along = T::from(radius) * (n[0] * d[1] - n[1] * d[0]) / (squared * root(squared));
     [-n[1] * along, n[0] * along, zero]
+}
+
+impl Curved for Cylinder {
+    const ORDER: u32 = 2;
+
+    fn fingerprint(&self) -> Fingerprint {
+        Fingerprint::of(*b"cylinder", &[self.radius, self.half_height])
+    }
+
+    fn scaled(&self, by: f64) -> Self {
+        Self {
+            radius: self.radius * by,
+            half_height: self.half_height * by,
+        }
+    }
+
+    fn contains(&self, p: &Vector3<f64>) -> bool {
+        p.z.abs() <= self.half_height && p.xy().norm() <= self.radius
+    }
+
+    fn mass(&self) -> Mass {
+        let (r, h) = (self.radius, self.half_height);
+        let mean = Vector3::new(r * r / 4.0, r * r / 4.0, h * h / 3.0);
+        Mass::symmetric(PI * r * r * 2.0 * h, Point3::origin(), mean)
+    }
 }
 
 /// The branches are the upper rim (0) and the lower rim (1). The side of a cylinder is a generator

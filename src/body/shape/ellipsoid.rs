@@ -1,8 +1,12 @@
 //! Ellipsoids.
 
-use nalgebra::Vector3;
+use core::f64::consts::PI;
+
+use nalgebra::{Point3, Vector3};
 
 use super::support::{Disc, Support};
+use super::{Curved, Mass};
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::base::tolerance::INNER;
 use crate::body::polyhedron::{FaceId, Feature};
@@ -20,12 +24,6 @@ impl Ellipsoid {
         self.semi_axes
     }
 
-    pub(crate) fn scaled(&self, by: f64) -> Self {
-        Self {
-            semi_axes: self.semi_axes * by,
-        }
-    }
-
     #[inline(always)]
     fn axes<T: Scalar>(&self) -> Vec3<T> {
         let a = &self.semi_axes;
@@ -37,6 +35,30 @@ impl Ellipsoid {
 #[inline(always)]
 fn times<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
     [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
+}
+
+impl Curved for Ellipsoid {
+    const ORDER: u32 = 1;
+
+    fn fingerprint(&self) -> Fingerprint {
+        Fingerprint::of(*b"ellipsoi", self.semi_axes.as_slice())
+    }
+
+    fn scaled(&self, by: f64) -> Self {
+        Self {
+            semi_axes: self.semi_axes * by,
+        }
+    }
+
+    fn contains(&self, p: &Vector3<f64>) -> bool {
+        p.component_div(&self.semi_axes).norm_squared() <= 1.0
+    }
+
+    fn mass(&self) -> Mass {
+        let a = self.semi_axes;
+        let volume = 4.0 / 3.0 * PI * a.x * a.y * a.z;
+        Mass::symmetric(volume, Point3::origin(), a.component_mul(&a) / 5.0)
+    }
 }
 
 /// An ellipsoid has one branch. With `P` the diagonal matrix of the squared semi-axes, the support

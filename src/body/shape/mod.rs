@@ -15,6 +15,7 @@
 //!    along every direction.
 
 mod cone;
+mod curved;
 mod cylinder;
 mod ellipsoid;
 mod error;
@@ -34,6 +35,7 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN};
 use crate::body::polyhedron::{ConvexPolyhedron, solids};
 pub use cone::Cone;
+pub(crate) use curved::{Curved, match_core, order_of};
 pub use cylinder::Cylinder;
 pub use ellipsoid::Ellipsoid;
 pub use error::ShapeError;

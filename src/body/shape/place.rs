@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::{Core, Shape, Support};
-use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
+use super::{Core, Curved, Shape, Support, match_core};
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{dot, sqrt};
 use crate::base::pose::rotation_matrix;
 use crate::base::tolerance::{BOX, UNIT};
@@ -12,13 +12,7 @@ use crate::body::polyhedron::BoxHint;
 impl Core {
     /// Returns the largest distance of a point from [`origin`](Self::origin), rounded up.
     pub(crate) fn radius(&self) -> f64 {
-        match self {
-            Self::Polyhedron(body) => body.radius * body.unit(),
-            Self::Ellipsoid(core) => core.reach(),
-            Self::Cylinder(core) => core.reach(),
-            Self::Cone(core) => core.reach(),
-            Self::Superquadric(core) => core.reach(),
-        }
+        match_core!(self, body => body.radius * body.unit(), core => core.reach())
     }
 
     /// Returns the point about which the core is stored.
@@ -31,21 +25,7 @@ impl Core {
 
     /// Returns the fingerprint of kind and parameters.
     pub(super) fn fingerprint(&self) -> Fingerprint {
-        let of = |kind: [u8; 8], parameters: &[f64]| {
-            let mut all = Fingerprinter::new(kind);
-            parameters.iter().for_each(|x| all.number(*x));
-            all.end()
-        };
-        match self {
-            Self::Polyhedron(body) => body.fingerprint,
-            Self::Ellipsoid(core) => of(*b"ellipsoi", core.semi_axes.as_slice()),
-            Self::Cylinder(core) => of(*b"cylinder", &[core.radius, core.half_height]),
-            Self::Cone(core) => of(*b"cone    ", &[core.radius, core.half_height]),
-            Self::Superquadric(core) => {
-                let ([x, y, z], [e, f]) = (core.semi_axes.into(), core.exponents);
-                of(*b"superqua", &[x, y, z, e, f])
-            }
-        }
+        match_core!(self, body => body.fingerprint, core => core.fingerprint())
     }
 
     /// Returns the fingerprint of the core rounded by a radius.
@@ -63,13 +43,11 @@ impl Shape {
     /// Returns centre and radius of a ball that contains the shape, the radius rounded up.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        let (centre, radius) = match &self.core {
-            Core::Polyhedron(body) => body.bounding_ball(),
-            Core::Ellipsoid(core) => (Point3::origin(), core.reach()),
-            Core::Cylinder(core) => (Point3::origin(), core.reach()),
-            Core::Cone(core) => (Point3::origin(), core.reach()),
-            Core::Superquadric(core) => (Point3::origin(), core.reach()),
-        };
+        let (centre, radius) = match_core!(
+            &self.core,
+            body => body.bounding_ball(),
+            core => (Point3::origin(), core.reach())
+        );
         (centre, (radius + self.round) * (1.0 + 2.0 * UNIT))
     }
 
@@ -93,16 +71,10 @@ impl Shape {
         let length = size * sqrt((direction / size).norm_squared());
         let n = direction / length;
         let of = |height: f64, reach: f64, noise: f64| height + (BOX + noise * UNIT) * reach;
-        let height = match &self.core {
-            Core::Polyhedron(body) => {
-                let v = body.vertex(body.extreme_vertex(&n)).unwrap_or_else(Point3::origin);
-                of(n.dot(&v.coords), body.radius * body.unit() + v.coords.abs().sum(), 0.0)
-            }
-            Core::Ellipsoid(core) => of(height(core, &n), core.reach(), 0.0),
-            Core::Cylinder(core) => of(height(core, &n), core.reach(), 0.0),
-            Core::Cone(core) => of(height(core, &n), core.reach(), 0.0),
-            Core::Superquadric(core) => of(height(core, &n), core.reach(), core.noise()),
-        };
+        let height = match_core!(&self.core, body => {
+            let v = body.vertex(body.extreme_vertex(&n)).unwrap_or_else(Point3::origin);
+            of(n.dot(&v.coords), body.radius * body.unit() + v.coords.abs().sum(), 0.0)
+        }, core => of(height(core, &n), core.reach(), core.noise()));
         (height + self.round * (1.0 + BOX)) * length
     }
 
@@ -110,17 +82,11 @@ impl Shape {
     /// vertex of a polyhedral core.
     pub(crate) fn core_point(&self, n: &Vector3<f64>) -> (Option<u32>, Vector3<f64>) {
         let along = [n.x, n.y, n.z];
-        match &self.core {
-            Core::Polyhedron(body) => {
-                let v = body.extreme_vertex(n);
-                let p = body.vertex(v).unwrap_or_else(Point3::origin);
-                (Some(v.0), p.coords)
-            }
-            Core::Ellipsoid(core) => (None, core.support(&along, 0).1.into()),
-            Core::Cylinder(core) => (None, core.support(&along, 0).1.into()),
-            Core::Cone(core) => (None, core.support(&along, 0).1.into()),
-            Core::Superquadric(core) => (None, core.support(&along, 0).1.into()),
-        }
+        match_core!(&self.core, body => {
+            let v = body.extreme_vertex(n);
+            let p = body.vertex(v).unwrap_or_else(Point3::origin);
+            (Some(v.0), p.coords)
+        }, core => (None, core.support(&along, 0).1.into()))
     }
 
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
@@ -131,13 +97,7 @@ impl Shape {
     #[doc(alias = "compute_aabb")]
     #[must_use]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
-        let (low, high) = match &self.core {
-            Core::Polyhedron(body) => body.aabb_at(pose, hint),
-            Core::Ellipsoid(core) => box_at(core, pose),
-            Core::Cylinder(core) => box_at(core, pose),
-            Core::Cone(core) => box_at(core, pose),
-            Core::Superquadric(core) => box_at(core, pose),
-        };
+        let (low, high) = match_core!(&self.core, body => body.aabb_at(pose, hint), core => box_at(core, pose));
         if self.round == 0.0 {
             return (low, high);
         }

@@ -1,9 +1,11 @@
 //! Superquadrics.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use super::power::power;
 use super::support::{Disc, Support};
+use super::{Curved, Mass};
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, scaled, sqrt};
 use crate::base::tolerance::{TIP, UNIT};
 use crate::body::polyhedron::{FaceId, Feature};
@@ -47,13 +49,6 @@ impl Superquadric {
     #[must_use]
     pub fn exponents(&self) -> [f64; 2] {
         self.exponents
-    }
-
-    pub(crate) fn scaled(&self, by: f64) -> Self {
-        Self {
-            semi_axes: self.semi_axes * by,
-            ..*self
-        }
     }
 
     /// Returns the gauge of a place: at most one inside.
@@ -112,6 +107,38 @@ fn curvature<T: Scalar>(x: T, y: T, q: T) -> T {
     let product = x * y;
     let product = if product.value() > TIP { product } else { T::from(TIP) };
     (q - T::from(1.0)) * power(product, q - T::from(2.0))
+}
+
+impl Curved for Superquadric {
+    const ORDER: u32 = 4;
+
+    fn fingerprint(&self) -> Fingerprint {
+        let ([x, y, z], [e, f]) = (self.semi_axes.into(), self.exponents);
+        Fingerprint::of(*b"superqua", &[x, y, z, e, f])
+    }
+
+    fn scaled(&self, by: f64) -> Self {
+        Self {
+            semi_axes: self.semi_axes * by,
+            ..*self
+        }
+    }
+
+    fn contains(&self, p: &Vector3<f64>) -> bool {
+        self.gauge(&[p.x, p.y, p.z]) <= 1.0
+    }
+
+    /// Returns the mass by beta functions (Jaklic, Leonardis and Solina 2000, "Segmentation and
+    /// recovery of superquadrics", section 2.3).
+    fn mass(&self) -> Mass {
+        let ([e1, e2], a) = (self.exponents, self.semi_axes);
+        let beta = |x: f64, y: f64| libm::tgamma(x) * libm::tgamma(y) / libm::tgamma(x + y);
+        let volume = 2.0 * a.x * a.y * a.z * e1 * e2 * beta(e1 / 2.0 + 1.0, e1) * beta(e2 / 2.0, e2 / 2.0);
+        let crosswise = 0.5 * a.x * a.y * a.z * e1 * e2 * beta(1.5 * e2, 0.5 * e2) * beta(0.5 * e1, 2.0 * e1 + 1.0);
+        let lengthwise = 2.0 * a.x * a.y * a.z * e1 * e2 * beta(0.5 * e2, 0.5 * e2 + 1.0) * beta(1.5 * e1, e1 + 1.0);
+        let mean = Vector3::new(crosswise, crosswise, lengthwise).component_mul(&a.component_mul(&a)) / volume;
+        Mass::symmetric(volume, Point3::origin(), mean)
+    }
 }
 
 impl Support for Superquadric {

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Point3};
 use super::ShapeTracker;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
-use crate::body::shape::{Core, Shape};
+use crate::body::shape::{Core, Curved, Shape, match_core};
 
 impl Shape {
     /// Returns whether the closed shape contains a point, up to rounding of `1e-14` times the size
@@ -23,17 +23,7 @@ impl Shape {
         if self.round() > 0.0 {
             return self.is_near(point).unwrap_or(false);
         }
-        let p = &point.coords;
-        match self.core() {
-            Core::Polyhedron(_) => false,
-            Core::Ellipsoid(core) => p.component_div(&core.semi_axes()).norm_squared() <= 1.0,
-            Core::Cylinder(core) => p.z.abs() <= core.half_height() && p.xy().norm() <= core.radius(),
-            Core::Cone(core) => {
-                let (r, h) = (core.radius(), core.half_height());
-                p.z.abs() <= h && p.xy().norm() * (2.0 * h) <= r * (h - p.z)
-            }
-            Core::Superquadric(core) => core.gauge(&[p.x, p.y, p.z]) <= 1.0,
-        }
+        match_core!(self.core(), _ => false, core => core.contains(&point.coords))
     }
 
     /// Returns whether a rounded shape contains a point, by the distance of the point.

@@ -4,7 +4,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, Feature, FeaturePair};
-use crate::body::shape::{Core, Support};
+use crate::body::shape::{Core, Support, match_core};
 use crate::pair::outcome::{Class, Outcome};
 
 /// Returns the gap of the plane of a face of A and a core B along the outward normal of the face,
@@ -55,14 +55,8 @@ fn support(core: &Core, n: &Vector3<f64>) -> Option<(Feature, Vector3<f64>)> {
         let point = Vector3::from(point);
         (core.feature(&[branch], &point), point)
     }
-    Some(match core {
-        Core::Polyhedron(body) => {
-            let v = body.extreme_vertex(n);
-            (Feature::Vertex(v), body.vertex(v)?.coords)
-        }
-        Core::Ellipsoid(core) => of(core, n),
-        Core::Cylinder(core) => of(core, n),
-        Core::Cone(core) => of(core, n),
-        Core::Superquadric(core) => of(core, n),
-    })
+    Some(match_core!(core, body => {
+        let v = body.extreme_vertex(n);
+        (Feature::Vertex(v), body.vertex(v)?.coords)
+    }, core => of(core, n)))
 }

@@ -26,7 +26,13 @@ pub(super) trait CoreKind: Support {
 
 macro_rules! kind {
     ($($name:ident: $of:ty),*) => {
-        $(impl CoreKind for $of {
+        $(impl<'a> From<$of> for Any<'a> {
+            fn from(core: $of) -> Self {
+                Any::$name(core)
+            }
+        }
+
+        impl<'a> CoreKind for $of {
             fn any(&self) -> Any<'_> {
                 Any::$name(*self)
             }
@@ -34,7 +40,7 @@ macro_rules! kind {
     };
 }
 
-kind!(Hull: PolyhedralCore<'_>, Ellipsoid: Ellipsoid, Cylinder: Cylinder, Cone: Cone, Superquadric: Superquadric);
+kind!(Hull: PolyhedralCore<'a>, Ellipsoid: Ellipsoid, Cylinder: Cylinder, Cone: Cone, Superquadric: Superquadric);
 
 impl CoreKind for Any<'_> {
     fn any(&self) -> Any<'_> {

@@ -44,18 +44,12 @@ use polyhedral::PolyhedralCore;
 
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
-use crate::body::shape::Core;
+use crate::body::shape::{Core, match_core, order_of};
 use crate::pair::outcome::Outcome;
 
 /// Returns the place of a kind in the order in which a pair is solved.
 fn rank(core: &Core) -> u32 {
-    match core {
-        Core::Polyhedron(_) => 0,
-        Core::Ellipsoid(_) => 1,
-        Core::Cylinder(_) => 2,
-        Core::Cone(_) => 3,
-        Core::Superquadric(_) => 4,
-    }
+    match_core!(core, _ => 0, core => order_of(core))
 }
 
 /// Returns the closest points of two cores, at least one of them curved.

@@ -15,7 +15,7 @@ use crate::base::num::scalar::{Scalar, Vec3, sqrt, sub};
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
 use crate::body::polyhedron::{FeaturePair, exponent_of, power_of_two};
-use crate::body::shape::{Core, Support};
+use crate::body::shape::{Core, Curved, Support, match_core};
 use crate::pair::answer::round_outward;
 use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::pair::transform::Transform;
@@ -367,16 +367,10 @@ pub(super) fn extreme(a: &Core, b: &Core, setting: &SolverSetting, memory: &mut 
 /// Returns a core in the unit of the solvers.
 fn scaled(core: &Core, exponent: i32) -> Any<'_> {
     let by = power_of_two(-exponent);
-    match core {
-        Core::Polyhedron(body) => Any::Hull(PolyhedralCore {
-            body,
-            unit: power_of_two(body.exponent - exponent),
-        }),
-        Core::Ellipsoid(core) => Any::Ellipsoid(core.scaled(by)),
-        Core::Cylinder(core) => Any::Cylinder(core.scaled(by)),
-        Core::Cone(core) => Any::Cone(core.scaled(by)),
-        Core::Superquadric(core) => Any::Superquadric(core.scaled(by)),
-    }
+    match_core!(core, body => Any::Hull(PolyhedralCore {
+        body,
+        unit: power_of_two(body.exponent - exponent),
+    }), core => core.scaled(by).into())
 }
 
 /// Returns the outcome of cores so far apart that the sizes are below the rounding of the distance;
