@@ -251,6 +251,8 @@
 //! |---|---|---|
 //! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
 //! | `exact` | yes | the rung of exact integers (crate `dashu-int`) behind the filters |
+//! | `meshes` | yes | [`Composite`] and [`Mesh`], their contacts in scenes, and [`PairTracker::penetration`] |
+//! | `surfaces` | yes | [`patch`]: Bezier and NURBS surfaces; needs `meshes` |
 //! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files; with `serde_json` its feature `float_roundtrip` keeps every bit |
 //! | `parallel` | no | threads in the broad phase and in the queries of a scene, the same answers bit for bit |
 //!
@@ -298,6 +300,8 @@
 //!   year    = {2026},
 //! }
 //! ```
+// What meshes and surfaces alone use lies idle without them.
+#![cfg_attr(not(feature = "surfaces"), allow(dead_code, unused_imports, unused_macros))]
 #![no_std]
 extern crate alloc;
 #[cfg(any(test, feature = "std"))]
@@ -306,10 +310,12 @@ extern crate std;
 mod base;
 mod body;
 pub mod broad;
+#[cfg(feature = "meshes")]
 pub mod composite;
 mod convex;
 mod pair;
 mod pair_tracker;
+#[cfg(feature = "surfaces")]
 pub mod patch;
 #[cfg(feature = "proofs")]
 #[doc(hidden)]
@@ -329,11 +335,17 @@ pub use body::polyhedron::{
 };
 pub use body::shape::{Shape, ShapeError};
 pub use body::{polyhedron, shape};
+#[cfg(feature = "meshes")]
 pub use composite::contact::{ContactPatches, PatchContact, PatchContacts};
+#[cfg(feature = "meshes")]
 pub use composite::decomposition::{Decomposition, DecompositionFit};
+#[cfg(feature = "meshes")]
 pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
+#[cfg(feature = "meshes")]
 pub use composite::penetration::PenetrationBounds;
+#[cfg(feature = "meshes")]
 pub use composite::pieces::{Composite, CompositeError, Piece};
+#[cfg(feature = "meshes")]
 pub use composite::work::MeshWork;
 pub use convex::contact::{
     ContactPoint, Gradient, HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError, Manifold, ManifoldOptions,

@@ -3,8 +3,8 @@
 
 use nalgebra::{Unit, Vector3};
 
-use crate::base::num::scalar::Scalar;
-use crate::base::pose::Operand;
+use crate::base::num::scalar::{Scalar, sqrt};
+use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{AGREE, CERTIFICATE, UNIT};
 use crate::body::polyhedron::{Feature, FeaturePair, VertexId};
 use crate::pair::draft::Draft;
@@ -17,7 +17,7 @@ pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
     let largest = v.amax();
     if largest > 0.0 && largest < f64::INFINITY {
         let scaled = v / largest;
-        Unit::new_unchecked(scaled / crate::base::num::scalar::sqrt(scaled.norm_squared()))
+        Unit::new_unchecked(scaled / sqrt(scaled.norm_squared()))
     } else {
         Vector3::x_axis()
     }
@@ -27,6 +27,17 @@ pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
 pub(crate) fn round_outward<T: Scalar>(x: T, by: f64) -> f64 {
     let sum = (x + T::from(by)).value();
     if by < 0.0 { sum.next_down() } else { sum.next_up() }
+}
+
+/// Returns bounds of the distance by the origins alone, and the direction from A to B.
+pub(crate) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+    let sixteenth = pose.translation_sixteenth();
+    let length = sixteenth.amax();
+    let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
+    let norm = sqrt(n.norm_squared());
+    let distance = length * norm * 16.0;
+    let slack = distance * (CERTIFICATE * UNIT) + 2.0 * (reach[0] + reach[1]);
+    ((distance - slack).max(0.0), distance + slack, n / norm)
 }
 
 /// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of
@@ -46,7 +57,7 @@ pub(crate) fn set_undecided(posed: &PosedPair, draft: &mut Draft) {
     (draft.point_on_a, draft.point_on_b) = (p.into(), q.into());
     let between = posed.point_in_a(&q) - p;
     draft.normal = unit(&between);
-    draft.distance = crate::base::num::scalar::sqrt(between.norm_squared());
+    draft.distance = sqrt(between.norm_squared());
     draft.upper = draft.distance + CERTIFICATE * UNIT * posed.size();
     draft.lower = f64::NEG_INFINITY;
     draft.class = Class::Undecided;
@@ -77,7 +88,7 @@ pub(crate) fn is_proven(posed: &PosedPair, draft: &Draft) -> bool {
     match draft.class {
         Class::Overlapping => {
             let between = posed.point_in_a(&draft.point_on_b.coords) - draft.point_on_a.coords;
-            crate::base::num::scalar::sqrt(between.norm_squared()) <= AGREE * posed.size()
+            sqrt(between.norm_squared()) <= AGREE * posed.size()
         }
         Class::Separated => is_narrow(posed, draft),
         Class::Touching | Class::Undecided => false,

@@ -3,13 +3,14 @@
 use alloc::vec::Vec;
 
 use super::engine::BodyShapes;
+use super::manifold::{PairError, refused};
 use super::pair::Asked;
 use super::tracker::{Followed, PairTracker};
 use crate::base::pose::RelativePose;
 use crate::composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
 use crate::composite::penetration::PenetrationBounds;
 use crate::convex::contact::{Manifold, ManifoldOptions};
-use crate::pair_tracker::geometry::{GeometryRef, Lent, ShapeKind};
+use crate::pair_tracker::geometry::{GeometryRef, Lent};
 
 /// The contacts of a pair with a composite or a mesh.
 #[derive(Clone, Debug, Default)]
@@ -50,6 +51,7 @@ pub(crate) fn patches_of(own: GeometryRef) -> Option<ContactPatches> {
         Lent::Mesh(mesh) => Some(ContactPatches::of_mesh(mesh.to_arc())),
         Lent::Composite(body) => Some(ContactPatches::of_pieces(body.to_arc())),
         Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ContactPatches::from((*s).clone())),
+        #[cfg(feature = "surfaces")]
         Lent::Surface(_) => None,
     }
 }
@@ -82,18 +84,6 @@ impl ConvexContacts {
         self.found.push(PatchContacts { normal, contacts });
         &self.found
     }
-}
-
-/// Two geometries of these kinds do not have what was asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("a {a} and a {b} have no {asked}")]
-pub struct PairError {
-    /// The kind of A.
-    pub a: ShapeKind,
-    /// The kind of B.
-    pub b: ShapeKind,
-    /// What was asked for.
-    pub asked: &'static str,
 }
 
 impl PairTracker {
@@ -186,58 +176,6 @@ impl PairTracker {
         self.between.get_or_insert_default().contacts(a, b, a_from_b, options)
     }
 
-    /// Computes the contact points of two convex geometries within `options.prediction`, in
-    /// `manifold`, which keeps ids and order of the contacts of the previous query: one manifold
-    /// for each pair, passed in every frame. [`contacts`](Self::contacts) returns them for all
-    /// kinds.
-    ///
-    /// Rounded polyhedra have the contacts of their cores, moved out by the radii along the normal.
-    /// Curved shapes bear contacts by their flat round faces and straight generators within
-    /// `options.sine` of the normal; an ellipsoid, a superquadric, or a rim or apex without such a
-    /// face has one contact, the witnesses.
-    ///
-    /// Contacts of a flat round face are eight points of its rim at multiples of 45 degrees, as far
-    /// as they are over the other shape, and the crossings of the rim with the boundary of the
-    /// other face. They stand still on a shape that trembles: if the shapes are tilted by less than
-    /// some 2e-4, the deepest contact may be shallower than [`closest`](Self::closest) by `2^-16`
-    /// times the radius of the smaller shape. As features, the points of the upper rim of a
-    /// cylinder are vertices 0 to 7, of the lower rim 8 to 15, and of the rim of a cone 1 to 8; the
-    /// second crossing of an edge with a rim is named by the face instead of the rim.
-    ///
-    /// ```
-    /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny::{Manifold, ManifoldOptions, PairTracker, RelativePose, Shape};
-    ///
-    /// let floor = Shape::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
-    /// let can = Shape::cylinder(0.5, 0.25)?;
-    /// let at = RelativePose::from_isometry(&Isometry3::translation(1.0, 2.0, 1.51))?;
-    /// let (mut tracker, mut manifold) = (PairTracker::new(), Manifold::new());
-    /// let options = ManifoldOptions::within(0.02);
-    /// tracker.manifold(&floor, &can, &at, &options, &mut manifold)?;
-    /// assert_eq!(manifold.points().len(), 4);
-    /// assert!(manifold.points().iter().all(|p| (p.separation - 0.01).abs() < 1e-12));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    ///
-    /// # Errors
-    /// If one of both is not convex.
-    pub fn manifold<'g>(
-        &mut self,
-        a: impl Into<GeometryRef<'g>>,
-        b: impl Into<GeometryRef<'g>>,
-        a_from_b: &RelativePose,
-        options: &ManifoldOptions,
-        manifold: &mut Manifold,
-    ) -> Result<(), PairError> {
-        let (a, b) = (a.into(), b.into());
-        let tracker = &mut self.of(a, b).tracker;
-        if tracker.manifold((a, b), a_from_b, options, manifold) {
-            Ok(())
-        } else {
-            Err(refused(a, b, "manifold"))
-        }
-    }
-
     /// Returns bounds of the penetration depth of two solids, the length of the shortest
     /// translation of B after which they share no inner point. `None` if one of both has no inside:
     /// a mesh that is not closed, or a surface of patches.
@@ -276,9 +214,4 @@ impl PairTracker {
     ) -> Option<PenetrationBounds> {
         self.pair(a.into(), b.into()).penetration(a_from_b)
     }
-}
-
-fn refused(a: GeometryRef, b: GeometryRef, asked: &'static str) -> PairError {
-    let (a, b) = (a.kind(), b.kind());
-    PairError { a, b, asked }
 }

@@ -1,16 +1,17 @@
 //! The distance of a mesh by the pieces that stand for it.
 
 use super::engine::AnyTracker;
-use super::over::{Kinds, OverTime};
 use super::pair::Asked;
+use super::parted::TrackedPieces;
 use super::tracker::PairTracker;
 use crate::base::pose::RelativePose;
 use crate::composite::decomposition::Decomposition;
 use crate::composite::parts::PartsRef;
+use crate::composite::separation::CompositePair;
 use crate::pair::outcome::Distance;
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
-use crate::pair_tracker::geometry::GeometryRef;
+use crate::pair_tracker::geometry::{GeometryRef, ShapeKind};
 
 impl Decomposition {
     /// Returns bounds of the distance of the mesh from another geometry, by the distance of the
@@ -27,7 +28,7 @@ impl Decomposition {
     ) -> Distance {
         let other = other.into();
         let pieces = GeometryRef::from(self.pieces());
-        if other.surface().is_some() {
+        if other.kind() == ShapeKind::Surface {
             return tracker.distance(self.mesh(), other, mesh_from_other);
         }
         tracker.distance_by_pieces(pieces, other, mesh_from_other, |found, other| {
@@ -48,12 +49,10 @@ impl PairTracker {
     ) -> Distance {
         let pair = [a, b].map(|body| body.fingerprint().with(*b"pieces  ", 0.0));
         let followed = self.kept(pair, || AnyTracker::of_pieces((a, b)));
-        match followed.tracker.over((a, b)).0 {
-            Kinds::Pieces(pair) => {
-                let found = pair.tracker.closest(&pair.a, &pair.b, a_from_b);
-                bounds(&found, &pair.b)
-            }
-            other => Distance::from(&OverTime(other).answer(a_from_b, &Question::new())),
+        let mut over = followed.tracker.over((a, b));
+        match over.of_kinds::<TrackedPieces>() {
+            Some(CompositePair { a, b, tracker }) => bounds(&tracker.closest(&a, &b, a_from_b), &b),
+            None => Distance::from(&over.answer(a_from_b, &Question::new())),
         }
     }
 }

@@ -6,17 +6,18 @@ use alloc::boxed::Box;
 use super::mixed::MixedTracker;
 use super::over::{Kinds, OverTime};
 use super::pair::BallPair;
+#[cfg(feature = "meshes")]
+use super::tracked::AnyKinds;
 use super::work::PairWork;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
+#[cfg(feature = "meshes")]
 use crate::composite::contact::{ContactPatches, PatchContacts};
-use crate::composite::mesh::tracker::MeshTracker;
 use crate::convex::contact::{Manifold, ManifoldOptions, Query};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::{Tracker, Workspace};
 use crate::pair::outcome::{Accuracy, Outcome, Until};
 use crate::pair_tracker::geometry::{Geometry, GeometryRef, Lent};
-use crate::patch::SurfaceTracker;
 use crate::time::separation::{Measure, PolyhedronPair, Separation};
 
 /// What a contact stage starts from: the last outcome, the options, and the patches of bodies that
@@ -24,6 +25,7 @@ use crate::time::separation::{Measure, PolyhedronPair, Separation};
 pub(crate) struct ContactAsk<'a> {
     pub(crate) outcome: &'a Outcome,
     pub(crate) options: &'a ManifoldOptions,
+    #[cfg(feature = "meshes")]
     pub(crate) patches: [Option<&'a ContactPatches>; 2],
 }
 
@@ -76,6 +78,7 @@ pub(crate) trait PairEngine: Clone + Send + Sync {
     ) -> Contacted;
 
     /// Returns the contacts of a pair with a body that is not convex.
+    #[cfg(feature = "meshes")]
     fn contacts(&self) -> Option<&[PatchContacts]> {
         None
     }
@@ -183,13 +186,14 @@ impl AnyTracker {
     pub(crate) fn new((a, b): BodyShapes<'_>) -> Self {
         match (a.0, b.0) {
             (Lent::Polyhedron(_), Lent::Polyhedron(_)) => Self::Polyhedra(Tracker::new()),
-            _ => Self::Mixed(MixedTracker::new(a, b)),
+            _ => Self::Mixed(MixedTracker::new((a, b))),
         }
     }
 
     /// Returns a tracker of two bodies of parts of which a composite stays one.
-    pub(super) fn of_pieces((a, b): BodyShapes<'_>) -> Self {
-        Self::Mixed(MixedTracker::of_pieces(a, b))
+    #[cfg(feature = "meshes")]
+    pub(super) fn of_pieces(bodies: BodyShapes<'_>) -> Self {
+        Self::Mixed(MixedTracker::of_pieces(bodies))
     }
 
     /// Takes the recorded start of a query of two convex bodies.
@@ -233,13 +237,14 @@ impl AnyTracker {
         match self {
             Self::Polyhedra(tracker) => OverTime(match polyhedra(a, b) {
                 Some((x, y)) => Kinds::Polyhedra(PolyhedronPair::new(x, y, tracker)),
-                None => Kinds::Balls(BallPair::new(a, b)),
+                None => Kinds::Balls(BallPair::new((a, b))),
             }),
-            Self::Mixed(tracker) => tracker.over(a, b),
+            Self::Mixed(tracker) => tracker.over((a, b)),
         }
     }
 
     /// Returns whether both bodies are convex.
+    #[cfg(feature = "meshes")]
     pub(super) fn is_convex(&self) -> bool {
         match self {
             Self::Polyhedra(_) => true,
@@ -260,7 +265,7 @@ impl AnyTracker {
                 Some((a, b)) => tracker.manifold(a, b, pose, options, manifold),
                 None => return false,
             },
-            Self::Mixed(tracker) => match tracker.convex(a, b) {
+            Self::Mixed(tracker) => match tracker.convex((a, b)) {
                 Some((tracker, [a, b])) => tracker.manifold(a, b, pose, options, manifold),
                 None => return false,
             },
@@ -269,6 +274,7 @@ impl AnyTracker {
     }
 
     /// Returns the contacts of two bodies that are not both convex; `None` if one bears none.
+    #[cfg(feature = "meshes")]
     pub(super) fn contacts(
         &mut self,
         bodies: BodyShapes<'_>,
@@ -286,7 +292,7 @@ impl AnyTracker {
         match self {
             Self::Polyhedra(tracker) => polyhedra(a, b).map(|(a, b)| tracker.replay(a, b, pose, Accuracy::Certified)),
             Self::Mixed(tracker) => {
-                let (tracker, [a, b]) = tracker.convex(a, b)?;
+                let (tracker, [a, b]) = tracker.convex((a, b))?;
                 tracker.replay(a, b, pose)
             }
         }
@@ -308,19 +314,12 @@ impl AnyTracker {
         }
     }
 
-    /// Returns the tracker of two meshes.
-    pub(super) fn meshes(&self) -> Option<&MeshTracker> {
+    /// Returns the tracker of a pair that is not of two polyhedra, if it is of type `K`.
+    #[cfg(feature = "meshes")]
+    pub(super) fn of_kinds<K: AnyKinds>(&self) -> Option<&K> {
         match self {
             Self::Polyhedra(_) => None,
-            Self::Mixed(tracker) => tracker.meshes(),
-        }
-    }
-
-    /// Returns the tracker of two surfaces.
-    pub(super) fn surfaces(&self) -> Option<&SurfaceTracker> {
-        match self {
-            Self::Polyhedra(_) => None,
-            Self::Mixed(tracker) => tracker.surfaces(),
+            Self::Mixed(tracker) => tracker.of_kinds(),
         }
     }
 

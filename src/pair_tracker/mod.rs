@@ -1,22 +1,31 @@
 //! Pairs of geometries of any two kinds.
 
+#[cfg(feature = "meshes")]
 mod contacts;
+#[cfg(feature = "meshes")]
 mod decomposition;
 mod engine;
 pub(crate) mod geometry;
+mod manifold;
 mod mixed;
 mod over;
 mod pair;
+#[cfg(feature = "meshes")]
+mod parted;
+#[cfg(feature = "surfaces")]
+mod patched;
 pub(crate) mod ray;
 mod state;
+mod tracked;
 mod tracker;
 mod work;
 
-pub use contacts::PairError;
+pub use manifold::PairError;
 pub use over::OverTime;
 pub use tracker::PairTracker;
 pub use work::PairWork;
 
+#[cfg(feature = "meshes")]
 pub(crate) use contacts::patches_of;
 pub(crate) use engine::{AnyTracker, BodyShapes, ContactAsk, Contacted, PairEngine, TrackerRef};
 pub(crate) use mixed::MixedTracker;

@@ -1,19 +1,21 @@
 //! A pair of any kinds over time.
 
 use alloc::string::String;
+use core::any::Any;
 
 use nalgebra::{Point3, Vector3};
 
+use super::engine::BodyShapes;
 use super::pair::{Asked, BallPair};
+use super::tracked::{AnyKinds, PairOfKinds};
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::ConvexPolyhedron;
+#[cfg(feature = "meshes")]
 use crate::composite::penetration::PenetrationBounds;
-use crate::composite::separation::{CompositePair, MeshPair};
 use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Decision;
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
-use crate::patch::{SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
 use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Separation, ShapePair, SupportPoint};
 
 /// Two geometries that can be measured over time, followed by a borrowed tracker: what
@@ -22,74 +24,95 @@ use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Separation,
 pub struct OverTime<'p>(pub(super) Kinds<'p>);
 
 #[derive(Debug)]
-#[allow(clippy::large_enum_variant, reason = "polyhedra, the usual pair, stay in place")]
 pub(super) enum Kinds<'p> {
     Polyhedra(PolyhedronPair<'p>),
-    Balls(BallPair),
     Convex(ShapePair<'p>),
-    Pieces(CompositePair<'p>),
-    Triangles(MeshPair<'p>),
-    Surfaces(SurfacePair<'p>),
-    SurfaceAndShape(SurfaceSolidPair<'p, SurfaceShapeTracker>),
-    SurfaceAndPieces(SurfaceSolidPair<'p, SurfaceCompositeTracker>),
+    Balls(BallPair),
+    Mixed {
+        bodies: BodyShapes<'p>,
+        tracker: &'p mut dyn AnyKinds,
+    },
 }
 
-macro_rules! each {
-    ($over:expr, $pair:ident => $result:expr) => {
-        match $over {
-            Kinds::Polyhedra($pair) => $result,
-            Kinds::Balls($pair) => $result,
-            Kinds::Convex($pair) => $result,
-            Kinds::Pieces($pair) => $result,
-            Kinds::Triangles($pair) => $result,
-            Kinds::Surfaces($pair) => $result,
-            Kinds::SurfaceAndShape($pair) => $result,
-            Kinds::SurfaceAndPieces($pair) => $result,
+impl OverTime<'_> {
+    /// Asks the pair, behind one interface.
+    fn asked<R>(&mut self, mut ask: impl FnMut(&mut dyn Asked) -> R) -> R {
+        match &mut self.0 {
+            Kinds::Polyhedra(pair) => ask(pair),
+            Kinds::Convex(pair) => ask(pair),
+            Kinds::Balls(pair) => ask(pair),
+            Kinds::Mixed { bodies, tracker } => {
+                let mut answer = None;
+                tracker.ask(*bodies, &mut |pair| answer = Some(ask(pair)));
+                // Geometries for which the tracker was not made are known by their balls.
+                answer.unwrap_or_else(|| ask(&mut BallPair::new(*bodies)))
+            }
         }
-    };
+    }
+
+    /// Returns the pair if its tracker is of type `K`.
+    #[cfg(feature = "meshes")]
+    pub(super) fn of_kinds<K: PairOfKinds + Any>(&mut self) -> Option<K::Pair<'_>> {
+        match &mut self.0 {
+            Kinds::Polyhedra(_) | Kinds::Convex(_) | Kinds::Balls(_) => None,
+            Kinds::Mixed { bodies, tracker } => {
+                let tracker: &mut dyn Any = &mut **tracker;
+                tracker.downcast_mut::<K>()?.pair(*bodies)
+            }
+        }
+    }
 }
 
 impl Separation for OverTime<'_> {
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
-        each!(&self.0, pair => pair.ball(of))
+        match &self.0 {
+            Kinds::Polyhedra(pair) => pair.ball(of),
+            Kinds::Convex(pair) => pair.ball(of),
+            Kinds::Balls(pair) => pair.ball(of),
+            Kinds::Mixed { bodies, tracker } => {
+                let known = tracker.ball(*bodies, of);
+                known.unwrap_or_else(|| BallPair::new(*bodies).ball(of))
+            }
+        }
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        each!(&mut self.0, pair => pair.measure(a_from_b))
+        self.asked(|pair| pair.measure(a_from_b))
     }
 
     fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
-        each!(&mut self.0, pair => pair.meets(a_from_b, distance, seen))
+        self.asked(|pair| pair.meets(a_from_b, distance, seen))
     }
 
     fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
-        each!(&mut self.0, pair => pair.support(of, direction))
+        self.asked(|pair| pair.support(of, direction))
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
-        each!(&mut self.0, pair => pair.free_for(seen, flight))
+        self.asked(|pair| pair.free_for(seen, flight))
     }
 }
 
 impl Asked for OverTime<'_> {
     fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
-        each!(&mut self.0, pair => pair.answer(pose, question))
+        self.asked(|pair| pair.answer(pose, question))
     }
 
     fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        each!(&mut self.0, pair => pair.within(pose, d, question))
+        self.asked(|pair| pair.within(pose, d, question))
     }
 
     fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
-        each!(&mut self.0, pair => pair.lower_bound(pose))
+        self.asked(|pair| pair.lower_bound(pose))
     }
 
+    #[cfg(feature = "meshes")]
     fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
-        each!(&mut self.0, pair => pair.penetration(pose))
+        self.asked(|pair| pair.penetration(pose))
     }
 
-    fn check(&self, pose: &RelativePose) -> Result<(), String> {
-        each!(&self.0, pair => pair.check(pose))
+    fn check(&mut self, pose: &RelativePose) -> Result<(), String> {
+        self.asked(|pair| pair.check(pose))
     }
 }
 

@@ -1,23 +1,23 @@
 //! A pair of two geometries of known kinds and their tracker: the questions that every pair
 //! answers.
 
-use alloc::string::{String, ToString};
+use alloc::string::String;
 
 use nalgebra::{Point3, Unit};
 
+use super::engine::BodyShapes;
 use crate::base::pose::{Operand, RelativePose};
-use crate::base::tuning::patch::SCENE_WIDTH;
 use crate::body::polyhedron::FeaturePair;
 use crate::body::shape::Shape;
+#[cfg(feature = "meshes")]
 use crate::composite::penetration::PenetrationBounds;
+#[cfg(feature = "meshes")]
 use crate::composite::pieces::{Composite, CompositeTracker};
-use crate::composite::separation::{CompositePair, MeshPair};
 use crate::convex::shape_tracker::ShapeTracker;
+use crate::pair::answer::far;
 use crate::pair::outcome::{Class, Decision, Outcome, Until};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
-use crate::pair_tracker::geometry::GeometryRef;
-use crate::patch::{BesideSurface, SurfacePair, SurfaceSolidPair, far};
 use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair};
 
 /// Two geometries and a borrowed tracker.
@@ -34,21 +34,14 @@ pub(super) trait Asked: Separation {
     }
 
     /// Returns bounds of the penetration depth of two solids.
+    #[cfg(feature = "meshes")]
     fn penetration(&mut self, _: &RelativePose) -> Option<PenetrationBounds> {
         None
     }
 
     /// Returns the first broken invariant of what is kept.
-    fn check(&self, _: &RelativePose) -> Result<(), String> {
+    fn check(&mut self, _: &RelativePose) -> Result<(), String> {
         Ok(())
-    }
-
-    /// Returns the width of the bounds that is asked for.
-    fn width(&self, question: &Question) -> f64 {
-        let radius = |of| self.ball(of).1;
-        question
-            .width
-            .unwrap_or_else(|| SCENE_WIDTH * (radius(Operand::A) + radius(Operand::B)))
     }
 }
 
@@ -82,7 +75,8 @@ pub(super) fn measured(
 }
 
 /// Returns the answer of geometries whose depth is not searched.
-fn of_sets(answer: Answer) -> Answer {
+#[cfg(feature = "meshes")]
+pub(super) fn of_sets(answer: Answer) -> Answer {
     Answer {
         outcome: without_depth(answer.outcome),
         ..answer
@@ -100,13 +94,14 @@ impl Asked for PolyhedronPair<'_> {
         Decision::of(tracker.within(a, b, pose, d))
     }
 
+    #[cfg(feature = "meshes")]
     fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
         let (a, b, _) = self.asked();
         let [a, b] = [a, b].map(|body| Composite::from(Shape::from(body.clone())));
         CompositeTracker::new().penetration(&a, &b, pose)
     }
 
-    fn check(&self, _: &RelativePose) -> Result<(), String> {
+    fn check(&mut self, _: &RelativePose) -> Result<(), String> {
         self.checked()
     }
 }
@@ -119,7 +114,7 @@ pub(crate) struct BallPair {
 }
 
 impl BallPair {
-    pub(super) fn new(a: GeometryRef, b: GeometryRef) -> Self {
+    pub(super) fn new((a, b): BodyShapes<'_>) -> Self {
         Self {
             balls: [a.bounding_ball(), b.bounding_ball()],
         }
@@ -196,76 +191,10 @@ impl Asked for ShapePair<'_> {
         Decision::of(tracker.within(a, b, pose, d))
     }
 
+    #[cfg(feature = "meshes")]
     fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
         let (a, b, _) = self.asked();
         let [a, b] = [a, b].map(|shape| Composite::from(shape.clone()));
         CompositeTracker::new().penetration(&a, &b, pose)
-    }
-}
-
-impl Asked for CompositePair<'_> {
-    fn answer(&mut self, pose: &RelativePose, _: &Question) -> Answer {
-        of_sets(self.tracker.closest(&self.a, &self.b, pose))
-    }
-
-    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
-        Decision::of(self.tracker.within(&self.a, &self.b, pose, d))
-    }
-
-    fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
-        self.tracker.lower_bound(&self.a, &self.b, pose)
-    }
-
-    fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
-        self.tracker.penetration(&self.a, &self.b, pose)
-    }
-}
-
-impl Asked for MeshPair<'_> {
-    fn answer(&mut self, pose: &RelativePose, _: &Question) -> Answer {
-        of_sets(self.tracker.closest(self.a, self.b, pose))
-    }
-
-    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
-        Decision::of(self.tracker.within(self.a, self.b, pose, d))
-    }
-
-    fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
-        self.tracker.lower_bound(self.a, self.b, pose)
-    }
-
-    fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
-        self.tracker.penetration(self.a, self.b, pose)
-    }
-
-    fn check(&self, pose: &RelativePose) -> Result<(), String> {
-        let checked = self.tracker.audit(self.a, self.b, pose);
-        checked.map_err(|fault| fault.to_string())
-    }
-}
-
-impl Asked for SurfacePair<'_> {
-    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
-        let width = self.width(question);
-        self.tracker.allow(question.splits);
-        of_sets(self.closest(pose, width))
-    }
-
-    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        self.tracker.allow(question.splits);
-        self.is_within(pose, d)
-    }
-}
-
-impl<T: BesideSurface> Asked for SurfaceSolidPair<'_, T> {
-    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
-        let width = self.width(question);
-        self.allow(question.splits);
-        of_sets(self.closest(pose, width))
-    }
-
-    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        self.allow(question.splits);
-        self.is_within(pose, d)
     }
 }

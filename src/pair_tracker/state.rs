@@ -1,15 +1,20 @@
 //! What a tracker of any two geometries keeps: counters, fronts, and where a query begins.
 
 use alloc::string::String;
+#[cfg(feature = "surfaces")]
 use alloc::vec::Vec;
 
 use super::pair::Asked;
+#[cfg(feature = "meshes")]
+use super::parted::TrackedMeshes;
+#[cfg(feature = "surfaces")]
+use super::patched::TrackedSurfaces;
 use super::tracker::PairTracker;
 use super::work::PairWork;
 use crate::base::pose::RelativePose;
-use crate::composite::mesh::tracker::MeshTracker;
 use crate::convex::replay::Replay;
 use crate::pair_tracker::geometry::GeometryRef;
+#[cfg(feature = "surfaces")]
 use crate::patch::{Surface, SurfacePart};
 
 impl PairTracker {
@@ -48,17 +53,21 @@ impl PairTracker {
     /// Returns the front that is kept of two meshes: pairs of nodes of the trees of A and of B that
     /// are proven farther apart than the distance. [`Mesh::node_box`](crate::Mesh::node_box)
     /// returns their boxes. Empty for other geometries.
+    #[cfg(feature = "meshes")]
     pub fn mesh_front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        let tracker = self.followed.as_ref().and_then(|f| f.tracker.meshes());
-        tracker.into_iter().flat_map(MeshTracker::front)
+        let followed = self.followed.as_ref();
+        let tracked = followed.and_then(|f| f.tracker.of_kinds::<TrackedMeshes>());
+        tracked.into_iter().flat_map(|tracked| tracked.tracker.front())
     }
 
     /// Returns the front that is kept of two surfaces of patches: pairs of parts of A and of B that
     /// are proven apart. Empty for surfaces other than those of the last query.
+    #[cfg(feature = "surfaces")]
     #[must_use]
     pub fn surface_front(&self, a: &Surface, b: &Surface) -> Vec<[SurfacePart; 2]> {
-        let tracker = self.followed.as_ref().and_then(|f| f.tracker.surfaces());
-        tracker.map(|t| t.front(a, b).collect()).unwrap_or_default()
+        let followed = self.followed.as_ref();
+        let tracked = followed.and_then(|f| f.tracker.of_kinds::<TrackedSurfaces>());
+        tracked.map(|t| t.tracker.front(a, b).collect()).unwrap_or_default()
     }
 
     /// Returns the bytes that the tracker keeps on the heap, without those of stand-ins and

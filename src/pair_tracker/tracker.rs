@@ -1,7 +1,9 @@
 //! One tracker for any two geometries.
 
+#[cfg(feature = "meshes")]
 use alloc::boxed::Box;
 
+#[cfg(feature = "meshes")]
 use super::contacts::ConvexContacts;
 use super::engine::AnyTracker;
 use super::over::OverTime;
@@ -9,6 +11,7 @@ use super::pair::Asked;
 use super::work::PairWork;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
+#[cfg(feature = "meshes")]
 use crate::composite::contact::ContactTracker;
 use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
@@ -71,6 +74,7 @@ use crate::pair_tracker::geometry::GeometryRef;
 pub struct PairTracker {
     pub(super) followed: Option<Followed>,
     /// The contacts between patches given by the caller.
+    #[cfg(feature = "meshes")]
     pub(super) between: Option<Box<ContactTracker>>,
     /// The work for pairs that are followed no more.
     pub(super) work: PairWork,
@@ -99,6 +103,7 @@ impl From<PairWork> for PairTracker {
 pub(super) struct Followed {
     pair: [Fingerprint; 2],
     pub(super) tracker: AnyTracker,
+    #[cfg(feature = "meshes")]
     pub(super) contacts: Option<Box<ConvexContacts>>,
 }
 
@@ -123,6 +128,7 @@ impl PairTracker {
         self.followed.get_or_insert_with(|| Followed {
             pair,
             tracker: new(),
+            #[cfg(feature = "meshes")]
             contacts: None,
         })
     }

@@ -1,7 +1,9 @@
 //! The work of a tracker of any two geometries.
 
+#[cfg(feature = "meshes")]
 use crate::composite::work::MeshWork;
 use crate::convex::tracker::Totals;
+#[cfg(feature = "surfaces")]
 use crate::patch::SurfaceWork;
 
 /// The work of the queries of a [`PairTracker`](crate::PairTracker), by what the geometries are
@@ -13,8 +15,10 @@ pub struct PairWork {
     /// Queries of two convex geometries.
     pub convex: Totals,
     /// Queries of composites and meshes.
+    #[cfg(feature = "meshes")]
     pub trees: MeshWork,
     /// Queries with a surface of patches.
+    #[cfg(feature = "surfaces")]
     pub surfaces: SurfaceWork,
 }
 
@@ -26,6 +30,7 @@ impl PairWork {
         }
     }
 
+    #[cfg(feature = "meshes")]
     pub(super) fn of_trees(trees: MeshWork) -> Self {
         Self {
             trees,
@@ -33,6 +38,7 @@ impl PairWork {
         }
     }
 
+    #[cfg(feature = "surfaces")]
     pub(super) fn of_surfaces(surfaces: SurfaceWork) -> Self {
         Self {
             surfaces,
@@ -45,7 +51,13 @@ impl core::ops::AddAssign for PairWork {
     /// Adds all counts. Sums saturate.
     fn add_assign(&mut self, other: Self) {
         self.convex += other.convex;
-        self.trees += other.trees;
-        self.surfaces += other.surfaces;
+        #[cfg(feature = "meshes")]
+        {
+            self.trees += other.trees;
+        }
+        #[cfg(feature = "surfaces")]
+        {
+            self.surfaces += other.surfaces;
+        }
     }
 }

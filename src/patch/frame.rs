@@ -62,14 +62,3 @@ impl NetFrame {
         self.rotation.tr_mul(n)
     }
 }
-
-/// Returns bounds of the distance by the origins alone, and the direction from A to B.
-pub(crate) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
-    let sixteenth = pose.translation_sixteenth();
-    let length = sixteenth.amax();
-    let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
-    let norm = sqrt(n.norm_squared());
-    let distance = length * norm * 16.0;
-    let slack = distance * (CERTIFICATE * UNIT) + 2.0 * (reach[0] + reach[1]);
-    ((distance - slack).max(0.0), distance + slack, n / norm)
-}

@@ -110,7 +110,6 @@ mod tree;
 
 pub(crate) use composite_tracker::SurfaceCompositeTracker;
 pub use error::PatchError;
-pub(crate) use frame::far;
 pub use net::Patch;
 pub use nurbs::Nurbs;
 pub use outcome::{SurfacePart, SurfaceWork};

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::frame::{NetFrame, far};
+use super::frame::NetFrame;
 use super::gap::{SearchCounts, Trees};
 use super::outcome::SurfaceWork;
 use super::search::NetGoal;
@@ -18,6 +18,7 @@ use crate::base::tuning::patch::{KEPT, SPLITS};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::body::shape::Shape;
 use crate::convex::shape_tracker::ShapeTracker;
+use crate::pair::answer::far;
 use crate::pair::outcome::{Class, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
 

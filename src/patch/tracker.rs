@@ -4,7 +4,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use super::closest::Patches;
 use super::crossing::crosses;
-use super::frame::{NetFrame, far};
+use super::frame::NetFrame;
 use super::gap::{SearchCounts, Trees};
 use super::outcome::{SurfacePart, SurfaceWork};
 use super::search::NetGoal;
@@ -14,6 +14,7 @@ use super::tree::{Grown, Nodes};
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::SURFACE_POINT;
 use crate::base::tuning::patch::{KEPT, SPLITS};
+use crate::pair::answer::far;
 use crate::pair::outcome::{Class, Decision, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
 

@@ -6,6 +6,7 @@ use super::effects::NEVER;
 use super::step::bodies_of;
 use super::{BodyId, PairId, Scene, SceneError};
 use crate::broad::{self, Aabb, BroadPhase};
+#[cfg(feature = "meshes")]
 use crate::composite::contact::PatchContacts;
 use crate::convex::contact::Manifold;
 use crate::pair::outcome::{Distance, Outcome};
@@ -46,6 +47,7 @@ pub struct PairAnswer<'a> {
     pub manifold: Option<&'a Manifold>,
     /// Contact points of a pair with a mesh or a composite, by direction; `None` also for bodies
     /// farther apart than the prediction.
+    #[cfg(feature = "meshes")]
     pub contacts: Option<&'a [PatchContacts]>,
 }
 
@@ -103,6 +105,7 @@ impl Scene {
             outcome: None,
             pieces: None,
             manifold: None,
+            #[cfg(feature = "meshes")]
             contacts: None,
         };
         if let Some(seen) = self.pair_tables.get(pair.id.slot) {
@@ -110,7 +113,10 @@ impl Scene {
             answer.overlaps = (plan.overlap && seen.header.state.known).then_some(seen.header.state.overlaps);
             answer.within = (plan.within != NEVER && seen.header.state.known).then_some(seen.header.state.within);
             (answer.distance, answer.outcome, answer.manifold) = (seen.distance, seen.outcome, seen.manifold);
-            answer.contacts = seen.contacts;
+            #[cfg(feature = "meshes")]
+            {
+                answer.contacts = seen.contacts;
+            }
             answer.pieces = seen.outcome.map(|_| seen.pieces);
         }
         answer

@@ -17,6 +17,7 @@ use crate::base::tolerance::{RADIUS_UP, ROUND_UP, SCENE_REACH};
 use crate::body::polyhedron::BoxHint;
 use crate::broad::slots::Slots;
 use crate::broad::{self, Aabb};
+#[cfg(feature = "meshes")]
 use crate::composite::contact::ContactPatches;
 use crate::pair_tracker::geometry::Geometry;
 
@@ -82,6 +83,7 @@ pub(super) struct BodySolid {
     pub(super) boxed: bool,
     pub(super) user_data: u64,
     /// The convex patches of a mesh or composite, if contacts are called for.
+    #[cfg(feature = "meshes")]
     pub(super) patches: Option<ContactPatches>,
 }
 
@@ -105,6 +107,7 @@ impl BodySolid {
             fixed: body.fixed,
             boxed: true,
             user_data: body.user_data,
+            #[cfg(feature = "meshes")]
             patches: None,
         })
     }

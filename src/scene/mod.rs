@@ -158,6 +158,8 @@ mod narrow_phase;
 mod pair_table;
 #[cfg(feature = "parallel")]
 mod parallel;
+#[cfg(feature = "meshes")]
+mod patches;
 mod ray;
 mod report;
 mod search;

@@ -179,6 +179,7 @@ impl StepContext<'_> {
                 let ask = ContactAsk {
                     outcome: &outcome,
                     options,
+                    #[cfg(feature = "meshes")]
                     patches: [solid_a.patches.as_ref(), solid_b.patches.as_ref()],
                 };
                 let done = tracker.update_manifold(shapes, &pose, ask, stored);

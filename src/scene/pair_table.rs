@@ -17,6 +17,7 @@ use alloc::vec::Vec;
 use super::effects::{Detail, GroupPair, NEVER, PairPlan};
 use super::stored_answer::{StoredAnswer, StoredContact};
 use crate::broad::PairId;
+#[cfg(feature = "meshes")]
 use crate::composite::contact::PatchContacts;
 use crate::convex::contact::Manifold;
 use crate::convex::tracker::Tracker;
@@ -100,6 +101,7 @@ impl<T: PairEngine, A: StoredAnswer> PairTable<T, A> {
             distance: answer.distance().filter(|_| header.state.measured),
             outcome: answer.outcome().filter(|_| header.state.measured),
             manifold: answer.contacts().filter(|_| header.state.measured),
+            #[cfg(feature = "meshes")]
             contacts: tracker.contacts().filter(|_| header.state.measured),
         })
     }
@@ -179,6 +181,7 @@ pub(super) struct PairView<'a> {
     pub(super) distance: Option<Distance>,
     pub(super) outcome: Option<&'a Outcome>,
     pub(super) manifold: Option<&'a Manifold>,
+    #[cfg(feature = "meshes")]
     pub(super) contacts: Option<&'a [PatchContacts]>,
 }
 

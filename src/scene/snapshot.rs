@@ -269,6 +269,7 @@ impl SceneSnapshot {
             workspace: Workspace::default(),
         };
         scene.check_tables()?;
+        #[cfg(feature = "meshes")]
         scene.make_patches();
         Ok(scene)
     }

@@ -1,6 +1,5 @@
 //! A step: the stages of the pipeline, in order.
 
-use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::Scene;
@@ -14,7 +13,7 @@ use super::report::{Clock, Report};
 use crate::base::tuning::scene::QUERY_IN_BOXES;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, BroadPhase, PairId};
-use crate::pair_tracker::{AnyTracker, PairEngine, patches_of};
+use crate::pair_tracker::{AnyTracker, PairEngine};
 
 impl Scene {
     /// Applies all calls since the last step and computes the effects called for. Does nothing if
@@ -30,6 +29,7 @@ impl Scene {
         if self.is_due() {
             let mut clock = Clock::start();
             let recreated = self.replan();
+            #[cfg(feature = "meshes")]
             if self.changed || self.replanned != 0 {
                 self.make_patches();
             }
@@ -83,31 +83,6 @@ impl Scene {
             }
         }
         recreated
-    }
-
-    /// Makes the patches of meshes and composites whose contacts are called for, once for each
-    /// shape.
-    pub(super) fn make_patches(&mut self) {
-        let groups = self.table.manifold_groups();
-        if !self.census.has_parts(groups) {
-            return;
-        }
-        let mut made = BTreeMap::new();
-        for solid in self.bodies.solids.iter().flatten() {
-            if let Some(patches) = &solid.patches {
-                made.insert(solid.shape.address(), Some(patches.clone()));
-            }
-        }
-        for solid in self.bodies.solids.iter_mut().flatten() {
-            if groups & 1 << solid.group.number() == 0 || solid.patches.is_some() {
-                continue;
-            }
-            let shape = &solid.shape;
-            let new = || patches_of(shape.into());
-            if !shape.kind().is_convex() {
-                solid.patches = made.entry(shape.address()).or_insert_with(new).clone();
-            }
-        }
     }
 
     /// Removes a body from the broad phase and inserts the body again, with a box or unbounded.

@@ -4,13 +4,13 @@ use alloc::sync::Arc;
 
 use nalgebra::Point3;
 
-use super::{Geometry, ShapeKind};
+use super::{Geometry, OfKind, ShapeKind, match_kind};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
-use crate::composite::mesh::Mesh;
-use crate::composite::pieces::Composite;
-use crate::composite::separation::ball_about;
+#[cfg(feature = "meshes")]
+use crate::composite::{mesh::Mesh, pieces::Composite};
+#[cfg(feature = "surfaces")]
 use crate::patch::Surface;
 
 /// A geometry of any kind, lent to a query: what a query of two geometries takes.
@@ -25,8 +25,11 @@ pub struct GeometryRef<'a>(pub(crate) Lent<'a>);
 pub(crate) enum Lent<'a> {
     Polyhedron(LentBody<'a, ConvexPolyhedron>),
     Convex(LentBody<'a, Shape>),
+    #[cfg(feature = "meshes")]
     Composite(LentBody<'a, Composite>),
+    #[cfg(feature = "meshes")]
     Mesh(LentBody<'a, Mesh>),
+    #[cfg(feature = "surfaces")]
     Surface(LentBody<'a, Surface>),
 }
 
@@ -98,6 +101,7 @@ impl<'a> GeometryRef<'a> {
     }
 
     /// Returns the composite of a geometry that is a composite.
+    #[cfg(feature = "meshes")]
     pub(crate) fn composite(self) -> Option<&'a Composite> {
         match self.0 {
             Lent::Composite(body) => Some(body.get()),
@@ -106,6 +110,7 @@ impl<'a> GeometryRef<'a> {
     }
 
     /// Returns the mesh of a geometry that is a mesh.
+    #[cfg(feature = "meshes")]
     pub(crate) fn mesh(self) -> Option<&'a Mesh> {
         match self.0 {
             Lent::Mesh(mesh) => Some(mesh.get()),
@@ -114,6 +119,7 @@ impl<'a> GeometryRef<'a> {
     }
 
     /// Returns the surface of a geometry that is a surface of patches.
+    #[cfg(feature = "surfaces")]
     pub(crate) fn surface(self) -> Option<&'a Surface> {
         match self.0 {
             Lent::Surface(surface) => Some(surface.get()),
@@ -140,61 +146,26 @@ impl<'a> GeometryRef<'a> {
     /// Returns the hash by which kept state recognises the geometry.
     #[inline]
     pub(crate) fn fingerprint(self) -> Fingerprint {
-        match self.0 {
-            Lent::Polyhedron(body) => body.get().fingerprint,
-            Lent::Convex(shape) => shape.get().fingerprint(),
-            Lent::Composite(body) => body.get().recognised(),
-            Lent::Mesh(mesh) => mesh.get().fingerprint,
-            Lent::Surface(surface) => surface.get().fingerprint,
-        }
+        match_kind!(Lent, self.0, body => OfKind::fingerprint(body.get()))
     }
 
     /// Returns the kind of the geometry.
     #[must_use]
     pub fn kind(self) -> ShapeKind {
-        let polyhedral = |body: &ConvexPolyhedron| {
-            if body.face_count() == 0 {
-                ShapeKind::Wire
-            } else {
-                ShapeKind::Polyhedron
-            }
-        };
-        match self.0 {
-            Lent::Polyhedron(body) => polyhedral(body.get()),
-            Lent::Convex(shape) => match shape.get().core() {
-                Core::Polyhedron(body) if shape.get().round() == 0.0 => polyhedral(body),
-                Core::Polyhedron(_) => ShapeKind::Rounded,
-                _ => ShapeKind::Curved,
-            },
-            Lent::Composite(_) => ShapeKind::Composite,
-            Lent::Mesh(_) => ShapeKind::Mesh,
-            Lent::Surface(_) => ShapeKind::Surface,
-        }
+        match_kind!(Lent, self.0, body => OfKind::kind(body.get()))
     }
 
     /// Returns a ball that contains the geometry, in its frame: centre and radius.
     #[must_use]
     pub fn bounding_ball(self) -> (Point3<f64>, f64) {
-        match self.0 {
-            Lent::Polyhedron(body) => body.get().bounding_ball(),
-            Lent::Convex(shape) => shape.get().bounding_ball(),
-            Lent::Composite(body) => ball_about(body.get().aabb()),
-            Lent::Mesh(mesh) => ball_about(mesh.get().aabb()),
-            Lent::Surface(surface) => surface.get().bounding_ball(),
-        }
+        match_kind!(Lent, self.0, body => OfKind::bounding_ball(body.get()))
     }
 }
 
 impl<'a> From<&'a Geometry> for GeometryRef<'a> {
     #[inline]
     fn from(geometry: &'a Geometry) -> Self {
-        Self(match geometry {
-            Geometry::Polyhedron(body) => Lent::Polyhedron(LentBody::shared(body)),
-            Geometry::Convex(shape) => Lent::Convex(LentBody::shared(shape)),
-            Geometry::Composite(body) => Lent::Composite(LentBody::shared(body)),
-            Geometry::Mesh(mesh) => Lent::Mesh(LentBody::shared(mesh)),
-            Geometry::Surface(surface) => Lent::Surface(LentBody::shared(surface)),
-        })
+        match_kind!(Geometry, geometry, body => Self::from(LentBody::shared(body)))
     }
 }
 
@@ -215,25 +186,43 @@ impl<'a> From<&'a Shape> for GeometryRef<'a> {
     }
 }
 
+impl<'a> From<LentBody<'a, Shape>> for GeometryRef<'a> {
+    #[inline]
+    fn from(shape: LentBody<'a, Shape>) -> Self {
+        Self(Lent::Convex(shape))
+    }
+}
+
+/// Lends bodies of a kind whose every body is of the same variant.
 macro_rules! lend {
     ($kind:ident, $body:ty) => {
+        impl<'a> From<LentBody<'a, $body>> for GeometryRef<'a> {
+            #[inline]
+            fn from(body: LentBody<'a, $body>) -> Self {
+                Self(Lent::$kind(body))
+            }
+        }
+
         impl<'a> From<&'a $body> for GeometryRef<'a> {
             #[inline]
             fn from(body: &'a $body) -> Self {
-                Self(Lent::$kind(LentBody::from(body)))
+                Self::from(LentBody::from(body))
             }
         }
 
         impl<'a> From<&'a Arc<$body>> for GeometryRef<'a> {
             #[inline]
             fn from(body: &'a Arc<$body>) -> Self {
-                Self(Lent::$kind(LentBody::shared(body)))
+                Self::from(LentBody::shared(body))
             }
         }
     };
 }
 
 lend!(Polyhedron, ConvexPolyhedron);
+#[cfg(feature = "meshes")]
 lend!(Composite, Composite);
+#[cfg(feature = "meshes")]
 lend!(Mesh, Mesh);
+#[cfg(feature = "surfaces")]
 lend!(Surface, Surface);

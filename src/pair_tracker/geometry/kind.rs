@@ -1,0 +1,78 @@
+//! The kinds of geometries, and what is asked of a body of every kind.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::rotation_matrix;
+use crate::base::tolerance::BOX_TURNED;
+use crate::body::polyhedron::BoxHint;
+
+/// A body of one kind.
+pub(super) trait OfKind {
+    /// Returns the kind of the geometry.
+    fn kind(&self) -> ShapeKind;
+
+    /// Returns the hash by which kept state recognises the geometry.
+    fn fingerprint(&self) -> Fingerprint;
+
+    /// Returns a ball that contains the geometry, in its frame: centre and radius.
+    fn bounding_ball(&self) -> (Point3<f64>, f64);
+
+    /// Returns the axis-aligned box at a pose, rounded outward: least and greatest corner.
+    fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>);
+}
+
+/// The kind of a geometry; convex kinds come first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum ShapeKind {
+    /// A convex polyhedron or polygon.
+    Polyhedron,
+    /// A point or a segment: a polyhedron without faces.
+    Wire,
+    /// A rounded polyhedron: ball, capsule, rounded box or hull.
+    Rounded,
+    /// A cylinder, cone, ellipsoid or superquadric, rounded or not.
+    Curved,
+    /// A union of convex pieces.
+    Composite,
+    /// A mesh of triangles.
+    Mesh,
+    /// A surface of curved patches.
+    Surface,
+}
+
+impl core::fmt::Display for ShapeKind {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::Polyhedron => "polyhedron",
+            Self::Wire => "point or segment",
+            Self::Rounded => "rounded polyhedron",
+            Self::Curved => "curved shape",
+            Self::Composite => "composite",
+            Self::Mesh => "mesh",
+            Self::Surface => "surface of patches",
+        })
+    }
+}
+
+impl ShapeKind {
+    pub(crate) fn is_convex(self) -> bool {
+        self < Self::Composite
+    }
+}
+
+/// Returns the box about a posed box.
+#[cfg(feature = "meshes")]
+pub(super) fn turned_box((low, high): (Point3<f64>, Point3<f64>), pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
+    let q = pose.rotation.coords;
+    let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
+    let half = (high - low) * 0.5;
+    let centre = low.coords + half;
+    let t = pose.translation.vector;
+    let far = centre.abs().sum() + half.sum();
+    let half = matrix.abs() * half + (t.abs().add_scalar(far)) * BOX_TURNED;
+    let centre: Vector3<f64> = matrix * centre + t;
+    (Point3::from(centre - half), Point3::from(centre + half))
+}

@@ -1,0 +1,168 @@
+//! A shape of any kind there is.
+
+mod convex;
+mod kind;
+mod lent;
+#[cfg(feature = "meshes")]
+mod parted;
+#[cfg(feature = "surfaces")]
+mod patched;
+#[cfg(feature = "serde")]
+mod persist;
+
+use kind::OfKind;
+pub use kind::ShapeKind;
+pub use lent::GeometryRef;
+pub(crate) use lent::Lent;
+
+use alloc::borrow::Cow;
+use alloc::sync::Arc;
+
+use nalgebra::{Isometry3, Point3};
+
+use crate::body::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::body::shape::Shape;
+#[cfg(feature = "meshes")]
+use crate::composite::{mesh::Mesh, pieces::Composite};
+#[cfg(feature = "surfaces")]
+use crate::patch::Surface;
+
+/// Matches a geometry, owned or lent, by an expression for a body of any kind.
+macro_rules! match_kind {
+    ($all:ident, $geometry:expr, $body:ident => $result:expr) => {
+        match $geometry {
+            $all::Polyhedron($body) => $result,
+            $all::Convex($body) => $result,
+            #[cfg(feature = "meshes")]
+            $all::Composite($body) => $result,
+            #[cfg(feature = "meshes")]
+            $all::Mesh($body) => $result,
+            #[cfg(feature = "surfaces")]
+            $all::Surface($body) => $result,
+        }
+    };
+}
+
+use match_kind;
+
+/// The shape of a body, shared by all bodies of this shape.
+///
+/// A [`PairTracker`](crate::PairTracker) follows any two. In a scene a pair answers all effects but
+/// these:
+///
+/// | pair | refused |
+/// |---|---|
+/// | two convex shapes, polyhedra among them | none |
+/// | a composite or a mesh, with one or a convex shape | depths |
+/// | a surface, with any other geometry | depths, `manifold` |
+///
+/// Depths are the effects `depth` and `local_depth`. The effect `manifold` of a pair with a
+/// composite or mesh is answered by [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts);
+/// overlaps of such a pair have the distance 0.
+///
+/// A call that would make a pair with an effect that the pair cannot answer is refused with
+/// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered): insertion of a body, change of
+/// a group, call for an effect. Against a composite or a mesh a convex shape is a composite of one
+/// piece, a single leaf with its own support points; against a mesh a composite of polyhedra is the
+/// mesh of its surface; against a surface a mesh is its triangles as flat patches, and its inside
+/// if it is closed. The pair makes those once, when the boxes meet. The patches for contacts are
+/// made once for each shape, in the step after they are called for.
+///
+/// Distances of surfaces of patches have bounds that are at most `2^-30` of the size of the pair
+/// apart; two that the bounds cannot tell from a threshold count as within. A surface has no
+/// inside: a body within a closed one does not overlap it.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::scene::{Body, Effects, Group, Scene};
+/// use lin_canny::{Composite, Mesh, Piece, Shape};
+///
+/// let all = Group::default();
+/// let mut scene = Scene::new();
+/// scene.call_for(all, all, Effects::none().distance(10.0))?;
+/// let die = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let bracket = Composite::new(vec![Piece::new(die.clone())])?;
+/// let part = Mesh::from_convex(&die)?;
+/// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
+/// scene.insert(Body::moving(die), at(0.0))?;
+/// scene.insert(Body::moving(bracket), at(3.0))?;
+/// scene.insert(Body::moving(part), at(6.0))?;
+/// scene.step();
+/// let distances = scene.pairs().map(|pair| pair.distance.unwrap().value);
+/// let apart: Vec<f64> = distances.collect();
+/// assert_eq!(apart.len(), 3);
+/// let is = |d: f64, value: f64| (d - value).abs() < 1e-14;
+/// assert!(apart.iter().all(|d| is(*d, 1.0) || is(*d, 4.0)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(from = "persist::StoredGeometry", into = "persist::StoredGeometry")
+)]
+#[non_exhaustive]
+pub enum Geometry {
+    /// A convex polyhedron, polygon, segment or point.
+    Polyhedron(Arc<ConvexPolyhedron>),
+    /// A convex shape that is rounded or curved.
+    Convex(Arc<Shape>),
+    /// A union of placed convex pieces.
+    #[cfg(feature = "meshes")]
+    Composite(Arc<Composite>),
+    /// A mesh of triangles.
+    #[cfg(feature = "meshes")]
+    Mesh(Arc<Mesh>),
+    /// A surface of curved patches, without an inside.
+    #[cfg(feature = "surfaces")]
+    Surface(Arc<Surface>),
+}
+
+impl Geometry {
+    /// Returns the polyhedron of a body that is a polyhedron.
+    #[must_use]
+    pub fn as_polyhedron(&self) -> Option<&ConvexPolyhedron> {
+        match self {
+            Self::Polyhedron(body) => Some(body),
+            _ => None,
+        }
+    }
+
+    /// Returns the body as a convex shape, unless the body is a composite, a mesh or a
+    /// surface.
+    #[must_use]
+    pub fn as_convex(&self) -> Option<Cow<'_, Shape>> {
+        match self {
+            Self::Polyhedron(body) => Some(Cow::Owned(Shape::from(body.clone()))),
+            Self::Convex(shape) => Some(Cow::Borrowed(shape)),
+            #[cfg(feature = "meshes")]
+            _ => None,
+        }
+    }
+
+    /// Returns the kind of the shape.
+    #[must_use]
+    pub fn kind(&self) -> ShapeKind {
+        GeometryRef::from(self).kind()
+    }
+
+    /// Returns a ball that contains the shape, in the frame of the shape: centre and radius.
+    #[must_use]
+    pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        GeometryRef::from(self).bounding_ball()
+    }
+
+    /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
+    /// corner. The box of a composite or a mesh is that of its turned bounding box.
+    #[inline]
+    #[must_use]
+    pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        match_kind!(Self, self, body => OfKind::aabb_at(&**body, pose, hint))
+    }
+
+    /// Returns the address of the shared shape, equal for bodies that share the shape.
+    pub(crate) fn address(&self) -> usize {
+        match_kind!(Self, self, body => Arc::as_ptr(body) as usize)
+    }
+}

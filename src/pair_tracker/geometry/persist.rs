@@ -1,0 +1,54 @@
+//! Serialized form of a geometry (feature `serde`): the body, not shared.
+
+use alloc::boxed::Box;
+use alloc::sync::Arc;
+
+use super::{Geometry, match_kind};
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::shape::Shape;
+#[cfg(feature = "meshes")]
+use crate::composite::{mesh::Mesh, pieces::Composite};
+#[cfg(feature = "surfaces")]
+use crate::patch::Surface;
+
+/// The serialized form of a geometry.
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "Geometry")]
+pub(super) enum StoredGeometry {
+    Polyhedron(Box<ConvexPolyhedron>),
+    Convex(Box<Shape>),
+    #[cfg(feature = "meshes")]
+    Composite(Box<Composite>),
+    #[cfg(feature = "meshes")]
+    Mesh(Box<Mesh>),
+    #[cfg(feature = "surfaces")]
+    Surface(Box<Surface>),
+}
+
+impl From<StoredGeometry> for Geometry {
+    fn from(stored: StoredGeometry) -> Self {
+        match_kind!(StoredGeometry, stored, body => Self::from(*body))
+    }
+}
+
+macro_rules! stored {
+    ($($kind:ident: $body:ty),*) => {
+        $(impl From<Arc<$body>> for StoredGeometry {
+            fn from(body: Arc<$body>) -> Self {
+                Self::$kind(Box::new(Arc::unwrap_or_clone(body)))
+            }
+        })*
+    };
+}
+
+stored!(Polyhedron: ConvexPolyhedron, Convex: Shape);
+#[cfg(feature = "meshes")]
+stored!(Composite: Composite, Mesh: Mesh);
+#[cfg(feature = "surfaces")]
+stored!(Surface: Surface);
+
+impl From<Geometry> for StoredGeometry {
+    fn from(shape: Geometry) -> Self {
+        match_kind!(Geometry, shape, body => Self::from(body))
+    }
+}
