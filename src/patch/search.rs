@@ -4,7 +4,6 @@
 //! Pairs that are far enough go to the front: together they are the proof.
 
 use alloc::collections::BinaryHeap;
-use core::cmp::Ordering;
 use nalgebra::Vector3;
 
 use super::closest::{Meeting, Meets};
@@ -14,38 +13,13 @@ use super::outcome::SurfaceWork;
 use super::region::Region;
 use super::side::NetSide;
 use super::tree::Node;
+use crate::base::num::ranked::Ranked;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT;
 use crate::base::tuning::patch::{BEGINNING, FIRST_LOOK, GROWING, LENIENT, PATIENCE, SHRINKING, SMALL};
 
-/// A pair that may be closer than the goal.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct OpenNodePair {
-    pair: NetPair,
-    gap: Gap,
-}
-
-impl PartialEq for OpenNodePair {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for OpenNodePair {}
-
-impl PartialOrd for OpenNodePair {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for OpenNodePair {
-    /// The least gap is the greatest: the first off the heap.
-    fn cmp(&self, other: &Self) -> Ordering {
-        let by_gap = other.gap.gap.total_cmp(&self.gap.gap);
-        by_gap.then_with(|| other.pair.cmp(&self.pair))
-    }
-}
+/// A pair that may be closer than the goal, ranked by the gap.
+pub(super) type OpenNodePair = Ranked<NetPair, Gap>;
 
 /// What a search is for.
 #[derive(Clone, Copy, Debug)]
@@ -210,7 +184,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
                 k += 1;
             } else {
                 self.front.entries.swap_remove(k);
-                self.heap.push(OpenNodePair { pair: entry.pair, gap });
+                self.open(entry.pair, gap);
             }
         }
     }
@@ -222,7 +196,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         if gap.gap.max(0.0) >= level {
             self.close(pair, &gap);
         } else {
-            self.heap.push(OpenNodePair { pair, gap });
+            self.open(pair, gap);
         }
     }
 
@@ -353,9 +327,9 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         while !self.is_over() {
             let Some(open) = self.heap.pop() else { break };
             self.improve(&open);
-            let is_over = open.gap.gap.max(0.0) >= self.level() || !self.is_worth(&open);
+            let is_over = open.rank.max(0.0) >= self.level() || !self.is_worth(&open);
             if is_over || !self.split(&open) {
-                self.close(open.pair, &open.gap);
+                self.close(open.key, &open.item);
                 if is_over || self.budget == 0 {
                     break;
                 }
@@ -363,11 +337,17 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         }
         let rest = core::mem::take(self.heap);
         for open in rest.iter() {
-            self.close(open.pair, &open.gap);
+            self.close(open.key, &open.item);
         }
         *self.heap = rest;
         self.heap.clear();
         self.least.clamp(0.0, self.upper)
+    }
+
+    /// Puts a pair on the heap.
+    fn open(&mut self, key: NetPair, item: Gap) {
+        let rank = item.gap;
+        self.heap.push(Ranked { rank, key, item });
     }
 
     /// Returns whether the search may reach its goal within its budget, as far as its pace tells;
@@ -375,12 +355,12 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     /// at the rims of cylinders and cones, always.
     fn is_worth(&mut self, open: &OpenNodePair) -> bool {
         let needed = self.upper - self.level();
-        B::IS_CONVEX || self.pace.is_enough(self.upper - open.gap.gap, needed)
+        B::IS_CONVEX || self.pace.is_enough(self.upper - open.rank, needed)
     }
 
     /// Splits the larger node of a pair and sorts the two new pairs; false if nothing can be split.
     fn split(&mut self, open: &OpenNodePair) -> bool {
-        let [x, y] = open.pair;
+        let [x, y] = open.key;
         if self.budget == 0 {
             return false;
         }
@@ -402,15 +382,15 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
             [[x, child], [x, child + 1]]
         };
         for pair in pairs {
-            self.sort(pair, &open.gap.n);
+            self.sort(pair, &open.item.n);
         }
         true
     }
 
     /// Looks for closer points below a pair, unless the best ones lie there.
     fn improve(&mut self, open: &OpenNodePair) {
-        let (x, y) = (self.trees.a.node(open.pair[0]), self.trees.b.node(open.pair[1]));
-        if x.is_group() || y.is_group() || self.is_at_best(open.pair) {
+        let (x, y) = (self.trees.a.node(open.key[0]), self.trees.b.node(open.key[1]));
+        if x.is_group() || y.is_group() || self.is_at_best(open.key) {
             return;
         }
         let patches = [x.patch(), y.patch()];

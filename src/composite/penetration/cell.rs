@@ -19,9 +19,9 @@
 
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
-use core::cmp::Ordering;
 use nalgebra::{Point3, Vector3};
 
+use crate::base::num::ranked::Ranked;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::CELL;
 use crate::base::tuning::composite::{BEYOND, CELL_HALVINGS, CELL_PLANES};
@@ -58,12 +58,9 @@ struct CellPlane {
     level: f64,
 }
 
-/// A node or a triangle, and a lower bound of its distance.
-struct OpenNode {
-    away: f64,
-    is_triangle: bool,
-    number: u32,
-}
+/// A number of a node or a triangle, and whether it is that of a triangle; ranked by a lower bound
+/// of the distance.
+type OpenNode = Ranked<(u32, bool)>;
 
 /// The planes about a point.
 struct CellCut<'a> {
@@ -99,10 +96,8 @@ impl<'a> CellCut<'a> {
     /// Returns the planes; `None` if there are too many, or a triangle is too near.
     fn run(mut self) -> Option<Vec<CellPlane>> {
         self.add(false, 0);
-        while let Some(OpenNode {
-            is_triangle, number, ..
-        }) = self.open.pop()
-        {
+        while let Some(open) = self.open.pop() {
+            let (number, is_triangle) = open.key;
             if is_triangle {
                 self.part(number)?;
                 continue;
@@ -117,7 +112,7 @@ impl<'a> CellCut<'a> {
 
     /// Adds a node or a triangle if it is not beyond a plane.
     fn add(&mut self, is_triangle: bool, number: u32) {
-        let away = if is_triangle {
+        let rank = if is_triangle {
             let (square, _) = triangle::nearest(self.place, &self.mesh.corners(number));
             sqrt(square)
         } else {
@@ -128,10 +123,10 @@ impl<'a> CellCut<'a> {
             lowest >= plane.level + 2.0 * self.margin
         };
         if is_triangle || !self.planes.iter().rev().any(is_beyond) {
-            self.open.push(OpenNode {
-                away,
-                is_triangle,
-                number,
+            self.open.push(Ranked {
+                rank,
+                key: (number, is_triangle),
+                item: (),
             });
         }
     }
@@ -180,27 +175,3 @@ fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[CellPlane]) -> Option<Ve
     let most = ways.iter().map(beyond).fold(1.0, f64::max) * BEYOND;
     Some(ways.iter().map(|way| mesh.given(&(place + way / most))).collect())
 }
-
-impl Ord for OpenNode {
-    /// The nearest is the greatest.
-    fn cmp(&self, other: &Self) -> Ordering {
-        let order = other.away.total_cmp(&self.away);
-        order
-            .then(other.number.cmp(&self.number))
-            .then(other.is_triangle.cmp(&self.is_triangle))
-    }
-}
-
-impl PartialOrd for OpenNode {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for OpenNode {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for OpenNode {}

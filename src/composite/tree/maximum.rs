@@ -1,8 +1,8 @@
 //! The greatest value of a function over triangles, between bounds.
 
 use alloc::collections::BinaryHeap;
-use core::cmp::Ordering;
 
+use crate::base::num::ranked::Ranked;
 use crate::composite::meet::triangle::Triangle;
 
 /// Triangles that are halved at most; a tenth of a second and more. Not measured.
@@ -11,6 +11,9 @@ const HALVED: usize = 1 << 16;
 /// What is less than this part of the resolution above the greatest value found is not looked at
 /// more closely. Not measured.
 const ENOUGH: f64 = 1.0 / 16.0;
+
+/// A triangle, ranked by the negative of an upper bound over the triangle.
+type Open = Ranked<(), Triangle>;
 
 /// Brackets the greatest value over triangles of a function with non-negative values. `judge`
 /// returns the value at some point of a triangle, or less, and an upper bound over the triangle,
@@ -25,11 +28,15 @@ pub(in crate::composite) fn greatest(
     mut judge: impl FnMut(&Triangle, f64) -> (f64, f64),
 ) -> (f64, f64) {
     let (mut lower, mut settled, mut open) = (0.0f64, 0.0f64, BinaryHeap::new());
-    let mut examine = |corners: Triangle, open: &mut BinaryHeap<Bounded>| {
+    let mut examine = |corners: Triangle, open: &mut BinaryHeap<Open>| {
         let (value, upper) = judge(&corners, lower + ENOUGH * resolution);
         lower = lower.max(value);
         if upper > lower + resolution {
-            open.push(Bounded { upper, corners });
+            open.push(Ranked {
+                rank: -upper,
+                key: (),
+                item: corners,
+            });
         } else {
             settled = settled.max(upper);
         }
@@ -40,16 +47,16 @@ pub(in crate::composite) fn greatest(
         reached = examine(corners, &mut open);
     }
     for _ in 0..HALVED {
-        let Some(widest) = open.peek().filter(|t| t.upper > reached + resolution) else {
+        let Some(widest) = open.peek().filter(|t| -t.rank > reached + resolution) else {
             break;
         };
-        let halves = halves(&widest.corners);
+        let halves = halves(&widest.item);
         open.pop();
         for half in halves {
             reached = examine(half, &mut open);
         }
     }
-    (lower, open.peek().map_or(0.0, |t| t.upper).max(settled).max(lower))
+    (lower, open.peek().map_or(0.0, |t| -t.rank).max(settled).max(lower))
 }
 
 /// Returns the two halves of a triangle, cut at the middle of the longest side.
@@ -67,29 +74,3 @@ fn halves([a, b, c]: &Triangle) -> [Triangle; 2] {
     let middle = (a + b) * 0.5;
     [[*a, middle, *c], [middle, *b, *c]]
 }
-
-/// A triangle and an upper bound over it.
-struct Bounded {
-    upper: f64,
-    corners: Triangle,
-}
-
-impl Ord for Bounded {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.upper.total_cmp(&other.upper)
-    }
-}
-
-impl PartialOrd for Bounded {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Bounded {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Bounded {}

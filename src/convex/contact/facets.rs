@@ -11,8 +11,7 @@ use super::axes::Axes;
 use super::candidates::{Candidates, ContactCandidate, Location};
 use super::clip::crossing;
 use super::facet::{Facet, ProjectedFacet};
-use super::reduce::reduce;
-use super::{ContactPoint, Contacts, MOST_POINTS, Manifold, Query, tangents_of};
+use super::{Choice, ContactPoint, Contacts, Manifold, Query, tangents_of};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{ACROSS, AGREE};
 use crate::base::tuning::contact::ROUND;
@@ -25,15 +24,7 @@ const NEWTON: usize = 3;
 
 /// Returns the contacts of two facets, for the outcome of two cores.
 pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], before: &Manifold) -> Contacts {
-    let mut contacts = Contacts {
-        points: [ContactPoint::witness(outcome); MOST_POINTS],
-        count: 1,
-        features: outcome.features,
-        on: [ContactCandidate::WITNESS; MOST_POINTS],
-        margins: [0.0; MOST_POINTS],
-        same: false,
-        rays: before.rays,
-    };
+    let mut contacts = Contacts::of_witnesses(outcome, before);
     if outcome.solver == Solver::Far {
         return contacts;
     }
@@ -65,14 +56,24 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     if !candidates.all().iter().any(|c| c.separation <= deep) {
         candidates.push([0.0; 2], [0.0; 2], ContactCandidate::WITNESS);
     }
-    choose(
-        query,
-        outcome,
-        (&axes, &patches),
-        (&candidates, tie),
+    let choice = Choice {
         before,
-        &mut contacts,
-    );
+        is_steady: true,
+        most: query.options.most(),
+        merge: noise.max(query.options.drift * query.least_radius()),
+        tie,
+    };
+    contacts.choose(candidates.all(), &choice, |candidate| {
+        let point = if candidate.on == ContactCandidate::WITNESS {
+            ContactPoint {
+                separation: candidate.separation,
+                ..ContactPoint::witness(outcome)
+            }
+        } else {
+            contact(candidate, &axes, &patches)
+        };
+        (point, 0.0)
+    });
     contacts
 }
 
@@ -100,44 +101,6 @@ fn axes_of(query: &Query, outcome: &Outcome) -> ([Axes; 2], f64) {
         },
     ];
     (axes, distance)
-}
-
-/// Keeps a few of the candidates, those of the manifold before among equals.
-fn choose(
-    query: &Query,
-    outcome: &Outcome,
-    (axes, patches): (&[Axes; 2], &[ProjectedFacet; 2]),
-    (candidates, tie): (&Candidates, f64),
-    before: &Manifold,
-    contacts: &mut Contacts,
-) {
-    let all = candidates.all();
-    let mut kept = 0;
-    if before.features() == Some(contacts.features) {
-        for (k, c) in all.iter().enumerate() {
-            kept |= u64::from(before.on().contains(&c.on)) << k;
-        }
-    }
-    let noise = ACROSS * query.size();
-    let merge = noise.max(query.options.drift * query.least_radius());
-    contacts.count = 0;
-    for &k in reduce(all, kept, query.options.most(), merge, tie).all() {
-        let candidate = &all[k];
-        let point = if candidate.on == ContactCandidate::WITNESS {
-            ContactPoint {
-                separation: candidate.separation,
-                ..ContactPoint::witness(outcome)
-            }
-        } else {
-            contact(candidate, axes, patches)
-        };
-        let known = &contacts.points[..contacts.count];
-        if known.iter().all(|p| p.features != point.features) {
-            contacts.points[contacts.count] = point;
-            contacts.on[contacts.count] = candidate.on;
-            contacts.count += 1;
-        }
-    }
 }
 
 fn contact(candidate: &ContactCandidate, axes: &[Axes; 2], patches: &[ProjectedFacet; 2]) -> ContactPoint {

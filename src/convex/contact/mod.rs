@@ -77,7 +77,62 @@ struct Contacts {
     rays: Rays,
 }
 
+/// Which candidates become contacts.
+struct Choice<'a> {
+    before: &'a Manifold,
+    /// Whether candidates of the manifold before are preferred among equals.
+    is_steady: bool,
+    most: usize,
+    /// No two contacts are nearer to each other, seen along the normal.
+    merge: f64,
+    /// Depths within this count as equal.
+    tie: f64,
+}
+
 impl Contacts {
+    /// Returns the witnesses of an outcome as the only contact.
+    #[inline(always)]
+    fn of_witnesses(outcome: &Outcome, before: &Manifold) -> Self {
+        Self {
+            points: [ContactPoint::witness(outcome); MOST_POINTS],
+            count: 1,
+            features: outcome.features,
+            on: [ContactCandidate::WITNESS; MOST_POINTS],
+            margins: [0.0; MOST_POINTS],
+            same: false,
+            rays: before.rays,
+        }
+    }
+
+    /// Replaces the contacts by a few of the candidates; `place` returns the contact of a candidate
+    /// and its margin.
+    #[inline(always)]
+    fn choose(
+        &mut self,
+        all: &[ContactCandidate],
+        choice: &Choice,
+        place: impl Fn(&ContactCandidate) -> (ContactPoint, f64),
+    ) {
+        let mut kept = 0;
+        if choice.is_steady && choice.before.features() == Some(self.features) {
+            for (k, c) in all.iter().enumerate() {
+                kept |= u64::from(choice.before.on().contains(&c.on)) << k;
+            }
+        }
+        self.count = 0;
+        for &k in reduce(all, kept, choice.most, choice.merge, choice.tie).all() {
+            let (point, margin) = place(&all[k]);
+            // If rounding has split a feature, the witnesses may have the features of a nearby
+            // candidate.
+            if self.points[..self.count].iter().all(|p| p.features != point.features) {
+                self.points[self.count] = point;
+                self.on[self.count] = all[k].on;
+                self.margins[self.count] = margin;
+                self.count += 1;
+            }
+        }
+    }
+
     /// Moves the contacts of two cores out by the radii of the rounded bodies.
     #[cold]
     fn grow(&mut self, query: &Query, normal: &Vector3<f64>) {
@@ -107,15 +162,7 @@ impl PosedOutcome<'_> {
     /// may be kept.
     fn contacts(self, options: &ManifoldOptions, before: &Manifold, since_choice: Option<f64>) -> Contacts {
         let outcome = self.outcome;
-        let mut contacts = Contacts {
-            points: [ContactPoint::witness(outcome); MOST_POINTS],
-            count: 1,
-            features: outcome.features,
-            on: [ContactCandidate::WITNESS; MOST_POINTS],
-            margins: [0.0; MOST_POINTS],
-            same: false,
-            rays: before.rays,
-        };
+        let mut contacts = Contacts::of_witnesses(outcome, before);
         // If the bodies are very far apart or very different in size, the witnesses are the only
         // contact.
         if self.a.exponent != self.b.exponent || outcome.solver == Solver::Far {
@@ -263,27 +310,22 @@ impl ProjectedPair<'_> {
         let PosedOutcome { a, b, outcome, .. } = self.posed;
         let (mut candidates, noise) = (self.no_candidates(options), self.a.axes.noise);
         self.add_candidates(options, before, &mut contacts.rays, &mut candidates);
-        let merge = noise.max(options.drift * a.radius.min(b.radius));
-        let kept = self.kept(candidates.all(), options, before);
-        let chosen = reduce(candidates.all(), kept, options.most(), merge, noise);
-        contacts.count = 0;
-        for &k in chosen.all() {
-            let candidate = &candidates.all()[k];
+        let all = candidates.all();
+        let choice = Choice {
+            before,
+            is_steady: all.len() > options.most(),
+            most: options.most(),
+            merge: noise.max(options.drift * a.radius.min(b.radius)),
+            tie: noise,
+        };
+        contacts.choose(all, &choice, |candidate| {
             let point = if candidate.on == ContactCandidate::WITNESS {
                 ContactPoint::witness(outcome)
             } else {
                 self.contact(candidate, self.features_of(candidate))
             };
-            // If rounding has split a feature, the witnesses may have the features of a nearby
-            // candidate.
-            let before = &contacts.points[..contacts.count];
-            if before.iter().all(|p| p.features != point.features) {
-                contacts.points[contacts.count] = point;
-                contacts.on[contacts.count] = candidate.on;
-                contacts.margins[contacts.count] = self.margin(candidate, options);
-                contacts.count += 1;
-            }
-        }
+            (point, self.margin(candidate, options))
+        });
     }
 
     /// Lower bound of a candidate vertex's distance to the boundary of the opposite face.
@@ -294,23 +336,6 @@ impl ProjectedPair<'_> {
             _ => 0.0,
         };
         keep::margin(inside * self.unit, candidate.separation * self.unit, options)
-    }
-
-    /// Returns a bit mask of the candidates that the previous manifold contained; zero if all
-    /// candidates fit or the features changed.
-    fn kept(&self, candidates: &[ContactCandidate], options: &ManifoldOptions, before: &Manifold) -> u64 {
-        if candidates.len() <= options.most() || before.features() != Some(self.features()) {
-            return 0;
-        }
-        let bit = |(k, c): (usize, &ContactCandidate)| u64::from(before.on().contains(&c.on)) << k;
-        candidates.iter().enumerate().map(bit).fold(0, |bits, bit| bits | bit)
-    }
-
-    fn features(&self) -> FeaturePair {
-        FeaturePair {
-            a: self.a.feature,
-            b: self.b.feature,
-        }
     }
 
     fn features_of(&self, candidate: &ContactCandidate) -> FeaturePair {

@@ -41,7 +41,6 @@ mod local;
 mod memory;
 mod nearest;
 pub(crate) mod pyramid;
-mod queue;
 mod result;
 mod resume;
 mod search;

@@ -10,12 +10,13 @@
 mod grow;
 mod vertex_pairs;
 
+use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 
+use crate::base::num::ranked::Ranked;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, sub};
 use crate::base::tuning::depth::SCANNED;
 use crate::convex::depth::direction::{min_height, normal, unit};
-use crate::convex::depth::queue::{Queue, QueuedTriangle};
 use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::MinkowskiPoint;
 use grow::HorizonEdge;
@@ -69,7 +70,7 @@ pub(super) struct EnclosingSurface<T> {
     vertex_pairs: VertexPairs,
     pub(super) triangles: Vec<SurfaceTriangle<T>>,
     /// Triangles not known to be beyond `target`.
-    queue: Queue,
+    queue: BinaryHeap<Ranked<u32>>,
     /// Triangles beyond this height need no work.
     target: T,
     floods: u32,
@@ -86,7 +87,7 @@ impl<T> EnclosingSurface<T> {
         self.points.capacity() * size_of::<MinkowskiPoint<T>>()
             + self.triangles.capacity() * size_of::<SurfaceTriangle<T>>()
             + self.vertex_pairs.heap_bytes()
-            + self.queue.heap_bytes()
+            + self.queue.capacity() * size_of::<Ranked<u32>>()
             + (self.visible.capacity() + self.starts.capacity()) * size_of::<u32>()
             + self.horizon.capacity() * size_of::<HorizonEdge>()
     }
@@ -99,7 +100,7 @@ impl<T: Scalar> EnclosingSurface<T> {
             points: Vec::new(),
             vertex_pairs: VertexPairs::default(),
             triangles: Vec::new(),
-            queue: Queue::default(),
+            queue: BinaryHeap::new(),
             target: T::from(f64::INFINITY),
             floods: 0,
             visible: Vec::new(),
@@ -235,8 +236,10 @@ impl<T: Scalar> EnclosingSurface<T> {
         let bound = self.triangles[triangle as usize].bound;
         // NaN is queued.
         if !(bound >= self.target) {
-            let bound = bound.value();
-            self.queue.push(QueuedTriangle { bound, triangle });
+            // A bound of -0 ranks as 0.
+            let rank = bound.value() + 0.0;
+            let (key, item) = (triangle, ());
+            self.queue.push(Ranked { rank, key, item });
         }
     }
 
@@ -281,7 +284,11 @@ impl<T: Scalar> EnclosingSurface<T> {
     /// Returns the triangle of least bound; `None` if all are beyond the target.
     pub(super) fn weakest(&mut self) -> Option<u32> {
         loop {
-            let QueuedTriangle { bound, triangle } = self.queue.first()?;
+            let &Ranked {
+                rank: bound,
+                key: triangle,
+                ..
+            } = self.queue.peek()?;
             let is_current = self
                 .triangles
                 .get(triangle as usize)
