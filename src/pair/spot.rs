@@ -83,6 +83,7 @@ pub(crate) fn features_on(on: &[Spot; 2]) -> FeaturePair {
 
 impl Answer {
     /// Returns the answer of two geometries of one part each.
+    #[inline]
     pub(crate) fn of_convex(outcome: Outcome) -> Self {
         let on = [outcome.features.a, outcome.features.b].map(|feature| Spot::new(0, feature));
         Self {

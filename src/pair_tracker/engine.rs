@@ -5,7 +5,7 @@ use alloc::boxed::Box;
 
 use super::mixed::MixedTracker;
 use super::over::{Kinds, OverTime};
-use super::pair::BallPair;
+use super::pair::{Asked, BallPair, measured};
 #[cfg(feature = "meshes")]
 use super::tracked::AnyKinds;
 use super::work::PairWork;
@@ -16,7 +16,9 @@ use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::convex::contact::{Manifold, ManifoldOptions, Query};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::{Tracker, Workspace};
-use crate::pair::outcome::{Accuracy, Outcome, Until};
+use crate::pair::outcome::{Accuracy, Decision, Outcome, Until};
+use crate::pair::question::Question;
+use crate::pair::spot::Answer;
 use crate::pair_tracker::geometry::{Geometry, GeometryRef, Lent};
 use crate::time::separation::{Measure, PolyhedronPair, Separation};
 
@@ -230,6 +232,34 @@ impl AnyTracker {
             }
             Self::Mixed(tracker) => tracker.decides_within((a, b), pose, outcome, d),
         }
+    }
+
+    /// Returns the closest points. Convex pairs are asked directly, without what a cast needs.
+    #[inline]
+    pub(super) fn answer(&mut self, bodies: BodyShapes<'_>, pose: &RelativePose, question: &Question) -> Answer {
+        if let Self::Mixed(tracker) = self
+            && let Some((tracker, [a, b])) = tracker.convex(bodies)
+        {
+            return Answer::of_convex(measured(tracker, (a, b), pose, question.until));
+        }
+        self.over(bodies).answer(pose, question)
+    }
+
+    /// Returns whether the geometries are at most `d` apart.
+    #[inline]
+    pub(super) fn within(
+        &mut self,
+        bodies: BodyShapes<'_>,
+        pose: &RelativePose,
+        d: f64,
+        question: &Question,
+    ) -> Decision {
+        if let Self::Mixed(tracker) = self
+            && let Some((tracker, [a, b])) = tracker.convex(bodies)
+        {
+            return Decision::of(tracker.within(a, b, pose, d));
+        }
+        self.over(bodies).within(pose, d, question)
     }
 
     /// Returns the pair and the tracker.

@@ -141,11 +141,13 @@ impl MixedTracker {
         (&*self.tracker as &dyn Any).downcast_ref()
     }
 
+    #[inline]
     fn shapes_mut(&mut self) -> Option<&mut TrackedShapes> {
         (&mut *self.tracker as &mut dyn Any).downcast_mut()
     }
 
     /// Returns the tracker of two convex shapes, and the shapes.
+    #[inline]
     pub(super) fn convex<'p>(&'p mut self, (a, b): BodyShapes<'p>) -> Option<(&'p mut ShapeTracker, [&'p Shape; 2])> {
         self.shapes_mut()?.sides([a.shape(), b.shape()])
     }

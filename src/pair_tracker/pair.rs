@@ -62,6 +62,7 @@ pub(super) fn without_depth(outcome: Outcome) -> Outcome {
 
 /// Returns the closest points of two shapes, of an overlap with what is asked for. Without the
 /// depth of their cores rounded ones could not be told from those that touch.
+#[inline]
 pub(super) fn measured(
     tracker: &mut ShapeTracker,
     (a, b): (&Shape, &Shape),

@@ -115,12 +115,14 @@ impl PairTracker {
     }
 
     /// Returns the state of a pair, kept if the pair was asked last.
+    #[inline]
     pub(super) fn of(&mut self, a: GeometryRef, b: GeometryRef) -> &mut Followed {
         let pair = [a.fingerprint(), b.fingerprint()];
         self.kept(pair, || AnyTracker::new((a, b)))
     }
 
     /// Returns the state of a pair by its fingerprints; that of another pair is dropped.
+    #[inline]
     pub(super) fn kept(&mut self, pair: [Fingerprint; 2], new: impl FnOnce() -> AnyTracker) -> &mut Followed {
         if let Some(other) = self.followed.take_if(|f| f.pair != pair) {
             self.work += other.tracker.work();
@@ -203,7 +205,8 @@ impl PairTracker {
         a_from_b: &RelativePose,
         question: &Question,
     ) -> Answer {
-        self.pair(a.into(), b.into()).answer(a_from_b, question)
+        let bodies = (a.into(), b.into());
+        self.of(bodies.0, bodies.1).tracker.answer(bodies, a_from_b, question)
     }
 
     /// Returns the signed distance and its bounds without the witnesses.
@@ -272,7 +275,10 @@ impl PairTracker {
         d: f64,
         question: &Question,
     ) -> Decision {
-        self.pair(a.into(), b.into()).within(a_from_b, d, question)
+        let bodies = (a.into(), b.into());
+        self.of(bodies.0, bodies.1)
+            .tracker
+            .within(bodies, a_from_b, d, question)
     }
 
     /// Returns two geometries that can be measured over time, followed by this tracker: what
