@@ -120,3 +120,78 @@ pub(crate) trait Support {
     /// Returns the feature that contains the points of up to three branches, `point` among them.
     fn feature(&self, branches: &[u32], point: &Vector3<f64>) -> Feature;
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::num::scalar::{dot, sub};
+    use crate::body::shape::{Cone, Cylinder, Ellipsoid, Superquadric};
+    use crate::rng::Rng;
+
+    fn unit(rng: &mut Rng) -> Vec3<f64> {
+        let n = Vector3::from([(); 3].map(|()| rng.range(-1.0, 1.0)));
+        (n / n.norm()).into()
+    }
+
+    /// Checks what solvers take for granted of a core.
+    fn check(core: &impl Support) {
+        let mut rng = Rng::new(7);
+        for _ in 0..2_000 {
+            let n = unit(&mut rng);
+            let (branch, point) = core.support(&n, 0);
+            let height = dot(&n, &point);
+            let slack = 1e-12 * core.reach();
+            assert!(dot(&point, &point).sqrt() <= core.reach() + slack, "reach");
+            let m = unit(&mut rng);
+            let other = core.support(&m, branch).1;
+            assert!(dot(&n, &other) <= height + slack, "the support point is the highest");
+            let onto = core.onto(branch, &point);
+            assert!(
+                dot(&sub(&onto, &point), &sub(&onto, &point)).sqrt() <= 1e-7 * core.reach(),
+                "onto"
+            );
+
+            // The second derivative against a difference quotient, away from poles.
+            let d = sub(&m, &n.map(|x| x * dot(&n, &m)));
+            let step = 1e-6;
+            let turned = [0, 1, 2].map(|k| n[k] + step * d[k]);
+            let back = [0, 1, 2].map(|k| n[k] - step * d[k]);
+            let slope = sub(&core.of_branch(branch, &turned), &core.of_branch(branch, &back)).map(|x| x / (2.0 * step));
+            let bent = core.bent(branch, &point, &n, &d);
+            let off = sub(&slope, &bent);
+            let length = dot(&bent, &bent).sqrt();
+            let is_mild = n.iter().all(|x| x.abs() > 0.05);
+            assert!(
+                !is_mild || dot(&off, &off).sqrt() <= 1e-4 * (core.reach() + length),
+                "{n:?}: {slope:?}, not {bent:?}"
+            );
+
+            // A ball inside the core at the point: no higher than the core along any direction.
+            let (centre, radius) = core.inner_ball(&point.into(), &n.into());
+            let highest = dot(&m, &core.support(&m, 0).1);
+            assert!(
+                dot(&m, &centre.into()) + radius <= highest + 1e-9 * core.reach(),
+                "inner ball"
+            );
+        }
+    }
+
+    #[test]
+    fn curved_cores_are_what_solvers_take_them_for() {
+        check(&Cylinder {
+            radius: 0.7,
+            half_height: 1.3,
+        });
+        check(&Cone {
+            radius: 0.7,
+            half_height: 1.3,
+        });
+        check(&Ellipsoid {
+            semi_axes: Vector3::new(1.0, 0.6, 0.3),
+        });
+        let semi_axes = Vector3::new(1.0, 0.6, 0.3);
+        for exponents in [[1.0, 1.0], [0.6, 1.4], [1.5, 0.5]] {
+            check(&Superquadric { semi_axes, exponents });
+        }
+    }
+}

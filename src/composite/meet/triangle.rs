@@ -287,3 +287,114 @@ pub(in crate::composite) fn certainly_cross(p: &Triangle, q: &Triangle, error: f
     };
     through(p, q) || through(q, p)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+
+    fn triangle(mut corner: impl FnMut() -> f64) -> Triangle {
+        [(); 3].map(|()| Vector3::new(corner(), corner(), corner()))
+    }
+
+    /// Squared distance of two segments, by the six ways in which two are closest.
+    fn of_segments([p, q]: [Vector3<f64>; 2], [r, s]: [Vector3<f64>; 2]) -> f64 {
+        let to_segment = |x: &Vector3<f64>, [a, b]: [Vector3<f64>; 2]| {
+            let along = b - a;
+            let t = clamp(along.dot(&(x - a)) / along.norm_squared());
+            (a + along * t - x).norm_squared()
+        };
+        let ends = to_segment(&p, [r, s]).min(to_segment(&q, [r, s]));
+        let ends = ends.min(to_segment(&r, [p, q])).min(to_segment(&s, [p, q]));
+        let (u, v, w) = (q - p, s - r, r - p);
+        let n = u.cross(&v);
+        let (t, at) = (
+            w.cross(&v).dot(&n) / n.norm_squared(),
+            w.cross(&u).dot(&n) / n.norm_squared(),
+        );
+        let inside = (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&at);
+        if inside {
+            ends.min((w + v * at - u * t).norm_squared())
+        } else {
+            ends
+        }
+    }
+
+    /// Squared distance by all pairs of edges, all vertices over the other triangle, and all edges
+    /// through it.
+    fn brute(p: &Triangle, q: &Triangle) -> f64 {
+        let edge = |x: &Triangle, k: usize| [x[k], x[(k + 1) % 3]];
+        let mut least = f64::INFINITY;
+        for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
+            least = least.min(of_segments(edge(p, i), edge(q, j)));
+        }
+        for (x, y) in [(p, q), (q, p)] {
+            let n = normal(y);
+            let height = |v: &Vector3<f64>| n.dot(&(v - y[0]));
+            for v in x.iter().filter(|v| is_over(v, y, &n)) {
+                least = least.min(height(v) * height(v) / n.norm_squared());
+            }
+            for k in 0..3 {
+                let [from, to] = edge(x, k);
+                let (h, l) = (height(&from), height(&to));
+                if h * l < 0.0 && is_over(&(from + (to - from) * (h / (h - l))), y, &n) {
+                    least = 0.0;
+                }
+            }
+        }
+        least
+    }
+
+    fn check(p: &Triangle, q: &Triangle) {
+        let found = closest(p, q);
+        let size = p.iter().chain(q).fold(0.0, |m: f64, x| m.max(x.norm()));
+        let (least, slack) = (brute(p, q), 1e-12 * size * size);
+        assert!(
+            (found.square - least).abs() <= slack,
+            "{p:?} {q:?}: {found:?}, not {least}"
+        );
+        assert!(((found.on_q - found.on_p).norm_squared() - found.square).abs() <= slack);
+        for (point, of) in [(&found.on_p, p), (&found.on_q, q)] {
+            assert!(nearest(point, of).0 <= slack, "{point} is off {of:?}");
+            assert!((foot_of(point, of).1 - point).norm_squared() <= slack);
+        }
+        assert!(!found.pierces || least <= slack);
+    }
+
+    #[test]
+    fn closest_points_are_those_of_all_pairs_of_features() {
+        let mut rng = Rng::new(1);
+        for _ in 0..20_000 {
+            let p = triangle(|| rng.range(-1.0, 1.0));
+            let q = triangle(|| rng.range(-1.0, 1.0)).map(|x| x + Vector3::new(0.7, 0.0, 0.0));
+            check(&p, &q);
+        }
+    }
+
+    #[test]
+    fn ties_on_a_lattice_have_the_distance_of_all_pairs_of_features() {
+        let mut rng = Rng::new(2);
+        let mut tested = 0;
+        while tested < 20_000 {
+            let [p, q] = [(); 2].map(|()| triangle(|| rng.below(3) as f64));
+            if normal(&p) != Vector3::zeros() && normal(&q) != Vector3::zeros() {
+                check(&p, &q);
+                tested += 1;
+            }
+        }
+    }
+
+    #[test]
+    fn what_certainly_crosses_is_at_distance_zero() {
+        let mut rng = Rng::new(3);
+        let mut crossed = 0;
+        for _ in 0..20_000 {
+            let [p, q] = [(); 2].map(|()| triangle(|| rng.range(-1.0, 1.0)));
+            if certainly_cross(&p, &q, 1e-13) {
+                crossed += 1;
+                assert_eq!(closest(&p, &q).square, 0.0);
+            }
+        }
+        assert!(crossed > 1_000, "{crossed}");
+    }
+}

@@ -290,3 +290,117 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+    use crate::base::num::scalar::neg;
+    use crate::body::shape::{Core, Shape};
+    use crate::convex::smooth::polyhedral::PolyhedralCore;
+    use crate::pair::transform::Transform;
+    use crate::rng::Rng;
+
+    fn direction(rng: &mut Rng) -> Vec3<f64> {
+        let n = Vector3::from([(); 3].map(|()| rng.range(-1.0, 1.0)));
+        (n / n.norm()).into()
+    }
+
+    /// Runs from random directions on cores apart, and compares the bounds with heights along other
+    /// directions and distances of other points. Returns the share of runs that close.
+    fn share_closed(a: &impl Support, b: &impl Support) -> f64 {
+        let (mut rng, mut closed) = (Rng::new(11), 0);
+        for _ in 0..500 {
+            let turn = nalgebra::UnitQuaternion::from_euler_angles(
+                rng.range(-3.0, 3.0),
+                rng.range(-1.5, 1.5),
+                rng.range(-3.0, 3.0),
+            );
+            let matrix = turn.to_rotation_matrix().into_inner();
+            let away = Vector3::from(direction(&mut rng)) * rng.range(2.6, 4.0);
+            let frame = Transform {
+                matrix: [0, 1, 2].map(|r| [0, 1, 2].map(|c| matrix[(r, c)])),
+                translation: away.into(),
+            };
+            let size = a.reach() + b.reach() + away.norm();
+            let noise = a.noise() + b.noise();
+            let posed = PosedCores {
+                a,
+                b,
+                frame,
+                size,
+                noise,
+            };
+            let mut best = ProvenBounds::new();
+            let toward = posed.toward(direction(&mut rng));
+            let mut set = BranchSet::default();
+            set.add(posed.support(&toward, [0; 2]).of);
+            let deep = false;
+            let ended = SolverRun {
+                posed: &posed,
+                best: &mut best,
+                deep,
+            }
+            .run(toward.n, &set);
+            let slack = 1e-12 * size;
+            assert!(best.lower <= best.upper + slack, "{} {}", best.lower, best.upper);
+            if ended == RunEnd::Closed {
+                closed += 1;
+                assert!(best.closes(&posed), "{} {}", best.lower, best.upper);
+            }
+            for _ in 0..20 {
+                let piece = posed.support(&posed.toward(direction(&mut rng)), [0; 2]);
+                assert!(
+                    dot(&piece.w, &piece.w).sqrt() >= best.lower - slack,
+                    "two points nearer than the bound"
+                );
+                let toward = posed.toward(direction(&mut rng));
+                let height = dot(&toward.n, &posed.support(&toward, [0; 2]).w);
+                assert!(height <= best.upper + slack, "a plane between farther than the bound");
+            }
+            let joined = sub_points(&posed.at(&best.on_b), &best.on_a);
+            assert!((dot(&joined, &joined).sqrt() - best.upper).abs() <= slack || best.upper.is_infinite());
+        }
+        f64::from(closed) / 500.0
+    }
+
+    fn sub_points(p: &Vec3<f64>, q: &Vec3<f64>) -> Vec3<f64> {
+        add(p, &neg(q))
+    }
+
+    #[test]
+    fn bounds_of_a_run_hold_and_mostly_agree() {
+        let axes = Vector3::new(1.0, 0.7, 0.4);
+        let shapes = [
+            Shape::ellipsoid(axes),
+            Shape::cylinder(0.8, 0.6),
+            Shape::cone(0.8, 0.6),
+            Shape::superquadric(axes, 0.7, 1.3),
+            Shape::cuboid(Vector3::new(0.5, 0.7, 0.9)),
+        ]
+        .map(|shape| shape.unwrap().core().clone());
+        let [
+            Core::Ellipsoid(ellipsoid),
+            Core::Cylinder(cylinder),
+            Core::Cone(cone),
+            Core::Superquadric(quadric),
+            Core::Polyhedron(body),
+        ] = &shapes
+        else {
+            panic!("cores of other kinds");
+        };
+        let hull = PolyhedralCore {
+            body,
+            unit: body.unit(),
+        };
+        let shares = [
+            share_closed(ellipsoid, ellipsoid),
+            share_closed(&hull, ellipsoid),
+            share_closed(cylinder, cone),
+            share_closed(&hull, cone),
+            share_closed(ellipsoid, quadric),
+        ];
+        assert!(shares.iter().all(|share| *share > 0.8), "{shares:?}");
+    }
+}
