@@ -1,7 +1,7 @@
 //! The clearance of a robot: an arm of convex links moves through a cell; for every frame the closest pair, of the arm with
 //! the cell and of the arm with itself.
 //!
-//! `cargo run --release --example clearance -- [--urdf FILE] [--cell X.obj ..] [--frames N] [--out FILE.svg]`
+//! `cargo run --release -p lin-canny-robot --example clearance -- [--urdf FILE] [--cell X.obj ..] [--frames N] [--out FILE.svg]`
 
 mod robot;
 
