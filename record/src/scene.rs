@@ -4,7 +4,7 @@ use std::io::Write;
 
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{BodyId, PairAnswer, Scene};
-use lin_canny::{BoxHint, Outcome};
+use lin_canny::BoxHint;
 
 use crate::format::Contact;
 use crate::write::{Recorder, WriteError};

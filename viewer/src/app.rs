@@ -105,13 +105,14 @@ impl Viewer {
         self.gpu.upload(&stage.solids);
         self.stage = stage;
         self.picked = None;
+        self.show.all = !matches!(&self.source, Source::Demo(_, demo) if demo.shows_closest_only());
         self.look_at_all();
     }
 
     /// Puts the camera where it sees all bodies.
     pub fn look_at_all(&mut self) {
         let (centre, radius) = self.stage.ball();
-        self.camera = Camera::looking_at(centre, 2.9 * radius);
+        self.camera = Camera::looking_at(centre, 3.6 * radius);
     }
 
     /// The pair that the panel speaks of: the closest one of the body picked, or of all.

@@ -32,6 +32,8 @@ pub const STROKE_WORDS: usize = 8;
 pub struct Show {
     /// Closest points, segment and features.
     pub witnesses: bool,
+    /// Closest points of all pairs, not of the chosen one alone.
+    pub all: bool,
     /// Voronoi regions of the features of the chosen pair.
     pub regions: bool,
     /// Contact points with their normals.
@@ -52,6 +54,7 @@ impl Default for Show {
     fn default() -> Self {
         Self {
             witnesses: true,
+            all: true,
             regions: false,
             contacts: true,
             names: true,
@@ -92,7 +95,7 @@ impl DrawList {
         let size = if stage.pairs.len() <= 2 { 1.0 } else { 0.5 };
         for (k, pair) in stage.pairs.iter().enumerate() {
             let is_chosen = chosen == Some(k);
-            if show.witnesses {
+            if show.witnesses && (show.all || is_chosen) {
                 self.witnesses(stage, pair, if is_chosen { 1.0 } else { size });
             }
             if show.regions && is_chosen {

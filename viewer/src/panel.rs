@@ -127,6 +127,7 @@ fn shown(viewer: &mut Viewer, ui: &mut egui::Ui) {
     egui::Grid::new("show").num_columns(2).show(ui, |ui| {
         let boxes = [
             (&mut show.witnesses, "closest points"),
+            (&mut show.all, "all pairs"),
             (&mut show.regions, "Voronoi regions"),
             (&mut show.contacts, "contacts"),
             (&mut show.names, "names"),

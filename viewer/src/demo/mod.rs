@@ -25,6 +25,11 @@ pub trait Demo {
     /// Draws its part of the panel.
     fn panel(&mut self, ui: &mut egui::Ui, stage: &mut Stage);
 
+    /// Whether only the closest pair is drawn.
+    fn shows_closest_only(&self) -> bool {
+        false
+    }
+
     /// Whether the mouse may drag a body.
     fn may_hold(&self, body: usize) -> bool;
 }
