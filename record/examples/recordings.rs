@@ -9,12 +9,14 @@ use std::error::Error;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::motion::Steady;
+use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Effects, Group, Scene};
-use lin_canny::{Composite, Geometry, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity, impact};
+use lin_canny::{
+    Composite, Geometry, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity, impact,
+};
 use lin_canny_record::{Bracket, PencilLine, Recorder};
 
 type Trouble = Box<dyn Error>;
@@ -73,7 +75,12 @@ fn kinds(file: &Path) -> Result<(), Trouble> {
         let angle = TAU * k as f64 / all.len() as f64;
         let place = Translation3::new(2.1 * angle.cos(), 2.1 * angle.sin(), 0.0);
         let pose = Isometry3::from_parts(place, UnitQuaternion::from_euler_angles(0.5, 0.3, angle));
-        bodies.push((recorder.body(name, geometry, &pose)?, geometry, pose, PairTracker::new()));
+        bodies.push((
+            recorder.body(name, geometry, &pose)?,
+            geometry,
+            pose,
+            PairTracker::new(),
+        ));
     }
     for frame in 0..60 {
         let angle = TAU * f64::from(frame) / 60.0;
@@ -91,7 +98,8 @@ fn kinds(file: &Path) -> Result<(), Trouble> {
 fn all_kinds() -> Result<Vec<(&'static str, Geometry)>, Trouble> {
     let half = Vector3::new(0.5, 0.35, 0.25);
     let cube = solids::cuboid(half)?;
-    let upright = solids::cuboid(Vector3::new(0.15, 0.15, 0.5))?.transformed(&Isometry3::translation(0.35, 0.0, 0.4))?;
+    let upright =
+        solids::cuboid(Vector3::new(0.15, 0.15, 0.5))?.transformed(&Isometry3::translation(0.35, 0.0, 0.4))?;
     let pieces = vec![Piece::new(Shape::from(cube.clone())), Piece::new(Shape::from(upright))];
     let height = |k: usize, l: usize| if (k, l) == (1, 1) { 0.7 } else { -0.1 };
     let net: Vec<Point3<f64>> = (0..9)
@@ -104,15 +112,24 @@ fn all_kinds() -> Result<Vec<(&'static str, Geometry)>, Trouble> {
         ("cylinder", Shape::cylinder(0.5, 0.3)?.into()),
         ("cone", Shape::cone(0.5, 0.4)?.into()),
         ("ellipsoid", Shape::ellipsoid(Vector3::new(0.6, 0.4, 0.25))?.into()),
-        ("superquadric", Shape::superquadric(Vector3::new(0.5, 0.4, 0.35), 0.4, 0.4)?.into()),
+        (
+            "superquadric",
+            Shape::superquadric(Vector3::new(0.5, 0.4, 0.35), 0.4, 0.4)?.into(),
+        ),
         ("composite", Composite::new(pieces)?.into()),
         ("mesh", Mesh::from_convex(&solids::geodesic_sphere(2, 0.5)?)?.into()),
-        ("surface of patches", Surface::new(vec![Patch::polynomial([2, 2], &net)?])?.into()),
-        ("polygon", Geometry::from(lin_canny::ConvexPolyhedron::from_points(&[
-            Point3::new(-0.5, -0.4, 0.0),
-            Point3::new(0.5, -0.4, 0.0),
-            Point3::new(0.0, 0.5, 0.0),
-        ])?)),
+        (
+            "surface of patches",
+            Surface::new(vec![Patch::polynomial([2, 2], &net)?])?.into(),
+        ),
+        (
+            "polygon",
+            Geometry::from(lin_canny::ConvexPolyhedron::polygon(&[
+                Point3::new(-0.5, -0.4, 0.0),
+                Point3::new(0.5, -0.4, 0.0),
+                Point3::new(0.0, 0.5, 0.0),
+            ])?),
+        ),
     ])
 }
 
@@ -123,7 +140,10 @@ fn pile(file: &Path) -> Result<(), Trouble> {
     let effects = Effects::none().distance(0.05).features(true).depth(true);
     let all = Group::default();
     scene.call_for(all, all, effects.manifold(ManifoldOptions::within(0.02)))?;
-    scene.insert(Body::fixed(solids::cuboid(Vector3::new(2.0, 2.0, 0.1))?), Isometry3::translation(0.0, 0.0, -0.1))?;
+    scene.insert(
+        Body::fixed(solids::cuboid(Vector3::new(2.0, 2.0, 0.1))?),
+        Isometry3::translation(0.0, 0.0, -0.1),
+    )?;
     let cube = Geometry::from(solids::cuboid(Vector3::new(0.4, 0.3, 0.2))?);
     let mut cubes = Vec::new();
     for k in 0..5u64 {
@@ -134,13 +154,21 @@ fn pile(file: &Path) -> Result<(), Trouble> {
         for (k, id) in cubes.iter().enumerate() {
             let k = k as f64;
             let place = Translation3::new(0.06 * k, 0.03 * k * k, 0.2 + (0.4 + gap) * k + gap);
-            scene.set_pose(*id, Isometry3::from_parts(place, UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3 * k)))?;
+            scene.set_pose(
+                *id,
+                Isometry3::from_parts(place, UnitQuaternion::from_euler_angles(0.0, 0.0, 0.3 * k)),
+            )?;
         }
         scene.step();
         for column in 0..2u32 {
             let x = -2.0 + 2.0 * f64::from(column);
             let listed = cubes.len() as u32;
-            recorder.pencil(PencilLine { axis: 2, lo: [x, -2.0], hi: [x + 2.0, 2.0], listed });
+            recorder.pencil(PencilLine {
+                axis: 2,
+                lo: [x, -2.0],
+                hi: [x + 2.0, 2.0],
+                listed,
+            });
         }
         recorder.note(format!("gap {gap:+.4}"));
         recorder.scene(&scene)?;
@@ -165,10 +193,20 @@ fn cast(file: &Path) -> Result<(), Trouble> {
     for frame in 0..60 {
         let pose = velocity.applied(&begin, f64::from(frame) / 40.0);
         recorder.pose(b, &pose)?;
-        recorder.answer(a, b, &tracker.closest(&post, &bar, &RelativePose::normalized(&still, &pose)?))?;
+        recorder.answer(
+            a,
+            b,
+            &tracker.closest(&post, &bar, &RelativePose::normalized(&still, &pose)?),
+        )?;
         if let impact::Impact::Hit { safe, hit, .. } = found.impact {
             let at = |time| [still, velocity.applied(&begin, time)];
-            recorder.bracket(Bracket { bodies: [a, b], safe, hit, at_safe: at(safe), at_hit: at(hit) })?;
+            recorder.bracket(Bracket {
+                bodies: [a, b],
+                safe,
+                hit,
+                at_safe: at(safe),
+                at_hit: at(hit),
+            })?;
             recorder.note(format!("apart until {safe:.4}, together at {hit:.4}"));
         }
         recorder.end_frame()?;
@@ -180,14 +218,23 @@ fn cast(file: &Path) -> Result<(), Trouble> {
 fn many(file: &Path, bodies: usize, frames: usize) -> Result<(), Trouble> {
     let mut recorder = Recorder::create(file, &format!("{bodies} bodies"))?;
     let shapes = (0..16u64)
-        .map(|k| Ok(Geometry::from(solids::random_hull(24, Vector3::new(0.5, 0.45, 0.4), k + 1)?)))
+        .map(|k| {
+            Ok(Geometry::from(solids::random_hull(
+                24,
+                Vector3::new(0.5, 0.45, 0.4),
+                k + 1,
+            )?))
+        })
         .collect::<Result<Vec<_>, Trouble>>()?;
     let side = (1..).find(|s| s * s * s >= bodies).unwrap_or(1);
     let middle = 0.5 * (side as f64 - 1.0);
     let pose = |k: usize, frame: usize| {
         let cell = [k % side, k / side % side, k / side / side].map(|i| 1.5 * (i as f64 - middle));
         let axis = Vector3::new(1.0, 0.6 * (k % 3) as f64, 0.4 * (k % 5) as f64).normalize();
-        Isometry3::from_parts(Translation3::from(cell), UnitQuaternion::new(axis * (0.02 * frame as f64)))
+        Isometry3::from_parts(
+            Translation3::from(cell),
+            UnitQuaternion::new(axis * (0.02 * frame as f64)),
+        )
     };
     for k in 0..bodies {
         recorder.body(&format!("body {k}"), &shapes[k % shapes.len()], &pose(k, 0))?;

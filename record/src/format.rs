@@ -188,7 +188,13 @@ pub mod poses {
         };
     }
 
-    serialized!(one, Isometry3<f64>, [f64; 7], |p| super::numbers(p), |n| super::checked(n));
+    serialized!(
+        one,
+        Isometry3<f64>,
+        [f64; 7],
+        |p| super::numbers(p),
+        |n| super::checked(n)
+    );
     serialized!(
         both,
         [Isometry3<f64>; 2],

@@ -2,9 +2,9 @@
 
 use std::io::Write;
 
+use lin_canny::BoxHint;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{BodyId, PairAnswer, Scene};
-use lin_canny::BoxHint;
 
 use crate::format::Contact;
 use crate::write::{Recorder, WriteError};
@@ -40,7 +40,12 @@ impl<W: Write> Recorder<W> {
     }
 
     fn scene_bodies(&mut self, scene: &Scene) -> Result<(), WriteError> {
-        let gone: Vec<BodyId> = self.of_scene.keys().copied().filter(|&id| scene.pose(id).is_none()).collect();
+        let gone: Vec<BodyId> = self
+            .of_scene
+            .keys()
+            .copied()
+            .filter(|&id| scene.pose(id).is_none())
+            .collect();
         for id in gone {
             if let Some(body) = self.of_scene.remove(&id) {
                 self.remove(body)?;
@@ -69,7 +74,10 @@ impl<W: Write> Recorder<W> {
 fn contacts(pair: &PairAnswer<'_>, pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Vec<Contact> {
     let convex = pair.manifold.into_iter().flat_map(|manifold| {
         let normal = manifold.normal();
-        manifold.points().iter().map(move |point| (point, normal, point.id.to_string()))
+        manifold
+            .points()
+            .iter()
+            .map(move |point| (point, normal, point.id.to_string()))
     });
     let others = pair.contacts.into_iter().flatten().flat_map(|group| {
         group.contacts.iter().map(|c| {

@@ -11,7 +11,10 @@ fn cube() -> Geometry {
 }
 
 fn place(frame: usize) -> Isometry3<f64> {
-    Isometry3::new(Vector3::new(2.0 - 0.1 * frame as f64, 0.1, 0.2), Vector3::new(0.1, 0.2 * frame as f64, 0.3))
+    Isometry3::new(
+        Vector3::new(2.0 - 0.1 * frame as f64, 0.1, 0.2),
+        Vector3::new(0.1, 0.2 * frame as f64, 0.3),
+    )
 }
 
 /// Two bodies over twenty frames; the second moves in even frames only.
@@ -27,7 +30,9 @@ fn pair() -> (String, Vec<lin_canny::Outcome>) {
         let poses = RelativePose::normalized(&Isometry3::identity(), &pose).unwrap();
         let answer = tracker.closest(&cube, &cube, &poses);
         recorder.answer(a, b, &answer).unwrap();
-        let groups = tracker.contacts(&cube, &cube, &poses, &ManifoldOptions::within(10.0)).unwrap();
+        let groups = tracker
+            .contacts(&cube, &cube, &poses, &ManifoldOptions::within(10.0))
+            .unwrap();
         recorder.contacts(a, b, groups).unwrap();
         recorder.end_frame().unwrap();
         outcomes.push(answer.outcome);
@@ -62,7 +67,9 @@ fn a_scene_is_recorded_with_bodies_that_come_and_go() {
     let mut scene = Scene::new();
     let all = Group::default();
     let effects = Effects::none().distance(1.0).features(true);
-    scene.call_for(all, all, effects.manifold(ManifoldOptions::within(1.0))).unwrap();
+    scene
+        .call_for(all, all, effects.manifold(ManifoldOptions::within(1.0)))
+        .unwrap();
     let body = |k| Body::moving(cube()).user_data(k);
     let first = scene.insert(body(7), Isometry3::identity()).unwrap();
     scene.insert(body(8), Isometry3::translation(1.2, 0.0, 0.0)).unwrap();
@@ -102,7 +109,18 @@ fn errors_name_the_line() {
         Recording::read(lines.join("\n").as_bytes()).unwrap_err()
     };
     let wrong = with(6, "{\"frame\":{\"poses\":[[2,[0,0,0,0,0,0,1]]]}}");
-    assert!(matches!(wrong, ReadError::Number { line: 6, number: 2, count: 2, .. }), "{wrong}");
+    assert!(
+        matches!(
+            wrong,
+            ReadError::Number {
+                line: 6,
+                number: 2,
+                count: 2,
+                ..
+            }
+        ),
+        "{wrong}"
+    );
     let wrong = with(6, "{\"frame\":{\"poses\":[[1,[0,0,0,0,0,0,2]]]}}");
     assert!(wrong.to_string().starts_with("line 6: "), "{wrong}");
     assert!(wrong.to_string().contains("unit quaternion"), "{wrong}");
@@ -112,7 +130,12 @@ fn errors_name_the_line() {
     assert!(matches!(wrong, ReadError::Version { found: 2 }), "{wrong}");
     let wrong = with(1, "{\"format\":\"other\",\"version\":1}");
     assert!(matches!(wrong, ReadError::Format { .. }), "{wrong}");
-    assert!(Recording::read(&b""[..]).unwrap_err().to_string().starts_with("line 1: "));
+    assert!(
+        Recording::read(&b""[..])
+            .unwrap_err()
+            .to_string()
+            .starts_with("line 1: ")
+    );
 }
 
 #[test]

@@ -192,7 +192,8 @@ impl Viewer {
                 let at = egui::vec2(1.0 + clip.x / clip.w, 1.0 - clip.y / clip.w) * 0.5 * rect.size();
                 let font = egui::FontId::monospace(11.0);
                 let at = rect.min + at + egui::vec2(4.0, 0.0);
-                ui.painter().text(at, egui::Align2::LEFT_CENTER, text, font, Color32::from_gray(40));
+                ui.painter()
+                    .text(at, egui::Align2::LEFT_CENTER, text, font, Color32::from_gray(40));
             }
         }
     }

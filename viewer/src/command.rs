@@ -6,8 +6,8 @@ use std::time::Instant;
 
 use lin_canny_record::Recording;
 use lin_canny_viewer::app::{Source, Viewer};
-use lin_canny_viewer::headless::Headless;
 use lin_canny_viewer::bits;
+use lin_canny_viewer::headless::Headless;
 
 type Trouble = Box<dyn Error>;
 
@@ -47,15 +47,20 @@ impl Arguments {
             return Err(format!("{name} needs a value").into());
         }
         let word = self.0.remove(k);
-        let parsed = word.parse().map_err(|_| format!("{name}: \"{word}\" is no value for it"))?;
+        let parsed = word
+            .parse()
+            .map_err(|_| format!("{name}: \"{word}\" is no value for it"))?;
         Ok(Some(parsed))
     }
 
     fn numbers<const N: usize>(&mut self, name: &str) -> Result<Option<[f64; N]>, Trouble> {
-        let Some(text) = self.value::<String>(name)? else { return Ok(None) };
+        let Some(text) = self.value::<String>(name)? else {
+            return Ok(None);
+        };
         let parsed: Result<Vec<f64>, _> = text.split([',', 'x']).map(str::parse).collect();
         let list = parsed.ok().and_then(|list| <[f64; N]>::try_from(list).ok());
-        list.map(Some).ok_or_else(|| format!("{name}: \"{text}\" is not {N} numbers").into())
+        list.map(Some)
+            .ok_or_else(|| format!("{name}: \"{text}\" is not {N} numbers").into())
     }
 }
 
@@ -179,7 +184,12 @@ fn times(headless: &mut Headless, frames: usize) -> Result<(), Trouble> {
     for (k, name) in ["frame", "stage", "list", "commands"].into_iter().enumerate() {
         times.sort_by(|x, y| x[k].total_cmp(&y[k]));
         let at = |q: f64| times[(frames.saturating_sub(1) as f64 * q) as usize][k];
-        println!("{name:>9}: least {:.3} ms, median {:.3} ms, 95 % {:.3} ms", at(0.0), at(0.5), at(0.95));
+        println!(
+            "{name:>9}: least {:.3} ms, median {:.3} ms, 95 % {:.3} ms",
+            at(0.0),
+            at(0.5),
+            at(0.95)
+        );
     }
     Ok(())
 }

@@ -137,7 +137,11 @@ impl DrawList {
             }
         }
         let [p, q] = ends(outcome, bodies.map(|b| &b.pose));
-        let colour = if outcome.class == Class::Separated { GAP } else { OVERLAP };
+        let colour = if outcome.class == Class::Separated {
+            GAP
+        } else {
+            OVERLAP
+        };
         self.mark(p, q, colour, 3.0 * size);
         for end in [p, q] {
             self.mark(end, end, [255; 4], 10.0 * size);
@@ -217,7 +221,9 @@ impl DrawList {
     fn bracket(&mut self, stage: &Stage, bracket: &Bracket) {
         for (poses, colour) in [(&bracket.at_safe, SAFE), (&bracket.at_hit, HIT)] {
             for (body, pose) in bracket.bodies.iter().zip(poses) {
-                let Some(body) = stage.bodies.get(*body as usize) else { continue };
+                let Some(body) = stage.bodies.get(*body as usize) else {
+                    continue;
+                };
                 for [p, q] in &stage.solids[body.geometry].edges {
                     self.stroke(pose * p, pose * q, colour, 1.6);
                 }

@@ -192,7 +192,9 @@ impl Gpu {
     }
 
     fn bodies(&self, pass: &mut wgpu::RenderPass<'_>, ends: &[u32]) {
-        let Some(instances) = &self.instances.buffer else { return };
+        let Some(instances) = &self.instances.buffer else {
+            return;
+        };
         let stages = [
             (&self.pipelines.solid, &self.triangles, true),
             (&self.pipelines.rim, &self.edges, false),

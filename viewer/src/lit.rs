@@ -39,7 +39,13 @@ pub fn feature(geometry: &Geometry, pose: &Isometry3<f64>, part: u32, feature: F
 
 /// Returns the walls of the Voronoi region of a feature, cut off at a height: polygons of three or four points.
 #[must_use]
-pub fn region(geometry: &Geometry, pose: &Isometry3<f64>, part: u32, at: Feature, height: f64) -> Vec<Vec<Point3<f64>>> {
+pub fn region(
+    geometry: &Geometry,
+    pose: &Isometry3<f64>,
+    part: u32,
+    at: Feature,
+    height: f64,
+) -> Vec<Vec<Point3<f64>>> {
     polyhedron(geometry, pose, part)
         .and_then(|(body, pose)| walls(body, &pose, at, height))
         .unwrap_or_default()
@@ -69,7 +75,11 @@ fn walls(body: &ConvexPolyhedron, pose: &Isometry3<f64>, at: Feature, height: f6
         }
         Feature::Face(f) => {
             let n = normal(f)?;
-            let rim: Vec<_> = body.face_vertices(f).filter_map(|v| body.vertex(v)).map(|p| pose * p).collect();
+            let rim: Vec<_> = body
+                .face_vertices(f)
+                .filter_map(|v| body.vertex(v))
+                .map(|p| pose * p)
+                .collect();
             let next = rim.iter().cycle().skip(1);
             rim.iter().zip(next).map(|(p, q)| vec![*p, *q, q + n, p + n]).collect()
         }

@@ -146,5 +146,7 @@ fn shown(viewer: &mut Viewer, ui: &mut egui::Ui) {
     if ui.button("look at all").clicked() {
         viewer.look_at_all();
     }
-    ui.label(RichText::new("Drag a body, or the background to look around. Wheel: nearer; right button: shift.").small());
+    ui.label(
+        RichText::new("Drag a body, or the background to look around. Wheel: nearer; right button: shift.").small(),
+    );
 }

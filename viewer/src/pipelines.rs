@@ -53,7 +53,13 @@ impl Pipelines {
         Self {
             solid: maker.make(["solid", "fill"], &bodies, TriangleList, Less, true),
             rim: maker.make(["rim", "fill"], &rims, LineList, Less, false),
-            fill: maker.make(["corner", "fill"], &[each(&corner, CORNER_WORDS)], TriangleList, Less, false),
+            fill: maker.make(
+                ["corner", "fill"],
+                &[each(&corner, CORNER_WORDS)],
+                TriangleList,
+                Less,
+                false,
+            ),
             hidden: maker.make(["stroke", "ink"], &strokes, TriangleStrip, Less, false),
             through: maker.make(["stroke", "ink"], &strokes, TriangleStrip, Always, false),
             view,

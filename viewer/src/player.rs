@@ -45,7 +45,9 @@ impl Player {
                 body.pose = *pose;
             }
         }
-        let Some(frame) = self.recording.frames.get(self.frame) else { return };
+        let Some(frame) = self.recording.frames.get(self.frame) else {
+            return;
+        };
         stage.pairs.clear();
         stage.pairs.extend(frame.pairs.iter().map(|p| Pair {
             bodies: [p.a as usize, p.b as usize],

@@ -56,7 +56,9 @@ impl Solid {
             self.triangle(corners.map(|v| points[v.index()]));
         }
         for edge in body.edges() {
-            let normals = body.edge_faces(edge).map(|f| f.map(|f| body.face_plane(f).map(|(n, _)| n)));
+            let normals = body
+                .edge_faces(edge)
+                .map(|f| f.map(|f| body.face_plane(f).map(|(n, _)| n)));
             let is_smooth = matches!(normals, Some([Some(m), Some(n)]) if m.dot(&n) > SHARP);
             if let Some(ends) = body.edge_vertices(edge).filter(|_| !(curved && is_smooth)) {
                 self.edges.push(ends.map(|v| points[v.index()]));
@@ -141,10 +143,14 @@ impl Solid {
 fn samples(shape: &Shape) -> Vec<Point3<f64>> {
     let core: Vec<Point3<f64>> = match shape.core() {
         Core::Polyhedron(body) => body.vertex_points().collect(),
-        Core::Ellipsoid(body) => sphere(3).map(|d| Point3::from(d.component_mul(&body.semi_axes()))).collect(),
+        Core::Ellipsoid(body) => sphere(3)
+            .map(|d| Point3::from(d.component_mul(&body.semi_axes())))
+            .collect(),
         Core::Cylinder(body) => {
             let (r, h) = (body.radius(), body.half_height());
-            circle(r).flat_map(|[x, y]| [Point3::new(x, y, h), Point3::new(x, y, -h)]).collect()
+            circle(r)
+                .flat_map(|[x, y]| [Point3::new(x, y, h), Point3::new(x, y, -h)])
+                .collect()
         }
         Core::Cone(body) => {
             let (r, h) = (body.radius(), body.half_height());
@@ -154,7 +160,9 @@ fn samples(shape: &Shape) -> Vec<Point3<f64>> {
         Core::Superquadric(body) => {
             let [e1, e2] = body.exponents();
             let axes = body.semi_axes();
-            sphere(3).map(|d| Point3::from(super_point(d, e1, e2).component_mul(&axes))).collect()
+            sphere(3)
+                .map(|d| Point3::from(super_point(d, e1, e2).component_mul(&axes)))
+                .collect()
         }
         _ => Vec::new(),
     };
@@ -169,8 +177,12 @@ fn samples(shape: &Shape) -> Vec<Point3<f64>> {
 
 /// Directions all over the sphere.
 fn sphere(fine: u32) -> impl Iterator<Item = Vector3<f64>> {
-    let ball = solids::geodesic_sphere(1 << fine, 1.0);
-    let points: Vec<_> = ball.iter().flat_map(|b| b.vertex_points()).map(|p| p.coords.normalize()).collect();
+    let ball = solids::geodesic_sphere(fine, 1.0);
+    let points: Vec<_> = ball
+        .iter()
+        .flat_map(|b| b.vertex_points())
+        .map(|p| p.coords.normalize())
+        .collect();
     points.into_iter()
 }
 
@@ -185,7 +197,11 @@ fn circle(radius: f64) -> impl Iterator<Item = [f64; 2]> {
 fn super_point(d: Vector3<f64>, e1: f64, e2: f64) -> Vector3<f64> {
     let bent = |x: f64, e: f64| x.signum() * x.abs().powf(e);
     let flat = d.x.hypot(d.y);
-    let [c, s] = if flat > 0.0 { [d.x / flat, d.y / flat] } else { [1.0, 0.0] };
+    let [c, s] = if flat > 0.0 {
+        [d.x / flat, d.y / flat]
+    } else {
+        [1.0, 0.0]
+    };
     let ring = bent(flat, e1);
     Vector3::new(ring * bent(c, e2), ring * bent(s, e2), bent(d.z, e1))
 }

@@ -106,7 +106,9 @@ impl Stage {
 
     /// Measures a pair at the poses of its bodies.
     pub fn measure(&mut self, pair: usize) {
-        let Some(watched) = self.pairs.get_mut(pair) else { return };
+        let Some(watched) = self.pairs.get_mut(pair) else {
+            return;
+        };
         let [a, b] = watched.bodies.map(|k| &self.bodies[k]);
         let Ok(poses) = RelativePose::normalized(&a.pose, &b.pose) else {
             watched.outcome = None;
@@ -203,7 +205,9 @@ impl Stage {
             return (Point3::origin(), 1.0);
         }
         let centre = Point3::from((low + high) * 0.5);
-        let far = shown().map(|b| (middle(b) - centre).norm() + radius(b)).fold(0.0, f64::max);
+        let far = shown()
+            .map(|b| (middle(b) - centre).norm() + radius(b))
+            .fold(0.0, f64::max);
         (centre, far.max(1e-12))
     }
 }

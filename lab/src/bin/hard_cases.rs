@@ -35,7 +35,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut taken: Vec<(String, Value)> = Vec::new();
     for case in corpus::load(&folder) {
         let is_small = case.a.points.len().max(case.b.points.len()) <= MOST_POINTS;
-        let Some(distance) = case.distance.filter(|_| is_small && case.a.points.len().min(case.b.points.len()) > 3) else {
+        let Some(distance) = case
+            .distance
+            .filter(|_| is_small && case.a.points.len().min(case.b.points.len()) > 3)
+        else {
             continue;
         };
         let parry = parry_of(&case);

@@ -68,10 +68,7 @@ impl Accuracy {
         for k in 0..QUERIES[level] {
             let angle = (f64::from(k % 20) - 10.0).abs() * TURN.to_radians();
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
-            let pose = Isometry3::from_parts(
-                stage.bodies[1].pose.translation,
-                stage.bodies[1].pose.rotation * turn,
-            );
+            let pose = Isometry3::from_parts(stage.bodies[1].pose.translation, stage.bodies[1].pose.rotation * turn);
             poses.extend(RelativePose::normalized(&stage.bodies[0].pose, &pose).ok());
         }
         let start = Instant::now();
@@ -127,7 +124,13 @@ impl Demo for Accuracy {
         for k in 0..3 {
             let [seconds, queries] = self.sums[k];
             let ns = if queries > 0.0 { 1e9 * seconds / queries } else { 0.0 };
-            bar(ui, LEVELS[k], &format!("{ns:.0} ns"), log_part(ns, 1.0, 5.0), COLOURS[k]);
+            bar(
+                ui,
+                LEVELS[k],
+                &format!("{ns:.0} ns"),
+                log_part(ns, 1.0, 5.0),
+                COLOURS[k],
+            );
         }
         ui.add_space(4.0);
         ui.strong("error of the distance");

@@ -86,7 +86,12 @@ impl Pile {
             self.scene.set_pose(*id, stage.bodies[k].pose)?;
         }
         let report = self.scene.step();
-        let times = [report.times.boxes, report.times.pairs, report.times.look, report.times.events];
+        let times = [
+            report.times.boxes,
+            report.times.pairs,
+            report.times.look,
+            report.times.events,
+        ];
         for (mean, time) in self.stages.iter_mut().zip(times) {
             *mean = KEEP * *mean + (1.0 - KEEP) * 1e6 * time.as_secs_f64();
         }
@@ -144,7 +149,10 @@ impl Demo for Pile {
         }
         ui.checkbox(&mut self.runs, "run");
         ui.strong("a step, microseconds");
-        for (name, mean) in ["boxes", "pairs", "narrow phase", "events"].into_iter().zip(self.stages) {
+        for (name, mean) in ["boxes", "pairs", "narrow phase", "events"]
+            .into_iter()
+            .zip(self.stages)
+        {
             let colour = Color32::from_rgb(86, 140, 200);
             bar(ui, name, &format!("{mean:.1}"), log_part(mean, -1.0, 4.0), colour);
         }

@@ -45,7 +45,7 @@ impl Hard {
                 let geometry = stage.geometry(ConvexPolyhedron::from_points(&points)?);
                 let pose = poses::pose(numbers).ok_or_else(|| format!("{}: the pose is none", case.name))?;
                 stage.bodies.push(Body {
-                    name: String::new(),
+                    name: if geometry % 2 == 0 { "A" } else { "B" }.into(),
                     geometry,
                     pose,
                     shown: k == 0,
@@ -97,7 +97,11 @@ impl Hard {
             row("true class", case.class.clone(), Color32::DARK_GREEN);
             row("true distance", number(case.distance), Color32::DARK_GREEN);
             let right = |d: f64| (d - case.distance).abs() <= 1e-9 * case.distance.abs() + 1e-12;
-            let colour = if case.parry.is_some_and(right) { Color32::DARK_GREEN } else { Color32::RED };
+            let colour = if case.parry.is_some_and(right) {
+                Color32::DARK_GREEN
+            } else {
+                Color32::RED
+            };
             let text = case.parry.map_or("no answer".into(), number);
             row("parry f64", text, colour);
             if let Some(o) = stage.pairs[0].outcome.filter(|_| !self.moved && self.ulps == [0; 3]) {
@@ -111,9 +115,11 @@ impl Hard {
 
 impl Demo for Hard {
     fn frame(&mut self, stage: &mut Stage) -> bool {
-        let at = |body: &Body, numbers: [f64; 7]| poses::pose(numbers).is_none_or(|p: Isometry3<f64>| {
-            (p.translation.vector - body.pose.translation.vector).norm() <= 1e-6 * p.translation.vector.norm()
-        });
+        let at = |body: &Body, numbers: [f64; 7]| {
+            poses::pose(numbers).is_none_or(|p: Isometry3<f64>| {
+                (p.translation.vector - body.pose.translation.vector).norm() <= 1e-6 * p.translation.vector.norm()
+            })
+        };
         let case = &self.cases[self.chosen];
         let [a, b] = [0, 1].map(|k| &stage.bodies[2 * self.chosen + k]);
         self.moved = !(at(a, case.pose_a) && at(b, case.pose_b));
@@ -135,7 +141,7 @@ impl Demo for Hard {
             self.show(chosen, stage);
         }
         self.truth(ui, stage);
-        ui.label("Nudge the orange body by units in the last place:");
+        ui.label("Nudge body B by units in the last place:");
         let mut ulps = self.ulps;
         ui.horizontal(|ui| {
             for (axis, count) in ["x", "y", "z"].into_iter().zip(&mut ulps) {

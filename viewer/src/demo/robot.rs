@@ -36,7 +36,11 @@ impl Robot {
         for (name, link, shape) in links_of_arm()? {
             let geometry = stage.geometry(shape);
             let body = stage.body(name, geometry, Isometry3::identity());
-            stage.bodies[body].colour = if link % 2 == 0 { [222, 150, 60, 255] } else { [205, 175, 120, 255] };
+            stage.bodies[body].colour = if link % 2 == 0 {
+                [222, 150, 60, 255]
+            } else {
+                [205, 175, 120, 255]
+            };
             links.push(link);
         }
         for (name, half, at) in CELL {
@@ -92,7 +96,11 @@ type Link = (&'static str, usize, Geometry);
 fn links_of_arm() -> Result<Vec<Link>, Box<dyn Error>> {
     let tube = |name, link: usize, radius: f64, length: f64, height: f64| {
         let solid = solids::prism(32, 0.5 * length, radius)?;
-        Ok::<Link, Box<dyn Error>>((name, link, solid.transformed(&Isometry3::translation(0.0, 0.0, height))?.into()))
+        Ok::<Link, Box<dyn Error>>((
+            name,
+            link,
+            solid.transformed(&Isometry3::translation(0.0, 0.0, height))?.into(),
+        ))
     };
     let block = |name, link: usize, [x, y, z]: [f64; 3], height: f64, round: f64| {
         let half = Vector3::new(0.5 * x - round, 0.5 * y - round, 0.5 * z - round);
