@@ -144,10 +144,10 @@ impl Stage {
     /// Measures the pairs of a body that has been moved. A body without a pair gets one with the body that is closest.
     pub fn moved(&mut self, body: usize) {
         let is_mine = |p: &Pair| p.bodies.contains(&body);
-        if !self.pairs.iter().any(is_mine) {
-            if let Some(other) = self.nearest(body) {
-                self.pairs.push(Pair::of(other, body));
-            }
+        if !self.pairs.iter().any(is_mine)
+            && let Some(other) = self.nearest(body)
+        {
+            self.pairs.push(Pair::of(other, body));
         }
         for k in 0..self.pairs.len() {
             if is_mine(&self.pairs[k]) {

@@ -142,10 +142,10 @@ impl Demo for Pile {
         for (flag, name) in self.on.iter_mut().zip(NAMES) {
             ui.checkbox(flag, name);
         }
-        if before != self.on {
-            if let Err(trouble) = self.call() {
-                stage.note = trouble.to_string();
-            }
+        if before != self.on
+            && let Err(trouble) = self.call()
+        {
+            stage.note = trouble.to_string();
         }
         ui.checkbox(&mut self.runs, "run");
         ui.strong("a step, microseconds");

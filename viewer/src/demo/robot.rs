@@ -128,10 +128,10 @@ impl Demo for Robot {
         for ((name, .., limit), value) in JOINTS.iter().zip(&mut self.joints) {
             ui.add(egui::Slider::new(value, -limit..=*limit).text(*name));
         }
-        if before != self.joints {
-            if let Err(trouble) = self.put(stage) {
-                stage.note = trouble.to_string();
-            }
+        if before != self.joints
+            && let Err(trouble) = self.put(stage)
+        {
+            stage.note = trouble.to_string();
         }
         ui.label("The closest pair of the arm with the cell and with itself is named below. Angles in radians.");
     }
