@@ -1,0 +1,57 @@
+//! Recordings of moving bodies and of the answers about them: a file of JSON lines that a loop, a
+//! [`Scene`](lin_canny::scene::Scene), a robot or a planner writes in a line, and that the viewer
+//! of the repository plays.
+//!
+//! ```
+//! use lin_canny::nalgebra::{Isometry3, Vector3};
+//! use lin_canny::polyhedron::solids;
+//! use lin_canny::{Geometry, PairTracker, RelativePose};
+//! use lin_canny_record::{Recorder, Recording};
+//!
+//! let cube = Geometry::from(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
+//! let mut file = Vec::new(); // or `Recorder::create("pair.jsonl", "two cubes")?`
+//! let mut recorder = Recorder::new(&mut file, "two cubes")?;
+//! let a = recorder.body("still", &cube, &Isometry3::identity())?;
+//! let b = recorder.body("moved", &cube, &Isometry3::identity())?;
+//! let mut pair = PairTracker::new();
+//! for frame in 0..10 {
+//!     let pose = Isometry3::translation(3.0 - 0.1 * f64::from(frame), 0.2, 0.1);
+//!     let poses = RelativePose::new(&Isometry3::identity(), &pose)?;
+//!     recorder.pose(b, &pose)?;
+//!     recorder.answer(a, b, &pair.closest(&cube, &cube, &poses))?;
+//!     recorder.end_frame()?;
+//! }
+//! recorder.finish()?;
+//!
+//! let recording = Recording::read(file.as_slice())?;
+//! assert_eq!((recording.bodies.len(), recording.frames.len()), (2, 10));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The format, version 1
+//!
+//! A file is UTF-8 text, one JSON value a line. The first line is the [`Header`]:
+//! `{"format":"lin-canny recording","version":1,"title":"two cubes"}`. Each further line is an
+//! object with one key:
+//!
+//! | key | value |
+//! |---|---|
+//! | `geometry` | a [`Geometry`](lin_canny::Geometry) as the core writes it with its feature `serde`; geometries are numbered from 0 in the order of their lines |
+//! | `body` | a [`BodyLine`]: name, number of the geometry, pose; bodies are numbered from 0 in the order of their lines, and shown from the next frame on |
+//! | `frame` | a [`Frame`]: the poses that changed since the frame before, and everything to show |
+//!
+//! A pose is an array of seven numbers: the translation x, y, z and the unit quaternion x, y, z, w,
+//! from the body's frame to the world. Points are arrays of three numbers. Poses, boxes, paths and
+//! contacts are in the world; an answer is in the frames of the two bodies, as
+//! [`Outcome`](lin_canny::Outcome). Lengths are in the caller's unit, times in the caller's unit of
+//! time. Numbers have all the digits that read back to the same bits. A reader refuses another
+//! version, and ignores keys that it does not know.
+
+mod format;
+mod read;
+mod scene;
+mod write;
+
+pub use format::{BodyLine, Bracket, Contact, FORMAT, Frame, Header, PairLine, PencilLine, VERSION, poses};
+pub use read::{Cursor, ReadError, Recording};
+pub use write::{Recorder, WriteError};

@@ -1,0 +1,267 @@
+//! Recordings written line by line.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::scene::BodyId;
+use lin_canny::{Answer, Geometry, PatchContacts};
+
+use crate::format::{BodyLine, Bracket, Contact, FORMAT, Frame, Header, Line, PairLine, PencilLine, VERSION, poses};
+
+/// What stops a recorder.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum WriteError {
+    /// The file cannot be written.
+    #[error(transparent)]
+    File(#[from] std::io::Error),
+    /// A value cannot be written as JSON.
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    /// A body of this number was never recorded.
+    #[error("body {number} of {count}")]
+    Body {
+        /// The number given.
+        number: u32,
+        /// How many bodies were recorded.
+        count: usize,
+    },
+    /// A pose that is not finite, or whose rotation is no unit quaternion.
+    #[error("the pose {0:?} is no translation and unit quaternion")]
+    Pose([f64; 7]),
+}
+
+/// Writes a recording: bodies first, then what each frame holds, then
+/// [`end_frame`](Self::end_frame). A geometry that several bodies share is written once.
+pub struct Recorder<W: Write> {
+    to: W,
+    geometries: Vec<Geometry>,
+    poses: Vec<Option<Isometry3<f64>>>,
+    pub(crate) frame: Frame,
+    pub(crate) of_scene: BTreeMap<BodyId, u32>,
+}
+
+impl Recorder<BufWriter<File>> {
+    /// Begins a recording in a new file.
+    ///
+    /// # Errors
+    /// A file that cannot be created or written.
+    pub fn create(path: impl AsRef<Path>, title: &str) -> Result<Self, WriteError> {
+        Self::new(BufWriter::new(File::create(path)?), title)
+    }
+}
+
+impl<W: Write> Recorder<W> {
+    /// Begins a recording.
+    ///
+    /// # Errors
+    /// As `to` fails.
+    pub fn new(to: W, title: &str) -> Result<Self, WriteError> {
+        let mut recorder = Self {
+            to,
+            geometries: Vec::new(),
+            poses: Vec::new(),
+            frame: Frame::default(),
+            of_scene: BTreeMap::new(),
+        };
+        recorder.line(&Header {
+            format: FORMAT.into(),
+            version: VERSION,
+            title: title.into(),
+        })?;
+        Ok(recorder)
+    }
+
+    /// Adds a body and returns its number.
+    ///
+    /// # Errors
+    /// A pose that is none, or a file that cannot be written.
+    pub fn body(&mut self, name: &str, geometry: &Geometry, pose: &Isometry3<f64>) -> Result<u32, WriteError> {
+        checked(pose)?;
+        let found = self.geometries.iter().position(|known| is_same(known, geometry));
+        let index = match found {
+            Some(index) => index,
+            None => {
+                self.line(&Line::Geometry(geometry.clone()))?;
+                self.geometries.push(geometry.clone());
+                self.geometries.len() - 1
+            }
+        };
+        self.line(&Line::Body(BodyLine {
+            name: name.into(),
+            geometry: index as u32,
+            pose: *pose,
+            since: 0,
+        }))?;
+        self.poses.push(Some(*pose));
+        Ok(self.poses.len() as u32 - 1)
+    }
+
+    /// Sets the pose of a body from this frame on. A pose that did not change is not written.
+    ///
+    /// # Errors
+    /// An unknown body, or a pose that is none.
+    pub fn pose(&mut self, body: u32, pose: &Isometry3<f64>) -> Result<(), WriteError> {
+        checked(pose)?;
+        self.known(body)?;
+        let last = &mut self.poses[body as usize];
+        if *last != Some(*pose) {
+            *last = Some(*pose);
+            self.frame.poses.push((body, *pose));
+        }
+        Ok(())
+    }
+
+    /// Shows a body no longer.
+    ///
+    /// # Errors
+    /// An unknown body.
+    pub fn remove(&mut self, body: u32) -> Result<(), WriteError> {
+        self.known(body)?;
+        self.poses[body as usize] = None;
+        self.frame.gone.push(body);
+        Ok(())
+    }
+
+    /// Adds the closest points of two bodies.
+    ///
+    /// # Errors
+    /// An unknown body.
+    pub fn answer(&mut self, a: u32, b: u32, answer: &Answer) -> Result<(), WriteError> {
+        let line = self.pair(a, b)?;
+        line.outcome = Some(answer.outcome);
+        line.parts = [answer.on[0].part, answer.on[1].part];
+        Ok(())
+    }
+
+    /// Adds contact points of two bodies, at the poses last set.
+    ///
+    /// # Errors
+    /// An unknown body, or one that is not shown.
+    pub fn contacts(&mut self, a: u32, b: u32, groups: &[PatchContacts]) -> Result<(), WriteError> {
+        let (pose_a, pose_b) = (self.pose_of(a)?, self.pose_of(b)?);
+        let points = groups.iter().flat_map(|group| &group.contacts);
+        let contacts: Vec<Contact> = points
+            .map(|c| Contact {
+                name: format!("{}/{} {}", c.patches[0], c.patches[1], c.point.id),
+                on_a: pose_a * c.point.point_on_a,
+                on_b: pose_b * c.point.point_on_b,
+                normal: pose_a * c.normal.into_inner(),
+                separation: c.point.separation,
+            })
+            .collect();
+        self.pair(a, b)?.contacts = contacts;
+        Ok(())
+    }
+
+    /// Adds a box of the broad phase.
+    pub fn aabb(&mut self, min: Point3<f64>, max: Point3<f64>) {
+        self.frame.boxes.push([min, max]);
+    }
+
+    /// Adds a column of the broad phase.
+    pub fn pencil(&mut self, pencil: PencilLine) {
+        self.frame.pencils.push(pencil);
+    }
+
+    /// Adds the bracket of a first contact.
+    ///
+    /// # Errors
+    /// An unknown body.
+    pub fn bracket(&mut self, bracket: Bracket) -> Result<(), WriteError> {
+        bracket.bodies.iter().try_for_each(|&body| self.known(body))?;
+        self.frame.brackets.push(bracket);
+        Ok(())
+    }
+
+    /// Adds a path through the world.
+    pub fn path(&mut self, points: impl IntoIterator<Item = Point3<f64>>) {
+        self.frame.paths.push(points.into_iter().collect());
+    }
+
+    /// Sets the line of text about this frame.
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.frame.note = text.into();
+    }
+
+    /// Writes the frame and begins the next.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn end_frame(&mut self) -> Result<(), WriteError> {
+        let frame = std::mem::take(&mut self.frame);
+        self.line(&Line::Frame(Cow::Borrowed(&frame)))
+    }
+
+    /// Writes what is still in memory, and returns the file.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn finish(mut self) -> Result<W, WriteError> {
+        self.to.flush()?;
+        Ok(self.to)
+    }
+
+    /// Returns the entry of a pair in this frame.
+    pub(crate) fn pair(&mut self, a: u32, b: u32) -> Result<&mut PairLine, WriteError> {
+        self.known(a)?;
+        self.known(b)?;
+        // A caller adds answer and contacts of one pair one after the other.
+        let pairs = &mut self.frame.pairs;
+        if pairs.last().is_none_or(|p| (p.a, p.b) != (a, b)) {
+            pairs.push(PairLine {
+                a,
+                b,
+                outcome: None,
+                parts: [0; 2],
+                contacts: Vec::new(),
+            });
+        }
+        let last = pairs.len() - 1;
+        Ok(&mut pairs[last])
+    }
+
+    fn pose_of(&self, body: u32) -> Result<Isometry3<f64>, WriteError> {
+        let pose = self.poses.get(body as usize).copied().flatten();
+        pose.ok_or_else(|| self.unknown(body))
+    }
+
+    fn known(&self, body: u32) -> Result<(), WriteError> {
+        let is_known = (body as usize) < self.poses.len();
+        if is_known { Ok(()) } else { Err(self.unknown(body)) }
+    }
+
+    fn unknown(&self, number: u32) -> WriteError {
+        WriteError::Body {
+            number,
+            count: self.poses.len(),
+        }
+    }
+
+    fn line(&mut self, value: &impl serde::Serialize) -> Result<(), WriteError> {
+        serde_json::to_writer(&mut self.to, value)?;
+        Ok(self.to.write_all(b"\n")?)
+    }
+}
+
+fn checked(pose: &Isometry3<f64>) -> Result<(), WriteError> {
+    let numbers = poses::numbers(pose);
+    poses::pose(numbers).map(|_| ()).ok_or(WriteError::Pose(numbers))
+}
+
+/// Returns whether two geometries share one body in memory.
+fn is_same(a: &Geometry, b: &Geometry) -> bool {
+    use std::sync::Arc;
+    match (a, b) {
+        (Geometry::Polyhedron(a), Geometry::Polyhedron(b)) => Arc::ptr_eq(a, b),
+        (Geometry::Convex(a), Geometry::Convex(b)) => Arc::ptr_eq(a, b),
+        (Geometry::Composite(a), Geometry::Composite(b)) => Arc::ptr_eq(a, b),
+        (Geometry::Mesh(a), Geometry::Mesh(b)) => Arc::ptr_eq(a, b),
+        (Geometry::Surface(a), Geometry::Surface(b)) => Arc::ptr_eq(a, b),
+        _ => false,
+    }
+}

@@ -1,0 +1,149 @@
+//! What is written is read back, and what is wrong with a file is named by its line.
+
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::scene::{Body, Effects, Group, Scene};
+use lin_canny::{Geometry, ManifoldOptions, PairTracker, RelativePose};
+use lin_canny_record::{Cursor, ReadError, Recorder, Recording, WriteError};
+
+fn cube() -> Geometry {
+    solids::cuboid(Vector3::new(0.5, 0.4, 0.3)).unwrap().into()
+}
+
+fn place(frame: usize) -> Isometry3<f64> {
+    Isometry3::new(
+        Vector3::new(2.0 - 0.1 * frame as f64, 0.1, 0.2),
+        Vector3::new(0.1, 0.2 * frame as f64, 0.3),
+    )
+}
+
+/// Two bodies over twenty frames; the second moves in even frames only.
+fn pair() -> (String, Vec<lin_canny::Outcome>) {
+    let cube = cube();
+    let mut recorder = Recorder::new(Vec::new(), "pair").unwrap();
+    let a = recorder.body("a", &cube, &Isometry3::identity()).unwrap();
+    let b = recorder.body("b", &cube, &place(0)).unwrap();
+    let (mut tracker, mut outcomes) = (PairTracker::new(), Vec::new());
+    for frame in 0..20 {
+        let pose = place(frame / 2 * 2);
+        recorder.pose(b, &pose).unwrap();
+        let poses = RelativePose::normalized(&Isometry3::identity(), &pose).unwrap();
+        let answer = tracker.closest(&cube, &cube, &poses);
+        recorder.answer(a, b, &answer).unwrap();
+        let groups = tracker
+            .contacts(&cube, &cube, &poses, &ManifoldOptions::within(10.0))
+            .unwrap();
+        recorder.contacts(a, b, groups).unwrap();
+        recorder.end_frame().unwrap();
+        outcomes.push(answer.outcome);
+    }
+    (String::from_utf8(recorder.finish().unwrap()).unwrap(), outcomes)
+}
+
+#[test]
+fn answers_and_poses_come_back_to_the_bit() {
+    let (text, outcomes) = pair();
+    let recording = Recording::read(text.as_bytes()).unwrap();
+    assert_eq!((recording.title.as_str(), recording.geometries.len()), ("pair", 1));
+    assert_eq!(recording.frames.len(), outcomes.len());
+    let mut cursor = Cursor::default();
+    for (k, frame) in recording.frames.iter().enumerate() {
+        assert_eq!(frame.pairs[0].outcome.unwrap(), outcomes[k]);
+        assert!(!frame.pairs[0].contacts.is_empty());
+        cursor.go(&recording, k);
+        assert_eq!(cursor.poses[1], Some(place(k / 2 * 2)));
+        // A pose that did not change is not written.
+        assert_eq!(frame.poses.len(), usize::from(k > 0 && k % 2 == 0));
+    }
+    // Back, and past the end.
+    cursor.go(&recording, 3);
+    assert_eq!(cursor.poses[1], Some(place(2)));
+    cursor.go(&recording, 1000);
+    assert_eq!(cursor.poses[1], Some(place(18)));
+}
+
+#[test]
+fn a_scene_is_recorded_with_bodies_that_come_and_go() {
+    let mut scene = Scene::new();
+    let all = Group::default();
+    let effects = Effects::none().distance(1.0).features(true);
+    scene
+        .call_for(all, all, effects.manifold(ManifoldOptions::within(1.0)))
+        .unwrap();
+    let body = |k| Body::moving(cube()).user_data(k);
+    let first = scene.insert(body(7), Isometry3::identity()).unwrap();
+    scene.insert(body(8), Isometry3::translation(1.2, 0.0, 0.0)).unwrap();
+    let mut recorder = Recorder::new(Vec::new(), "scene").unwrap();
+    scene.step();
+    recorder.scene(&scene).unwrap();
+    scene.insert(body(9), Isometry3::translation(0.0, 1.0, 0.0)).unwrap();
+    scene.step();
+    recorder.scene(&scene).unwrap();
+    scene.remove(first).unwrap();
+    scene.step();
+    recorder.scene(&scene).unwrap();
+    let file = recorder.finish().unwrap();
+
+    let recording = Recording::read(file.as_slice()).unwrap();
+    let names: Vec<&str> = recording.bodies.iter().map(|b| b.name.as_str()).collect();
+    assert_eq!(names, ["7", "8", "9"]);
+    let shown = |frame| {
+        let mut cursor = Cursor::default();
+        cursor.go(&recording, frame);
+        cursor.poses.iter().map(Option::is_some).collect::<Vec<_>>()
+    };
+    assert_eq!(shown(0), [true, true, false]);
+    assert_eq!(shown(1), [true, true, true]);
+    assert_eq!(shown(2), [false, true, true]);
+    let pair = &recording.frames[0].pairs[0];
+    assert!((pair.outcome.unwrap().distance - 0.2).abs() < 1e-12);
+    assert_eq!((pair.contacts.len(), recording.frames[1].boxes.len()), (4, 3));
+}
+
+#[test]
+fn errors_name_the_line() {
+    let (text, _) = pair();
+    let with = |line: usize, new: &str| {
+        let mut lines: Vec<&str> = text.lines().collect();
+        lines[line - 1] = new;
+        Recording::read(lines.join("\n").as_bytes()).unwrap_err()
+    };
+    let wrong = with(6, "{\"frame\":{\"poses\":[[2,[0,0,0,0,0,0,1]]]}}");
+    assert!(
+        matches!(
+            wrong,
+            ReadError::Number {
+                line: 6,
+                number: 2,
+                count: 2,
+                ..
+            }
+        ),
+        "{wrong}"
+    );
+    let wrong = with(6, "{\"frame\":{\"poses\":[[1,[0,0,0,0,0,0,2]]]}}");
+    assert!(wrong.to_string().starts_with("line 6: "), "{wrong}");
+    assert!(wrong.to_string().contains("unit quaternion"), "{wrong}");
+    let wrong = with(9, "{\"frame\":");
+    assert!(matches!(wrong, ReadError::Line { line: 9, .. }), "{wrong}");
+    let wrong = with(1, "{\"format\":\"lin-canny recording\",\"version\":2}");
+    assert!(matches!(wrong, ReadError::Version { found: 2 }), "{wrong}");
+    let wrong = with(1, "{\"format\":\"other\",\"version\":1}");
+    assert!(matches!(wrong, ReadError::Format { .. }), "{wrong}");
+    assert!(
+        Recording::read(&b""[..])
+            .unwrap_err()
+            .to_string()
+            .starts_with("line 1: ")
+    );
+}
+
+#[test]
+fn a_recorder_refuses_what_a_reader_would() {
+    let mut recorder = Recorder::new(Vec::new(), "").unwrap();
+    let body = recorder.body("a", &cube(), &Isometry3::identity()).unwrap();
+    let lost = Isometry3::translation(f64::NAN, 0.0, 0.0);
+    assert!(matches!(recorder.pose(body, &lost), Err(WriteError::Pose(_))));
+    let wrong = recorder.pose(1, &Isometry3::identity());
+    assert!(matches!(wrong, Err(WriteError::Body { number: 1, count: 1 })));
+}

@@ -1,0 +1,71 @@
+//! A recording on the stage, frame by frame.
+
+use lin_canny_record::{Cursor, Recording};
+
+use crate::stage::{Pair, Stage};
+
+/// A recording and the frame that is shown.
+#[derive(Default)]
+pub struct Player {
+    /// The recording.
+    pub recording: Recording,
+    /// The frame that is shown.
+    pub frame: usize,
+    /// Whether the frames go on by themselves.
+    pub plays: bool,
+    cursor: Cursor,
+}
+
+impl Player {
+    /// Puts the bodies of a recording on a stage and shows the first frame.
+    #[must_use]
+    pub fn new(recording: Recording) -> (Self, Stage) {
+        let mut stage = Stage::default();
+        for geometry in &recording.geometries {
+            stage.geometry(geometry.clone());
+        }
+        for body in &recording.bodies {
+            stage.body(body.name.clone(), body.geometry as usize, body.pose);
+        }
+        let mut player = Self {
+            recording,
+            ..Self::default()
+        };
+        player.show(0, &mut stage);
+        (player, stage)
+    }
+
+    /// Shows a frame; past the last one, the last.
+    pub fn show(&mut self, frame: usize, stage: &mut Stage) {
+        self.frame = frame.min(self.recording.frames.len().saturating_sub(1));
+        self.cursor.go(&self.recording, self.frame);
+        for (body, pose) in stage.bodies.iter_mut().zip(&self.cursor.poses) {
+            body.shown = pose.is_some();
+            if let Some(pose) = pose {
+                body.pose = *pose;
+            }
+        }
+        let Some(frame) = self.recording.frames.get(self.frame) else {
+            return;
+        };
+        stage.pairs.clear();
+        stage.pairs.extend(frame.pairs.iter().map(|p| Pair {
+            bodies: [p.a as usize, p.b as usize],
+            outcome: p.outcome,
+            parts: p.parts,
+            contacts: p.contacts.clone(),
+        }));
+        stage.boxes.clone_from(&frame.boxes);
+        stage.pencils.clone_from(&frame.pencils);
+        stage.brackets.clone_from(&frame.brackets);
+        stage.paths.clone_from(&frame.paths);
+        stage.note.clone_from(&frame.note);
+    }
+
+    /// Goes one frame on if the recording plays; from the last to the first.
+    pub fn advance(&mut self, stage: &mut Stage) {
+        if self.plays && !self.recording.frames.is_empty() {
+            self.show((self.frame + 1) % self.recording.frames.len(), stage);
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Geometries of every kind as triangles and sharp edges, in the body's own frame.
+
+use std::collections::BTreeMap;
+
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::patch::{Patch, Surface};
+use lin_canny::polyhedron::solids;
+use lin_canny::shape::Core;
+use lin_canny::{ConvexPolyhedron, Geometry, Mesh, Shape};
+
+/// Edges between faces that differ by less than this cosine are not drawn on curved bodies.
+const SHARP: f64 = 0.87;
+
+/// Corners around a rim.
+const AROUND: usize = 40;
+
+/// Steps along each parameter of a patch.
+const PATCH_STEPS: usize = 14;
+
+/// Meshes of more triangles are drawn without edges.
+const MOST_EDGED: usize = 4000;
+
+/// Triangles and edges of a body.
+#[derive(Clone, Debug, Default)]
+pub struct Solid {
+    /// Corners of each triangle, counter-clockwise seen from outside, and the unit normal.
+    pub triangles: Vec<([Point3<f64>; 3], Vector3<f64>)>,
+    /// Ends of each edge.
+    pub edges: Vec<[Point3<f64>; 2]>,
+    /// A ball about the frame's origin that holds the body.
+    pub radius: f64,
+}
+
+impl Solid {
+    /// Returns the picture of a geometry. Curved bodies are hulls of points on their surface.
+    #[must_use]
+    pub fn of(geometry: &Geometry) -> Self {
+        let mut solid = Self::default();
+        match geometry {
+            Geometry::Polyhedron(body) => solid.convex(body, &Isometry3::identity(), false),
+            Geometry::Convex(shape) => solid.shape(shape, &Isometry3::identity()),
+            Geometry::Composite(body) => body.pieces().iter().for_each(|p| solid.shape(&p.shape, &p.pose)),
+            Geometry::Mesh(mesh) => solid.mesh(mesh),
+            Geometry::Surface(surface) => solid.surface(surface),
+            _ => {}
+        }
+        let corners = solid.triangles.iter().flat_map(|(corners, _)| corners);
+        let ends = solid.edges.iter().flatten();
+        solid.radius = corners.chain(ends).map(|p| p.coords.norm()).fold(0.0, f64::max);
+        solid
+    }
+
+    fn convex(&mut self, body: &ConvexPolyhedron, pose: &Isometry3<f64>, curved: bool) {
+        let points: Vec<Point3<f64>> = body.vertex_points().map(|p| pose * p).collect();
+        for corners in body.triangles() {
+            self.triangle(corners.map(|v| points[v.index()]));
+        }
+        for edge in body.edges() {
+            let normals = body
+                .edge_faces(edge)
+                .map(|f| f.map(|f| body.face_plane(f).map(|(n, _)| n)));
+            let is_smooth = matches!(normals, Some([Some(m), Some(n)]) if m.dot(&n) > SHARP);
+            if let Some(ends) = body.edge_vertices(edge).filter(|_| !(curved && is_smooth)) {
+                self.edges.push(ends.map(|v| points[v.index()]));
+            }
+        }
+        if let ([point], 0) = (points.as_slice(), self.edges.len()) {
+            self.edges.push([*point; 2]);
+        }
+    }
+
+    fn triangle(&mut self, corners: [Point3<f64>; 3]) {
+        let [p, q, r] = corners;
+        if let Some(normal) = (q - p).cross(&(r - p)).try_normalize(0.0) {
+            self.triangles.push((corners, normal));
+        }
+    }
+
+    fn shape(&mut self, shape: &Shape, pose: &Isometry3<f64>) {
+        if let (Core::Polyhedron(body), true) = (shape.core(), shape.round() == 0.0) {
+            return self.convex(body, pose, false);
+        }
+        if let Ok(hull) = ConvexPolyhedron::from_points(&samples(shape)) {
+            self.convex(&hull, pose, true);
+        }
+    }
+
+    fn mesh(&mut self, mesh: &Mesh) {
+        let key = |p: &Point3<f64>| [p.x, p.y, p.z].map(f64::to_bits);
+        let mut normals = BTreeMap::new();
+        for (_, corners) in mesh.triangles() {
+            self.triangle(corners);
+        }
+        if self.triangles.len() > MOST_EDGED {
+            return;
+        }
+        for ([p, q, r], normal) in &self.triangles {
+            for [from, to] in [[p, q], [q, r], [r, p]] {
+                let ends = if key(from) < key(to) { [from, to] } else { [to, from] };
+                normals
+                    .entry(ends.map(key))
+                    .or_insert((ends.map(|p| *p), Vec::new()))
+                    .1
+                    .push(*normal);
+            }
+        }
+        let flat = |n: &[Vector3<f64>]| matches!(n, [m, n] if m.dot(n) > 0.999);
+        let sharp = normals.into_values().filter(|(_, n)| !flat(n));
+        self.edges.extend(sharp.map(|(ends, _)| ends));
+    }
+
+    fn surface(&mut self, surface: &Surface) {
+        for patch in surface.patches() {
+            self.patch(patch);
+        }
+    }
+
+    /// Both sides of a patch, and its rim.
+    fn patch(&mut self, patch: &Patch) {
+        let at = |i: usize, j: usize| {
+            let [u, v] = [i, j].map(|k| k as f64 / PATCH_STEPS as f64);
+            patch.point(u, v)
+        };
+        for i in 0..PATCH_STEPS {
+            for j in 0..PATCH_STEPS {
+                let [p, q, r, s] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+                for corners in [[p, q, r], [p, r, s], [p, r, q], [p, s, r]] {
+                    self.triangle(corners);
+                }
+            }
+            let n = PATCH_STEPS;
+            self.edges.extend([
+                [at(i, 0), at(i + 1, 0)],
+                [at(i, n), at(i + 1, n)],
+                [at(0, i), at(0, i + 1)],
+                [at(n, i), at(n, i + 1)],
+            ]);
+        }
+    }
+}
+
+/// Returns points on the surface of a shape that is rounded or curved.
+fn samples(shape: &Shape) -> Vec<Point3<f64>> {
+    let core: Vec<Point3<f64>> = match shape.core() {
+        Core::Polyhedron(body) => body.vertex_points().collect(),
+        Core::Ellipsoid(body) => sphere(3)
+            .map(|d| Point3::from(d.component_mul(&body.semi_axes())))
+            .collect(),
+        Core::Cylinder(body) => {
+            let (r, h) = (body.radius(), body.half_height());
+            circle(r)
+                .flat_map(|[x, y]| [Point3::new(x, y, h), Point3::new(x, y, -h)])
+                .collect()
+        }
+        Core::Cone(body) => {
+            let (r, h) = (body.radius(), body.half_height());
+            let rim = circle(r).map(|[x, y]| Point3::new(x, y, -h));
+            rim.chain([Point3::new(0.0, 0.0, h)]).collect()
+        }
+        Core::Superquadric(body) => {
+            let [e1, e2] = body.exponents();
+            let axes = body.semi_axes();
+            sphere(3)
+                .map(|d| Point3::from(super_point(d, e1, e2).component_mul(&axes)))
+                .collect()
+        }
+        _ => Vec::new(),
+    };
+    let round = shape.round();
+    if round == 0.0 {
+        return core;
+    }
+    let fine = if core.len() > 12 { 1 } else { 2 };
+    let ball: Vec<Vector3<f64>> = sphere(fine).map(|d| d * round).collect();
+    core.iter().flat_map(|p| ball.iter().map(move |d| p + d)).collect()
+}
+
+/// Directions all over the sphere.
+fn sphere(fine: u32) -> impl Iterator<Item = Vector3<f64>> {
+    let ball = solids::geodesic_sphere(fine, 1.0);
+    let points: Vec<_> = ball
+        .iter()
+        .flat_map(|b| b.vertex_points())
+        .map(|p| p.coords.normalize())
+        .collect();
+    points.into_iter()
+}
+
+fn circle(radius: f64) -> impl Iterator<Item = [f64; 2]> {
+    (0..AROUND).map(move |k| {
+        let angle = std::f64::consts::TAU * k as f64 / AROUND as f64;
+        [radius * angle.cos(), radius * angle.sin()]
+    })
+}
+
+/// The point of the unit superquadric in the angles of a direction.
+fn super_point(d: Vector3<f64>, e1: f64, e2: f64) -> Vector3<f64> {
+    let bent = |x: f64, e: f64| x.signum() * x.abs().powf(e);
+    let flat = d.x.hypot(d.y);
+    let [c, s] = if flat > 0.0 {
+        [d.x / flat, d.y / flat]
+    } else {
+        [1.0, 0.0]
+    };
+    let ring = bent(flat, e1);
+    Vector3::new(ring * bent(c, e2), ring * bent(s, e2), bent(d.z, e1))
+}
