@@ -1,4 +1,5 @@
-//! What lies over the bodies, as triangles and strokes in single precision relative to the target of the camera.
+//! What lies over the bodies, as triangles and strokes in single precision relative to the target
+//! of the camera.
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{Class, Outcome};

@@ -1,6 +1,7 @@
 //! Draws bodies and a list into a texture of its own. Nothing here knows of windows.
 //!
-//! Triangles and edges of each geometry lie in one buffer, written once; a frame sends a matrix and a colour for each body.
+//! Triangles and edges of each geometry lie in one buffer, written once; a frame sends a matrix and
+//! a colour for each body.
 
 use eframe::egui_wgpu::wgpu;
 use lin_canny::nalgebra::{Matrix4, Point3};
@@ -139,7 +140,8 @@ impl Gpu {
         ends
     }
 
-    /// Draws, and returns the picture; and whether it is another texture than that of the last call.
+    /// Draws, and returns the picture; and whether it is another texture than that of the last
+    /// call.
     pub fn draw(&mut self, stage: &Stage, list: &DrawList, view: &View) -> (&wgpu::TextureView, bool) {
         let fresh = self.target.as_ref().is_none_or(|t| t.size != view.size);
         let target = match self.target.take() {

@@ -1,8 +1,9 @@
-//! Shows pairs, scenes and robots with their closest features: one source for a window, for pictures without a display, and
-//! for a web page.
+//! Shows pairs, scenes and robots with their closest features: one source for a window, for
+//! pictures without a display, and for a web page.
 //!
-//! `stage`, `solid`, `lit`, `player` and `bits` know nothing of graphics; `camera` and `draw` are plain arithmetic; `gpu`
-//! draws a stage into a texture; `app` is panel, mouse and the picture in egui; `demo` holds what the page shows.
+//! `stage`, `solid`, `lit`, `player` and `bits` know nothing of graphics; `camera` and `draw` are
+//! plain arithmetic; `gpu` draws a stage into a texture; `app` is panel, mouse and the picture in
+//! egui; `demo` holds what the page shows.
 
 pub mod app;
 pub mod bits;

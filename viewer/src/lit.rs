@@ -37,7 +37,8 @@ pub fn feature(geometry: &Geometry, pose: &Isometry3<f64>, part: u32, feature: F
     })
 }
 
-/// Returns the walls of the Voronoi region of a feature, cut off at a height: polygons of three or four points.
+/// Returns the walls of the Voronoi region of a feature, cut off at a height: polygons of three or
+/// four points.
 #[must_use]
 pub fn region(
     geometry: &Geometry,

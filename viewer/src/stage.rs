@@ -1,4 +1,5 @@
-//! What is on the stage: bodies, the pairs that are watched, and everything a frame shows beside them.
+//! What is on the stage: bodies, the pairs that are watched, and everything a frame shows beside
+//! them.
 
 use std::collections::HashMap;
 
@@ -141,7 +142,8 @@ impl Stage {
         (0..self.pairs.len()).for_each(|k| self.measure(k));
     }
 
-    /// Measures the pairs of a body that has been moved. A body without a pair gets one with the body that is closest.
+    /// Measures the pairs of a body that has been moved. A body without a pair gets one with the
+    /// body that is closest.
     pub fn moved(&mut self, body: usize) {
         let is_mine = |p: &Pair| p.bodies.contains(&body);
         if !self.pairs.iter().any(is_mine)

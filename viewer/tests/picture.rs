@@ -1,5 +1,6 @@
-//! Pictures without a display: what is on the stage is seen in the pixels. Needs a graphics driver, if only one in software;
-//! the tests fail without, and `.ci/viewer` leaves them out then and says so.
+//! Pictures without a display: what is on the stage is seen in the pixels. Needs a graphics driver,
+//! if only one in software; the tests fail without, and `.ci/viewer` leaves them out then and says
+//! so.
 
 use lin_canny_record::Recording;
 use lin_canny_viewer::app::{Source, Viewer};

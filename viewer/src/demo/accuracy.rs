@@ -28,7 +28,8 @@ pub(super) struct Accuracy {
     level: usize,
     bodies: [ConvexPolyhedron; 2],
     trackers: [Tracker; 3],
-    /// Means of seconds and of queries, of which the quotient is shown: the clock of a page is coarse.
+    /// Means of seconds and of queries, of which the quotient is shown: the clock of a page is
+    /// coarse.
     sums: [[f64; 2]; 3],
     errors: [f64; 3],
     turned: u64,

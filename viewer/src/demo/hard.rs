@@ -1,4 +1,5 @@
-//! Named hard cases: nudge a body by an ulp and see class and bounds hold; parry's recorded answer beside.
+//! Named hard cases: nudge a body by an ulp and see class and bounds hold; parry's recorded answer
+//! beside.
 
 use std::error::Error;
 
@@ -45,7 +46,7 @@ impl Hard {
                 let geometry = stage.geometry(ConvexPolyhedron::from_points(&points)?);
                 let pose = poses::pose(numbers).ok_or_else(|| format!("{}: the pose is none", case.name))?;
                 stage.bodies.push(Body {
-                    name: if geometry % 2 == 0 { "A" } else { "B" }.into(),
+                    name: if geometry.is_multiple_of(2) { "A" } else { "B" }.into(),
                     geometry,
                     pose,
                     shown: k == 0,
