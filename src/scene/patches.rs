@@ -6,6 +6,13 @@ use super::Scene;
 use crate::pair_tracker::patches_of;
 
 impl Scene {
+    /// Returns the scene with the patches made.
+    #[cfg(feature = "serde")]
+    pub(super) fn with_patches(mut self) -> Self {
+        self.make_patches();
+        self
+    }
+
     /// Makes the patches of meshes and composites whose contacts are called for, once for each
     /// shape.
     pub(super) fn make_patches(&mut self) {

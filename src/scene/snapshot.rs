@@ -248,7 +248,7 @@ impl SceneSnapshot {
         let pair_tables = PairTables::restored(polyhedra, mixed, &self.box_event_sent, slots);
         let pair_tables = pair_tables.ok_or("two pairs of the scene sit in one seat")?;
         let census = census_of(&bodies, &table)?;
-        let mut scene = Scene {
+        let scene = Scene {
             bodies,
             census,
             table,
@@ -270,7 +270,7 @@ impl SceneSnapshot {
         };
         scene.check_tables()?;
         #[cfg(feature = "meshes")]
-        scene.make_patches();
+        let scene = scene.with_patches();
         Ok(scene)
     }
 }
