@@ -83,6 +83,18 @@ impl World {
         }
     }
 
+    /// Returns name and shape of the bodies of the robot, in the order of the configuration space.
+    pub fn robot_bodies(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry)> {
+        self.robot.iter().map(|(name, shape)| (name.as_str(), shape))
+    }
+
+    /// Returns name, shape and pose of the obstacles.
+    pub fn obstacles(&self) -> impl ExactSizeIterator<Item = (&str, &Geometry, &Isometry3<f64>)> {
+        self.obstacles
+            .iter()
+            .map(|(name, shape, pose)| (name.as_str(), shape, pose))
+    }
+
     /// Returns the shapes of a pair.
     pub(crate) fn shapes(&self, pair: WorldPair) -> [&Geometry; 2] {
         [self.shape(pair.a), self.shape(pair.b)]

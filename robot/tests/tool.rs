@@ -57,6 +57,43 @@ fn clearances_of_rows() {
 }
 
 #[test]
+fn rows_are_recorded_for_the_viewer() {
+    let out = scratch("carry.jsonl", "");
+    let (code, text) = run("clearance", &with(&["--joints", "carry.csv", "--record", &out]));
+    assert_eq!(code, 0, "{text}");
+    let file = std::io::BufReader::new(std::fs::File::open(&out).expect("the recording"));
+    let film = lin_canny_record::Recording::read(file).expect("a recording");
+    assert_eq!(film.frames.len(), 4);
+    assert!(film.bodies.iter().any(|b| b.name == "fence"), "{:?}", film.bodies);
+    for frame in &film.frames {
+        let [pair] = &frame.pairs[..] else {
+            panic!("{} pairs", frame.pairs.len())
+        };
+        let outcome = pair.outcome.as_ref().expect("an answer");
+        assert!(outcome.lower > 0.0);
+        assert!(frame.note.contains(&outcome.lower.to_string()), "{}", frame.note);
+    }
+    // The arm moves, the cell does not.
+    let moved: Vec<_> = film.frames[1]
+        .poses
+        .iter()
+        .map(|(k, _)| &film.bodies[*k as usize].name)
+        .collect();
+    assert!(
+        !moved.is_empty() && moved.iter().all(|name| *name != "fence"),
+        "{moved:?}"
+    );
+
+    let nowhere = scratch("file", "");
+    let (code, text) = run(
+        "clearance",
+        &with(&["--joints", "carry.csv", "--record", &(nowhere + "/x")]),
+    );
+    assert_eq!(code, 3, "{text}");
+    assert!(text.contains("cannot be written"), "{text}");
+}
+
+#[test]
 fn motions_are_proven_or_blocked() {
     let (code, text) = run("certify", &with(&["--joints", "carry.csv", "--margin", "0.01"]));
     assert_eq!(code, 0, "{text}");

@@ -6,6 +6,10 @@ fn read(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
+fn bytes(name: &str) -> Vec<u8> {
+    std::fs::read(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
 #[test]
 fn the_readme_shows_hello() {
     let hello = read("examples/hello.rs");
@@ -24,7 +28,7 @@ fn files_of_the_readme_exist() {
     assert!(local.len() >= 4, "{local:?}");
     local
         .iter()
-        .for_each(|name| assert!(!read(name).is_empty(), "{name} is empty"));
+        .for_each(|name| assert!(!bytes(name).is_empty(), "{name} is empty"));
 }
 
 /// Every `cargo ... --test NAME`, `--example NAME` and `--bin NAME` of the README and of BENCHMARKS.md names one that exists in a

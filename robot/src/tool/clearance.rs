@@ -7,6 +7,7 @@ use lin_canny_robot::Trajectory;
 use lin_canny_robot::plan::NearPair;
 
 use super::options::RobotOptions;
+use super::record::Film;
 use super::{End, Table, ToolError, names, progress, write};
 
 #[derive(Args)]
@@ -19,6 +20,9 @@ pub(super) struct ClearanceOptions {
     /// Where to write the answer of each row
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
+    /// Where to record robot, cell and closest pair of each row, for the viewer
+    #[arg(long, value_name = "OUT.jsonl")]
+    record: Option<PathBuf>,
 }
 
 const COLUMNS: [&str; 13] = [
@@ -30,12 +34,20 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
     let rows = Trajectory::load(&options.joints, setup.coordinates())?;
     let mut checker = setup.checker()?;
     let mut table = Table::new(&COLUMNS);
+    let first = rows.rows.first();
+    let mut film = match (&options.record, first) {
+        (Some(file), Some(q)) => Some(Film::new(file, &checker, q)?),
+        _ => None,
+    };
     let bar = progress("rows", rows.rows.len() as u64);
     let (mut least, mut contacts): (Option<(u32, NearPair)>, usize) = (None, 0);
     for (k, q) in rows.rows.iter().enumerate() {
         let line = rows.lines[k];
         bar.inc(1);
         let Some(near) = checker.clearance(q)? else { continue };
+        if let Some(film) = &mut film {
+            film.frame(checker.space(), q, line, &near)?;
+        }
         let [a, b] = names(&checker, near.pair);
         let mut cells = vec![line.to_string()];
         cells.push(rows.times.as_ref().map_or(String::new(), |t| t[k].to_string()));
@@ -49,6 +61,9 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
         }
     }
     bar.finish_and_clear();
+    if let Some(film) = film {
+        film.finish()?;
+    }
     if let Some(file) = &options.csv {
         write(file, &table.text())?;
     }

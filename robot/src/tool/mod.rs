@@ -5,6 +5,7 @@ mod clearance;
 mod ignorable;
 mod options;
 mod plan;
+mod record;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
