@@ -71,7 +71,13 @@ fn rows_are_recorded_for_the_viewer() {
         };
         let outcome = pair.outcome.as_ref().expect("an answer");
         assert!(outcome.lower > 0.0);
-        assert!(frame.note.contains(&outcome.lower.to_string()), "{}", frame.note);
+        let told: f64 = frame
+            .note
+            .split(' ')
+            .nth(2)
+            .and_then(|x| x.parse().ok())
+            .expect("a distance");
+        assert!((told - outcome.distance).abs() < 1e-12, "{}", frame.note);
     }
     // The arm moves, the cell does not.
     let moved: Vec<_> = film.frames[1]
