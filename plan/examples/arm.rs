@@ -63,7 +63,10 @@ fn run(options: &Options) -> Result<(), Trouble> {
     robot::exclude(&mut world, things.iter().any(|t| t.0 == "table"))?;
     let mut checker = Checker::new(arm, world)?;
     let [start, goal] = BINS.map(motion::carry);
-    let search = PlanOptions::default().seed(options.seed).slices(u64::MAX);
+    let search = PlanOptions::default()
+        .seed(options.seed)
+        .slices(u64::MAX)
+        .queries(u64::MAX);
     let began = Instant::now();
     let plan = checker.plan_until(&start, &goal, &search, &mut || began.elapsed() > options.limit)?;
     let (took, work) = (began.elapsed(), plan.work);

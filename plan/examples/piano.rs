@@ -91,7 +91,10 @@ fn run(options: &Options) -> Result<(), Trouble> {
     let space = PlanarSpace::new(ROOM.map(|half| [-half, half]), 0.7, PIECES.len())?;
     let mut checker = Checker::new(space, world)?;
     let (start, goal) = ([-1.4, 0.3, 1.57], [1.4, -0.3, -1.57]);
-    let search = PlanOptions::default().seed(options.seed).slices(u64::MAX);
+    let search = PlanOptions::default()
+        .seed(options.seed)
+        .slices(u64::MAX)
+        .queries(u64::MAX);
     let began = Instant::now();
     let plan = checker.plan_until(&start, &goal, &search, &mut || began.elapsed() > options.limit)?;
     let work = &plan.work;

@@ -211,7 +211,7 @@ fn pose(value: &Value, name: &str) -> Result<Vec<f64>, String> {
 fn run(job: &Job) -> Result<bool, String> {
     let said = |e: PlanError| e.to_string();
     let mut checker = Checker::new(job.space.clone(), job.world.clone()).map_err(said)?;
-    let options = PlanOptions::default().seed(job.seed).slices(u64::MAX);
+    let options = PlanOptions::default().seed(job.seed).slices(u64::MAX).queries(u64::MAX);
     let began = Instant::now();
     let [start, goal] = &job.ends;
     let plan = checker

@@ -19,7 +19,9 @@ pub struct PlanOptions {
     pub seed: u64,
     /// Random slices, at most.
     pub slices: u64,
-    /// Distance queries, at most; looked at between freeways.
+    /// Distance queries, at most; looked at between freeways. The default, a million, takes some
+    /// seconds to tens of seconds, as the bodies are; a search that is watched by the caller takes
+    /// `u64::MAX`, with [`Checker::plan_until`].
     pub queries: u64,
     /// The clearance beyond which no configuration is better: ascents end there. `None` for an
     /// eighth of the largest extent of the bounds.
@@ -31,7 +33,7 @@ impl Default for PlanOptions {
         Self {
             seed: 0,
             slices: 10_000,
-            queries: u64::MAX,
+            queries: 1_000_000,
             enough: None,
         }
     }

@@ -216,7 +216,7 @@ impl Checker {
         shorten: usize,
     ) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let ends = [configuration(start)?, configuration(goal)?];
-        let options = PlanOptions::default().seed(seed).slices(slices);
+        let options = PlanOptions::default().seed(seed).slices(slices).queries(u64::MAX);
         let limit = seconds.unwrap_or(f64::INFINITY);
         let path = py.detach(|| self.search(&ends, &options, limit, shorten))?;
         let Some(path) = path else { return Ok(None) };

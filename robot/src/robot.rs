@@ -135,6 +135,7 @@ impl Default for LoadOptions {
 /// assert_eq!(robot.joints().iter().filter(|j| j.mimics.is_some()).count(), 1);
 /// # Ok::<(), lin_canny_robot::FileError>(())
 /// ```
+#[doc(alias = "URDF")]
 #[derive(Clone, Debug)]
 pub struct Robot {
     pub(crate) name: String,

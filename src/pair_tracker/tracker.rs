@@ -161,6 +161,8 @@ impl PairTracker {
     /// A query of meshes takes time in proportion to the pairs of triangles that are as close as
     /// the closest ones, up to rounding: a few for most bodies, six for each triangle of a dome
     /// 1e-9 above a copy of itself.
+    #[doc(alias = "EPA")]
+    #[doc(alias = "penetration depth")]
     pub fn closest<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
@@ -210,6 +212,7 @@ impl PairTracker {
     }
 
     /// Returns the signed distance and its bounds without the witnesses.
+    #[doc(alias = "signed distance")]
     pub fn distance<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,

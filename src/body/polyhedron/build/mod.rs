@@ -69,6 +69,7 @@ impl ConvexPolyhedron {
     /// their own: [`polygon`](Self::polygon), [`segment`](Self::segment), [`point`](Self::point).
     #[doc(alias = "convex_hull")]
     #[doc(alias = "quickhull")]
+    #[doc(alias = "convex hull")]
     pub fn from_points(points: &[Point3<f64>]) -> Result<Self, BuildError> {
         let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
         Self::hull_of(Cloud::new(points, indices, 4)?)
