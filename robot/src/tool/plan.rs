@@ -49,7 +49,10 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
     let mut checker = setup.checker()?;
     checker.set_margin(options.margin)?;
     let began = Instant::now();
-    let search = PlanOptions::default().seed(options.seed).slices(u64::MAX).queries(u64::MAX);
+    let search = PlanOptions::default()
+        .seed(options.seed)
+        .slices(u64::MAX)
+        .queries(u64::MAX);
     let found = checker.plan_until(start, goal, &search, &mut || began.elapsed() > options.seconds)?;
     let Some(path) = found.path else {
         eprintln!(
