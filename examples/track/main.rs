@@ -10,6 +10,7 @@ mod load;
 mod motion;
 mod options;
 
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -17,7 +18,8 @@ use lab::command::Arguments;
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Solver, Tracker};
+use lin_canny::{Class, ConvexPolyhedron, Geometry, Outcome, PairTracker, RelativePose, Solver, Tracker};
+use lin_canny_record::Recorder;
 use load::Loaded;
 use options::Options;
 
@@ -58,6 +60,9 @@ fn track(options: &Options) -> Result<(), Trouble> {
     let (a, b) = (load::load('A', a)?, load::load('B', b)?);
     let poses = motion::poses(&a.body, &b.body, options.frames);
     let run = follow(&a.body, &b.body, &poses)?;
+    if let Some(file) = &options.record {
+        record(file, [&a.body, &b.body], &poses)?;
+    }
     table(&a, &b, &run);
     summary(&run);
     draw(options, &run)?;
@@ -93,6 +98,25 @@ fn follow(a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: &[[Isometry3<f64>; 
         time,
         cold: f64::from(cold) / poses.len().div_ceil(COLD) as f64,
     })
+}
+
+/// Writes the motion and the answers for the viewer.
+fn record(file: &Path, bodies: [&ConvexPolyhedron; 2], poses: &[[Isometry3<f64>; 2]]) -> Result<(), Trouble> {
+    println!("recording to {}", file.display());
+    let shapes = bodies.map(|body| Geometry::from(body.clone()));
+    let mut recorder = Recorder::create(file, "two meshes tumble past each other")?;
+    let a = recorder.body("A", &shapes[0], &poses[0][0])?;
+    let b = recorder.body("B", &shapes[1], &poses[0][1])?;
+    let mut tracker = PairTracker::new();
+    for [pose_a, pose_b] in poses.iter().step_by(poses.len().div_ceil(CURVE)) {
+        recorder.pose(a, pose_a)?;
+        recorder.pose(b, pose_b)?;
+        let a_from_b = RelativePose::new(pose_a, pose_b)?;
+        recorder.answer(a, b, &tracker.closest(&shapes[0], &shapes[1], &a_from_b))?;
+        recorder.end_frame()?;
+    }
+    recorder.finish()?;
+    Ok(())
 }
 
 /// A line for every frame of a short motion, else for groups of frames: the first of the group, and its steps.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use lab::command::Arguments;
 
 pub(crate) const USAGE: &str = "\
-usage: track [A.obj|A.stl B.obj|B.stl] [--frames N] [--out FILE.svg]
+usage: track [A.obj|A.stl B.obj|B.stl] [--frames N] [--out FILE.svg] [--record FILE.jsonl]
        track A.obj|A.stl B.obj|B.stl --poses FILE --csv FILE
 
 Two meshes, taken as their convex hulls, tumble past each other. Prints the closest features, the distance with its
@@ -14,6 +14,7 @@ bounds and the steps of each frame, and draws distance and steps over time.
   A B           meshes in OBJ or STL files (default: examples/meshes/gem.obj examples/meshes/nut.stl)
   --frames N    frames of the motion, 2 to 1000000 (default: 720)
   --out FILE    where to draw (default: target/track.svg)
+  --record FILE where to write the frames, 2,000 of them at most, for the viewer (folder viewer/)
 
 With --poses the meshes are taken as they are, convex or not, and nothing is drawn:
 
@@ -27,6 +28,8 @@ pub(crate) struct Options {
     pub(crate) meshes: [PathBuf; 2],
     pub(crate) frames: usize,
     pub(crate) out: PathBuf,
+    /// Where to record the frames.
+    pub(crate) record: Option<PathBuf>,
     /// Poses to answer, and where to write the answers.
     pub(crate) given: Option<(PathBuf, PathBuf)>,
 }
@@ -41,6 +44,7 @@ pub(crate) fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, Str
         return Err(format!("--frames must be at most {MOST_FRAMES}, not {frames}"));
     }
     let out = arguments.value("--out")?.unwrap_or("target/track.svg".into()).into();
+    let record = arguments.value("--record")?.map(PathBuf::from);
     let given = match (arguments.value("--poses")?, arguments.value("--csv")?) {
         (Some(poses), Some(csv)) => Some((poses.into(), csv.into())),
         (None, None) => None,
@@ -61,6 +65,7 @@ pub(crate) fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, Str
         meshes,
         frames,
         out,
+        record,
         given,
     }))
 }
