@@ -1,4 +1,5 @@
-//! Promise: the source and the README are what they say they are.
+//! Promise: the source, the README and the lock files are what they say they are.
 
 mod layering;
+mod locks;
 mod readme;

@@ -1,0 +1,64 @@
+//! Promise: the lock files of the workspaces beside the core hold what the manifests of this repository ask for. Their builds run with
+//! `--locked`, so a dependency that a member has gained since then would stop them.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// The workspaces beside the core.
+const WORKSPACES: [&str; 2] = ["python", "viewer"];
+
+fn read(name: &str) -> String {
+    std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
+}
+
+/// The text of a manifest by the name of its package.
+fn manifests() -> BTreeMap<String, String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = std::fs::read_dir(root).expect("the repository is readable");
+    let below = folders.map(|f| f.expect("the repository is readable").file_name());
+    let names = below.filter_map(|name| name.to_str().map(|name| format!("{name}/Cargo.toml")));
+    let files = names.filter(|name| root.join(name).exists());
+    let texts = files.chain(["Cargo.toml".to_owned()]).map(|name| read(&name));
+    let named = texts.filter_map(|text| Some((quoted(text.lines().find(|l| l.starts_with("name = "))?)?, text)));
+    named.collect()
+}
+
+fn quoted(line: &str) -> Option<String> {
+    Some(line.split('"').nth(1)?.to_owned())
+}
+
+/// The names under `[dependencies]` of a manifest that no feature has to ask for.
+fn dependencies(manifest: &str) -> BTreeSet<String> {
+    let lines = manifest.lines().skip_while(|l| *l != "[dependencies]").skip(1);
+    let keys = lines
+        .take_while(|l| !l.starts_with('['))
+        .filter(|l| l.contains('=') && !l.contains("optional = true"));
+    let names = keys.filter_map(|l| l.split([' ', '.', '=']).next());
+    names.filter(|n| !n.starts_with('#')).map(str::to_owned).collect()
+}
+
+/// The packages of a lock file that come from no registry, each with the names that it depends on.
+fn locked(lock: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let packages = lock.split("[[package]]").skip(1).filter(|p| !p.contains("\nsource = "));
+    let named = packages.filter_map(|p| Some((quoted(p.lines().find(|l| l.starts_with("name = "))?)?, p)));
+    let listed = |p: &str| -> BTreeSet<String> {
+        let lines = p.lines().filter(|l| l.starts_with(" \""));
+        let names = lines.filter_map(|l| quoted(l)?.split(' ').next().map(str::to_owned));
+        names.collect()
+    };
+    named.map(|(name, p)| (name, listed(p))).collect()
+}
+
+#[test]
+fn locks_hold_what_the_manifests_ask_for() {
+    let manifests = manifests();
+    for workspace in WORKSPACES {
+        let packages = locked(&read(&format!("{workspace}/Cargo.lock")));
+        assert!(packages.contains_key("lin-canny"), "{workspace}: {packages:?}");
+        for (name, has) in &packages {
+            let asked = dependencies(&manifests[name]);
+            let missing: Vec<_> = asked.difference(has).collect();
+            assert!(missing.is_empty(), "{workspace}/Cargo.lock: {name} lacks {missing:?}");
+        }
+    }
+}
