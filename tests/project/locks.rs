@@ -56,7 +56,11 @@ fn locks_hold_what_the_manifests_ask_for() {
         let packages = locked(&read(&format!("{workspace}/Cargo.lock")));
         assert!(packages.contains_key("lin-canny"), "{workspace}: {packages:?}");
         for (name, has) in &packages {
-            let asked = dependencies(&manifests[name]);
+            // A package below a workspace's folder is not asked for by another one.
+            let Some(manifest) = manifests.get(name) else {
+                continue;
+            };
+            let asked = dependencies(manifest);
             let missing: Vec<_> = asked.difference(has).collect();
             assert!(missing.is_empty(), "{workspace}/Cargo.lock: {name} lacks {missing:?}");
         }
