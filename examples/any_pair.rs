@@ -13,6 +13,9 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, ManifoldOptions, Mesh, PairTracker, RelativePose, Shape, Velocity};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
+    lab::command::no_options(
+        "Every pair of a hull, a cylinder, a mesh and a surface in both orders: distance, time of impact and contacts",
+    );
     let half = 0.5_f64.sqrt();
     let south: &[[f64; 3]] = &[[0.0, -1.0, 1.0], [1.0, -1.0, half], [1.0, 0.0, 1.0]];
     let north: &[[f64; 3]] = &[[1.0, 0.0, 1.0], [1.0, 1.0, half], [0.0, 1.0, 1.0]];

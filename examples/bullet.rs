@@ -9,8 +9,9 @@
 //! parry's nonlinear cast, and `impact::cast`. Each is judged on the motion that it follows; the cast itself by four hundred
 //! instants of every miss.
 
+use clap::Parser;
 use lab::casts::solid;
-use lab::command::Arguments;
+use lab::command::{count, file};
 use lab::contacts::plain;
 use lab::parry::casts::{Flight, nonlinear, sweep};
 use lab::parry::{self, ParryPose};
@@ -30,30 +31,20 @@ const STEP: f64 = 1.0 / 60.0;
 const SPEEDS: [f64; 7] = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
 const WAYS: [&str; 4] = ["discrete", "parry sweep", "parry nonlinear", "impact::cast"];
 
-const USAGE: &str = "\
-usage: bullet [--out FILE.svg] [--throws N]
-
-Small spinning bodies fly at a thin plate: which share of the hits each way to look at a step of 1/60 s misses, as a table and
-a picture.
-
-  --out FILE     the picture (default: target/bullet.svg)
-  --throws N     steps per speed (default: 2000)";
-
+/// Small spinning bodies fly at a thin plate: which share of the hits each way to look at a step of
+/// 1/60 s misses, as a table and a picture
+#[derive(Parser)]
 struct Options {
+    /// The picture
+    #[arg(long, value_name = "FILE.svg", default_value = "target/bullet.svg", value_parser = file("svg"))]
     out: PathBuf,
+    /// Steps per speed
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = count(1))]
     throws: usize,
 }
 
-fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut words) = arguments else { return Ok(None) };
-    let out = words.value("--out")?.unwrap_or("target/bullet.svg".into()).into();
-    let throws = words.number("--throws", 1, 2000)?;
-    words.files(0)?;
-    Ok(Some(Options { out, throws }))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("bullet", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main(run)
 }
 
 /// A body for both libraries.

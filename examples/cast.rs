@@ -6,7 +6,7 @@
 //!
 //! `--help` describes a line.
 
-use lab::command::Arguments;
+use clap::Parser;
 use lin_canny::Tracker;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{MotionError, Steady};
@@ -15,31 +15,36 @@ use lin_canny::{ConvexPolyhedron, PoseError, Velocity};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-const USAGE: &str = "\
-usage: cast FILE
-
-Reads one cast a line and prints one answer a line: hit SAFE HIT, miss, near SAFE, start or unknown SAFE.
-
-  A-points; B-points; A-start, A-linear, A-angular; B-start, B-linear, B-angular; t_end; tolerance
-
-Points are `x y z`, separated by commas. A start is `x y z qx qy qz qw`, the pose of the body at time zero; linear is the
-velocity of the body's origin, angular the angular velocity, both `x y z`. The tolerance is a distance.";
+/// Reads one cast a line and prints one answer a line: hit SAFE HIT, miss, near SAFE, start or
+/// unknown SAFE
+///
+///   A-points; B-points; A-start, A-linear, A-angular; B-start, B-linear, B-angular; t_end; tolerance
+///
+/// Points are `x y z`, separated by commas. A start is `x y z qx qy qz qw`, the pose of the body at
+/// time zero; linear is the velocity of the body's origin, angular the angular velocity, both `x y z`.
+/// The tolerance is a distance.
+#[derive(Parser)]
+#[command(verbatim_doc_comment)]
+struct Options {
+    /// The cases
+    file: PathBuf,
+}
 
 type Trouble = Box<dyn std::error::Error>;
 
-fn parse(words: Option<Arguments>) -> Result<Option<PathBuf>, String> {
-    let Some(arguments) = words else { return Ok(None) };
-    let mut files = arguments.files(1)?;
-    files.pop().map(|file| Some(file.into())).ok_or("name a file".into())
-}
-
 fn main() -> ExitCode {
-    lab::command::main("cast", USAGE, parse(Arguments::of_process()), |file| run(file))
+    lab::command::main(|o: &Options| run(&o.file))
 }
 
 fn run(file: &Path) -> Result<(), String> {
-    let text = std::fs::read_to_string(file).map_err(|e| format!("{}: {e}", file.display()))?;
-    for (k, line) in text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty()) {
+    let text = lab::command::read(file)?;
+    let mut cases = text
+        .lines()
+        .enumerate()
+        .filter(|(_, l)| !l.trim().is_empty())
+        .peekable();
+    cases.peek().ok_or(format!("{}: no case", file.display()))?;
+    for (k, line) in cases {
         let answer = answer(line).map_err(|e| format!("{}:{}: {e}", file.display(), k + 1))?;
         println!("{answer}");
     }

@@ -1,11 +1,15 @@
 //! Two interlocked rings tumble: the front of one frame with the closest points as a picture, and what a frame takes, beside parry.
 //!
-//! `cargo run --release --example interlocked [FILE.svg]`
+//! `cargo run --release --example interlocked`
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
+use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Instant;
 
+use clap::Parser;
+use lab::command::{file, write};
 use lab::pose::{cross, dot, norm, quat, quat_mul, scale, sub, unit, unit_quat};
 use lab::soups::{self, Soup};
 use lab::{Point, Pose};
@@ -25,8 +29,21 @@ const SPARSE: usize = 90;
 /// Towards the viewer, to the right and up.
 const VIEW: [Point; 3] = [[0.36, -0.80, 0.48], [0.91, 0.41, 0.0], [-0.20, 0.44, 0.88]];
 
-fn main() -> Result<(), Trouble> {
-    let file = std::env::args().nth(1).unwrap_or("interlocked.svg".into());
+/// Two interlocked rings tumble: what a frame takes, beside parry, and the front of one frame as a
+/// picture
+#[derive(Parser)]
+struct Options {
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/interlocked.svg", value_parser = file("svg"))]
+    out: PathBuf,
+}
+
+fn main() -> ExitCode {
+    lab::command::main(run)
+}
+
+fn run(options: &Options) -> Result<(), Trouble> {
+    println!("drawing to {}", options.out.display());
     println!(
         "{:>9} {:>10} {:>10} {:>12} {:>7} {:>7} {:>7} {:>9}",
         "triangles", "ours, us", "cold, us", "parry, us", "front", "failed", "bounds", "measured"
@@ -35,9 +52,7 @@ fn main() -> Result<(), Trouble> {
         race(&soups::torus(2 * n, n, 0.3))?;
     }
     let ring = soups::torus(48, 20, 0.3);
-    std::fs::write(&file, picture(&ring)?)?;
-    println!("drawn: {file}");
-    Ok(())
+    Ok(write(&options.out, &picture(&ring)?)?)
 }
 
 /// One ring through the other, half a degree a frame.

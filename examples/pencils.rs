@@ -1,10 +1,11 @@
-//! Draws the columns, the sweep and the pairs of a small scene: `cargo run --example pencils -- [FILE.svg]`.
+//! Draws the columns, the sweep and the pairs of a small scene: `cargo run --release --example pencils`.
 //!
 //! Above: the columns seen from the side, shaded by how many bodies they list, and the pairs. Below: the busiest column,
 //! its boxes in sorted order, each from start to end; pairs are joined by lines.
 
+use clap::Parser;
 use lab::boxes::{Kind, Scene};
-use lab::command::Arguments;
+use lab::command::{file, write};
 use lin_canny::broad::{BodyId, BodyOptions, BroadPhase, Pencil, PencilSweep, StoredBox};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,24 +13,19 @@ use std::process::ExitCode;
 
 const SCALE: f32 = 9.0;
 
-const USAGE: &str = "\
-usage: pencils [FILE.svg]
-
-Draws the columns of the broad phase, the sweep of the busiest column and the pairs of a small scene (default: target/pencils.svg).";
-
-fn parse(arguments: Option<Arguments>) -> Result<Option<PathBuf>, String> {
-    let Some(arguments) = arguments else {
-        return Ok(None);
-    };
-    let file = arguments.files(1)?.into_iter().next();
-    Ok(Some(file.unwrap_or("target/pencils.svg".into()).into()))
+/// Draws the columns of the broad phase, the sweep of the busiest column and the pairs of a small scene
+#[derive(Parser)]
+struct Options {
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/pencils.svg", value_parser = file("svg"))]
+    out: PathBuf,
 }
 
 fn main() -> ExitCode {
-    lab::command::main("pencils", USAGE, parse(Arguments::of_process()), |file| run(file))
+    lab::command::main(|o: &Options| run(&o.out))
 }
 
-fn run(file: &Path) -> Result<(), Box<dyn std::error::Error>> {
+fn run(out: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = Scene::new(Kind::Floor, 1200);
     let mut broad = PencilSweep::new();
     let ids = scene
@@ -44,13 +40,13 @@ fn run(file: &Path) -> Result<(), Box<dyn std::error::Error>> {
         broad.set_boxes(&batch)?;
     }
     broad.step();
-    lab::command::write(file, &picture(&broad))?;
+    write(out, &picture(&broad))?;
     println!(
         "{} bodies in {} columns, {} pairs: {}",
         ids.len(),
         broad.pencils().count(),
         broad.pair_count(),
-        file.display()
+        out.display()
     );
     Ok(())
 }

@@ -4,48 +4,39 @@
 //! passed over, so the message of a panic can be given as it is.
 
 use std::io::{IsTerminal, Read};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use lab::command::Arguments;
-
+use clap::Parser;
 use lin_canny::{RelativePose, Replay, ReplayError, Solver, Tracker};
 
-fn read(file: Option<&str>) -> Result<String, String> {
-    let Some(file) = file else {
-        let mut text = String::new();
-        let read = std::io::stdin().read_to_string(&mut text);
-        return read.map(|_| text).map_err(|e| format!("standard input: {e}"));
-    };
-    std::fs::read_to_string(file).map_err(|e| format!("{file}: {e}"))
-}
-
-const USAGE: &str = "\
-usage: replay [--trace] [FILE]
-
-Answers a query recorded by Tracker::replay, or printed by a failed debug assertion, at every level of accuracy. Without FILE
-the text is read from the standard input. Some recorded queries are in tests/replays.
-
-  --trace   the feature pairs of the walk, one a line";
-
+/// Answers a query recorded by Tracker::replay, or printed by a failed debug assertion, at every level
+/// of accuracy
+///
+/// Some recorded queries are in tests/replays.
+#[derive(Parser)]
 struct Options {
+    /// Print the feature pairs of the walk, one a line
+    #[arg(long)]
     trace: bool,
-    file: Option<String>,
-}
-
-fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut arguments) = arguments else {
-        return Ok(None);
-    };
-    let trace = arguments.flag("--trace");
-    let file = arguments.files(1)?.into_iter().next();
-    if file.is_none() && std::io::stdin().is_terminal() {
-        return Err("a file is needed, or a text on the standard input".into());
-    }
-    Ok(Some(Options { trace, file }))
+    /// The text of the query; the standard input if no file is named
+    file: Option<PathBuf>,
 }
 
 fn main() -> ExitCode {
-    lab::command::main("replay", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main(run)
+}
+
+fn read(file: Option<&Path>) -> Result<String, String> {
+    if let Some(file) = file {
+        return lab::command::read(file);
+    }
+    if std::io::stdin().is_terminal() {
+        return Err("a file is needed, or a text on the standard input".into());
+    }
+    let mut text = String::new();
+    let read = std::io::stdin().read_to_string(&mut text);
+    read.map(|_| text).map_err(|e| format!("standard input: {e}"))
 }
 
 fn run(o: &Options) -> Result<(), String> {

@@ -8,7 +8,8 @@
 //! brute force at every tick: the overlaps that begin and end are the same. The picture has a dot for every look: how long the pair was
 //! let sleep, against how long it truly stayed apart. Dots above the diagonal would be overlaps slept through.
 
-use lab::command::Arguments;
+use clap::Parser;
+use lab::command::{count, file, number};
 use lab::plot::Chart;
 use lab::rng::Rng;
 use lin_canny::impact::free_until;
@@ -29,38 +30,26 @@ const AHEAD: f64 = 64.0;
 /// What poses that are moved tick by tick may be off those of one motion, far more than 64 roundings.
 const DRIFT: f64 = 1e-10;
 
-const USAGE: &str = "\
-usage: schedule [--bodies N] [--ticks N] [--rate HZ] [--out FILE.svg]
-
-A swarm of spinning hulls, each pair asleep until its certificate runs out: how many looks that takes, compared with brute
-force at every tick, and a picture of every look.
-
-  --bodies N     hulls of 32 vertices (default: 40)
-  --ticks N      length of the run (default: 600)
-  --rate HZ      ticks per second (default: 60)
-  --out FILE     the picture (default: target/schedule.svg)";
-
+/// A swarm of spinning hulls, each pair asleep until its certificate runs out: how many looks that
+/// takes, compared with brute force at every tick, and a picture of every look
+#[derive(Parser)]
 struct Options {
+    /// Hulls of 32 vertices
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = count(2))]
     bodies: usize,
+    /// Length of the run
+    #[arg(long, value_name = "N", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     ticks: u64,
+    /// Ticks per second
+    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = number(1e-3))]
     rate: f64,
+    /// The picture
+    #[arg(long, value_name = "FILE.svg", default_value = "target/schedule.svg", value_parser = file("svg"))]
     out: PathBuf,
 }
 
-fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut words) = arguments else { return Ok(None) };
-    let options = Options {
-        bodies: words.number("--bodies", 2, 40)?,
-        ticks: words.number("--ticks", 1, 600)?,
-        rate: words.number("--rate", 1e-3, 60.0)?,
-        out: words.value("--out")?.unwrap_or("target/schedule.svg".into()).into(),
-    };
-    words.files(0)?;
-    Ok(Some(options))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("schedule", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main(run)
 }
 
 struct Swarm {

@@ -6,6 +6,8 @@
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::Parser;
+use lab::command::{count, file};
 use lab::plot::Chart;
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3};
@@ -14,15 +16,20 @@ use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query::contact;
 use parry3d::shape;
 
-const USAGE: &str = "\
-usage: small_parts [--out FILE.svg] [--poses N] [--seed N]
-
-Depths of overlapping hulls from 1 m down to 1 mm: how many of parry's f32 answers are wrong by more than 1 % of the
-part's size, how many overlaps it misses, and a picture.
-
-  --out FILE     where to draw (default: target/small_parts.svg)
-  --poses N      poses per size (default: 2000)
-  --seed N       another set of hulls and poses (default: 1)";
+/// Depths of overlapping hulls from 1 m down to 1 mm: how many of parry's f32 answers are wrong by more
+/// than 1 % of the part's size, how many overlaps it misses, and a picture
+#[derive(Parser)]
+struct Options {
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/small_parts.svg", value_parser = file("svg"))]
+    out: PathBuf,
+    /// Poses per size
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = count(1))]
+    poses: usize,
+    /// Another set of hulls and poses
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+}
 
 /// Diameters of the parts in metres.
 const SIZES: [f64; 10] = [1.0, 0.3, 0.1, 0.05, 0.03, 0.02, 0.01, 0.006, 0.003, 0.002];
@@ -30,38 +37,8 @@ const SIZES: [f64; 10] = [1.0, 0.3, 0.1, 0.05, 0.03, 0.02, 0.01, 0.006, 0.003, 0
 /// Poses of one pair of hulls.
 const POSES_PER_PAIR: usize = 25;
 
-struct Options {
-    out: PathBuf,
-    poses: usize,
-    seed: u64,
-}
-
-fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
-    let mut o = Options {
-        out: PathBuf::from("target/small_parts.svg"),
-        poses: 2000,
-        seed: 1,
-    };
-    while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or(format!("{word} needs a value"));
-        match word.as_str() {
-            "-h" | "--help" => return Ok(None),
-            "--out" => o.out = value()?.into(),
-            "--poses" => o.poses = number(&word, &value()?)?.max(1) as usize,
-            "--seed" => o.seed = number(&word, &value()?)?,
-            _ => return Err(format!("{word} is not an option")),
-        }
-    }
-    Ok(Some(o))
-}
-
-fn number(option: &str, word: &str) -> Result<u64, String> {
-    word.parse()
-        .map_err(|_| format!("{option} needs a whole number, not {word}"))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("small_parts", USAGE, parse(std::env::args().skip(1)), run)
+    lab::command::main(run)
 }
 
 /// The same hull in both engines.

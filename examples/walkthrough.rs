@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release --example walkthrough -- [--out FILE.svg] [--bodies N] [--frames N]`
 
-use lab::command::Arguments;
+use clap::Parser;
+use lab::command::{count, file};
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
 use lab::rng::Rng;
@@ -13,6 +14,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Report, Scene};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -30,40 +32,27 @@ const EVERY: usize = 6;
 /// Height of the field of bodies.
 const HEIGHT: f64 = 12.0;
 
-const USAGE: &str = "\
-usage: walkthrough [--out FILE.svg] [--bodies N] [--frames N]
-
-A probe flies through a field of fixed bodies. Prints what it took to know when it is too near to one, and draws its way.
-
-  --out FILE    where to draw (default: target/walkthrough.svg)
-  --bodies N    bodies of the field (default: 10000)
-  --frames N    frames of the flight (default: 6000)";
-
+/// A probe flies through a field of fixed bodies. Prints what it took to know when it is too near to
+/// one, and draws its way
+#[derive(Parser)]
 struct Options {
-    out: String,
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/walkthrough.svg", value_parser = file("svg"))]
+    out: PathBuf,
+    /// Bodies of the field
+    #[arg(long, value_name = "N", default_value_t = 10_000, value_parser = count(1))]
     bodies: usize,
+    /// Frames of the flight
+    #[arg(long, value_name = "N", default_value_t = 6_000, value_parser = count(1))]
     frames: usize,
 }
 
-fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut arguments) = arguments else {
-        return Ok(None);
-    };
-    let options = Options {
-        out: arguments.value("--out")?.unwrap_or("target/walkthrough.svg".into()),
-        bodies: arguments.number("--bodies", 1, 10_000)?,
-        frames: arguments.number("--frames", 1, 6_000)?,
-    };
-    arguments.files(0)?;
-    Ok(Some(options))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("walkthrough", USAGE, parse(Arguments::of_process()), walkthrough)
+    lab::command::main(walkthrough)
 }
 
 fn walkthrough(options: &Options) -> Result<(), Trouble> {
-    println!("drawing to {}", options.out);
+    println!("drawing to {}", options.out.display());
     let mut field = Field::new(options.bodies)?;
     let flight = fly(&mut field, options.frames)?;
     tell(options, &flight);

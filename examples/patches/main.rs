@@ -13,44 +13,33 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
+use clap::Parser;
 use lab::Point;
-use lab::command::Arguments;
+use lab::command::{count, file, number};
 use lab::pose::dot;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Nurbs, PatchError, Surface, SurfacePart, revolution};
 use lin_canny::{Answer, PairTracker, Question, RelativePose};
 
-const USAGE: &str = "\
-usage: patches [--frames N] [--width W] [--out FILE.svg]
-
-A blade swings about a pot: the front of a frame and the closest points as a picture.
-
-  --frames N   frames of half a degree (240)
-  --width W    width of the interval asked for in the picture (1e-9)
-  --out FILE   where to draw (default: target/patches.svg)";
+/// A blade swings about a pot: the front of a frame and the closest points as a picture
+#[derive(Parser)]
+struct Options {
+    /// Frames of half a degree
+    #[arg(long, value_name = "N", default_value_t = 240, value_parser = count(1))]
+    frames: usize,
+    /// Width of the interval asked for in the picture
+    #[arg(long, value_name = "W", default_value_t = 1e-9, value_parser = number(0.0))]
+    width: f64,
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/patches.svg", value_parser = file("svg"))]
+    out: PathBuf,
+}
 
 /// Towards the viewer, to the right and up.
 const VIEW: [Point; 3] = [[0.36, -0.80, 0.48], [0.91, 0.41, 0.0], [-0.20, 0.44, 0.88]];
 
-struct Options {
-    frames: usize,
-    width: f64,
-    file: PathBuf,
-}
-
 fn main() -> ExitCode {
-    lab::command::main("patches", USAGE, options(Arguments::of_process()), run)
-}
-
-fn options(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut a) = arguments else { return Ok(None) };
-    let options = Options {
-        frames: a.number("--frames", 1, 240)?,
-        width: a.number("--width", 0.0, 1e-9)?,
-        file: a.value("--out")?.unwrap_or("target/patches.svg".into()).into(),
-    };
-    a.files(0)?;
-    Ok(Some(options))
+    lab::command::main(run)
 }
 
 fn pot() -> Result<Surface, PatchError> {
@@ -112,8 +101,8 @@ fn run(options: &Options) -> Result<(), String> {
     let (found, tracker, _) = track(&pot, &blade, &at, options.width);
     let last = poses.len() - 1;
     let svg = picture(&pot, &blade, &tracker, &found, &poses[last]);
-    lab::command::write(&options.file, &svg)?;
-    println!("drawn: {}", options.file.display());
+    lab::command::write(&options.out, &svg)?;
+    println!("drawn: {}", options.out.display());
     Ok(())
 }
 

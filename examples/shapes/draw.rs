@@ -5,6 +5,7 @@
 
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
+use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Rotation3, UnitQuaternion, Vector3};
 use lin_canny::{BoxHint, Outcome, PairTracker, RelativePose, Shape};
@@ -12,7 +13,6 @@ use lin_canny::{BoxHint, Outcome, PairTracker, RelativePose, Shape};
 const CELL: f64 = 118.0;
 const MARGIN: f64 = 92.0;
 const SIDES: usize = 96;
-const FILE: &str = "images/shapes.svg";
 
 fn kinds() -> Result<Vec<(&'static str, Shape)>, lin_canny::ShapeError> {
     Ok(vec![
@@ -92,7 +92,7 @@ fn cell(svg: &mut String, (a, b): (&Shape, &Shape), pose: &Isometry3<f64>, o: &O
 }
 
 /// Draws all pairs, and prints a line for each.
-pub(crate) fn all() -> Result<(), String> {
+pub(crate) fn all(out: &Path) -> Result<(), String> {
     let kinds = kinds().map_err(|e| e.to_string())?;
     let side = MARGIN + CELL * kinds.len() as f64;
     let mut svg = format!(
@@ -128,7 +128,7 @@ pub(crate) fn all() -> Result<(), String> {
         }
     }
     svg += "</svg>\n";
-    std::fs::write(FILE, svg).map_err(|e| format!("{FILE}: {e}"))?;
-    println!("drawn in {FILE}");
+    lab::command::write(out, &svg)?;
+    println!("drawn in {}", out.display());
     Ok(())
 }

@@ -13,8 +13,11 @@ const UNIT: f64 = 1e-12;
 
 /// Answers every pose of the file, in order, with one tracker.
 pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(), Trouble> {
+    if poses == csv {
+        return Err(format!("{}: the poses are not overwritten", poses.display()).into());
+    }
     let (a, b) = (load('A', meshes[0])?, load('B', meshes[1])?);
-    let text = std::fs::read_to_string(poses).map_err(|e| format!("{}: {e}", poses.display()))?;
+    let text = lab::command::read(poses)?;
     let mut rows = String::from("distance,lower,upper,ax,ay,az,bx,by,bz\n");
     let (mut tracker, mut frames, mut shared) = (PairTracker::new(), 0, 0);
     let began = std::time::Instant::now();
@@ -33,8 +36,11 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
         frames += 1;
         shared += usize::from(found.class != Class::Separated);
     }
-    let each = began.elapsed().as_micros() as f64 / f64::from(frames.max(1));
-    std::fs::write(csv, rows).map_err(|e| format!("{}: {e}", csv.display()))?;
+    if frames == 0 {
+        return Err(format!("{}: no pose", poses.display()).into());
+    }
+    let each = began.elapsed().as_micros() as f64 / f64::from(frames);
+    lab::command::write(csv, &rows)?;
     println!("{frames} poses, {shared} of them in contact; {each:.1} us a pose with reading and writing");
     println!("{:?}", tracker.work());
     println!("written: {}", csv.display());

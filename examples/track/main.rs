@@ -14,7 +14,6 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use lab::command::Arguments;
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
 use lin_canny::nalgebra::Isometry3;
@@ -47,18 +46,17 @@ struct Run {
 }
 
 fn main() -> ExitCode {
-    let parsed = options::parse(Arguments::of_process());
-    lab::command::main("track", options::USAGE, parsed, track)
+    lab::command::main(track)
 }
 
 fn track(options: &Options) -> Result<(), Trouble> {
-    let [a, b] = &options.meshes;
-    if let Some((poses, csv)) = &options.given {
+    let [a, b] = &options.pair();
+    if let (Some(poses), Some(csv)) = (&options.poses, &options.csv) {
         return given::answer([a, b], poses, csv);
     }
     println!("drawing to {}", options.out.display());
     let (a, b) = (load::load('A', a)?, load::load('B', b)?);
-    let poses = motion::poses(&a.body, &b.body, options.frames);
+    let poses = motion::poses(&a.body, &b.body, options.frames as usize);
     let run = follow(&a.body, &b.body, &poses)?;
     if let Some(file) = &options.record {
         record(file, [&a.body, &b.body], &poses)?;
@@ -199,7 +197,7 @@ fn summary(run: &Run) {
 /// Distance and steps over time, one above the other.
 fn draw(options: &Options, run: &Run) -> Result<(), Trouble> {
     let name = |k: usize| {
-        options.meshes[k]
+        options.pair()[k]
             .file_stem()
             .unwrap_or_default()
             .to_string_lossy()

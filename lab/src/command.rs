@@ -1,117 +1,71 @@
-//! The frame of a program with options.
+//! The frame of a program with options: `clap` reads them, and every program of the repository ends alike.
 
 use std::fmt::Display;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
-/// Runs with the options of the command line: `parsed` is those, nothing where help is asked for, or what is wrong with them.
-/// Success, failure, or 2 for a wrong call.
-pub fn main<O, W: Display, T: Display>(
-    name: &str,
-    usage: &str,
-    parsed: Result<Option<O>, W>,
-    run: impl FnOnce(&O) -> Result<(), T>,
-) -> ExitCode {
-    match parsed {
-        Ok(Some(options)) => match run(&options) {
-            Ok(()) => ExitCode::SUCCESS,
-            Err(why) => {
-                eprintln!("{name}: {why}");
-                ExitCode::FAILURE
-            }
-        },
-        Ok(None) => {
-            println!("{usage}");
-            ExitCode::SUCCESS
-        }
+use clap::Parser;
+use clap::builder::RangedU64ValueParser;
+
+/// Runs a program with the options of its command line and returns its exit code: success, 1 if `run` fails, whose error is printed
+/// to the standard error. `clap` answers `--help` and ends a wrong call with 2.
+pub fn main<O: Parser, T: Display>(run: impl FnOnce(&O) -> Result<(), T>) -> ExitCode {
+    match run(&O::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
-            eprintln!("{name}: {why}\n\n{usage}");
-            ExitCode::from(2)
+            eprintln!("error: {why}");
+            ExitCode::FAILURE
         }
     }
 }
 
-/// The words of a command line, from which a program takes its options one by one.
-#[derive(Debug)]
-pub struct Arguments {
-    words: Vec<String>,
+/// Ends a program without options that is given some; answers `--help` with `about`.
+pub fn no_options(about: &'static str) {
+    clap::Command::new("").about(about).get_matches();
 }
 
-impl Arguments {
-    /// Returns the arguments of the process; `None` if help is requested.
-    pub fn of_process() -> Option<Self> {
-        Self::new(std::env::args().skip(1))
-    }
+/// Returns the parser of a whole number that is at least `least`.
+pub fn count(least: u64) -> RangedU64ValueParser<usize> {
+    RangedU64ValueParser::new().range(least..=1_000_000_000)
+}
 
-    /// Returns the given words; `None` if `-h` or `--help` is among them.
-    pub fn new(words: impl IntoIterator<Item = String>) -> Option<Self> {
-        let words: Vec<String> = words.into_iter().collect();
-        let asks_help = words.iter().any(|w| w == "-h" || w == "--help");
-        (!asks_help).then_some(Self { words })
-    }
-
-    /// Returns whether the switch `name` is there, and takes it.
-    pub fn flag(&mut self, name: &str) -> bool {
-        let at = self.words.iter().position(|w| w == name);
-        at.map(|k| self.words.remove(k)).is_some()
-    }
-
-    /// Returns the word after `name` and takes both.
-    ///
-    /// # Errors
-    /// `name` is the last word.
-    pub fn value(&mut self, name: &str) -> Result<Option<String>, String> {
-        let Some(k) = self.words.iter().position(|w| w == name) else {
-            return Ok(None);
-        };
-        if k + 1 == self.words.len() {
-            return Err(format!("{name} needs a value"));
-        }
-        let value = self.words.remove(k + 1);
-        self.words.remove(k);
-        Ok(Some(value))
-    }
-
-    /// Returns the number after `name`, which must be at least `least`; `default` if the option is
-    /// not given.
-    ///
-    /// # Errors
-    /// The word after `name` is missing, not a number, or too small.
-    pub fn number<T>(&mut self, name: &str, least: T, default: T) -> Result<T, String>
-    where
-        T: std::str::FromStr + PartialOrd + Display,
-    {
-        let Some(word) = self.value(name)? else {
-            return Ok(default);
-        };
-        let number = word.parse().ok().filter(|x| *x >= least);
-        number.ok_or(format!("{name} needs a number of at least {least}, not {word}"))
-    }
-
-    /// Returns the words that are left, unchecked.
-    pub fn rest(self) -> Vec<String> {
-        self.words
-    }
-
-    /// Returns the words that are left: files.
-    ///
-    /// # Errors
-    /// A word begins with a dash, or there are more than `most` words.
-    pub fn files(self, most: usize) -> Result<Vec<String>, String> {
-        match self.words.iter().find(|w| w.starts_with('-')) {
-            Some(word) => Err(format!("{word} is not an option")),
-            None if self.words.len() > most => Err(format!("{} is not expected", self.words[most])),
-            None => Ok(self.words),
-        }
+/// Returns the parser of a finite number that is at least `least`.
+pub fn number(least: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + Send + Sync + 'static {
+    move |word| {
+        let number = word.parse().ok().filter(|x: &f64| *x >= least && x.is_finite());
+        number.ok_or(format!("not a number of at least {least}"))
     }
 }
 
-/// Refuses a path that cannot be written, before long work; makes its folder, and leaves what the file holds.
+/// Reads a length of time in seconds.
+///
+/// # Errors
+/// The word is no number, or none of a duration.
+pub fn seconds(word: &str) -> Result<Duration, String> {
+    let number = number(0.0)(word)?;
+    Duration::try_from_secs_f64(number).map_err(|e| e.to_string())
+}
+
+/// Returns the parser of the name of a file to write. A file that is there already is overwritten only if its name ends in
+/// `.extension`, so that no slip of a user loses a mesh or a program.
+pub fn file(extension: &'static str) -> impl Fn(&str) -> Result<PathBuf, String> + Clone + Send + Sync + 'static {
+    move |word| {
+        let path = PathBuf::from(word);
+        let fits = path.extension().is_some_and(|e| e == extension) || !path.exists();
+        fits.then_some(path)
+            .ok_or(format!("is there already and does not end in .{extension}"))
+    }
+}
+
+/// Refuses a path that cannot be written, before long work, and leaves what the file holds. Makes its folder below `target`, and
+/// there alone.
 ///
 /// # Errors
 /// The folder or the file cannot be written; the text names which.
-pub fn writable(path: &std::path::Path) -> Result<(), String> {
+pub fn writable(path: &Path) -> Result<(), String> {
     let named = |e: std::io::Error| format!("{}: {e}", path.display());
-    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty()) {
+    if let Some(folder) = path.parent().filter(|f| f.starts_with("target")) {
         std::fs::create_dir_all(folder).map_err(named)?;
     }
     let is_new = !path.exists();
@@ -126,47 +80,66 @@ pub fn writable(path: &std::path::Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Writes `text` to `path` and makes its folder.
+/// Writes `text` to `path`, as [`writable`] allows.
 ///
 /// # Errors
 /// The folder or the file cannot be written; the text names which.
-pub fn write(path: &std::path::Path, text: &str) -> Result<(), String> {
+pub fn write(path: &Path, text: &str) -> Result<(), String> {
     writable(path)?;
     std::fs::write(path, text).map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// Returns the text of a file.
+///
+/// # Errors
+/// The file cannot be read; the text names it.
+pub fn read(path: &Path) -> Result<String, String> {
+    std::fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn of(line: &str) -> Arguments {
-        Arguments::new(line.split(' ').map(str::to_owned)).expect("no help is asked for")
+    #[derive(Parser, Debug)]
+    struct Options {
+        #[arg(long, default_value_t = 7, value_parser = count(1))]
+        frames: usize,
+        #[arg(long, default_value_t = 0.5, value_parser = number(0.0))]
+        width: f64,
+        #[arg(long, default_value = "target/out.svg", value_parser = file("svg"))]
+        out: PathBuf,
+    }
+
+    fn of(line: &str) -> Result<Options, String> {
+        Options::try_parse_from(line.split(' ')).map_err(|e| e.to_string())
     }
 
     #[test]
-    fn options_are_taken_in_any_order() {
-        let mut a = of("--quick a.stl --frames 20 b.stl");
-        assert_eq!(a.number("--frames", 1, 7), Ok(20));
-        assert!(a.flag("--quick") && !a.flag("--quick"));
-        assert_eq!(a.value("--out"), Ok(None));
-        assert_eq!(a.files(2), Ok(vec!["a.stl".to_owned(), "b.stl".to_owned()]));
+    fn values_and_defaults_are_read() {
+        let o = of("program --frames 20 --out a/b.svg").expect("options in order");
+        assert_eq!((o.frames, o.width, o.out), (20, 0.5, "a/b.svg".into()));
     }
 
     #[test]
     fn nonsense_is_named() {
-        assert!(
-            of("--frames -3")
-                .number("--frames", 1, 7)
-                .is_err_and(|e| e.contains("-3"))
-        );
-        assert!(
-            of("--frames x")
-                .number("--frames", 1, 7)
-                .is_err_and(|e| e.contains('x'))
-        );
-        assert!(of("--out").value("--out").is_err());
-        assert!(of("--nonsense").files(2).is_err_and(|e| e.contains("--nonsense")));
-        assert!(of("a b c").files(2).is_err_and(|e| e.contains('c')));
-        assert!(Arguments::new(["-h".to_owned()]).is_none());
+        for (line, word) in [
+            ("program --frames 0", "0"),
+            ("program --frames x", "x"),
+            ("program --width NaN", "NaN"),
+            ("program --width inf", "inf"),
+            ("program --out Cargo.toml", "Cargo.toml"),
+            ("program --nonsense", "--nonsense"),
+            ("program file", "file"),
+        ] {
+            assert!(of(line).is_err_and(|e| e.contains(word)), "{line}");
+        }
+    }
+
+    #[test]
+    fn no_folder_is_made_but_below_target() {
+        let folder = std::env::temp_dir().join("lin-canny-no-such-folder");
+        assert!(write(&folder.join("x.svg"), "").is_err());
+        assert!(!folder.exists());
     }
 }

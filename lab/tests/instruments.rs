@@ -16,7 +16,7 @@ fn every_instrument_says_how_it_is_used() {
         let told = Command::new(program).arg("-h").output().expect("a program");
         let text = String::from_utf8_lossy(&told.stdout);
         assert!(
-            told.status.success() && text.starts_with(&format!("usage: {name}")),
+            told.status.success() && text.contains(&format!("Usage: {name}")),
             "{name}: {} {text}",
             told.status
         );

@@ -2,8 +2,9 @@
 //!
 //! `cargo run --release -p lin-canny-plan --example arm -- [--cell X.obj ..] [--seed N] [--out FILE.svg]`
 
+use clap::Parser;
 use lab::arm::{Trouble, cell, draw, motion, robot};
-use lab::command::Arguments;
+use lab::command::{file, seconds};
 use lab::plot::Chart;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm, World};
@@ -11,40 +12,28 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-const USAGE: &str = "\
-usage: arm [--seed N] [--seconds S] [--out FILE.svg] [--cell X.obj Y.stl ..]
-
-A six-axis arm takes its gripper from the left bin to the right one. Searches a path with the opportunistic planner,
-shortens it and moves it away from the cell; draws the arm at both ends and where it is nearest, and the clearance along
-the path.
-
-  --seed N       seed of the random slices (default: 1)
-  --seconds S    limit of the search (default: 10)
-  --out FILE     where to draw (default: target/arm.svg)
-  --cell FILES   meshes instead of the built-in cell, by their hulls, in the frame of the world";
-
+/// A six-axis arm takes its gripper from the left bin to the right one
+///
+/// Searches a path with the opportunistic planner, shortens it and moves it away from the cell; draws
+/// the arm at both ends and where it is nearest, and the clearance along the path.
+#[derive(Parser)]
 struct Options {
+    /// Seed of the random slices
+    #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    limit: Duration,
+    /// Limit of the search
+    #[arg(long, value_name = "S", default_value = "10", value_parser = seconds)]
+    seconds: Duration,
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/arm.svg", value_parser = file("svg"))]
     out: PathBuf,
+    /// Meshes instead of the built-in cell, by their hulls, in the frame of the world
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     cell: Vec<String>,
 }
 
-fn parse(words: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut words) = words else { return Ok(None) };
-    let seed = words.number("--seed", 0, 1)?;
-    let limit = Duration::try_from_secs_f64(words.number("--seconds", 0.0, 10.0)?).map_err(|e| e.to_string())?;
-    let out = words.value("--out")?.unwrap_or("target/arm.svg".into()).into();
-    let has_cell = words.flag("--cell");
-    let cell = words.files(if has_cell { usize::MAX } else { 0 })?;
-    if has_cell && cell.is_empty() {
-        return Err("--cell needs a file".into());
-    }
-    Ok(Some(Options { seed, limit, out, cell }))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("arm", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main(run)
 }
 
 /// Times of the built-in motion of `clearance` at which the gripper is in the left and in the right bin.
@@ -68,7 +57,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         .slices(u64::MAX)
         .queries(u64::MAX);
     let began = Instant::now();
-    let plan = checker.plan_until(&start, &goal, &search, &mut || began.elapsed() > options.limit)?;
+    let plan = checker.plan_until(&start, &goal, &search, &mut || began.elapsed() > options.seconds)?;
     let (took, work) = (began.elapsed(), plan.work);
     println!(
         "{took:.2?}: {} freeways, {} random slices, {} configurations, {} distance queries",

@@ -2,7 +2,8 @@
 //!
 //! `cargo run --release -p lin-canny-plan --example piano -- [--door WIDTH] [--seed N] [--out FILE.svg]`
 
-use lab::command::Arguments;
+use clap::Parser;
+use lab::command::{file, number, seconds};
 use lab::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -12,40 +13,29 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-const USAGE: &str = "\
-usage: piano [--door WIDTH] [--seed N] [--seconds S] [--out FILE.svg]
-
-An L, 0.9 by 0.5, goes through a door in a wall. Searches a path with the opportunistic planner, shortens it, and draws
-freeways (by sweep coordinate), bridges, links and the path in the plane of the positions.
-
-  --door WIDTH   width of the door (default: 0.36)
-  --seed N       seed of the random slices (default: 3)
-  --seconds S    limit of the search (default: 10)
-  --out FILE     where to draw (default: target/piano.svg)";
-
-type Trouble = Box<dyn std::error::Error>;
-
+/// An L, 0.9 by 0.5, goes through a door in a wall. Searches a path with the opportunistic planner,
+/// shortens it, and draws freeways (by sweep coordinate), bridges, links and the path in the plane of
+/// the positions
+#[derive(Parser)]
 struct Options {
+    /// Width of the door
+    #[arg(long, value_name = "WIDTH", default_value_t = 0.36, value_parser = number(0.0))]
     door: f64,
+    /// Seed of the random slices
+    #[arg(long, value_name = "N", default_value_t = 3)]
     seed: u64,
-    limit: Duration,
+    /// Limit of the search
+    #[arg(long, value_name = "S", default_value = "10", value_parser = seconds)]
+    seconds: Duration,
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/piano.svg", value_parser = file("svg"))]
     out: PathBuf,
 }
 
-fn parse(words: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut words) = words else { return Ok(None) };
-    let options = Options {
-        door: words.number("--door", 0.0, 0.36)?,
-        seed: words.number("--seed", 0, 3)?,
-        limit: Duration::try_from_secs_f64(words.number("--seconds", 0.0, 10.0)?).map_err(|e| e.to_string())?,
-        out: words.value("--out")?.unwrap_or("target/piano.svg".into()).into(),
-    };
-    words.files(0)?;
-    Ok(Some(options))
-}
+type Trouble = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    lab::command::main("piano", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main(run)
 }
 
 /// Half sides of the room, and of the wall.
@@ -96,7 +86,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         .slices(u64::MAX)
         .queries(u64::MAX);
     let began = Instant::now();
-    let plan = checker.plan_until(&start, &goal, &search, &mut || began.elapsed() > options.limit)?;
+    let plan = checker.plan_until(&start, &goal, &search, &mut || began.elapsed() > options.seconds)?;
     let work = &plan.work;
     println!(
         "{:.2?}: {} freeways, {} bridges, {} random slices, {} configurations",

@@ -6,7 +6,7 @@
 //!
 //! `--help` describes the file.
 
-use lab::command::Arguments;
+use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Geometry};
 use lin_canny_plan::{Checker, Path, PlanError, PlanOptions, RigidSpace, World};
@@ -16,23 +16,29 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-const USAGE: &str = "\
-usage: plan FILE.json [--out PATH.csv]
-
-Reads a robot and obstacles, searches a path with the opportunistic planner of Canny and Lin, shortens it, and writes one
-configuration a row, `x,y,z,qx,qy,qz,qw` under a header of these names. In between the robot's origin goes straight and
-the robot turns the shorter way about one axis (slerp). Every segment is proven free of contact over its whole length.
-
-  --out FILE     where to write the path (default: target/plan.csv)
-
-The file is JSON:
-  { \"robot\": points of a hull [[x,y,z], ...], or a list of hulls,
-    \"obstacles\": list of hulls,
-    \"start\": [x,y,z,qx,qy,qz,qw], \"goal\": the same,
-    \"bounds\": [[x0,y0,z0],[x1,y1,z1]] of the robot's origin,
-    \"seed\": number (default 0), \"seconds\": limit of the search (default 10) }
-
-Ends with 0 if a path is written, with 3 if none was found in time, with 2 if the file is refused.";
+/// Reads a robot and obstacles, searches a path with the opportunistic planner of Canny and Lin,
+/// shortens it, and writes one configuration a row, `x,y,z,qx,qy,qz,qw` under a header of these names
+///
+/// In between the robot's origin goes straight and the robot turns the shorter way about one axis
+/// (slerp). Every segment is proven free of contact over its whole length.
+///
+/// The file is JSON:
+///   { "robot": points of a hull [[x,y,z], ...], or a list of hulls,
+///     "obstacles": list of hulls,
+///     "start": [x,y,z,qx,qy,qz,qw], "goal": the same,
+///     "bounds": [[x0,y0,z0],[x1,y1,z1]] of the robot's origin,
+///     "seed": number (default 0), "seconds": limit of the search (default 10) }
+///
+/// Ends with 0 if a path is written, with 3 if none was found in time, with 2 if the file is refused.
+#[derive(Parser)]
+#[command(verbatim_doc_comment)]
+struct Options {
+    /// The robot and its obstacles
+    file: PathBuf,
+    /// Where to write the path
+    #[arg(long, value_name = "PATH.csv", default_value = "target/plan.csv", value_parser = lab::command::file("csv"))]
+    out: PathBuf,
+}
 
 /// What the file asks for.
 struct Job {
@@ -41,30 +47,31 @@ struct Job {
     ends: [Vec<f64>; 2],
     seed: u64,
     limit: Duration,
-    out: PathBuf,
 }
 
 fn main() -> ExitCode {
-    let mut is_found = true;
-    let code = lab::command::main("plan", USAGE, parse(Arguments::of_process()), |job| {
-        is_found = run(job)?;
-        Ok::<(), String>(())
-    });
-    if is_found { code } else { ExitCode::from(3) }
+    let options = Options::parse();
+    let job = read(&options.file).and_then(|job| lab::command::writable(&options.out).map(|()| job));
+    let found = job.map_err(|why| (2, why));
+    match found.and_then(|job| run(&job, &options.out).map_err(|why| (1, why))) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(3),
+        Err((code, why)) => {
+            eprintln!("error: {why}");
+            ExitCode::from(code)
+        }
+    }
 }
 
-fn parse(words: Option<Arguments>) -> Result<Option<Job>, String> {
-    let Some(mut words) = words else { return Ok(None) };
-    let out = words.value("--out")?.unwrap_or("target/plan.csv".into()).into();
-    let file = words.files(1)?.pop().ok_or("name a file")?;
-    let text = std::fs::read_to_string(&file).map_err(|e| format!("{file}: {e}"))?;
+fn read(file: &std::path::Path) -> Result<Job, String> {
+    let text = lab::command::read(file)?;
     let job = serde_json::from_str(&text)
         .map_err(|e| e.to_string())
-        .and_then(|value| job(&value, out));
-    job.map(Some).map_err(|e| format!("{file}: {e}"))
+        .and_then(|value| job(&value));
+    job.map_err(|e| format!("{}: {e}", file.display()))
 }
 
-fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
+fn job(file: &Value) -> Result<Job, String> {
     if !file.is_object() {
         return Err("not an object".into());
     }
@@ -100,10 +107,8 @@ fn job(file: &Value, out: PathBuf) -> Result<Job, String> {
         ends: [pose(&file["start"], "start")?, pose(&file["goal"], "goal")?],
         seed: seed(&file["seed"])?,
         limit: seconds(&file["seconds"])?,
-        out,
     };
     check(&job)?;
-    lab::command::writable(&job.out)?;
     Ok(job)
 }
 
@@ -208,7 +213,7 @@ fn pose(value: &Value, name: &str) -> Result<Vec<f64>, String> {
 }
 
 /// Searches, shortens and writes; false if no path was found.
-fn run(job: &Job) -> Result<bool, String> {
+fn run(job: &Job, out: &std::path::Path) -> Result<bool, String> {
     let said = |e: PlanError| e.to_string();
     let mut checker = Checker::new(job.space.clone(), job.world.clone()).map_err(said)?;
     let options = PlanOptions::default().seed(job.seed).slices(u64::MAX).queries(u64::MAX);
@@ -233,8 +238,8 @@ fn run(job: &Job) -> Result<bool, String> {
         return Ok(false);
     };
     let path = shortened(&mut checker, &found, job.seed).map_err(said)?;
-    lab::command::write(&job.out, &rows(&path))?;
-    println!("written: {}", job.out.display());
+    lab::command::write(out, &rows(&path))?;
+    println!("written: {}", out.display());
     Ok(true)
 }
 

@@ -11,22 +11,21 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, Start, prism};
-use lab::command::{Arguments, write};
+use lab::command::{file, write};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
 
-const USAGE: &str = "\
-usage: coin [--csv FILE] [--out FILE.svg]
-
-A coin laid flat on a half-space and on a cuboid, of 4 to 128 sides: parry's hulls against ours.
-
-  --csv FILE    tilt, sinking and sleep of each coin
-  --out FILE    where to draw (default: target/coin.svg)";
-
+/// A coin laid flat on a half-space and on a cuboid, of 4 to 128 sides: parry's hulls against ours
+#[derive(Parser)]
 struct Options {
+    /// Tilt, sinking and sleep of each coin
+    #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/coin.svg", value_parser = file("svg"))]
     out: PathBuf,
 }
 
@@ -148,18 +147,6 @@ fn run(options: &Options) -> Result<(), String> {
     options.csv.as_deref().map_or(Ok(()), |path: &Path| write(path, &csv))
 }
 
-fn parse() -> Result<Option<Options>, String> {
-    let Some(mut a) = Arguments::of_process() else {
-        return Ok(None);
-    };
-    let csv = a.value("--csv")?.map(PathBuf::from);
-    let out = a
-        .value("--out")?
-        .map_or_else(|| "target/coin.svg".into(), PathBuf::from);
-    a.files(0)?;
-    Ok(Some(Options { csv, out }))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("coin", USAGE, parse(), run)
+    lab::command::main(run)
 }

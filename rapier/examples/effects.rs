@@ -10,9 +10,10 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::Parser;
 use common::{bin, pebble, turn};
 use cpu_time::ThreadTime;
-use lab::command::{Arguments, write};
+use lab::command::{count, file, write};
 use lab::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
@@ -24,21 +25,21 @@ use lin_canny_rapier::{Body, Continuous, Effects, FrictionModel, Report, Setting
 
 type Trouble = Box<dyn std::error::Error>;
 
-const USAGE: &str = "\
-usage: effects [--csv FILE] [--out FILE.svg] [--bodies N] [--steps N]
-
-What the effects of a simulation cost, added one by one.
-
-  --csv FILE    time of a step and what it did, for each set of effects
-  --out FILE    where to draw (default: target/effects.svg)
-  --bodies N    hulls of 64 vertices (default: 300)
-  --steps N     steps of a sixtieth of a second (default: 300)";
-
+/// What the effects of a simulation cost, added one by one
+#[derive(Parser)]
 struct Options {
-    bodies: usize,
-    steps: usize,
+    /// Time of a step and what it did, for each set of effects
+    #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/effects.svg", value_parser = file("svg"))]
     out: PathBuf,
+    /// Hulls of 64 vertices
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = count(1))]
+    bodies: usize,
+    /// Steps of a sixtieth of a second
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = count(1))]
+    steps: usize,
 }
 
 const NOTHING: scene::Effects = scene::Effects::none();
@@ -173,22 +174,6 @@ fn run(options: &Options) -> Result<(), Trouble> {
     Ok(())
 }
 
-fn parse() -> Result<Option<Options>, String> {
-    let Some(mut a) = Arguments::of_process() else {
-        return Ok(None);
-    };
-    let options = Options {
-        bodies: a.number("--bodies", 1, 300)?,
-        steps: a.number("--steps", 1, 300)?,
-        csv: a.value("--csv")?.map(PathBuf::from),
-        out: a
-            .value("--out")?
-            .map_or_else(|| "target/effects.svg".into(), PathBuf::from),
-    };
-    a.files(0)?;
-    Ok(Some(options))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("effects", USAGE, parse(), run)
+    lab::command::main(run)
 }

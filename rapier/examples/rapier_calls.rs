@@ -15,9 +15,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use clap::Parser;
 use common::{Engine, Setup, bin, layers, pebble};
 use cpu_time::ThreadTime;
-use lab::command::{Arguments, write};
+use lab::command::{count, file, write};
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lin_canny_rapier::single::Certified;
@@ -28,16 +29,33 @@ use lin_canny_rapier::single::rapier::parry::query::{
 };
 use lin_canny_rapier::single::rapier::prelude::*;
 
-const USAGE: &str = "\
-usage: rapier_calls [--csv FILE] [--bodies N] [--steps N] [--vertices N] [--quick]
+/// What a call of the contact dispatcher costs, replayed from a pile of hulls in rapier: parry's
+/// dispatcher against ours
+#[derive(Parser)]
+struct Options {
+    /// A line for each engine, number of vertices and kind of call
+    #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
+    csv: Option<PathBuf>,
+    /// Hulls in the pile
+    #[arg(long, value_name = "N", default_value_t = 500, default_value_if("quick", "true", "200"), value_parser = count(1))]
+    bodies: usize,
+    /// Steps whose calls are kept
+    #[arg(long, value_name = "N", default_value_t = 120, default_value_if("quick", "true", "60"), value_parser = count(1))]
+    steps: usize,
+    /// Vertices of a hull; 8, 64 and 512 if not given
+    #[arg(long, value_name = "N", value_parser = count(4))]
+    vertices: Option<usize>,
+    /// 200 hulls and 60 steps, unless these are given
+    #[arg(long)]
+    quick: bool,
+}
 
-What a call of the contact dispatcher costs, replayed from a pile of hulls in rapier: parry's dispatcher against ours.
-
-  --csv FILE    a line for each engine, number of vertices and kind of call
-  --bodies N    hulls in the pile (default: 500)
-  --steps N     steps whose calls are kept (default: 120)
-  --vertices N  vertices of a hull (default: 8, 64 and 512)
-  --quick       200 hulls, 60 steps";
+impl Options {
+    /// Vertices of the hulls, pile by pile.
+    fn sizes(&self) -> Vec<usize> {
+        self.vertices.map_or_else(|| vec![8, 64, 512], |n| vec![n])
+    }
+}
 
 /// Calls that are kept of a pile, the rest are drawn evenly: a call holds about a kilobyte.
 const MOST: usize = 60_000;
@@ -46,13 +64,6 @@ const PASSES: usize = 5;
 
 /// Calls whose manifolds are put back together: about as many as a step of the engine makes, whose manifolds stay in the cache.
 const AT_ONCE: usize = 512;
-
-struct Options {
-    bodies: usize,
-    steps: usize,
-    vertices: Vec<usize>,
-    csv: Option<PathBuf>,
-}
 
 type Dispatcher = dyn PersistentQueryDispatcher<ContactManifoldData, ContactData>;
 
@@ -232,8 +243,8 @@ fn lines(options: &Options, engine: Engine, vertices: usize) -> Vec<String> {
 fn run(options: &Options) -> Result<(), String> {
     let mut csv = String::from("engine,vertices,kind,calls,ns\n");
     print!("{csv}");
-    let bar = Progress::new("piles", 2 * options.vertices.len() as u64);
-    for &vertices in &options.vertices {
+    let bar = Progress::new("piles", 2 * options.sizes().len() as u64);
+    for vertices in options.sizes() {
         for engine in Engine::BOTH {
             for line in lines(options, engine, vertices) {
                 println!("{line}");
@@ -245,22 +256,6 @@ fn run(options: &Options) -> Result<(), String> {
     options.csv.as_deref().map_or(Ok(()), |path| write(path, &csv))
 }
 
-fn parse() -> Result<Option<Options>, String> {
-    let Some(mut a) = Arguments::of_process() else {
-        return Ok(None);
-    };
-    let quick = a.flag("--quick");
-    let vertices = a.number("--vertices", 0, 0)?;
-    let options = Options {
-        bodies: a.number("--bodies", 1, if quick { 200 } else { 500 })?,
-        steps: a.number("--steps", 1, if quick { 60 } else { 120 })?,
-        vertices: if vertices < 4 { vec![8, 64, 512] } else { vec![vertices] },
-        csv: a.value("--csv")?.map(PathBuf::from),
-    };
-    a.files(0)?;
-    Ok(Some(options))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("rapier_calls", USAGE, parse(), run)
+    lab::command::main(run)
 }

@@ -13,36 +13,52 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, bin, layers, pebble};
 use cpu_time::ThreadTime;
-use lab::command::{Arguments, write};
+use lab::command::{count, file, write};
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Vector;
 
-const USAGE: &str = "\
-usage: rapier_pile [--csv FILE] [--out FILE.svg] [--bodies N] [--steps N] [--seeds N] [--vertices N] [--quick]
-
-A pile of hulls in rapier: cost of a step and depth of the overlaps, parry's contacts against ours.
-
-  --csv FILE    a line for each engine, number of vertices and skin
-  --out FILE    where to draw the end states (default: target/rapier_pile.svg)
-  --bodies N    hulls in the pile (default: 500)
-  --steps N     steps of a sixtieth of a second (default: 300)
-  --seeds N     piles (default: 8)
-  --vertices N  vertices of a hull (default: 8, 64 and 512)
-  --quick       two piles of 200 hulls, timed once";
-
+/// A pile of hulls in rapier: cost of a step and depth of the overlaps, parry's contacts against ours
+#[derive(Parser)]
 struct Options {
-    bodies: usize,
-    steps: usize,
-    seeds: u64,
-    repeats: usize,
-    vertices: Vec<usize>,
+    /// A line for each engine, number of vertices and skin
+    #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
+    /// Where to draw the end states
+    #[arg(long, value_name = "FILE.svg", default_value = "target/rapier_pile.svg", value_parser = file("svg"))]
     out: PathBuf,
+    /// Hulls in the pile
+    #[arg(long, value_name = "N", default_value_t = 500, default_value_if("quick", "true", "200"), value_parser = count(1))]
+    bodies: usize,
+    /// Steps of a sixtieth of a second
+    #[arg(long, value_name = "N", default_value_t = 300, value_parser = count(1))]
+    steps: usize,
+    /// Piles
+    #[arg(long, value_name = "N", default_value_t = 8, default_value_if("quick", "true", "2"), value_parser = clap::value_parser!(u64).range(1..))]
+    seeds: u64,
+    /// Vertices of a hull; 8, 64 and 512 if not given
+    #[arg(long, value_name = "N", value_parser = count(4))]
+    vertices: Option<usize>,
+    /// Two piles of 200 hulls, timed once
+    #[arg(long)]
+    quick: bool,
+}
+
+impl Options {
+    /// Vertices of the hulls, pile by pile.
+    fn sizes(&self) -> Vec<usize> {
+        self.vertices.map_or_else(|| vec![8, 64, 512], |n| vec![n])
+    }
+
+    /// Timed runs of a pile.
+    fn repeats(&self) -> usize {
+        if self.quick { 1 } else { 2 }
+    }
 }
 
 const HALF_WIDTH: f32 = 4.0;
@@ -124,7 +140,7 @@ fn measure(options: &Options, vertices: usize, skin: f32, bar: &Progress) -> (Ve
     let (mut rows, mut ends) = (vec![Row::default(), Row::default()], Vec::new());
     for seed in 0..options.seeds {
         let mut least = [const { Vec::<[f64; 2]>::new() }; 2];
-        for _ in 0..options.repeats {
+        for _ in 0..options.repeats() {
             for (way, least) in ways.iter().zip(&mut least) {
                 let times = timed(way.scene(options, seed), options.steps);
                 least.resize(times.len(), [f64::INFINITY; 2]);
@@ -193,9 +209,9 @@ fn run(options: &Options) -> Result<(), String> {
     let mut csv = String::from("engine,vertices,skin,ns_step,ns_narrow,deepest,q99,q999,lost,asleep\n");
     print!("{csv}");
     let mut drawn = None;
-    let runs = options.vertices.len() * 2 * options.seeds as usize * 2 * (options.repeats + 1);
+    let runs = options.sizes().len() * 2 * options.seeds as usize * 2 * (options.repeats() + 1);
     let bar = Progress::new("piles", runs as u64);
-    for &vertices in &options.vertices {
+    for vertices in options.sizes() {
         for skin in [0.0, 0.005] {
             let (rows, ends) = measure(options, vertices, skin, &bar);
             for (engine, row) in Engine::BOTH.iter().zip(&rows) {
@@ -212,27 +228,6 @@ fn run(options: &Options) -> Result<(), String> {
     options.csv.as_deref().map_or(Ok(()), |path| write(path, &csv))
 }
 
-fn parse() -> Result<Option<Options>, String> {
-    let Some(mut a) = Arguments::of_process() else {
-        return Ok(None);
-    };
-    let quick = a.flag("--quick");
-    let vertices = a.number("--vertices", 0, 0)?;
-    let options = Options {
-        bodies: a.number("--bodies", 1, if quick { 200 } else { 500 })?,
-        steps: a.number("--steps", 1, 300)?,
-        seeds: a.number("--seeds", 1, if quick { 2 } else { 8 })?,
-        repeats: if quick { 1 } else { 2 },
-        vertices: if vertices < 4 { vec![8, 64, 512] } else { vec![vertices] },
-        csv: a.value("--csv")?.map(PathBuf::from),
-        out: a
-            .value("--out")?
-            .map_or_else(|| "target/rapier_pile.svg".into(), PathBuf::from),
-    };
-    a.files(0)?;
-    Ok(Some(options))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("rapier_pile", USAGE, parse(), run)
+    lab::command::main(run)
 }

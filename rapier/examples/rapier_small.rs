@@ -11,26 +11,26 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
+use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, bin, layers, pebble, prism};
-use lab::command::{Arguments, write};
+use lab::command::{count, file, write};
 use lab::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Vector;
 
-const USAGE: &str = "\
-usage: rapier_small [--csv FILE] [--out FILE.svg] [--bodies N]
-
-Piles in rapier scaled to 1/1000, and millimetre parts in metres: parry's contacts against ours.
-
-  --csv FILE    lost and sleeping bodies and the deepest overlap of each pile
-  --out FILE    where to draw (default: target/rapier_small.svg)
-  --bodies N    bodies of a pile (default: 60)";
-
+/// Piles in rapier scaled to 1/1000, and millimetre parts in metres: parry's contacts against ours
+#[derive(Parser)]
 struct Options {
-    bodies: usize,
+    /// Lost and sleeping bodies and the deepest overlap of each pile
+    #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/rapier_small.svg", value_parser = file("svg"))]
     out: PathBuf,
+    /// Bodies of a pile
+    #[arg(long, value_name = "N", default_value_t = 60, value_parser = count(1))]
+    bodies: usize,
 }
 
 /// A kind of bodies of size about 1.
@@ -218,21 +218,6 @@ fn run(options: &Options) -> Result<(), String> {
     options.csv.as_deref().map_or(Ok(()), |path| write(path, &csv))
 }
 
-fn parse() -> Result<Option<Options>, String> {
-    let Some(mut a) = Arguments::of_process() else {
-        return Ok(None);
-    };
-    let options = Options {
-        bodies: a.number("--bodies", 1, 60)?,
-        csv: a.value("--csv")?.map(PathBuf::from),
-        out: a
-            .value("--out")?
-            .map_or_else(|| "target/rapier_small.svg".into(), PathBuf::from),
-    };
-    a.files(0)?;
-    Ok(Some(options))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("rapier_small", USAGE, parse(), run)
+    lab::command::main(run)
 }

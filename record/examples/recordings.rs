@@ -7,8 +7,10 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
+use clap::Parser;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
@@ -21,22 +23,28 @@ use lin_canny_record::{Bracket, PencilLine, Recorder};
 
 type Trouble = Box<dyn Error>;
 
-fn main() -> Result<(), Trouble> {
-    let words: Vec<String> = std::env::args().skip(1).collect();
-    match words.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-        [folder] => {
-            let folder = Path::new(folder);
-            pair(&folder.join("pair.jsonl"))?;
-            kinds(&folder.join("kinds.jsonl"))?;
-            pile(&folder.join("pile.jsonl"))?;
-            cast(&folder.join("cast.jsonl"))
-        }
-        [folder, "--many", bodies, frames] => {
-            let (bodies, frames) = (bodies.parse()?, frames.parse()?);
-            many(&Path::new(folder).join(format!("many-{bodies}.jsonl")), bodies, frames)
-        }
-        _ => Err("usage: recordings FOLDER [--many BODIES FRAMES]".into()),
+/// Writes the recordings of viewer/examples, or a large one, into a folder
+#[derive(Parser)]
+struct Options {
+    /// Where to write
+    folder: PathBuf,
+    /// One recording of so many bodies and frames instead
+    #[arg(long, num_args = 2, value_names = ["BODIES", "FRAMES"])]
+    many: Vec<usize>,
+}
+
+fn main() -> ExitCode {
+    lab::command::main(run)
+}
+
+fn run(Options { folder, many }: &Options) -> Result<(), Trouble> {
+    if let [bodies, frames] = many[..] {
+        return self::many(&folder.join(format!("many-{bodies}.jsonl")), bodies, frames);
     }
+    pair(&folder.join("pair.jsonl"))?;
+    kinds(&folder.join("kinds.jsonl"))?;
+    pile(&folder.join("pile.jsonl"))?;
+    cast(&folder.join("cast.jsonl"))
 }
 
 /// Two hulls pass each other and touch.

@@ -16,7 +16,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::process::ExitCode;
 
-use lab::command::Arguments;
+use clap::Parser;
 use lab::corpus::{self, Case};
 use lab::parry;
 use lab::shapes::Shape;
@@ -256,41 +256,24 @@ fn print(table: &Table) {
     line("all", &sum);
 }
 
-const USAGE: &str = "\
-usage: corpus [--list | --truth]
-
-Grades every named hard case of tests/corpus, answered by the crate at each level and by parry.
-
-  --list    every failure by name as well
-  --truth   the exact values of the small cases instead";
-
-#[derive(PartialEq)]
-enum Mode {
-    Table,
-    List,
-    Truth,
-}
-
-fn parse(arguments: Option<Arguments>) -> Result<Option<Mode>, String> {
-    let Some(mut arguments) = arguments else {
-        return Ok(None);
-    };
-    let mode = match (arguments.flag("--list"), arguments.flag("--truth")) {
-        (_, true) => Mode::Truth,
-        (true, false) => Mode::List,
-        _ => Mode::Table,
-    };
-    arguments.files(0)?;
-    Ok(Some(mode))
+/// Grades every named hard case of tests/corpus, answered by the crate at each level and by parry
+#[derive(Parser)]
+struct Options {
+    /// Every failure by name as well
+    #[arg(long)]
+    list: bool,
+    /// The exact values of the small cases instead
+    #[arg(long)]
+    truth: bool,
 }
 
 fn main() -> ExitCode {
-    lab::command::main("corpus", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main(run)
 }
 
-fn run(mode: &Mode) -> Result<(), String> {
+fn run(options: &Options) -> Result<(), String> {
     let cases = corpus::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus"));
-    if *mode == Mode::Truth {
+    if options.truth {
         for c in cases.iter().filter(|c| c.is_small(42)) {
             let t = c.truth();
             println!("{} {} {:?}", c.name, t.class, t.distance);
@@ -299,6 +282,6 @@ fn run(mode: &Mode) -> Result<(), String> {
     }
     // Panics are counted as failures; their messages need not be read.
     std::panic::set_hook(Box::new(|_| ()));
-    print(&table(&cases, *mode == Mode::List));
+    print(&table(&cases, options.list));
     Ok(())
 }

@@ -6,7 +6,8 @@
 //! The motion is scripted, so every set sees the same poses. Printed is the report of a step in the middle of the pile; the file
 //! has a line for each set with its counts and times, and the picture the time of a step over the fall.
 
-use lab::command::Arguments;
+use clap::Parser;
+use lab::command::{count, file};
 use lab::crowd::{Crowd, Kind};
 use lab::plot::{Chart, save_stack};
 use lab::progress::Progress;
@@ -20,21 +21,21 @@ use std::sync::Arc;
 
 type Trouble = Box<dyn std::error::Error>;
 
-const USAGE: &str = "\
-usage: falling_pile [--csv FILE] [--out FILE.svg] [--bodies N] [--quick]
-
-What the effects of a scene cost: hulls fall into a pile, the same motion for growing sets of effects.
-
-  --csv FILE    counts and times of each set
-  --out FILE    where to draw (default: target/falling_pile.svg)
-  --bodies N    hulls in the pile (default: 1000)
-  --quick       one run of each set instead of five";
-
+/// What the effects of a scene cost: hulls fall into a pile, the same motion for growing sets of effects
+#[derive(Parser)]
 struct Options {
-    bodies: usize,
-    repeats: usize,
+    /// Counts and times of each set
+    #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     csv: Option<PathBuf>,
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/falling_pile.svg", value_parser = file("svg"))]
     out: PathBuf,
+    /// Hulls in the pile
+    #[arg(long, value_name = "N", default_value_t = 1000, value_parser = count(2))]
+    bodies: usize,
+    /// One run of each set instead of five
+    #[arg(long)]
+    quick: bool,
 }
 
 /// Steps of a run, a sixtieth of a second each; the last body lies still long before the end.
@@ -164,25 +165,8 @@ fn fastest(
     Ok(best.into_iter().flatten().collect())
 }
 
-fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut arguments) = arguments else {
-        return Ok(None);
-    };
-    let options = Options {
-        bodies: arguments.number("--bodies", 2, 1000)?,
-        repeats: if arguments.flag("--quick") { 1 } else { 5 },
-        csv: arguments.value("--csv")?.map(PathBuf::from),
-        out: arguments
-            .value("--out")?
-            .unwrap_or("target/falling_pile.svg".into())
-            .into(),
-    };
-    arguments.files(0)?;
-    Ok(Some(options))
-}
-
 fn main() -> ExitCode {
-    lab::command::main("falling_pile", USAGE, parse(Arguments::of_process()), compare)
+    lab::command::main(compare)
 }
 
 fn compare(o: &Options) -> Result<(), Trouble> {
@@ -190,7 +174,7 @@ fn compare(o: &Options) -> Result<(), Trouble> {
     let mut crowd = Crowd::new(Kind::Pile, o.bodies, 32);
     let shapes = crowd.hulls();
     let motion = motion(&mut crowd);
-    let runs = fastest(&shapes, &crowd, &motion, o.repeats)?;
+    let runs = fastest(&shapes, &crowd, &motion, if o.quick { 1 } else { 5 })?;
     show(o.bodies, &runs);
     if let Some(file) = &o.csv {
         lab::command::write(file, &table(&runs))?;

@@ -10,66 +10,42 @@ use std::fs::File;
 use std::io::Write as _;
 use std::time::Instant;
 
-use lab::command::Arguments;
+use clap::{Parser, ValueEnum};
 use lab::suite::{Case, Line, Reader};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 
 /// Which level of accuracy answers.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Accuracy {
     Walk,
     Certified,
     Exact,
 }
 
+/// How bodies are made: from the vertices alone, or with the faces given.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Shapes {
+    Hull,
+    Mesh,
+}
+
+/// Answers the cases of FILE from number START on and appends a line for each to PART; both formats
+/// stand in tests/CASES.md
+#[derive(Parser)]
 struct Options {
+    /// Accuracy of the answers
+    #[arg(long, value_enum, default_value_t = Accuracy::Certified)]
     level: Accuracy,
-    mesh: bool,
+    /// Bodies from the vertices alone, or with the faces given
+    #[arg(long, value_enum, default_value_t = Shapes::Hull)]
+    shapes: Shapes,
+    /// A new tracker for every case
+    #[arg(long)]
     cold: bool,
     file: String,
     part: String,
     start: usize,
-}
-
-const USAGE: &str = "\
-usage: grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START
-
-Answers the cases of FILE from number START on and appends a line for each to PART; both formats stand in tests/CASES.md.
-
-  --level    accuracy of the answers (default: certified)
-  --shapes   bodies from the vertices alone, or with the faces given (default: hull)
-  --cold     a new tracker for every case";
-
-fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut arguments) = arguments else {
-        return Ok(None);
-    };
-    let level = match arguments.value("--level")?.as_deref() {
-        Some("walk") => Accuracy::Walk,
-        None | Some("certified") => Accuracy::Certified,
-        Some("exact") => Accuracy::Exact,
-        Some(other) => return Err(format!("{other} is not a level")),
-    };
-    let mesh = match arguments.value("--shapes")?.as_deref() {
-        None | Some("hull") => false,
-        Some("mesh") => true,
-        Some(other) => return Err(format!("shapes are hull or mesh, not {other}")),
-    };
-    let cold = arguments.flag("--cold");
-    let [file, part, start] =
-        <[String; 3]>::try_from(arguments.files(3)?).map_err(|_| "FILE, PART and START are needed")?;
-    let start = start
-        .parse()
-        .map_err(|_| format!("START must be a whole number, not {start}"))?;
-    Ok(Some(Options {
-        level,
-        mesh,
-        cold,
-        file,
-        part,
-        start,
-    }))
 }
 
 /// A pose from the numbers of the file: taken as they are where they are a rotation, else divided by the norm.
@@ -206,7 +182,7 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
         match line? {
             Line::Header(_) => {}
             Line::Shape(s) => {
-                let built = body(&s.shape, o.mesh)
+                let built = body(&s.shape, o.shapes == Shapes::Mesh)
                     .inspect_err(|e| eprintln!("shape {}: {e}", s.id))
                     .ok();
                 bodies.insert(s.id, built);
@@ -237,5 +213,5 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn main() -> std::process::ExitCode {
-    lab::command::main("grade", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main(run)
 }

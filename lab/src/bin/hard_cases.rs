@@ -1,13 +1,15 @@
 //! The hard cases that the viewer's page shows: small solids of `tests/corpus/`, each with the truth and what parry answered.
 //!
 //! ```text
-//! cargo run --release -p lab --bin hard_cases -- viewer/cases.json
+//! cargo run --release -p lab --bin hard_cases -- --out viewer/cases.json
 //! ```
 
-use std::error::Error;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
+use clap::Parser;
+use lab::command::{file, write};
 use lab::corpus::{self, Case};
 use lab::{Pose, parry};
 use serde_json::{Value, json};
@@ -26,10 +28,19 @@ const NAMED: [&str; 4] = [
 /// Most points of a body.
 const MOST_POINTS: usize = 40;
 
-fn main() -> Result<(), Box<dyn Error>> {
-    let Some(out) = std::env::args().nth(1) else {
-        return Err("usage: hard_cases FILE.json".into());
-    };
+/// Writes the hard cases that the viewer's page shows
+#[derive(Parser)]
+struct Options {
+    /// Where to write them
+    #[arg(long, value_name = "FILE.json", default_value = "target/cases.json", value_parser = file("json"))]
+    out: PathBuf,
+}
+
+fn main() -> ExitCode {
+    lab::command::main(run)
+}
+
+fn run(options: &Options) -> Result<(), String> {
     std::panic::set_hook(Box::new(|_| {})); // parry's panics are answers
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus");
     let mut taken: Vec<(String, Value)> = Vec::new();
@@ -51,8 +62,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let list: Vec<Value> = taken.into_iter().map(|(_, value)| value).collect();
     let lines: Vec<String> = list.iter().map(Value::to_string).collect();
-    std::fs::write(&out, format!("[\n{}\n]\n", lines.join(",\n")))?;
-    println!("{} cases: {out}", list.len());
+    write(&options.out, &format!("[\n{}\n]\n", lines.join(",\n")))?;
+    println!("{} cases: {}", list.len(), options.out.display());
     Ok(())
 }
 

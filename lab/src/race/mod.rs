@@ -10,6 +10,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::Args;
+
 /// How long an engine runs before a pass of it counts.
 pub const WARM_UP: Duration = Duration::from_millis(3);
 
@@ -17,32 +19,20 @@ pub const WARM_UP: Duration = Duration::from_millis(3);
 const QUICK: usize = 1000;
 
 /// Options of a race.
-#[derive(Default)]
+#[derive(Args, Debug)]
 pub struct Options {
+    /// One row a result: scene,shape,n,engine,ns
+    #[arg(long, value_name = "FILE.csv", value_parser = crate::command::file("csv"))]
     csv: Option<PathBuf>,
-    /// Whether fewer frames and bodies are raced.
+    /// Fewer frames, passes and bodies
+    #[arg(long)]
     pub quick: bool,
+    /// One scene of the race
+    #[arg(long, value_name = "SCENE")]
     only: Option<String>,
+    /// No more bodies or triangles than these
+    #[arg(long, value_name = "N")]
     upto: Option<usize>,
-}
-
-/// The race and its options, or what to tell the user: `Ok(None)` when asked for help.
-pub fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<(String, Options)>, String> {
-    let mut o = Options::default();
-    let mut race = None;
-    while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or(format!("{word} needs a value"));
-        match word.as_str() {
-            "-h" | "--help" => return Ok(None),
-            "--csv" => o.csv = Some(value()?.into()),
-            "--quick" => o.quick = true,
-            "--only" => o.only = Some(value()?),
-            "--upto" => o.upto = Some(value()?.parse().map_err(|_| "--upto needs a number")?),
-            _ if word.starts_with('-') || race.is_some() => return Err(format!("{word} is no option")),
-            _ => race = Some(word),
-        }
-    }
-    Ok(Some((race.ok_or("which race?")?, o)))
 }
 
 impl Options {
@@ -75,7 +65,7 @@ impl Options {
     /// Writes the file asked for.
     pub fn save(&self, rows: &Rows) -> Result<(), String> {
         let Some(file) = &self.csv else { return Ok(()) };
-        std::fs::write(file, &rows.text).map_err(|e| format!("{}: {e}", file.display()))
+        crate::command::write(file, &rows.text)
     }
 }
 

@@ -9,8 +9,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::Parser;
 use lab::arm::{Trouble, cell, draw, motion};
-use lab::command::Arguments;
+use lab::command::{count, file};
 use lab::plot::Chart;
 use lab::progress::Progress;
 use lin_canny::ConvexPolyhedron;
@@ -21,48 +22,27 @@ use robot::Robot;
 const ARM: Group = Group::new(1).unwrap();
 const CELL: Group = Group::new(2).unwrap();
 
-const USAGE: &str = "\
-usage: clearance [--urdf FILE] [--cell X.obj Y.stl ..] [--frames N] [--out FILE.svg]
-
-An arm moves through a cell: the closest pair per frame, of the arm with the cell and of the arm with itself. Draws the
-frame of least clearance in three dimensions, and the clearance over time.
-
-  --urdf FILE    a robot instead of the built-in arm: its joints, and the convex hulls of its collision geometry. Every
-                 joint swings about the middle of its limits. Meshes must be OBJ or STL files
-  --cell FILES   meshes instead of the built-in cell, by their hulls, in the frame of the world
-  --frames N     frames of the motion (default: 1200)
-  --out FILE     where to draw (default: target/clearance.svg)
-
-Links that one or two joints connect, and pairs that share a point in the first frame, are ignored.";
-
+/// An arm moves through a cell: the closest pair per frame, of the arm with the cell and of the arm with
+/// itself
+///
+/// Draws the frame of least clearance in three dimensions, and the clearance over time. Links that one
+/// or two joints connect, and pairs that share a point in the first frame, are ignored.
+#[derive(Parser)]
 struct Options {
+    /// A robot instead of the built-in arm: its joints, and the convex hulls of its collision geometry
+    ///
+    /// Every joint swings about the middle of its limits. Meshes must be OBJ or STL files.
+    #[arg(long, value_name = "FILE")]
     urdf: Option<PathBuf>,
+    /// Meshes instead of the built-in cell, by their hulls, in the frame of the world
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     cell: Vec<String>,
+    /// Frames of the motion
+    #[arg(long, value_name = "N", default_value_t = 1200, value_parser = count(1))]
     frames: usize,
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/clearance.svg", value_parser = file("svg"))]
     out: PathBuf,
-}
-
-fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut arguments) = arguments else {
-        return Ok(None);
-    };
-    let urdf = arguments.value("--urdf")?.map(PathBuf::from);
-    let frames = arguments.number("--frames", 1, 1200)?;
-    let out = arguments
-        .value("--out")?
-        .unwrap_or("target/clearance.svg".into())
-        .into();
-    let has_cell = arguments.flag("--cell");
-    let cell = arguments.files(if has_cell { usize::MAX } else { 0 })?;
-    if has_cell && cell.is_empty() {
-        return Err("--cell needs a file".into());
-    }
-    Ok(Some(Options {
-        urdf,
-        cell,
-        frames,
-        out,
-    }))
 }
 
 /// A body to draw: its name, its shape, and the link that moves it.
@@ -199,7 +179,7 @@ fn chart(closest: &[(f64, String)], title: &str) -> Chart {
 }
 
 fn main() -> ExitCode {
-    lab::command::main("clearance", USAGE, parse(Arguments::of_process()), run)
+    lab::command::main(run)
 }
 
 fn run(options: &Options) -> Result<(), Trouble> {

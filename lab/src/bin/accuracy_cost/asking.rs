@@ -177,7 +177,7 @@ pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -
     );
     let mut size = SIZE;
     for degrees in DEGREES {
-        let pair = match &options.meshes {
+        let pair = match options.meshes() {
             Some([a, b]) => Pair::new(pairs::mesh(a)?, pairs::mesh(b)?),
             None => Pair::of("flat", SIZE)?,
         };

@@ -143,7 +143,7 @@ impl Scene {
 }
 
 pub(crate) fn count(options: &Options) -> u64 {
-    if options.does("curved") && options.meshes.is_none() {
+    if options.does("curved") && options.meshes().is_none() {
         PAIRS.len() as u64
     } else {
         0

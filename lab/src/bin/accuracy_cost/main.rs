@@ -39,12 +39,12 @@ use options::Options;
 type Trouble = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    let parsed = options::parse(std::env::args().skip(1));
-    lab::command::main("accuracy_cost", options::USAGE, parsed, run)
+    lab::command::main(run)
 }
 
 fn run(options: &Options) -> Result<(), Trouble> {
-    let with_geometry = options.meshes.is_none();
+    options.check()?;
+    let with_geometry = options.meshes().is_none();
     let steps = parts::count(options)
         + if with_geometry { geometry::count(options) } else { 0 }
         + asking::count(options)
@@ -91,7 +91,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         charts.push(("asking-quick.svg", accuracy::asking(&rows, "asking 1deg", n)));
     }
     drop(progress);
-    if let Some(meshes) = &options.meshes {
+    if let Some(meshes) = options.meshes() {
         charts = charts
             .into_iter()
             .map(|(file, c)| (file, c.titled(|t| own(t, meshes))))
@@ -106,15 +106,15 @@ fn run(options: &Options) -> Result<(), Trouble> {
 }
 
 /// A title about spheres as a title about the caller's meshes, by the names of their files.
-fn own(title: &str, meshes: &[String; 2]) -> String {
-    let name = |file: &String| {
+fn own(title: &str, meshes: [&str; 2]) -> String {
+    let name = |file: &str| {
         Path::new(file)
             .file_name()
             .unwrap_or_default()
             .to_string_lossy()
             .into_owned()
     };
-    let [a, b] = [&meshes[0], &meshes[1]].map(name);
+    let [a, b] = meshes.map(name);
     let what = title.split(": ").next().unwrap_or(title);
     let details = title.split_once(": ").map_or("", |(_, rest)| rest);
     // The shape and the number of vertices are those of our own bodies.
@@ -127,7 +127,7 @@ fn own(title: &str, meshes: &[String; 2]) -> String {
 }
 
 fn pictures_of_levels(options: &Options, rows: &[Row]) -> Vec<(&'static str, Chart)> {
-    let (shape, n) = match options.meshes {
+    let (shape, n) = match options.meshes() {
         Some(_) => ("mesh", rows.first().map_or(0, |r| r.n)),
         None => ("sphere", parts::MIDDLE),
     };
@@ -137,7 +137,7 @@ fn pictures_of_levels(options: &Options, rows: &[Row]) -> Vec<(&'static str, Cha
         ("error-time-quick.svg", picture("0.5deg", n)),
         ("error-time-random.svg", picture("random", n)),
     ];
-    if options.meshes.is_none() {
+    if options.meshes().is_none() {
         all.push(("error-time-small.svg", picture("0.5deg", 8)));
         all.push(("size.svg", accuracy::time_and_size(rows, "sphere 0.5deg")));
     }

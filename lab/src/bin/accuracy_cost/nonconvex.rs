@@ -136,7 +136,7 @@ fn tumbling(mesh: &Mesh, reach: f64, frames: usize) -> Result<Vec<Pose>, Trouble
 const SCENES: [&str; 3] = ["rings", "gears", "knots"];
 
 pub(crate) fn count(options: &Options) -> u64 {
-    if options.does("nonconvex") && options.meshes.is_none() {
+    if options.does("nonconvex") && options.meshes().is_none() {
         SCENES.len() as u64
     } else {
         0

@@ -2,26 +2,32 @@
 
 use std::path::PathBuf;
 
-pub(crate) const USAGE: &str = "\
-usage: accuracy_cost [--csv FILE] [--out FOLDER] [--quick] [--only PART] [--mesh A.obj|A.stl --mesh B.obj|B.stl]
+use clap::Parser;
+use clap::builder::PossibleValuesParser;
+use lab::command::file;
 
-What each step of accuracy costs in time: every level of this crate and of parry on the same motions, errors against exact
-arithmetic. Prints tables and draws pictures.
+const PARTS: [&str; 7] = ["levels", "motion", "gap", "geometry", "curved", "nonconvex", "asking"];
 
-  --csv FILE     one row a pass: engine,level,family,n,ns,err (err over the size of the pair)
-  --out FOLDER   where to draw (default: target/accuracy-cost)
-  --quick        fewer frames and passes: ten seconds
-  --only PART    levels, motion, gap, geometry, curved, nonconvex or asking
-  --mesh FILE    two meshes of your own instead of ours, taken as hulls of radius 1 (parts levels, motion, gap, asking)";
-
-pub(crate) const PARTS: [&str; 7] = ["levels", "motion", "gap", "geometry", "curved", "nonconvex", "asking"];
-
+/// What each step of accuracy costs in time: every level of this crate and of parry on the same motions,
+/// errors against exact arithmetic. Prints tables and draws pictures
+#[derive(Parser)]
 pub(crate) struct Options {
+    /// One row a pass: engine,level,family,n,ns,err (err over the size of the pair)
+    #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
     pub(crate) csv: Option<PathBuf>,
+    /// Where to draw
+    #[arg(long, value_name = "FOLDER", default_value = "target/accuracy-cost")]
     pub(crate) out: PathBuf,
+    /// Fewer frames and passes: ten seconds
+    #[arg(long)]
     pub(crate) quick: bool,
+    /// One part alone
+    #[arg(long, value_name = "PART", value_parser = PossibleValuesParser::new(PARTS))]
     pub(crate) only: Option<String>,
-    pub(crate) meshes: Option<[String; 2]>,
+    /// A mesh of your own instead of ours, taken as a hull of radius 1; give two (parts levels, motion,
+    /// gap, asking)
+    #[arg(long, value_name = "FILE")]
+    mesh: Vec<String>,
 }
 
 impl Options {
@@ -43,37 +49,20 @@ impl Options {
     pub(crate) fn does(&self, part: &str) -> bool {
         self.only.as_ref().is_none_or(|p| p == part)
     }
-}
 
-/// The options, or what to tell the user: `Ok(None)` when asked for help.
-pub(crate) fn parse(mut words: impl Iterator<Item = String>) -> Result<Option<Options>, String> {
-    let mut o = Options {
-        csv: None,
-        out: PathBuf::from("target/accuracy-cost"),
-        quick: false,
-        only: None,
-        meshes: None,
-    };
-    let mut meshes = Vec::new();
-    while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or(format!("{word} needs a value"));
-        match word.as_str() {
-            "-h" | "--help" => return Ok(None),
-            "--csv" => o.csv = Some(value()?.into()),
-            "--out" => o.out = value()?.into(),
-            "--quick" => o.quick = true,
-            "--only" => o.only = Some(value()?),
-            "--mesh" => meshes.push(value()?),
-            _ => return Err(format!("{word} is no option")),
+    /// Returns the meshes of the user, if there are any.
+    pub(crate) fn meshes(&self) -> Option<[&str; 2]> {
+        match self.mesh.as_slice() {
+            [a, b] => Some([a, b]),
+            _ => None,
         }
     }
-    if let Some(part) = o.only.as_ref().filter(|p| !PARTS.contains(&p.as_str())) {
-        return Err(format!("{part} is no part"));
+
+    /// Refuses one mesh, or more than two.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        match self.mesh.len() {
+            0 | 2 => Ok(()),
+            given => Err(format!("two meshes are needed, or none; {given} given")),
+        }
     }
-    o.meshes = match <[String; 2]>::try_from(meshes) {
-        Ok(two) => Some(two),
-        Err(none) if none.is_empty() => None,
-        Err(other) => return Err(format!("two meshes are needed, or none; {} given", other.len())),
-    };
-    Ok(Some(o))
 }

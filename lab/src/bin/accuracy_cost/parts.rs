@@ -59,7 +59,7 @@ const GAPS: [i32; 16] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16];
 
 /// The bodies of a part: the caller's own, or ours.
 fn pair(options: &Options, shape: &str, n: usize) -> Result<(Pair, usize), Trouble> {
-    Ok(match &options.meshes {
+    Ok(match options.meshes() {
         Some([a, b]) => {
             let (a, b) = (pairs::mesh(a)?, pairs::mesh(b)?);
             let n = a.points.len();
@@ -72,7 +72,7 @@ fn pair(options: &Options, shape: &str, n: usize) -> Result<(Pair, usize), Troub
 /// How many families `--only` leaves.
 pub(crate) fn count(options: &Options) -> u64 {
     let part = |name: &str, n: usize| if options.does(name) { n as u64 } else { 0 };
-    let families = if options.meshes.is_some() {
+    let families = if options.meshes().is_some() {
         3
     } else {
         FAMILIES.len() + 2
@@ -84,7 +84,7 @@ pub(crate) fn levels(options: &Options, rows: &mut Vec<Row>, progress: &Progress
     measure::head(
         "Every level: gaps from 2 to 52 % of the radius, so many degrees a frame; `random` takes a new pose every frame",
     );
-    let own = options.meshes.is_some();
+    let own = options.meshes().is_some();
     let mine = [("mesh", 0, "0.5"), ("mesh", 0, "0.05")];
     for &(shape, n, degrees) in if own { &mine[..] } else { &FAMILIES } {
         let (pair, n) = pair(options, shape, n)?;
@@ -136,7 +136,7 @@ const FLUSH_SIZE: f64 = 2.6;
 
 /// The families of the third part.
 pub(crate) fn near(options: &Options) -> &'static [&'static str] {
-    if options.meshes.is_some() {
+    if options.meshes().is_some() {
         &["sphere"]
     } else {
         &["sphere", "flush"]

@@ -11,26 +11,20 @@ mod ulps;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use lab::command::Arguments;
+use clap::Parser;
 
 type Trouble = Box<dyn std::error::Error>;
 
-const USAGE: &str = "\
-usage: figures [FOLDER]
-
-Draws the pictures of the README and the documentation into FOLDER (default: target/figures; `figures images` in a checkout
-replaces the pictures there).";
-
-fn parse(arguments: Option<Arguments>) -> Result<Option<PathBuf>, String> {
-    let Some(arguments) = arguments else {
-        return Ok(None);
-    };
-    let folder = arguments.files(1)?.into_iter().next();
-    Ok(Some(folder.unwrap_or("target/figures".into()).into()))
+/// Draws the pictures of the README and the documentation
+#[derive(Parser)]
+struct Options {
+    /// Where to draw; `figures images` in a checkout replaces the pictures there
+    #[arg(value_name = "FOLDER", default_value = "target/figures")]
+    folder: PathBuf,
 }
 
 fn main() -> ExitCode {
-    lab::command::main("figures", USAGE, parse(Arguments::of_process()), |folder| run(folder))
+    lab::command::main(|o: &Options| run(&o.folder))
 }
 
 fn run(folder: &Path) -> Result<(), Trouble> {

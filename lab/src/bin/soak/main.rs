@@ -21,9 +21,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
+use clap::Parser;
 use draw::Trial;
 use judge::Judge;
-use lab::command::Arguments;
+use lab::command::{count, number};
 use lab::driven::{lattice, scenes};
 use lab::motion::Frame;
 use lab::progress::Progress;
@@ -34,45 +35,28 @@ use lin_canny::scene::Scene;
 use lin_canny::{Accuracy, Class, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 use tally::Tally;
 
+/// Random bodies of every hard family and curved shapes in random motions, meshes with the faults of
+/// real files, worlds of boxes, and scenes of bodies of every kind, every frame judged by arithmetic of
+/// its own
+///
+/// Failures are written to DIR as texts for the example replay, and end the program with status 1.
+#[derive(Parser)]
 struct Options {
+    /// How long
+    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = number(0.0))]
     minutes: f64,
+    /// Names the run
+    #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    /// Threads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = count(1))]
     threads: usize,
+    /// Where failures go
+    #[arg(long, value_name = "DIR", default_value = "target/soak-failures")]
     out: PathBuf,
+    /// This trial alone
+    #[arg(long, value_name = "K")]
     trial: Option<u64>,
-}
-
-const USAGE: &str = "\
-usage: soak [--minutes M] [--seed S] [--threads N] [--out DIR] [--trial K]
-
-Random bodies of every hard family and curved shapes in random motions, meshes with the faults of real files, worlds of boxes,
-and scenes of bodies of every kind, every frame judged by arithmetic of its own. Failures are written to DIR as texts for the example replay, and end the program with status 1.
-
-  --minutes M   how long (default: 1)
-  --seed S      names the run (default: 1)
-  --threads N   threads (default: 1)
-  --out DIR     where failures go (default: target/soak-failures)
-  --trial K     this trial alone";
-
-fn parse(arguments: Option<Arguments>) -> Result<Option<Options>, String> {
-    let Some(mut arguments) = arguments else {
-        return Ok(None);
-    };
-    let options = Options {
-        minutes: arguments.number("--minutes", 0.0, 1.0)?,
-        seed: arguments.number("--seed", 0, 1)?,
-        threads: arguments.number("--threads", 1, 1)?,
-        out: arguments
-            .value("--out")?
-            .unwrap_or("target/soak-failures".into())
-            .into(),
-        trial: match arguments.number("--trial", -1, -1_i64)? {
-            -1 => None,
-            trial => Some(trial as u64),
-        },
-    };
-    arguments.files(0)?;
-    Ok(Some(options))
 }
 
 /// One motion with all that is kept along it.
@@ -344,7 +328,7 @@ fn soak(options: &Options) -> (Tally, f64) {
 }
 
 fn main() -> ExitCode {
-    lab::command::main("soak", USAGE, parse(Arguments::of_process()), judge_all)
+    lab::command::main(judge_all)
 }
 
 fn judge_all(options: &Options) -> Result<(), String> {
