@@ -45,27 +45,26 @@
 //!
 //! # Which function?
 //!
-//! | question | function | answer |
+//! | question | call | answer |
 //! |---|---|---|
-//! | Do two bodies share a point? | [`Tracker::intersects`] | `bool`, touching counts |
-//! | Are they at most `d` apart? | [`Tracker::within`] | `bool` |
+//! | Do two bodies share a point? Are they at most `d` apart? | [`Tracker::intersects`], [`within`](Tracker::within) | `bool`, exact; touching counts |
 //! | How far apart, how deep? | [`Tracker::distance`] | [`Distance`]: signed value and bounds |
-//! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witnesses, normal, bounds |
-//! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | [`Outcome`] |
-//! | As fast as possible, without bounds? | [`Tracker::propose`] | [`Proposal`]: no bounds |
-//! | Which points hold them apart? | [`Tracker::manifold`] | [`Manifold`]: contact points, with names that last |
-//! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`] of the signed distance |
-//! | When do they meet? | [`impact::cast`], [`impact::cast_within`] | a proven bracket or a proven miss |
+//! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witness points, normal, distance, bounds |
+//! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | class exact, distance within one unit in the last place (depths as by `closest`) |
+//! | As fast as possible, without bounds? | [`Tracker::propose`] | [`Proposal`]: features and witness points |
+//! | How deep at most, at about three times the price of a walk? | [`Tracker::closest_with_local_depth`] | as `closest`; of an overlap an upper bound of the depth, proven, often the depth itself |
+//! | Which points hold two bodies apart? | [`Tracker::manifold`] | [`Manifold`]: contact points with names that last over frames |
+//! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`]: derivative of the signed distance by either pose |
+//! | When do they meet? | [`impact::cast`], [`cast_within`](impact::cast_within) | a proven bracket, or a proven miss |
 //! | Where does a ray enter a body? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a proven bracket, point, normal, feature |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
-//! | The same of any two geometries: rounded and curved [`Shape`]s, [`Composite`]s of convex pieces, [`Mesh`]es, [`patch::Surface`]s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
-//! | Which points hold any two solids apart? | [`PairTracker::contacts`] | [`PatchContacts`]: points by direction, with names that last |
-//! | How deep are two solids in each other that are not convex? | [`PairTracker::penetration`] | [`PenetrationBounds`]: an interval |
-//! | Many moving bodies? | [`scene::Scene`] | events and answers for the effects called for; [`closest_pair`](scene::Scene::closest_pair) |
-//! | Is a motion of a robot free over its whole length; is there a path? | `Checker` of the crate `lin-canny-plan` | a verdict, proven; a path |
+//! | The same of any two geometries: curved and rounded `Shape`s, `Composite`s, `Mesh`es, `patch::Surface`s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
+//! | Which points hold any two solids apart, how deep are they? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`PatchContacts`]: points by direction, with names that last; [`PenetrationBounds`]: an interval |
+//! | Many bodies: who overlaps, is near, meets when; the closest pair of two groups? | [`scene::Scene`] | events, impacts and answers for the effects called for |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
-//! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
+//! | Is a motion of a robot free over its whole length, is there a path? | `Checker` of the crate `lin-canny-plan` | proven free, or the time and the pair that collide; a path |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
+//! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
 //! | A ball, capsule, cylinder, cone, ellipsoid, anything rounded? | [`Shape`] | a body for [`PairTracker`] |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |
@@ -250,11 +249,12 @@
 //! | feature | default | adds |
 //! |---|---|---|
 //! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
-//! | `exact` | yes | the rung of exact integers (crate `dashu-int`) behind the filters |
-//! | `meshes` | yes | [`Composite`] and [`Mesh`], their contacts in scenes, and [`PairTracker::penetration`] |
-//! | `surfaces` | yes | [`patch`]: Bezier and NURBS surfaces; needs `meshes` |
-//! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files; with `serde_json` its feature `float_roundtrip` keeps every bit |
-//! | `parallel` | no | threads in the broad phase and in the queries of a scene, the same answers bit for bit |
+//! | `exact` | yes | exact integers behind the filters: every class and predicate decided, distances of separated bodies to the last bit |
+//! | `meshes` | yes | composites and meshes, their contacts, bounds of penetration depths |
+//! | `surfaces` | yes | Bezier and NURBS surfaces; needs `meshes` |
+//! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files; bodies are checked again when read; `serde_json` keeps every bit with its feature `float_roundtrip` |
+//! | `parallel` | no | threads in the broad phase, and in scenes from 625 queries a step on; the same answers bit for bit for any number |
+//! | `tracing` | no | events for a subscriber of `tracing`: solvers that fall back, budgets spent, input refused |
 //!
 //! # Reading the source
 //!
@@ -301,6 +301,7 @@
 //! }
 //! ```
 // What meshes and surfaces alone use lies idle without them.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(not(feature = "surfaces"), allow(dead_code, unused_imports, unused_macros))]
 #![no_std]
 extern crate alloc;
@@ -328,6 +329,7 @@ pub mod scene;
 mod time;
 
 pub use base::motion::Velocity;
+pub use base::notice::progress::Progress;
 pub use base::pose::{Operand, PoseError, RelativePose, normalize};
 pub use base::{cost, motion, tolerance};
 pub use body::polyhedron::{

@@ -115,6 +115,8 @@
 //!
 //! All of these were reproduced with these versions.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 #[cfg(feature = "f64")]
 pub mod double;
 #[cfg(feature = "f32")]

@@ -6,6 +6,7 @@ use clap::Parser;
 use lab::arm::{Trouble, cell, draw, motion, robot};
 use lab::command::{file, seconds};
 use lab::plot::Chart;
+use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm, World};
 use std::path::PathBuf;
@@ -57,7 +58,9 @@ fn run(options: &Options) -> Result<(), Trouble> {
         .slices(u64::MAX)
         .queries(u64::MAX);
     let began = Instant::now();
-    let plan = checker.plan_until(&start, &goal, &search, &mut || began.elapsed() > options.seconds)?;
+    let plan = checker.plan_with_progress(&start, &goal, &search, &mut |_| {
+        Progress::stop_if(began.elapsed() > options.seconds)
+    })?;
     let (took, work) = (began.elapsed(), plan.work);
     println!(
         "{took:.2?}: {} freeways, {} random slices, {} configurations, {} distance queries",

@@ -5,9 +5,9 @@
 use clap::Parser;
 use lab::command::{file, number, seconds};
 use lab::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
-use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
+use lin_canny::{ConvexPolyhedron, Progress};
 use lin_canny_plan::{Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanOptions, PlanarSpace, World};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -86,7 +86,9 @@ fn run(options: &Options) -> Result<(), Trouble> {
         .slices(u64::MAX)
         .queries(u64::MAX);
     let began = Instant::now();
-    let plan = checker.plan_until(&start, &goal, &search, &mut || began.elapsed() > options.seconds)?;
+    let plan = checker.plan_with_progress(&start, &goal, &search, &mut |_| {
+        Progress::stop_if(began.elapsed() > options.seconds)
+    })?;
     let work = &plan.work;
     println!(
         "{:.2?}: {} freeways, {} bridges, {} random slices, {} configurations",

@@ -8,7 +8,7 @@
 
 use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
-use lin_canny::{ConvexPolyhedron, Geometry};
+use lin_canny::{ConvexPolyhedron, Geometry, Progress};
 use lin_canny_plan::{Checker, Path, PlanError, PlanOptions, RigidSpace, World};
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -220,7 +220,9 @@ fn run(job: &Job, out: &std::path::Path) -> Result<bool, String> {
     let began = Instant::now();
     let [start, goal] = &job.ends;
     let plan = checker
-        .plan_until(start, goal, &options, &mut || began.elapsed() >= job.limit)
+        .plan_with_progress(start, goal, &options, &mut |_| {
+            Progress::stop_if(began.elapsed() >= job.limit)
+        })
         .map_err(said)?;
     let (work, took) = (plan.work, began.elapsed());
     println!(

@@ -85,7 +85,7 @@
 //! the probability of missing a path whose clearance exceeds the margin tends to zero with the
 //! number of slices, since feelers reach every open set and are linked. No answer ever says that
 //! there is no path. Budgets count ([`PlanOptions`]) or stop by a clock of the caller
-//! ([`Checker::plan_until`]); the same seed gives the same answer, bit for bit.
+//! ([`Checker::plan_with_progress`]); the same seed gives the same answer, bit for bit.
 //!
 //! # When not to use it
 //!
@@ -112,6 +112,8 @@
 //!    between opposite obstacles, found locally, stand for them.
 //! 3. The ascent is a proximal bundle method, since the clearance has kinks at its maxima.
 //! 4. Straight links and feelers join parts of the roadmap before bridges are searched.
+
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod arm;
 mod ascent;

@@ -1,6 +1,9 @@
 //! The opportunistic global path planner of Canny and Lin: what it is asked and what it answers.
 
+use core::ops::ControlFlow;
 use std::string::ToString;
+
+use lin_canny::Progress;
 
 use crate::ascent::Slice;
 use crate::checker::{CheckWork, Checker};
@@ -21,7 +24,7 @@ pub struct PlanOptions {
     pub slices: u64,
     /// Distance queries, at most; looked at between freeways. The default, a million, takes some
     /// seconds to tens of seconds, as the bodies are; a search that is watched by the caller takes
-    /// `u64::MAX`, with [`Checker::plan_until`].
+    /// `u64::MAX`, with [`Checker::plan_with_progress`].
     pub queries: u64,
     /// The clearance beyond which no configuration is better: ascents end there. `None` for an
     /// eighth of the largest extent of the bounds.
@@ -104,20 +107,21 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// A configuration that is not of the space or not clear of contact by the margin, or options
     /// out of range.
     pub fn plan(&mut self, start: &[f64], goal: &[f64], options: &PlanOptions) -> Result<Plan, PlanError> {
-        self.plan_until(start, goal, options, &mut || false)
+        self.plan_with_progress(start, goal, options, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// Searches a path until `stop` returns true, which is asked between freeways: for limits of
-    /// time.
+    /// Searches a path as [`plan`](Self::plan) does, and tells the caller between freeways how many
+    /// queries of distances it has made. A caller that stops the search, by a limit of time for
+    /// example, gets no path.
     ///
     /// # Errors
     /// As [`plan`](Self::plan).
-    pub fn plan_until(
+    pub fn plan_with_progress(
         &mut self,
         start: &[f64],
         goal: &[f64],
         options: &PlanOptions,
-        stop: &mut dyn FnMut() -> bool,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
     ) -> Result<Plan, PlanError> {
         for (q, end) in [(start, "start"), (goal, "goal")] {
             if let Some(near) = self.clearance(q)?.filter(|near| !(near.lower > self.margin())) {
@@ -135,7 +139,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             lengths,
             queries: options.queries,
             before,
-            stop,
+            progress,
         };
         search.run(start, goal, options.slices)?;
         let found = search.path();
@@ -196,5 +200,5 @@ pub(crate) struct PathSearch<'a, C> {
     pub(crate) lengths: Slice,
     pub(crate) queries: u64,
     pub(crate) before: CheckWork,
-    pub(crate) stop: &'a mut dyn FnMut() -> bool,
+    pub(crate) progress: &'a mut dyn FnMut(Progress) -> ControlFlow<()>,
 }

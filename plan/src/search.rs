@@ -2,6 +2,8 @@
 
 use std::vec::Vec;
 
+use lin_canny::Progress;
+
 use crate::ascent::{ClearConfiguration, Slice, dot};
 use crate::clearance::NearPair;
 use crate::error::PlanError;
@@ -45,7 +47,12 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
 
     fn is_over(&mut self) -> bool {
         let spent = self.checker.work.since(&self.before);
-        self.is_solved() || spent.queries + spent.measures >= self.queries || (self.stop)()
+        let queries = spent.queries + spent.measures;
+        if self.is_solved() || queries >= self.queries {
+            return true;
+        }
+        let total = usize::try_from(self.queries).ok().filter(|&most| most < usize::MAX);
+        (self.progress)(Progress::new("queries", queries as usize, total)).is_break()
     }
 
     pub(crate) fn path(&self) -> Option<Path> {

@@ -8,6 +8,7 @@ pub(crate) use answers::{NearPair, Verdict};
 
 use std::time::{Duration, Instant};
 
+use lin_canny::Progress;
 use lin_canny_robot::Setup;
 use lin_canny_robot::plan::{Checker as Loaded, ConfigurationSpace, JointTree, Path, PlanOptions, WorldId};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
@@ -275,14 +276,14 @@ impl Checker {
         shorten: usize,
     ) -> PyResult<Option<Path>> {
         let (began, mut looked, mut raised) = (Instant::now(), Instant::now(), None);
-        let mut stop = || {
+        let mut stop = |_| {
             if looked.elapsed() > BREATH {
                 looked = Instant::now();
                 raised = Python::attach(|py| py.check_signals()).err();
             }
-            raised.is_some() || began.elapsed().as_secs_f64() > seconds
+            Progress::stop_if(raised.is_some() || began.elapsed().as_secs_f64() > seconds)
         };
-        let found = self.checker.plan_until(start, goal, options, &mut stop);
+        let found = self.checker.plan_with_progress(start, goal, options, &mut stop);
         if let Some(error) = raised {
             return Err(error);
         }

@@ -98,6 +98,8 @@
 //!   [`lin_canny_parry`].
 //! * Snapshots do not hold the dispatcher: set it again after reading one.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod effects;
 mod error;
 mod free;

@@ -47,6 +47,8 @@
 //! time. Numbers have all the digits that read back to the same bits. A reader refuses another
 //! version, and ignores keys that it does not know.
 
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
 mod format;
 mod read;
 mod scene;

@@ -1,7 +1,9 @@
 //! Pairs of links that need no check: found by random configurations.
 
+use std::ops::ControlFlow;
+
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::{PairTracker, RelativePose};
+use lin_canny::{PairTracker, Progress, RelativePose};
 use lin_canny_plan::{ConfigurationSpace, PlanError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -57,7 +59,7 @@ struct Counted {
 
 /// Counts at random configurations, uniform within the limits, how often each two links overlap.
 /// Pairs of links that keep their relative pose are left out. `progress` is called after each
-/// configuration with the number done, and ends the count early by `false`.
+/// configuration, and may end the count early.
 ///
 /// # Errors
 /// Numbers of a robot that are out of range.
@@ -65,7 +67,7 @@ pub fn find_ignorable(
     setup: &Setup,
     samples: u64,
     seed: u64,
-    progress: &mut dyn FnMut(u64) -> bool,
+    progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
 ) -> Result<Vec<LinkPairCount>, PlanError> {
     let space = setup.space()?;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -78,7 +80,8 @@ pub fn find_ignorable(
             pair.count(setup, &poses)?;
         }
         done += 1;
-        if !progress(done) {
+        let told = Progress::new("configurations", done as usize, usize::try_from(samples).ok());
+        if progress(told).is_break() {
             break;
         }
     }

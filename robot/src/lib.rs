@@ -45,6 +45,7 @@
 //! to be expanded.
 //!
 //! A [`FileError`] names file, line and element. Nothing here panics on a file.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 mod cell;

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use lin_canny::{Decision, PairTracker, RelativePose};
+use lin_canny::{Decision, PairTracker, Progress, RelativePose};
 use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, SegmentMotion, SerialArm, Verdict};
 use lin_canny_robot::{
     Cell, IgnoreReason, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_ignorable,
@@ -305,9 +305,9 @@ fn ignorable_pairs_are_counted_and_written() {
     let mut setup = Setup::new();
     setup.robot("", &robot, Isometry3::identity());
     let mut calls = 0;
-    let counts = find_ignorable(&setup, 2000, 7, &mut |done| {
+    let counts = find_ignorable(&setup, 2000, 7, &mut |progress| {
         calls += 1;
-        done == calls
+        Progress::stop_if(progress.done != calls)
     });
     let counts = counts.expect("counts");
     assert_eq!(calls, 2000);
@@ -327,7 +327,7 @@ fn ignorable_pairs_are_counted_and_written() {
         reason.is_none() && (overlaps as f64 / 2000.0 - 1.0 / 2.2).abs() < 0.05,
         "{overlaps}"
     );
-    let few = find_ignorable(&setup, 2000, 7, &mut |done| done < 10).expect("counts");
+    let few = find_ignorable(&setup, 2000, 7, &mut |progress| Progress::stop_if(progress.done >= 10)).expect("counts");
     assert!(few.iter().all(|pair| pair.samples == 10));
     let srdf = Srdf::of_counts(&counts);
     let again = Srdf::parse(&srdf.text(robot.name()), "r.srdf", &robot).expect("our own text");

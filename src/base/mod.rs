@@ -3,6 +3,7 @@
 
 pub mod cost;
 pub mod motion;
+pub(crate) mod notice;
 pub(crate) mod num;
 pub(crate) mod pose;
 pub mod tolerance;

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
 
+use crate::base::notice::log;
 use crate::base::num::packed::{self, PackedRotation, PackedVec3};
 use crate::base::tolerance::{POSE_UNIT, REACH};
 
@@ -305,6 +306,12 @@ impl RelativePose {
 #[cold]
 #[inline(never)]
 fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> (usize, f64) {
+    let (which, value) = invalid_part(pose_a, pose_b);
+    log::refused("a pose", &PoseError::of(which, value));
+    (which, value)
+}
+
+fn invalid_part(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> (usize, f64) {
     let (a, b) = (PoseBits::new(pose_a), PoseBits::new(pose_b));
     if let Some((part, value)) = a.refused() {
         return (part, value);

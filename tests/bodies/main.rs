@@ -4,5 +4,6 @@ mod boxes;
 mod forms;
 mod hulls;
 mod kinds;
+mod progress;
 mod queries;
 mod time;

@@ -77,7 +77,10 @@ fn below(folder: &str) -> Vec<Source> {
 
 /// The rooms of the ground floor, lowest first, and the layers of those that hold several.
 const ROOMS: &[(&str, &[&str])] = &[
-    ("base", &["cost", "tolerance", "tuning", "num", "pose", "motion"]),
+    (
+        "base",
+        &["cost", "tolerance", "tuning", "notice", "num", "pose", "motion"],
+    ),
     ("body", &["polyhedron", "shape"]),
     ("pair", &["soundness"]),
     (
@@ -184,12 +187,16 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ("tolerance", &[]),
     // Thresholds that steer work and never answers.
     ("tuning", &["tolerance"]),
+    ("notice", &["notice"]),
     ("num", &["tolerance", "num"]),
-    ("pose", &["tolerance", "num"]),
+    ("pose", &["notice", "tolerance", "num"]),
     // Poses, velocities and displacements: no shape.
     ("motion", &["tolerance", "num", "pose", "motion"]),
     // The box of a posed polyhedron turns by the matrix of a pose.
-    ("polyhedron", &["tolerance", "tuning", "num", "pose", "polyhedron"]),
+    (
+        "polyhedron",
+        &["notice", "tolerance", "tuning", "num", "pose", "polyhedron"],
+    ),
     // Geometry alone: cores, radii, supports.
     ("shape", &["tolerance", "num", "pose", "polyhedron", "shape"]),
     // Two posed shapes, the outcome and the certificate: no solver.
@@ -256,6 +263,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "tracker",
         &[
+            "notice",
             "tolerance",
             "tuning",
             "num",
@@ -325,7 +333,16 @@ const MAY_USE: &[(&str, &[&str])] = &[
     // Time of impact: motions and the seam, no shape.
     (
         "impact",
-        &["tolerance", "tuning", "pose", "motion", "pair", "separation", "impact"],
+        &[
+            "notice",
+            "tolerance",
+            "tuning",
+            "pose",
+            "motion",
+            "pair",
+            "separation",
+            "impact",
+        ],
     ),
     // Ids, ticks and bounds only.
     ("schedule", &["tolerance", "tuning"]),
@@ -333,6 +350,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     (
         "composite",
         &[
+            "notice",
             "tolerance",
             "tuning",
             "num",

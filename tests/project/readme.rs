@@ -135,3 +135,45 @@ fn code_of_the_documentation_is_narrow_and_needs_no_other_crate() {
     assert!(lines > 300, "only {lines} lines of code found");
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
+
+/// The rows of the table under a header, without the markup of links.
+fn rows(text: &str, header: &str) -> Vec<String> {
+    let lines = text.lines().map(|l| l.trim_start_matches("//! "));
+    let table = lines
+        .skip_while(|l| *l != header)
+        .skip(2)
+        .take_while(|l| l.starts_with('|'));
+    table.map(without_links).collect()
+}
+
+/// Returns `text` with `[name](target)` and `[name]` as `name`.
+fn without_links(text: &str) -> String {
+    let mut plain = String::new();
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once('[') {
+        let (name, tail) = after.split_once(']').expect("a link ends");
+        plain.push_str(before);
+        plain.push_str(name);
+        rest = match tail.strip_prefix('(') {
+            Some(target) => target.split_once(')').expect("a target ends").1,
+            None => tail,
+        };
+    }
+    plain + rest
+}
+
+/// Tables that stand in the README and on the front page of the documentation say the same.
+#[test]
+fn tables_of_the_readme_are_those_of_the_documentation() {
+    let (readme, front) = (read("README.md"), read("src/lib.rs"));
+    let features = "| feature | default | adds |";
+    assert_eq!(rows(&readme, features), rows(&front, features));
+    assert!(rows(&readme, features).len() > 5);
+    let questions = "| question | call | answer |";
+    let (some, all) = (rows(&readme, questions), rows(&front, questions));
+    let other: Vec<_> = some.iter().filter(|row| !all.contains(row)).collect();
+    assert!(
+        other.is_empty() && some.len() > 10,
+        "not in the documentation: {other:#?}"
+    );
+}

@@ -2,6 +2,7 @@
 
 use cpu_time::ThreadTime;
 use lab::arm::{cell, motion, robot};
+use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm, World};
@@ -50,7 +51,9 @@ fn window(height: f64, seeds: u64) -> (u64, Duration) {
         let began = ThreadTime::now();
         let limit = Duration::from_secs(10);
         let plan = checker
-            .plan_until(&start, &goal, &options, &mut || began.elapsed() > limit)
+            .plan_with_progress(&start, &goal, &options, &mut |_| {
+                Progress::stop_if(began.elapsed() > limit)
+            })
             .expect("free ends");
         let took = began.elapsed();
         longest = longest.max(took);

@@ -5,7 +5,7 @@ use cpu_time::ThreadTime;
 use lab::rooms::wall;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{ConvexPolyhedron, Piece};
+use lin_canny::{ConvexPolyhedron, Piece, Progress};
 use lin_canny_plan::{
     Checker, ConfigurationSpace, FreewayEnd, PlanError, PlanOptions, PlanarSpace, RigidSpace, TranslationSpace, World,
 };
@@ -47,7 +47,9 @@ fn passage(width: f64, seeds: u64, limit: Duration) -> (u64, Duration) {
         let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
         let began = ThreadTime::now();
         let plan = checker
-            .plan_until(&start, &goal, &options(seed), &mut || began.elapsed() > limit)
+            .plan_with_progress(&start, &goal, &options(seed), &mut |_| {
+                Progress::stop_if(began.elapsed() > limit)
+            })
             .expect("free ends");
         let took = began.elapsed();
         longest = longest.max(took);

@@ -1,5 +1,6 @@
 //! `ignorable`: pairs of links that need no check.
 
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -26,9 +27,9 @@ pub(super) struct IgnorableOptions {
 pub(super) fn run(options: &IgnorableOptions) -> Result<End, ToolError> {
     let (robot, setup) = options.robot.load()?;
     let bar = progress("configurations", options.samples);
-    let counts = find_ignorable(&setup, options.samples, options.seed, &mut |done| {
-        bar.set_position(done);
-        true
+    let counts = find_ignorable(&setup, options.samples, options.seed, &mut |progress| {
+        bar.set_position(progress.done as u64);
+        ControlFlow::Continue(())
     })?;
     bar.finish_and_clear();
     for pair in &counts {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use clap::Args;
+use lin_canny::Progress;
 use lin_canny_robot::plan::PlanOptions;
 use lin_canny_robot::{Trajectory, csv_text};
 
@@ -53,7 +54,9 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         .seed(options.seed)
         .slices(u64::MAX)
         .queries(u64::MAX);
-    let found = checker.plan_until(start, goal, &search, &mut || began.elapsed() > options.seconds)?;
+    let found = checker.plan_with_progress(start, goal, &search, &mut |_| {
+        Progress::stop_if(began.elapsed() > options.seconds)
+    })?;
     let Some(path) = found.path else {
         eprintln!(
             "no path found in {:.1?}: there may be one nevertheless",

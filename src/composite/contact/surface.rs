@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::grow::{PatchTriangles, corners, grow};
+use crate::base::notice::progress::Watch;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::ACROSS;
 use crate::base::tuning::composite::{CONE, DEPTH, MANY_TRIANGLES};
@@ -53,9 +54,9 @@ impl PatchedMesh {
         let slack = tolerance.max(ACROSS * mesh.radius);
         let patches = grow(&mesh, slack);
         let vertices: Vec<Vec<u32>> = patches.iter().map(|p| corners(&mesh, p, slack)).collect();
-        let (mut tree, order) = Tree::split(&mesh.points, &vertices, 1);
+        let (mut tree, order) = Tree::split(&mesh.points, &vertices, 1, &mut Watch::none());
         let items: Vec<&[u32]> = order.iter().map(|&k| &vertices[k as usize][..]).collect();
-        tree.fit(&mesh.points, &items, 0.0);
+        tree.fit(&mesh.points, &items, 0.0, &mut Watch::none());
         let is_large = |p: &PatchTriangles| p.len() >= MANY_TRIANGLES;
         let mut surface = Self {
             tree,

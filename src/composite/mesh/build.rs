@@ -2,11 +2,14 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::ControlFlow;
 use nalgebra::{Point3, Vector3};
 
 use super::edges::Edges;
 use super::weld::{MOST, Welded, stir, weld};
 use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
+use crate::base::notice::log;
+use crate::base::notice::progress::{Progress, Stopped, Watch};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
@@ -28,6 +31,28 @@ impl Mesh {
     /// A coordinate that is not finite, an index of a point that does not exist, more than 2^27
     /// points or triangles, no triangle left, or an extent outside 1e-100..1e100.
     pub fn new(points: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
+        Self::built(points, triangles, &mut Watch::none())
+    }
+
+    /// Builds a mesh as [`new`](Self::new) does, and tells the caller how far it is: for terrains
+    /// of a million triangles.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new); [`MeshError::Stopped`] if the caller stops it.
+    pub fn new_with_progress(
+        points: &[Point3<f64>],
+        triangles: &[[u32; 3]],
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Self, MeshError> {
+        Self::built(points, triangles, &mut Watch::new(progress))
+    }
+
+    fn built(points: &[Point3<f64>], triangles: &[[u32; 3]], watch: &mut Watch<'_>) -> Result<Self, MeshError> {
+        Self::build(points, triangles, watch).inspect_err(|why| log::refused("a mesh", why))
+    }
+
+    fn build(points: &[Point3<f64>], triangles: &[[u32; 3]], watch: &mut Watch<'_>) -> Result<Self, MeshError> {
         if triangles.len() > MOST {
             return Err(MeshError::TooMany { count: triangles.len() });
         }
@@ -36,13 +61,15 @@ impl Mesh {
             let index = index as usize;
             return Err(MeshError::IndexOutOfRange { triangle, index });
         }
+        watch.stage("weld", None)?;
         let welded = weld(points, triangles)?;
+        watch.stage("edges", None)?;
         let every = sieve(&welded, triangles);
         if every.kept.is_empty() {
             return Err(MeshError::Empty { given: triangles.len() });
         }
         let (sieved, found) = judged(&welded.points, every);
-        Ok(assemble(welded, sieved, found, triangles.len()))
+        Ok(assemble(welded, sieved, found, triangles.len(), watch)?)
     }
 
     /// Builds the surface of a convex body as a solid mesh. A triangle is named by its number in
@@ -142,19 +169,28 @@ fn without_repeated(every: &Sieved) -> Sieved {
 }
 
 /// Builds the tree and puts everything in its order.
-fn assemble(welded: Welded, sieved: Sieved, found: Edges, given: usize) -> Mesh {
+fn assemble(
+    welded: Welded,
+    sieved: Sieved,
+    found: Edges,
+    given: usize,
+    watch: &mut Watch<'_>,
+) -> Result<Mesh, Stopped> {
     let (mut parts, part_vertices) = edges::parts(&welded.points, &sieved.kept, found.closed);
     parts
         .iter_mut()
         .for_each(|p| p.triangle = sieved.source[p.triangle as usize]);
-    let (mut tree, order) = Tree::split(&welded.points, &sieved.kept, LEAF);
+    watch.stage("tree", Some(sieved.kept.len()))?;
+    let (mut tree, order) = Tree::split(&welded.points, &sieved.kept, LEAF, watch);
+    watch.stage("boxes", Some(tree.len()))?;
     let mut ordered = Ordered::new(welded.points.len());
     ordered.triangles = order
         .iter()
         .map(|&k| sieved.kept[k as usize].map(|v| ordered.vertex(v)))
         .collect();
     let points: Vec<_> = ordered.source.iter().map(|&v| welded.points[v as usize]).collect();
-    tree.fit(&points, &ordered.triangles, 0.0);
+    tree.fit(&points, &ordered.triangles, 0.0, watch);
+    watch.check()?;
     let (low, high) = bounding_box(&points);
     let unit = crate::body::polyhedron::power_of_two(welded.exponent);
     parts.iter_mut().for_each(|p| p.volume *= unit * unit * unit);
@@ -165,7 +201,7 @@ fn assemble(welded: Welded, sieved: Sieved, found: Edges, given: usize) -> Mesh 
     };
     let welded_away = (0u32..).zip(&welded.same_as).filter(|(k, v)| k != *v).count();
     let square = points.iter().fold(0.0, |r: f64, p| r.max(p.norm_squared()));
-    Mesh {
+    Ok(Mesh {
         report: MeshReport {
             kind,
             input_points: welded.points.len(),
@@ -196,7 +232,7 @@ fn assemble(welded: Welded, sieved: Sieved, found: Edges, given: usize) -> Mesh 
         tree,
         low,
         high,
-    }
+    })
 }
 
 /// Vertices in the order in which triangles use them.

@@ -1,9 +1,11 @@
 //! Where a mesh crosses itself, and which of its parts lie in others.
 
 use alloc::vec::Vec;
+use core::ops::ControlFlow;
 use nalgebra::{Isometry3, Vector3};
 
 use super::Mesh;
+use crate::base::notice::progress::{Progress, Watch};
 use crate::base::num::sign;
 use crate::base::pose::RelativePose;
 use crate::composite::meet::bounds::{BoundAim, MOST, bounds};
@@ -34,6 +36,21 @@ impl Mesh {
     /// distances and winding numbers are right for such meshes too.
     #[must_use]
     pub fn inspect(&self, most: usize) -> MeshInspection {
+        self.inspect_watched(most, &mut Watch::none())
+    }
+
+    /// Looks as [`inspect`](Self::inspect) does, and tells the caller how far it is. A caller who
+    /// stops it gets what was found so far, and an inspection that is not complete.
+    #[must_use]
+    pub fn inspect_with_progress(
+        &self,
+        most: usize,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> MeshInspection {
+        self.inspect_watched(most, &mut Watch::new(progress))
+    }
+
+    fn inspect_watched(&self, most: usize, watch: &mut Watch<'_>) -> MeshInspection {
         let mut found = MeshInspection {
             is_complete: true,
             ..MeshInspection::default()
@@ -43,21 +60,25 @@ impl Mesh {
             .ok()
             .and_then(|pose| TreeFrame::new(self.side(), self.side(), &pose))
         {
-            self.cross(&frame, most, &mut found);
+            self.cross(&frame, most, &mut found, watch);
         }
         found.crossings.sort_unstable();
-        if self.is_solid() {
+        if self.is_solid() && watch.stage("parts in parts", None).is_ok() {
             self.nest(&mut found);
         }
+        found.is_complete &= watch.check().is_ok();
         found
     }
 
-    fn cross(&self, frame: &TreeFrame, most: usize, found: &mut MeshInspection) {
+    fn cross(&self, frame: &TreeFrame, most: usize, found: &mut MeshInspection, watch: &mut Watch<'_>) {
         let (tree, aim) = (&self.tree, BoundAim::to(frame.single.error.next_up()));
-        let mut stack = alloc::vec![[0, 0]];
-        while !stack.is_empty() {
+        let (mut stack, mut done) = (alloc::vec![[0, 0]], 0);
+        found.is_complete = watch.stage("crossings", None).is_ok();
+        while found.is_complete && !stack.is_empty() {
             let batch = stack.split_off(stack.len().saturating_sub(MOST));
             let gaps = bounds(&frame.single, (tree, tree), &batch, &aim);
+            done += batch.len();
+            found.is_complete &= watch.done(done);
             for (&[x, y], gap) in batch.iter().zip(gaps.gap) {
                 if gap > frame.single.error {
                     continue;

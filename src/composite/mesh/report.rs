@@ -3,6 +3,8 @@
 use alloc::vec::Vec;
 use core::fmt;
 
+use crate::base::notice::progress::Stopped;
+
 /// Reason why points and triangles make no mesh. Indices are the caller's, lengths in the caller's
 /// unit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -53,6 +55,15 @@ pub enum MeshError {
         /// The data that do not fit.
         what: &'static str,
     },
+    /// The caller's callback of progress has stopped the call.
+    #[error("the caller has stopped the build")]
+    Stopped,
+}
+
+impl From<Stopped> for MeshError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
 }
 
 /// Whether a mesh bounds a volume.

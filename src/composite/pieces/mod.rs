@@ -9,6 +9,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
 pub(crate) use tracker::CompositeTracker;
 
+use crate::base::notice::progress::Watch;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, UNIT};
@@ -145,7 +146,7 @@ impl Composite {
         let exponent = (exponent_of(size) + EXPONENT_FREE).div_euclid(window) * window;
         let scale = power_of_two(-exponent);
         let stored: Vec<_> = given.iter().map(|p| p * scale).collect();
-        let (mut tree, order) = Tree::split(&stored, corners, 1);
+        let (mut tree, order) = Tree::split(&stored, corners, 1, &mut Watch::none());
         let mut points = Vec::with_capacity(stored.len());
         let items: Vec<Vec<u32>> = order
             .iter()
@@ -160,7 +161,7 @@ impl Composite {
             sqrt(centre.coords.norm_squared()) + radius + sqrt(p.pose.translation.vector.norm_squared())
         };
         let farthest = pieces.iter().map(reach).fold(0.0, f64::max) * scale;
-        tree.fit(&points, &items, CERTIFICATE * UNIT * farthest);
+        tree.fit(&points, &items, CERTIFICATE * UNIT * farthest, &mut Watch::none());
         let (low, high) = bounding_box(&points);
         Self {
             fingerprint: fingerprint(&pieces),

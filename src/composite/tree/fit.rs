@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::{Below, OrientedBox, Slab, Tree};
+use crate::base::notice::progress::Watch;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
 use crate::base::tuning::composite::{SLAB, SLAB_ITEMS, THINNER};
@@ -62,7 +63,13 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
 impl Tree {
     /// Sets the extents of every box. Triangles or pieces are in the tree's order, vertices in the
     /// order in which these use them. No vertex is off its place by more than `error`.
-    pub(crate) fn fit<I: AsRef<[u32]>>(&mut self, points: &[Vector3<f64>], items: &[I], error: f64) {
+    pub(crate) fn fit<I: AsRef<[u32]>>(
+        &mut self,
+        points: &[Vector3<f64>],
+        items: &[I],
+        error: f64,
+        watch: &mut Watch<'_>,
+    ) {
         let scale = crate::body::polyhedron::power_of_two(-self.exponent);
         let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
         // The rounding of the shift to the tree's origin.
@@ -72,7 +79,7 @@ impl Tree {
         let vertices = Vertices::new(places, points, SLAB_HEIGHT * sqrt(farthest) + error, items);
         let ranges = self.ranges();
         self.nearest = vec![u32::MAX; ranges.len()];
-        for (node, &range) in ranges.iter().enumerate() {
+        for (node, &range) in ranges.iter().enumerate().take_while(|(node, _)| watch.done(*node)) {
             self.fit_node(node, range, &vertices, slack);
             if let Below::Children(c) = self.below(node as u32) {
                 let own = self.nearest[node];

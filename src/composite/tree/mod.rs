@@ -145,6 +145,11 @@ impl Tree {
         self.links[node as usize] & LEAF_MARK != 0
     }
 
+    /// Returns the number of nodes.
+    pub(crate) fn len(&self) -> usize {
+        self.links.len()
+    }
+
     /// Returns whether the tree has a single item.
     #[inline(always)]
     pub(crate) fn is_alone(&self) -> bool {

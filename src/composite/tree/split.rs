@@ -9,6 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::eigen::axes;
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
+use crate::base::notice::progress::Watch;
 use crate::base::num::scalar::{greater, lesser, sqrt};
 use crate::base::tolerance::UNIT;
 use crate::base::tuning::composite::{ACROSS, FEW_CORNERS, HARDLY, LEVEL, LONG, LOPSIDED, THIN};
@@ -27,8 +28,14 @@ type Task = (u32, usize, usize);
 
 impl Tree {
     /// Divides triangles or pieces, given by their corners, until they are leaves of at most
-    /// `most`: the tree with axes and without extents, and the order of the items.
-    pub(crate) fn split<I: AsRef<[u32]>>(points: &[Vector3<f64>], given: &[I], most: usize) -> (Self, Vec<u32>) {
+    /// `most`: the tree with axes and without extents, and the order of the items. Nothing of use
+    /// if the caller stops it.
+    pub(crate) fn split<I: AsRef<[u32]>>(
+        points: &[Vector3<f64>],
+        given: &[I],
+        most: usize,
+        watch: &mut Watch<'_>,
+    ) -> (Self, Vec<u32>) {
         let used = given.iter().flat_map(|i| i.as_ref()).map(|&v| &points[v as usize]);
         let (low, high) = bounding_box(used);
         let centre = low * 0.5 + high * 0.5;
@@ -51,7 +58,7 @@ impl Tree {
             },
         };
         splitter.collect();
-        splitter.run();
+        splitter.run(watch);
         let order = splitter.items.iter().map(|i| i.number).collect();
         splitter.tree.boxes.shrink_to_fit();
         splitter.tree.links.shrink_to_fit();
@@ -90,7 +97,7 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
         }
     }
 
-    fn run(&mut self) {
+    fn run(&mut self, watch: &mut Watch<'_>) {
         self.push_node();
         let mut tasks: Vec<Task> = vec![(0, 0, self.items.len())];
         while let Some((node, first, count)) = tasks.pop() {
@@ -104,6 +111,10 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
             let thin = values[2] <= THIN * THIN * values[0];
             if count == 1 || count <= self.most && thin {
                 self.tree.links[node as usize] = LEAF_MARK | (count as u32 - 1) << COUNT_SHIFT | first as u32;
+                // Tasks are taken in the order of the items.
+                if !watch.done(first + count) {
+                    break;
+                }
                 continue;
             }
             let left = match self.cut_plane(first, count, &rows[2]) {

@@ -1,5 +1,6 @@
 //! Counters of a tracker: costs of the two ways to start a walk, and totals for the caller.
 
+use crate::base::notice::log;
 use crate::base::num::count::{Counter, sum_of_counters};
 use crate::base::tuning::tracker::{CLIMBS, ELLIPSOIDS};
 use crate::pair::outcome::{Solver, Work};
@@ -95,6 +96,9 @@ impl Totals {
         self.answered[solver as usize].count(1);
         self.steps.count(u64::from(work.steps));
         self.depths.count(u64::from(work.depths));
+        if matches!(solver, Solver::Fallback | Solver::DoubleDouble | Solver::Exact) {
+            log::fell_back(&solver, work.steps);
+        }
     }
 }
 

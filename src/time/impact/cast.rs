@@ -6,6 +6,7 @@ use nalgebra::Isometry3;
 
 use super::{Certificate, Impact, Tolerance};
 use crate::base::motion::Motion;
+use crate::base::notice::log;
 use crate::base::pose::{PoseError, RelativePose};
 use crate::base::tolerance::ROOT;
 use crate::base::tuning::impact::{AIM, CLEAR, DOUBLINGS, LEAST, LOOKS, SHRINK};
@@ -54,6 +55,14 @@ impl LookBudget {
 
 impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<'_, S, A, B> {
     pub(super) fn run(&mut self, from: f64) -> Result<Impact, PoseError> {
+        let found = self.search(from);
+        if let Ok(Impact::Unknown { .. }) = found {
+            log::spent("a cast", LOOKS);
+        }
+        found
+    }
+
+    fn search(&mut self, from: f64) -> Result<Impact, PoseError> {
         let mut time = from;
         let mut budget = LookBudget {
             left: LOOKS,

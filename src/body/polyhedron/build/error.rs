@@ -3,6 +3,8 @@
 use alloc::vec::Vec;
 use core::fmt;
 
+use crate::base::notice::progress::Stopped;
+
 /// The reason for which points or faces make no body. Indices are the caller's, lengths in the
 /// caller's unit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -169,6 +171,15 @@ pub enum BuildError {
     /// defect of this crate.
     #[error("the hull found is not a polyhedron; please report these points")]
     Inconsistent,
+    /// The caller's callback of progress has stopped the call.
+    #[error("the caller has stopped the build")]
+    Stopped,
+}
+
+impl From<Stopped> for BuildError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
 }
 
 /// Displays why points of a dimension below three, spanned by some of them, are no body.

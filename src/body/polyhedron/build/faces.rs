@@ -10,6 +10,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+use crate::base::notice::log;
+use crate::base::notice::progress::Watch;
 use crate::base::num::sign::side;
 use crate::base::tolerance::{PLANARITY, SIDE_ERROR};
 use crate::body::polyhedron::build::cloud::{Cloud, power_of_two};
@@ -51,7 +53,7 @@ impl ConvexPolyhedron {
     /// the surface of a convex body; see [`BuildError`].
     #[doc(alias = "mesh")]
     pub fn from_faces(points: &[Point3<f64>], faces: &[impl AsRef<[u32]>]) -> Result<Self, BuildError> {
-        build(points, faces, None)
+        build(points, faces, None).inspect_err(|why| log::refused("a body of faces", why))
     }
 
     /// Returns a body from points and faces as [`from_faces`](Self::from_faces) does, if the faces
@@ -91,7 +93,7 @@ impl ConvexPolyhedron {
         if !(planarity_bound >= 0.0 && planarity_bound.is_finite()) {
             return Err(BuildError::BadBound { value: planarity_bound });
         }
-        build(points, faces, Some(planarity_bound))
+        build(points, faces, Some(planarity_bound)).inspect_err(|why| log::refused("a body of faces", why))
     }
 }
 
@@ -108,7 +110,7 @@ fn build(
     let bound = bound.map_or(PLANARITY * cloud.diagonal(), |b| b * scale);
     let planes = mesh.check_planes(&cloud, bound)?;
     let stored = cloud.points.clone();
-    let mut body = ConvexPolyhedron::hull_of(cloud)?;
+    let mut body = ConvexPolyhedron::hull_of(cloud, &mut Watch::none())?;
     let places = mesh.places(&body);
     mesh.check_convex(&body, &places, &planes, bound)?;
     if let Some(edge) = misdirected {

@@ -4,6 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+use crate::base::notice::progress::Watch;
 use crate::base::num::sign::{projection, side, turn};
 use crate::base::tolerance::PLANARITY;
 use crate::body::polyhedron::ConvexPolyhedron;
@@ -65,7 +66,7 @@ impl ConvexPolyhedron {
         let [a, b, c] = corners.map(|i| &cloud.points[i as usize]);
         if cloud.points.iter().any(|p| side(a, b, c, p) != 0.0) {
             check_planar(&cloud, a, &plane(a, b, c, 0.0).0.normal)?;
-            return Self::hull_of(cloud);
+            return Self::hull_of(cloud, &mut Watch::none());
         }
         let forward = first_turn(&cloud, points, axis) > 0.0;
         let (rim, on_edges) = planar_hull(&cloud.points, axis);

@@ -30,6 +30,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::notice::progress::Watch;
 use crate::base::num::sign::{projection, side};
 use crate::base::tolerance::SIDE_ERROR;
 use crate::body::polyhedron::build::cloud::bounding_box;
@@ -85,6 +86,8 @@ struct Hull<'a> {
     /// The next point of the conflict list, for each point.
     next: Vec<u32>,
     insertion: u32,
+    /// Points that are vertices of the hull so far, or inside it.
+    settled: usize,
     seen: Vec<u32>,
     /// Horizon edges as `[from, to, unseen triangle]`.
     horizon: Vec<[u32; 3]>,
@@ -93,35 +96,52 @@ struct Hull<'a> {
     starting_at: Vec<u32>,
 }
 
-/// Returns the hull of distinct points, or as an error points that span their affine hull if it is
-/// flat. `Ok(None)` cannot happen with exact signs.
-pub(crate) fn hull(points: &[Vector3<f64>]) -> Result<Option<HullSurface>, AffineSpan> {
-    let simplex = simplex(points)?;
-    let (low, high) = bounding_box(points);
-    let mut hull = Hull {
-        points,
-        sides: high - low,
-        facets: Vec::with_capacity(64 + 2 * points.len()),
-        free: Vec::new(),
-        pending: VecDeque::new(),
-        next: vec![NONE; points.len()],
-        insertion: 0,
-        seen: Vec::new(),
-        horizon: Vec::new(),
-        fresh: Vec::new(),
-        starting_at: vec![NONE; points.len()],
-    };
-    hull.begin(simplex);
-    while let Some(facet) = hull.pending.pop_front() {
-        let f = &hull.facets[facet as usize];
-        if f.alive && f.first != NONE && hull.add(facet).is_none() {
-            return Ok(None);
-        }
-    }
-    Ok(Some(hull.finish()))
+/// The reason for which points have no hull.
+pub(crate) enum NoHull {
+    /// All points lie in one plane.
+    Flat(AffineSpan),
+    /// The horizon of a point is no loop: cannot happen with exact signs.
+    Inconsistent,
+    /// The caller has stopped the call.
+    Stopped,
 }
 
-impl Hull<'_> {
+/// Returns the hull of distinct points.
+pub(crate) fn hull(points: &[Vector3<f64>], watch: &mut Watch<'_>) -> Result<HullSurface, NoHull> {
+    let mut hull = Hull::new(points);
+    hull.begin(simplex(points).map_err(NoHull::Flat)?);
+    watch.stage("hull", Some(points.len())).map_err(|_| NoHull::Stopped)?;
+    while let Some(facet) = hull.pending.pop_front() {
+        let f = &hull.facets[facet as usize];
+        if f.alive && f.first != NONE {
+            hull.add(facet).ok_or(NoHull::Inconsistent)?;
+            if !watch.done(hull.settled) {
+                return Err(NoHull::Stopped);
+            }
+        }
+    }
+    Ok(hull.finish())
+}
+
+impl<'a> Hull<'a> {
+    fn new(points: &'a [Vector3<f64>]) -> Self {
+        let (low, high) = bounding_box(points);
+        Self {
+            points,
+            sides: high - low,
+            facets: Vec::with_capacity(64 + 2 * points.len()),
+            free: Vec::new(),
+            pending: VecDeque::new(),
+            next: vec![NONE; points.len()],
+            insertion: 0,
+            settled: 0,
+            seen: Vec::new(),
+            horizon: Vec::new(),
+            fresh: Vec::new(),
+            starting_at: vec![NONE; points.len()],
+        }
+    }
+
     /// Creates the first tetrahedron; the last vertex must lie below the first three.
     fn begin(&mut self, [a, b, c, d]: [u32; 4]) {
         // The adjacent triangles follow from the order: 0 = abc, 1 = adb, 2 = bdc, 3 = cda.
@@ -214,9 +234,12 @@ impl Hull<'_> {
                 touched = facet;
             }
         }
-        if let Some(f) = self.facets.get_mut(touched as usize) {
-            self.next[p as usize] = f.touching;
-            f.touching = p;
+        match self.facets.get_mut(touched as usize) {
+            Some(f) => {
+                self.next[p as usize] = f.touching;
+                f.touching = p;
+            }
+            None => self.settled += 1,
         }
     }
 
@@ -247,6 +270,7 @@ impl Hull<'_> {
     /// Collects the triangles visible from `apex`, starting from one of them, and the horizon.
     fn find_visible(&mut self, start: u32, apex: u32) {
         self.insertion += 1;
+        self.settled += 1;
         let (unseen, seen) = (2 * self.insertion, 2 * self.insertion + 1);
         self.seen.clear();
         self.horizon.clear();

@@ -13,8 +13,11 @@ pub(crate) mod report;
 mod source_faces;
 
 use alloc::vec::Vec;
+use core::ops::ControlFlow;
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::base::notice::log;
+use crate::base::notice::progress::{Progress, Watch};
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::{Scalar, sqrt};
@@ -27,7 +30,7 @@ use crate::body::polyhedron::build::cloud::lowest_bit;
 use crate::body::polyhedron::build::cloud::{Cloud, bounding_box, power_of_two};
 use crate::body::polyhedron::build::error::BuildError;
 use crate::body::polyhedron::build::facets::Facets;
-use crate::body::polyhedron::build::hull::{AffineSpan, HullSurface, NONE, hull};
+use crate::body::polyhedron::build::hull::{AffineSpan, HullSurface, NONE, NoHull, hull};
 use crate::body::polyhedron::build::report::BuildReport;
 use crate::body::polyhedron::fans::Fans;
 use crate::body::polyhedron::plane::{plane, widest_corners};
@@ -71,15 +74,38 @@ impl ConvexPolyhedron {
     #[doc(alias = "quickhull")]
     #[doc(alias = "convex hull")]
     pub fn from_points(points: &[Point3<f64>]) -> Result<Self, BuildError> {
+        Self::hull_watched(points, &mut Watch::none())
+    }
+
+    /// Returns the convex hull as [`from_points`](Self::from_points) does, and tells the caller how
+    /// far it is: for clouds of a million points.
+    ///
+    /// # Errors
+    ///
+    /// As [`from_points`](Self::from_points); [`BuildError::Stopped`] if the caller stops it.
+    pub fn from_points_with_progress(
+        points: &[Point3<f64>],
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Self, BuildError> {
+        Self::hull_watched(points, &mut Watch::new(progress))
+    }
+
+    fn hull_watched(points: &[Point3<f64>], watch: &mut Watch<'_>) -> Result<Self, BuildError> {
+        watch.stage("sort", Some(points.len()))?;
         let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
-        Self::hull_of(Cloud::new(points, indices, 4)?)
+        let cloud = Cloud::new(points, indices, 4);
+        let hull = cloud.and_then(|cloud| Self::hull_of(cloud, watch));
+        hull.inspect_err(|why| log::refused("a hull", why))
     }
 
     /// Returns the hull of a cloud that is not flat.
-    pub(crate) fn hull_of(cloud: Cloud) -> Result<Self, BuildError> {
-        let surface = hull(&cloud.points)
-            .map_err(|span| flat(&cloud, &span))?
-            .ok_or(BuildError::Inconsistent)?;
+    pub(crate) fn hull_of(cloud: Cloud, watch: &mut Watch<'_>) -> Result<Self, BuildError> {
+        let surface = hull(&cloud.points, watch).map_err(|why| match why {
+            NoHull::Flat(span) => flat(&cloud, &span),
+            NoHull::Inconsistent => BuildError::Inconsistent,
+            NoHull::Stopped => BuildError::Stopped,
+        })?;
+        watch.stage("faces", None)?;
         let facets = Facets::new(&cloud.points, &surface).ok_or(BuildError::Inconsistent)?;
         let mut body = Self::assemble(&cloud, &facets.kept, &facets.loops)?;
         body.report.merged_facets = facets.merged;

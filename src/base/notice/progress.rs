@@ -1,0 +1,129 @@
+//! Progress of calls that may take seconds.
+
+use core::ops::ControlFlow;
+
+/// How far a long call is. A callback that takes it stops the call by [`ControlFlow::Break`].
+///
+/// ```
+/// use core::ops::ControlFlow;
+/// use lin_canny::{ConvexPolyhedron, Progress, polyhedron::BuildError};
+/// # use lin_canny::nalgebra::Point3;
+/// # let wave = |k: i32| f64::from(k).sin();
+/// # let place = |k| Point3::new(wave(k), wave(k + 1), wave(7 * k));
+/// # let points: Vec<_> = (0..2000).map(place).collect();
+///
+/// let mut shown = 0;
+/// let mut show = |progress: Progress| {
+///     shown = progress.done; // here a bar is drawn
+///     ControlFlow::Continue(())
+/// };
+/// let body = ConvexPolyhedron::from_points_with_progress(&points, &mut show)?;
+///
+/// let mut stop = |_| ControlFlow::Break(());
+/// let stopped = ConvexPolyhedron::from_points_with_progress(&points, &mut stop);
+/// assert!(matches!(stopped, Err(BuildError::Stopped)));
+/// # Ok::<(), BuildError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Progress {
+    /// The stage of the call: `"hull"`, `"tree"`.
+    pub stage: &'static str,
+    /// The work done in this stage.
+    pub done: usize,
+    /// The work of the whole stage, in the same unit; `None` if nobody knows before its end.
+    pub total: Option<usize>,
+}
+
+impl Progress {
+    /// Returns the progress of a stage.
+    #[must_use]
+    pub const fn new(stage: &'static str, done: usize, total: Option<usize>) -> Self {
+        Self { stage, done, total }
+    }
+
+    /// Returns the answer of a callback that stops the call if `is_over`.
+    pub const fn stop_if(is_over: bool) -> ControlFlow<()> {
+        if is_over {
+            ControlFlow::Break(())
+        } else {
+            ControlFlow::Continue(())
+        }
+    }
+}
+
+/// The callback of a caller.
+pub(crate) type Callback<'a> = &'a mut dyn FnMut(Progress) -> ControlFlow<()>;
+
+/// The caller has stopped a call.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stopped;
+
+/// Tells a caller how far a call is, some hundred times a stage. Once the caller has stopped the
+/// call, loops end at their next word of progress, and what they made is dropped at the next stage.
+pub(crate) struct Watch<'a> {
+    callback: Option<Callback<'a>>,
+    stage: &'static str,
+    total: Option<usize>,
+    /// The work at which the caller is told next, and the work between two tellings.
+    next: usize,
+    every: usize,
+    is_stopped: bool,
+}
+
+impl<'a> Watch<'a> {
+    /// Parts of a stage between which the caller is told.
+    const PARTS: usize = 128;
+
+    /// Work between two tellings of a stage whose work is unknown.
+    const EVERY: usize = 1 << 14;
+
+    /// Returns a watch for a caller that does not ask.
+    pub(crate) const fn none() -> Self {
+        Self {
+            callback: None,
+            stage: "",
+            total: None,
+            next: usize::MAX,
+            every: usize::MAX,
+            is_stopped: false,
+        }
+    }
+
+    /// Returns a watch that calls back.
+    pub(crate) fn new(callback: Callback<'a>) -> Self {
+        Self {
+            callback: Some(callback),
+            ..Self::none()
+        }
+    }
+
+    /// Begins a stage.
+    pub(crate) fn stage(&mut self, stage: &'static str, total: Option<usize>) -> Result<(), Stopped> {
+        self.check()?;
+        (self.stage, self.total) = (stage, total);
+        self.every = total.map_or(Self::EVERY, |total| (total / Self::PARTS).max(1));
+        self.tell(0);
+        self.check()
+    }
+
+    /// Says how much of the stage is done, and returns whether the call goes on.
+    pub(crate) fn done(&mut self, done: usize) -> bool {
+        if done >= self.next {
+            self.tell(done);
+        }
+        !self.is_stopped
+    }
+
+    /// Returns an error if the caller has stopped the call.
+    pub(crate) fn check(&self) -> Result<(), Stopped> {
+        if self.is_stopped { Err(Stopped) } else { Ok(()) }
+    }
+
+    fn tell(&mut self, done: usize) {
+        self.next = done.saturating_add(self.every);
+        if let Some(callback) = &mut self.callback {
+            self.is_stopped |= callback(Progress::new(self.stage, done, self.total)).is_break();
+        }
+    }
+}
