@@ -45,6 +45,8 @@
 //!
 //! # Which function?
 //!
+//! A chapter for each of the questions that users bring stands in the [`guide`].
+//!
 //! | question | call | answer |
 //! |---|---|---|
 //! | Do two bodies share a point? Are they at most `d` apart? | [`Tracker::intersects`], [`within`](Tracker::within) | `bool`, exact; touching counts |
@@ -314,6 +316,9 @@ pub mod broad;
 #[cfg(feature = "meshes")]
 pub mod composite;
 mod convex;
+// Pages of the documentation, and tests of their code; no part of the library.
+#[cfg(all(any(doc, doctest), feature = "surfaces", feature = "exact"))]
+pub mod guide;
 mod pair;
 mod pair_tracker;
 #[cfg(feature = "surfaces")]

@@ -1,5 +1,8 @@
 //! Pairs of geometries of any two kinds.
 
+// First, so that the documentation of `PairTracker` begins with `new` and `closest`.
+mod tracker;
+
 #[cfg(feature = "meshes")]
 mod contacts;
 #[cfg(feature = "meshes")]
@@ -17,7 +20,6 @@ mod patched;
 pub(crate) mod ray;
 mod state;
 mod tracked;
-mod tracker;
 mod work;
 
 pub use manifold::PairError;

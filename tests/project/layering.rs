@@ -449,6 +449,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "scene",
         ],
     ),
+    // Pages of the documentation.
+    ("guide", &[]),
     // Kernels of every layer for the tests of their error bounds (feature `proofs`).
     (
         "proofs",
@@ -489,7 +491,10 @@ fn rooms_stand_in_order() {
             .iter()
             .position(|(name, layers)| *name == layer || layers.contains(&layer))
     };
-    let told = MAY_USE.iter().map(|(name, _)| *name).filter(|name| *name != "proofs");
+    let told = MAY_USE
+        .iter()
+        .map(|(name, _)| *name)
+        .filter(|name| !["guide", "proofs"].contains(name));
     let order: Vec<_> = told
         .map(|name| room_of(name).unwrap_or_else(|| panic!("`{name}` stands in no room")))
         .collect();

@@ -15,10 +15,12 @@
 //! bodies as accurate as all others: rounding is relative to the body's size, never to its
 //! position.
 
+// First, so that the documentation of `ConvexPolyhedron` begins with the constructors.
+pub(crate) mod build;
+
 mod access;
 pub(crate) mod axis;
 mod bounds;
-pub(crate) mod build;
 mod check;
 pub(crate) mod cycle;
 pub(crate) mod fans;
