@@ -19,7 +19,7 @@ use crate::pair_tracker::geometry::Geometry;
 impl Scene {
     /// Returns an empty scene about the origin, in which nothing is called for: without
     /// [`call_for`](Self::call_for) a step does nothing but count the bodies that no effect covers
-    /// ([`Counts::uncovered`]).
+    /// ([`Counts::uncovered`](super::Counts::uncovered)).
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
@@ -250,7 +250,7 @@ impl Scene {
     }
 
     /// Returns the changes of the last step, in ascending order of the two bodies; for one pair in
-    /// the order of [`Change`].
+    /// the order of [`Change`](super::Change).
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events
