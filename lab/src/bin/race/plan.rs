@@ -15,7 +15,7 @@ use lab::rooms::Room;
 use lin_canny::broad::{Aabb, BodyOptions, BroadPhase, PencilSweep};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{BoxHint, Progress, RelativePose, Tracker};
+use lin_canny::{BoxHint, RelativePose, Tracker};
 use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, RigidSpace, Verdict};
 
 use crate::rrt;
@@ -206,7 +206,7 @@ fn search(scene: &str, room: Room, space: &RigidSpace, ends: [Vec<f64>; 2], seed
         let mut checker = Checker::new(space.clone(), room.world()).expect("a room");
         let options = PlanOptions::default().seed(seed);
         let began = ThreadTime::now();
-        let mut stop = |_| Progress::stop_if(began.elapsed() > LIMIT);
+        let mut stop = |_| lin_canny::Progress::stop_if(began.elapsed() > LIMIT);
         let plan = checker
             .plan_with_progress(start, goal, &options, &mut stop)
             .expect("free ends");
