@@ -18,6 +18,8 @@ mod parted;
 #[cfg(feature = "surfaces")]
 mod patched;
 pub(crate) mod ray;
+#[cfg(feature = "meshes")]
+mod ray_mesh;
 mod state;
 mod tracked;
 mod work;

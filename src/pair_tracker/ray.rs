@@ -218,41 +218,60 @@ impl RayCaster {
             return Ok(RayCast::Miss);
         };
         let width = RAY_WIDTH * (radius + sqrt((ball.0 - ray.origin).norm_squared()));
+        #[cfg(feature = "meshes")]
+        if let Some(mesh) = body.mesh()
+            && let Some(found) = super::ray_mesh::pierce(mesh, pose, ray, (from, until), width)
+        {
+            return Ok(found);
+        }
         let Some(point) = &self.point else {
             return Ok(RayCast::Near { safe: 0.0 });
         };
         let mut pair = self.tracker.over(body, point);
         let found = cast(&mut pair, &still, &flight, (from, until), Tolerance::Distance(width))?;
-        let entered = |safe: f64, hit: f64, seen: &Measure| {
-            RayCast::Hit(RayHit {
-                safe,
-                hit,
-                point: pose * seen.point_on_a,
-                normal: Unit::new_unchecked(pose.rotation * seen.normal.into_inner()),
-                feature: seen.features.map(|f| f.a),
-                part: seen.pieces[0],
-            })
-        };
-        Ok(match found.impact {
+        let found = match found.impact {
             Impact::Miss => RayCast::Miss,
             Impact::Start { .. } if from == 0.0 => RayCast::Inside,
-            Impact::Start { seen } => entered(from, from, &seen),
-            Impact::Hit { safe, hit, seen } => entered(safe, hit, &seen),
+            Impact::Start { seen } => entered(pose, (from, from), &seen),
+            Impact::Hit { safe, hit, seen } => entered(pose, (safe, hit), &seen),
             Impact::Near { safe, .. } | Impact::Unknown { safe } => {
                 let crossing = crossing(body, pose, ray, (safe, until), width);
-                let Some(hit) = crossing else {
-                    return Ok(RayCast::Near { safe });
-                };
-                let at = ray.at(safe);
-                let here = RelativePose::new(pose, &Isometry3::translation(at.x, at.y, at.z));
-                let seen = self
-                    .tracker
-                    .over(body, point)
-                    .measure(&here.map_err(ImpactError::from)?);
-                entered(safe, hit, &seen)
+                let seen = crossing.and_then(|_| self.seen(body, pose, &ray.at(safe)));
+                match (crossing, seen) {
+                    (Some(hit), Some(seen)) => entered(pose, (safe, hit), &seen),
+                    _ => RayCast::Near { safe },
+                }
             }
-        })
+        };
+        #[cfg(feature = "meshes")]
+        if let (RayCast::Hit(hit), Some(mesh)) = (found, body.mesh()) {
+            return Ok(super::ray_mesh::entered(mesh, pose, ray, (hit.safe, hit.hit)));
+        }
+        Ok(found)
     }
+
+    /// Returns the body's point closest to a point in the world.
+    fn seen(&mut self, body: GeometryRef, pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<Measure> {
+        let point = self.point.as_ref()?;
+        Some(self.tracker.over(body, point).measure(&placed(pose, at)?))
+    }
+}
+
+/// Returns the pose of a point in the frame of a body.
+pub(super) fn placed(pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<RelativePose> {
+    RelativePose::new(pose, &Isometry3::translation(at.x, at.y, at.z)).ok()
+}
+
+/// Returns the hit of a body at a pose, of which the point at the end of the safe part sees this.
+fn entered(pose: &Isometry3<f64>, (safe, hit): (f64, f64), seen: &Measure) -> RayCast {
+    RayCast::Hit(RayHit {
+        safe,
+        hit,
+        point: pose * seen.point_on_a,
+        normal: Unit::new_unchecked(pose.rotation * seen.normal.into_inner()),
+        feature: seen.features.map(|f| f.a),
+        part: seen.pieces[0],
+    })
 }
 
 /// Returns the end of a short piece of the ray that meets the body: of a sheet without thickness,

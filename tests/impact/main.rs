@@ -10,6 +10,7 @@ mod pairs;
 mod parallel;
 mod planes;
 mod ray;
+mod ray_mesh;
 mod scales;
 mod shapes;
 

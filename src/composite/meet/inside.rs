@@ -8,17 +8,14 @@
 //! Source: the winding number by signed crossings is classical; orientation predicates: Shewchuk
 //! 1997.
 
-use alloc::vec;
 use nalgebra::Vector3;
 
-use crate::base::num::scalar::sqrt;
-use crate::base::num::sign;
-use crate::base::tolerance::{FLUSH_EXPONENT, UNIT_SINGLE};
+use crate::base::tolerance::FLUSH_EXPONENT;
 use crate::base::tuning::composite::SEGMENTS;
 use crate::body::polyhedron::{exponent_of, power_of_two};
+use crate::composite::meet::segment::crossing;
 use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
-use crate::composite::tree::{Below, OrientedBox, Tree};
 
 impl Mesh {
     /// Returns the winding number about a point in stored coordinates that does not lie on the
@@ -64,22 +61,17 @@ impl Mesh {
 
     /// Signed crossings of a segment with the mesh; `None` if a sign is zero.
     fn crossings(&self, from: &Vector3<f64>, to: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
-        let segment = Segment::new(&self.tree, from, to);
-        let (mut stack, mut sum) = (vec![0], 0);
-        while let Some(node) = stack.pop() {
-            if segment.misses(&self.tree.boxes[node as usize]) {
-                continue;
-            }
-            match self.tree.below(node) {
-                Below::Children(c) => stack.extend([c, c + 1]),
-                Below::Leaf(first, count) => {
-                    for t in (first..first + count).filter(|&t| counts(t)) {
-                        sum += crossing(&self.corners(t), from, to)?;
-                    }
-                }
-            }
-        }
-        Some(sum)
+        let mut sum = 0;
+        let is_doubtful = self.any_along(from, to, |t| {
+            let crossing = if counts(t) {
+                crossing(&self.corners(t), from, to)
+            } else {
+                Some(0)
+            };
+            sum += crossing.unwrap_or(0);
+            crossing.is_none()
+        });
+        (!is_doubtful).then_some(sum)
     }
 
     /// Returns whether the surface is certainly farther than `error` from a point in stored
@@ -102,115 +94,5 @@ impl Mesh {
             return None;
         }
         self.winding(point).map(|w| w != 0)
-    }
-
-    /// Returns whether a segment certainly passes through a triangle from which its first end is
-    /// farther than `skin`.
-    pub(in crate::composite) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
-        self.any_crossed(from, to, |corners| triangle::nearest(from, corners).0 > skin * skin)
-    }
-
-    /// Returns the part of a segment before it first passes through a triangle farther along than
-    /// `skin`, right up to rounding; triangles of which only an edge is met are left out.
-    pub(in crate::composite) fn first_crossing(
-        &self,
-        from: &Vector3<f64>,
-        to: &Vector3<f64>,
-        skin: f64,
-    ) -> Option<f64> {
-        let least = skin / sqrt((to - from).norm_squared());
-        let mut first = None;
-        self.any_crossed(from, to, |corners| {
-            let n = triangle::normal(corners);
-            let part = n.dot(&(corners[0] - from)) / n.dot(&(to - from));
-            if part > least && first.is_none_or(|f| part < f) {
-                first = Some(part);
-            }
-            false
-        });
-        first
-    }
-
-    /// Returns whether a segment certainly passes through a triangle that is what is looked for.
-    fn any_crossed(
-        &self,
-        from: &Vector3<f64>,
-        to: &Vector3<f64>,
-        mut is_found: impl FnMut(&triangle::Triangle) -> bool,
-    ) -> bool {
-        let segment = Segment::new(&self.tree, from, to);
-        let mut crosses = |t: u32| {
-            let corners = self.corners(t);
-            matches!(crossing(&corners, from, to), Some(1 | -1)) && is_found(&corners)
-        };
-        let mut stack = vec![0];
-        while let Some(node) = stack.pop() {
-            if segment.misses(&self.tree.boxes[node as usize]) {
-                continue;
-            }
-            match self.tree.below(node) {
-                Below::Children(c) => stack.extend([c, c + 1]),
-                Below::Leaf(first, count) => {
-                    if (first..first + count).any(&mut crosses) {
-                        return true;
-                    }
-                }
-            }
-        }
-        false
-    }
-}
-
-/// +1 if the segment leaves through a triangle, -1 if it enters, 0 if it misses; `None` if it meets
-/// an edge or the plane at an end.
-fn crossing([a, b, c]: &[Vector3<f64>; 3], from: &Vector3<f64>, to: &Vector3<f64>) -> Option<i32> {
-    let turns = [
-        sign::side(from, to, a, b),
-        sign::side(from, to, b, c),
-        sign::side(from, to, c, a),
-    ];
-    if turns.iter().any(|t| *t > 0.0) && turns.iter().any(|t| *t < 0.0) {
-        return Some(0);
-    }
-    let ends = [sign::side(a, b, c, from), sign::side(a, b, c, to)];
-    if ends[0] * ends[1] > 0.0 || ends[0] > 0.0 && ends[1] > 0.0 || ends[0] < 0.0 && ends[1] < 0.0 {
-        return Some(0);
-    }
-    let doubtful = turns.iter().chain(&ends).any(|x| *x == 0.0);
-    (!doubtful).then_some(if ends[0] < 0.0 { 1 } else { -1 })
-}
-
-/// A segment in the tree's coordinates: its middle and half its length as a vector.
-struct Segment {
-    middle: Vector3<f64>,
-    half: Vector3<f64>,
-}
-
-impl Segment {
-    fn new(tree: &Tree, from: &Vector3<f64>, to: &Vector3<f64>) -> Self {
-        let place = |p: &Vector3<f64>| (p - tree.centre) / tree.unit();
-        let (from, to) = (place(from), place(to));
-        Self {
-            middle: (from + to) * 0.5,
-            half: (to - from) * 0.5,
-        }
-    }
-
-    /// Returns whether the segment certainly misses a box: apart along one of its axes, or along
-    /// the normal of one and the segment.
-    fn misses(&self, b: &OrientedBox) -> bool {
-        let offset = self.middle - b.centre();
-        let (mut m, mut e) = (Vector3::zeros(), Vector3::zeros());
-        for k in 0..3 {
-            (m[k], e[k]) = (b.axis(k).dot(&offset), b.axis(k).dot(&self.half));
-        }
-        // Axes as stored are orthonormal within 8 UNIT_SINGLE.
-        let length = m.abs().sum() + e.abs().sum();
-        let slack = 32.0 * UNIT_SINGLE * (length + 1.0);
-        let h = b.half().add_scalar(slack);
-        let crossed = |i: usize, j: usize| {
-            (m[i] * e[j] - m[j] * e[i]).abs() > h[i] * e[j].abs() + h[j] * e[i].abs() + slack * length
-        };
-        (0..3).any(|k| m[k].abs() > h[k] + e[k].abs()) || crossed(0, 1) || crossed(1, 2) || crossed(2, 0)
     }
 }

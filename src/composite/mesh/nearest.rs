@@ -1,12 +1,13 @@
 //! The point of a mesh that is nearest to a point.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
-use super::Mesh;
+use super::{Mesh, pair};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
 use crate::composite::meet::triangle;
 use crate::composite::tree::{Below, Tree};
+use crate::pair::spot::Spot;
 
 /// The nearest point of a mesh, in stored coordinates.
 #[derive(Clone, Copy)]
@@ -44,6 +45,21 @@ impl<'a> From<'a> {
 }
 
 impl Mesh {
+    /// Returns the point of the surface that is nearest to a point, all in the caller's
+    /// coordinates, with the spot of its triangle and the unit normal of the triangle on the side of
+    /// the point, right up to rounding; the normal of a sliver may be zero.
+    pub(crate) fn seen_from(&self, point: &Vector3<f64>) -> (Point3<f64>, Vector3<f64>, Spot) {
+        let place = point / self.unit();
+        let foot = self.nearest(&place);
+        let corners = self.corners(foot.triangle);
+        let normal = triangle::normal(&corners);
+        let height = normal.dot(&(place - corners[0]));
+        let length = sqrt(normal.norm_squared()) * if height < 0.0 { -1.0 } else { 1.0 };
+        let normal = if length == 0.0 { normal } else { normal / length };
+        let (_, spot) = triangle::nearest(&place, &corners);
+        (self.given(&foot.point), normal, pair::spot(self, foot.triangle, spot))
+    }
+
     /// Returns the point of the surface that is nearest to a point in stored coordinates, right up
     /// to rounding.
     pub(in crate::composite) fn nearest(&self, point: &Vector3<f64>) -> MeshFoot {

@@ -95,7 +95,8 @@ pub(in crate::composite) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [
     [spot(a, i, spots[0]), spot(b, j, spots[1])]
 }
 
-fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
+/// Returns the triangle of an item by the caller's number, and its feature.
+pub(in crate::composite) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
     let corners = mesh.triangles[item as usize].map(|v| mesh.source_points[v as usize]);
     let at = |k: u8| corners[k as usize % 3];
     let triangle = mesh.source_triangles[item as usize];

@@ -12,6 +12,8 @@ mod meshes;
 mod pairs;
 mod patches;
 mod plan;
+mod points;
+mod rays;
 mod rrt;
 
 use clap::{Parser, ValueEnum};
@@ -21,7 +23,7 @@ use std::process::ExitCode;
 
 /// Ours against other libraries: closest points of two bodies, of two curved shapes, their contacts,
 /// boxes of many bodies, whole scenes, casts of moving bodies, meshes, segments of planners, curved
-/// surfaces
+/// surfaces, rays, hulls of points
 #[derive(Parser)]
 struct Command {
     /// Which race
@@ -42,6 +44,8 @@ enum Race {
     Meshes,
     Plan,
     Patches,
+    Rays,
+    Hulls,
 }
 
 fn main() -> ExitCode {
@@ -59,6 +63,8 @@ fn race(Command { race, options }: &Command) -> Result<(), String> {
         Race::Meshes => (meshes::SCENES.into(), meshes::run),
         Race::Plan => (plan::SCENES.into(), plan::run),
         Race::Patches => (patches::SCENES.into(), patches::run),
+        Race::Rays => (rays::SCENES.into(), rays::run),
+        Race::Hulls => (points::SCENES.into(), points::run),
     };
     options.check(&scenes)?;
     options.save(&run(options))
