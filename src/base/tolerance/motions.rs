@@ -136,6 +136,6 @@ pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
 /// ray's origin and of the ball's middle: a place by a quaternion errs by 33 UNIT (see [`PLANE`]),
 /// the difference, the product with the direction, which is of unit length within 4 UNIT, and the
 /// foot by 16 together. A height of a place of the ray in a mesh's frame along a unit vector, minus
-/// that of a corner, errs by no more: the place by 33 UNIT and 4 of the direction, two sums of three
-/// products by 6 together, their difference and the vector's length by 4.
+/// that of a corner, errs by no more: the place by 33 UNIT and 4 of the direction, two sums of
+/// three products by 6 together, their difference and the vector's length by 4.
 pub(crate) const RAY: f64 = 64.0 * UNIT;

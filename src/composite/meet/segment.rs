@@ -93,9 +93,9 @@ fn is_parted(corners: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64
         let (x, y, z) = (n.dot(a), n.dot(b), n.dot(c));
         let (p, q) = (n.dot(from), n.dot(to));
         let gap = (x.min(y).min(z) - p.max(q)).max(p.min(q) - x.max(y).max(z));
-        let length = sqrt(n.norm_squared());
-        // No product that underflows counts beside a normal of this length.
-        length > 1e-100 && gap > apart * length
+        let least = apart * sqrt(n.norm_squared());
+        // Products that underflow do not count beside a normal number.
+        least >= f64::MIN_POSITIVE && gap > least
     })
 }
 

@@ -46,8 +46,8 @@ impl<'a> From<'a> {
 
 impl Mesh {
     /// Returns the point of the surface that is nearest to a point, all in the caller's
-    /// coordinates, with the spot of its triangle and the unit normal of the triangle on the side of
-    /// the point, right up to rounding; the normal of a sliver may be zero.
+    /// coordinates, with the unit normal of its triangle on the side of the point, right up to
+    /// rounding, and the triangle; the normal of a sliver may be zero.
     pub(crate) fn seen_from(&self, point: &Vector3<f64>) -> (Point3<f64>, Vector3<f64>, Spot) {
         let place = point / self.unit();
         let foot = self.nearest(&place);
