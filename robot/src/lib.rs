@@ -41,14 +41,15 @@
 //! without limits gets those of [`LoadOptions::turns`]; planar and floating joints have three and
 //! six coordinates, the angles of a floating joint those of `rpy`. A joint that mimics follows the
 //! joint at the end of its chain of mimics, whose limits alone hold. Visual elements, inertia,
-//! transmissions and sensors are passed over. COLLADA meshes are refused by name; xacro files have
-//! to be expanded.
+//! transmissions and sensors are passed over, and so is the axis that points up in a COLLADA file;
+//! xacro files have to be expanded.
 //!
 //! A [`FileError`] names file, line and element. Nothing here panics on a file.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![forbid(unsafe_code)]
 
 mod cell;
+mod collada;
 mod error;
 mod geometry;
 mod ignorable;

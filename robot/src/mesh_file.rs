@@ -1,4 +1,4 @@
-//! Meshes from STL and OBJ files.
+//! Meshes from STL, OBJ and COLLADA files.
 
 use std::fs::File;
 use std::io::{BufReader, Cursor};
@@ -6,20 +6,25 @@ use std::path::Path;
 
 use lin_canny::nalgebra::{Point3, Vector3};
 
-/// Points and triangles; for an OBJ one of each object.
+use crate::collada;
+
+/// Points and triangles; for an OBJ one of each object, for a COLLADA file one of each primitive.
 pub(crate) struct Soup {
     pub(crate) points: Vec<Point3<f64>>,
     pub(crate) triangles: Vec<[u32; 3]>,
 }
 
-/// Returns the objects of a file, scaled: one of an STL, one or more of an OBJ.
+/// Returns the objects of a file, scaled: one of an STL, one or more of an OBJ or a COLLADA file.
 pub(crate) fn objects(file: &Path, scale: &Vector3<f64>) -> Result<Vec<Soup>, String> {
     let ending = file.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
     let mut objects = match ending.as_deref() {
         Some("stl") => vec![stl(file)?],
         Some("obj") => obj(file)?,
-        Some("dae") => return Err("COLLADA (.dae) is not read: convert the mesh to STL or OBJ".into()),
-        _ => return Err("only .stl and .obj files are read".into()),
+        Some("dae") => {
+            let text = std::fs::read_to_string(file).map_err(|e| format!("cannot be read: {e}"))?;
+            collada::read(&text)?
+        }
+        _ => return Err("only .stl, .obj and .dae files are read".into()),
     };
     for soup in &mut objects {
         if let Some(k) = soup.points.iter().position(|p| !p.iter().all(|x| x.is_finite())) {

@@ -43,6 +43,7 @@ impl Packages {
                 Err(missing(format!("mesh {}", file.display())))
             };
         };
+        let inside = inside.trim_start_matches('/');
         let (package, rest) = inside.split_once('/').unwrap_or((inside, ""));
         let places = self.folders.iter().map(PathBuf::as_path).chain(folder.ancestors());
         let candidates = places.flat_map(|place| {

@@ -29,7 +29,7 @@ struct Reader<'a> {
 pub(crate) fn parse(path: &Path, text: &str, packages: &Packages, options: &LoadOptions) -> Result<Robot, FileError> {
     let xml = Xml::parse(path, text, "robot")?;
     xml.check_urdf()?;
-    let model = urdf_rs::read_from_string(text)
+    let model = urdf_rs::read_from_string(&xml.undrawn(text))
         .map_err(|e| FileError::new(path, None, "", FileProblem::Malformed(e.to_string())))?;
     let reader = Reader {
         xml,
@@ -151,7 +151,7 @@ impl Reader<'_> {
             }));
         }
         for k in 0..joints.len() {
-            if joints[k].mimic.is_some() {
+            if joints[k].mimic.is_some() && joints[k].joint_type != JointType::Fixed {
                 drives[k] = Some(self.mimicked(k, &drives)?);
             }
         }
@@ -209,8 +209,9 @@ impl Reader<'_> {
                 return Err(self.wrong_joint(&joint.name, what));
             }
         };
-        let takes_one = matches!(kind, MotionKind::Revolute | MotionKind::Prismatic);
-        if joint.mimic.is_some() && !takes_one {
+        // A fixed joint stays where it is, whatever it mimics: tools that fix joints leave the element.
+        let takes_many = matches!(kind, MotionKind::Planar | MotionKind::Floating);
+        if joint.mimic.is_some() && takes_many {
             let what = FileProblem::Unsupported("to mimic by a joint that has not one value".into());
             return Err(self.wrong_joint(&joint.name, what));
         }

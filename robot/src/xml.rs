@@ -98,6 +98,17 @@ impl<'a> Xml<'a> {
         Err(self.error(node, reason))
     }
 
+    /// Returns the text with blanks in place of what is only drawn, of which `urdf-rs` asks more than
+    /// other readers: a texture without a file, say.
+    pub(crate) fn undrawn(&self, text: &str) -> String {
+        let visuals = self.elements("link").flat_map(|link| children(link, "visual"));
+        let mut bytes = text.as_bytes().to_vec();
+        for node in visuals.chain(self.elements("material")) {
+            bytes[node.range()].fill(b' ');
+        }
+        String::from_utf8_lossy(&bytes).into_owned()
+    }
+
     /// Refuses links and joints with numbers, names or kinds that cannot be read.
     pub(crate) fn check_urdf(&self) -> Result<(), FileError> {
         for kind in ["link", "joint"] {
@@ -116,6 +127,11 @@ impl<'a> Xml<'a> {
 
     fn check_part(&self, part: &Node) -> Result<(), FileError> {
         let of = part.tag_name().name();
+        let is_shape = matches!(of, "box" | "cylinder" | "capsule" | "sphere" | "mesh");
+        // Elements of other tools have other attributes.
+        if is_shape && !part.parent_element().is_some_and(|p| p.has_tag_name("geometry")) {
+            return Ok(());
+        }
         let fields: &[(&str, usize, bool)] = match of {
             "origin" => &[("xyz", 3, false), ("rpy", 3, false), ("quat_xyzw", 4, false)],
             "box" => &[("size", 3, true)],

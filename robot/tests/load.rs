@@ -256,6 +256,11 @@ fn mimics_end_at_a_joint_of_its_own() {
     assert!(matches!(error.reason, FileProblem::MimicLoop(names) if names == ["y", "z"]));
     let reason = refused(limit, &with("<mimic joint=\"six\"/>"), 9, &["joint \"two\"", "six"]);
     assert!(matches!(reason, FileProblem::Unknown { kind: "joint", .. }));
+    // A fixed joint stays where it is, whatever it mimics.
+    let fixed = "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/><mimic joint=\"j\"/></joint>";
+    let links = "<link name=\"a\"/><link name=\"b\"/>";
+    let robot = parse(&format!("<robot name=\"r\">{links}{fixed}</robot>")).expect("a robot");
+    assert!(robot.coordinates().is_empty() && robot.joints()[0].drive.is_none());
     let robot = changed(limit, &with("<mimic joint=\"one\" multiplier=\"-2\" offset=\"0.5\"/>")).expect("a robot");
     assert_eq!(robot.coordinates().len(), 1);
     let drive = robot.joints()[1].drive.expect("a drive");
@@ -285,7 +290,7 @@ fn missing_and_foreign_meshes_are_named() {
     assert!(matches!(reason, FileProblem::Geometry(_)));
 }
 
-/// A tetrahedron as STL: text, binary, and binary with a header that begins as text does. DAE is refused by name.
+/// A tetrahedron as STL: text, binary, and binary with a header that begins as text does.
 #[test]
 fn stl_files_of_every_kind_are_read() {
     let corners = [[0.0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -333,7 +338,7 @@ fn stl_files_of_every_kind_are_read() {
         assert!(error.contains(name) && error.contains(word), "{error}");
     };
     names("cut.stl", &binary[..150], "malformed STL");
-    names("x.dae", b"<COLLADA/>", "COLLADA");
+    names("x.dae", b"<COLLADA/>", "no triangle");
     names("x.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 nan\nf 1 2 3\n", "not finite");
     names("y.obj", b"v 0 0 0\nf 1 2 9\n", "malformed OBJ");
 }
@@ -352,7 +357,21 @@ fn packages_are_found_in_folders_of_either_kind() {
     let name = "package://gripper_arm/finger.obj";
     assert!(load(name, &Packages::default()).is_err());
     assert!(load(name, &Packages::new([examples()])).is_ok());
+    assert!(load("package:///gripper_arm/finger.obj", &Packages::new([examples()])).is_ok());
     assert!(load(name, &Packages::new([examples().join("gripper_arm")])).is_ok());
     let file = format!("file://{}", examples().join("gripper_arm/finger.obj").display());
     assert!(load(&file, &Packages::default()).is_ok());
+}
+
+/// Elements that only draw, and those of other tools, are passed over however they are written.
+#[test]
+fn what_is_only_drawn_is_passed_over() {
+    let ball = "<collision><geometry><sphere radius=\"1\"/></geometry></collision>";
+    let drawn =
+        "<visual><geometry><sphere radius=\"1\"/></geometry><material name=\"m\"><texture/></material></visual>";
+    let other = "<collision_checking><capsule name=\"test\"/></collision_checking>";
+    let text = format!(
+        "<robot name=\"r\"><material name=\"m\"><texture/></material><link name=\"a\">{ball}{drawn}{other}</link></robot>"
+    );
+    assert_eq!(parse(&text).expect("a robot").links()[0].bodies.len(), 1);
 }
