@@ -11,6 +11,9 @@ use crate::Trouble;
 /// Squared norms of quaternions nearer one than this are taken as they are.
 const UNIT: f64 = 1e-12;
 
+/// Names of the columns, which the first line may hold.
+const HEADER: [&str; 7] = ["x", "y", "z", "qx", "qy", "qz", "qw"];
+
 /// Answers every pose of the file, in order, with one tracker.
 pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(), Trouble> {
     if poses == csv {
@@ -22,11 +25,12 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
     let (mut tracker, mut frames, mut shared) = (PairTracker::new(), 0, 0);
     let began = std::time::Instant::now();
     for (line, number) in text.lines().zip(1..) {
-        if line.trim().is_empty() {
+        let is_header = number == 1 && words(line).eq(HEADER);
+        if line.trim().is_empty() || is_header {
             continue;
         }
         let named = |why: String| format!("{}:{number}: {why}", poses.display());
-        let pose = pose(line).ok_or_else(|| named("not `x y z qx qy qz qw`".into()))?;
+        let pose = pose(line).ok_or_else(|| named("not seven numbers `x y z qx qy qz qw`".into()))?;
         let a_from_b = RelativePose::from_isometry(&pose).map_err(|e| named(e.to_string()))?;
         let found = tracker.closest(&a, &b, &a_from_b);
         let (p, q) = (found.point_on_a, pose * found.point_on_b);
@@ -42,7 +46,6 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
     let each = began.elapsed().as_micros() as f64 / f64::from(frames);
     lab::command::write(csv, &rows)?;
     println!("{frames} poses, {shared} of them in contact; {each:.1} us a pose with reading and writing");
-    println!("{:?}", tracker.work());
     println!("written: {}", csv.display());
     Ok(())
 }
@@ -56,13 +59,14 @@ fn load(letter: char, path: &Path) -> Result<Mesh, Trouble> {
     Ok(mesh)
 }
 
+/// Words of a line, with commas or blanks between them.
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split([' ', '\t', ',']).map(str::trim).filter(|w| !w.is_empty())
+}
+
 /// A pose from seven numbers. A quaternion that was rounded to few digits is normalised.
 fn pose(line: &str) -> Option<Isometry3<f64>> {
-    let numbers: Result<Vec<f64>, _> = line
-        .split([' ', '\t', ','])
-        .filter(|w| !w.is_empty())
-        .map(str::parse)
-        .collect();
+    let numbers: Result<Vec<f64>, _> = words(line).map(str::parse).collect();
     let [x, y, z, i, j, k, w] = numbers.ok()?.try_into().ok()?;
     let q = Quaternion::new(w, i, j, k);
     let rotation = if (q.norm_squared() - 1.0).abs() <= UNIT {

@@ -26,10 +26,12 @@ pub(crate) struct Options {
     /// Where to write the frames, 2,000 of them at most, for the viewer (folder viewer/)
     #[arg(long, value_name = "FILE.jsonl", value_parser = file("jsonl"))]
     pub(crate) record: Option<PathBuf>,
-    /// Poses of B in A's frame, `x y z qx qy qz qw`, one a line
+    /// Poses of B in A's frame, `x y z qx qy qz qw`, one a line, with blanks or commas between them; the
+    /// first line may name the columns. The meshes are taken as they are, not as hulls
     #[arg(long, value_name = "FILE", requires_all = ["csv", "meshes"])]
     pub(crate) poses: Option<PathBuf>,
-    /// Where to write `distance,lower,upper,ax,ay,az,bx,by,bz` for each pose (A's frame)
+    /// Where to write `distance,lower,upper,ax,ay,az,bx,by,bz` for each pose (A's frame); meshes that overlap have
+    /// the distance 0 and the lower bound -inf
     #[arg(long, value_name = "FILE.csv", requires = "poses", value_parser = file("csv"))]
     pub(crate) csv: Option<PathBuf>,
 }

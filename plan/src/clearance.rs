@@ -63,6 +63,12 @@ pub struct SegmentClearance {
 impl<C: ConfigurationSpace> Checker<C> {
     /// Returns the pair of least signed distance at a configuration; `None` if there is no pair.
     ///
+    /// Depths are known of convex bodies alone: a pair with a mesh that overlaps counts as zero, so
+    /// that among pairs in contact the deepest convex one comes first.
+    /// [`NearPair::lower`] is minus infinity for a depth that is not known. All pairs
+    /// in contact at a configuration are those of [`nearest`](Self::nearest) with an infinite slack
+    /// whose distance is at most zero.
+    ///
     /// # Errors
     /// A configuration that is not of the space.
     pub fn clearance(&mut self, configuration: &[f64]) -> Result<Option<NearPair>, PlanError> {

@@ -14,7 +14,8 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// Returns whether every pair is proven farther apart than the margin at a configuration: what
     /// sampling planners ask most.
     ///
-    /// Measures no distance, and ends at the first pair that is not free. Pairs that were hit
+    /// Measures no distance, and ends at the first pair that is not free; which pairs are in contact
+    /// says [`nearest`](Self::nearest). Pairs that were hit
     /// lately come first, then those whose boxes overlap, by the overlap of the balls about them.
     /// Equals [`is_free`](Self::is_free) for a segment of one configuration, but for pairs at the
     /// margin up to rounding, which this call decides exactly where

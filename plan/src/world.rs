@@ -19,12 +19,13 @@ pub struct World {
     pub(crate) excluded: Vec<(WorldId, WorldId)>,
 }
 
-/// A body of the robot or an obstacle, by its number among these.
+/// A body of the robot or an obstacle, by its number in the order in which it was added;
+/// [`World::name`] returns its name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum WorldId {
-    /// A body of the robot.
+    /// A body of the robot, the first is 0.
     Robot(usize),
-    /// An obstacle.
+    /// An obstacle, the first is 0.
     Obstacle(usize),
 }
 

@@ -156,7 +156,7 @@ impl Effects {
 /// Settings of a simulation that are no effects.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// Time of a step. Default 1/60.
+    /// Time of a step. Default 1/60, which is too long for parts below ten centimetres: see `size`.
     pub time_step: f64,
     /// Diameter of an ordinary body: rapier's `length_unit`, to which its prediction, slop and
     /// thresholds of sleep are relative. Default 1. Millimetre parts in metres need 0.001, and

@@ -58,7 +58,8 @@ struct Counted {
 }
 
 /// Counts at random configurations, uniform within the limits, how often each two links overlap.
-/// Pairs of links that keep their relative pose are left out. `progress` is called after each
+/// Pairs of links that keep their relative pose are left out, and so are obstacles: a link that always
+/// meets an obstacle is a fault of the cell. `progress` is called after each
 /// configuration, and may end the count early.
 ///
 /// # Errors

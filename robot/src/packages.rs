@@ -53,9 +53,8 @@ impl Packages {
         candidates.flatten().find(|file| file.is_file()).ok_or_else(|| {
             let folders: Vec<_> = self.folders.iter().map(|f| f.display().to_string()).collect();
             missing(format!(
-                "mesh {name:?} (looked for in {}[{}] and the folders above the URDF)",
-                if folders.is_empty() { "no package folders " } else { "" },
-                folders.join(", ")
+                "mesh {name:?} (looked for in {}the folders above the URDF)",
+                folders.iter().map(|f| format!("{f}, ")).collect::<String>()
             ))
         })
     }

@@ -38,7 +38,7 @@ pub(super) struct RobotOptions {
     /// Pairs of links to ignore
     #[arg(long, value_name = "FILE")]
     srdf: Option<PathBuf>,
-    /// Obstacles
+    /// Obstacles (`ignorable` counts links alone)
     #[arg(long, value_name = "CELL.json")]
     cell: Option<PathBuf>,
     /// A folder with packages of `package://` names, before those of ROS_PACKAGE_PATH; may repeat
