@@ -34,3 +34,8 @@ pub mod accuracy {}
 #[doc = ""]
 #[doc = include_str!("../images/ulps.svg")]
 pub mod replays {}
+
+#[doc = include_str!("../docs/studies.md")]
+#[doc = ""]
+#[doc = include_str!("../images/clearance.svg")]
+pub mod studies {}

@@ -4,6 +4,7 @@ mod boxes;
 mod forms;
 mod hulls;
 mod kinds;
+mod obj;
 mod progress;
 mod queries;
 mod time;

@@ -110,23 +110,7 @@ impl ConvexPolyhedron {
 
     /// Returns triangles that make up the surface, as the ids of their vertices, counter-clockwise
     /// seen from outside: a fan of each face, face by face. Both sides of a polygon; none for a
-    /// segment or a point. For drawing, and for files of meshes:
-    ///
-    /// ```
-    /// use lin_canny::nalgebra::Vector3;
-    /// use lin_canny::polyhedron::solids;
-    ///
-    /// let body = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
-    /// let vertices = body.vertex_points();
-    /// let vertices = vertices.map(|p| format!("v {} {} {}", p.x, p.y, p.z));
-    /// let faces = body.triangles().map(|t| {
-    ///     let [a, b, c] = t.map(|v| v.index() + 1);
-    ///     format!("f {a} {b} {c}")
-    /// });
-    /// let obj: Vec<String> = vertices.chain(faces).collect();
-    /// assert_eq!(obj.len(), 8 + 12);
-    /// # Ok::<(), lin_canny::BuildError>(())
-    /// ```
+    /// segment or a point. For drawing; [`to_obj`](Self::to_obj) writes a file.
     #[doc(alias = "indices")]
     #[doc(alias = "trimesh")]
     pub fn triangles(&self) -> impl Iterator<Item = [VertexId; 3]> + '_ {

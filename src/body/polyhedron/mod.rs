@@ -5,7 +5,7 @@
 //! polygon, segment, point: `flat`; `rebuild`, `persist`); support vertices, each file on the files
 //! before: `axis` (of a fan), `heights` (exact comparison), `unimodal` (bisection), `fans`
 //! (vertices of many edges), `highest` (exact), `support` (hill climbing and cube map); `access`,
-//! `bounds`, `query`, `mass`, `transform`, `feature_pair`, [`solids`].
+//! `bounds`, `query`, `mass`, `obj`, `transform`, `feature_pair`, [`solids`].
 //!
 //! # Stored coordinates
 //!
@@ -29,6 +29,7 @@ mod feature_pair;
 pub(crate) mod heights;
 pub(crate) mod highest;
 mod mass;
+pub(crate) mod obj;
 mod plane;
 pub(crate) mod query;
 pub mod solids;

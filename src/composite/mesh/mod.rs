@@ -21,6 +21,7 @@ pub use inspect::MeshInspection;
 pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
 
 use crate::base::num::fingerprint::Fingerprint;
+use crate::body::polyhedron::obj::obj;
 use crate::composite::tree::Tree;
 
 /// A body made of triangles: the mesh as the caller brought it, not a decomposition.
@@ -112,6 +113,25 @@ impl Mesh {
     pub fn triangles(&self) -> impl Iterator<Item = (u32, [Point3<f64>; 3])> + '_ {
         let each = self.triangles.iter().zip(&self.source_triangles);
         each.map(|(t, &source)| (source, t.map(|v| self.given(&self.points[v as usize]))))
+    }
+
+    /// Returns the mesh as the text of an OBJ file: its welded points, every bit kept, and its
+    /// triangles, in the order of the tree.
+    ///
+    /// ```
+    /// use lin_canny::{Mesh, polyhedron::solids};
+    ///
+    /// let mesh = Mesh::from_convex(&solids::icosahedron(1.0)?)?;
+    /// let text = mesh.to_obj(); // std::fs::write("mesh.obj", text)?;
+    /// assert_eq!(text.lines().count(), 12 + 20);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[doc(alias = "write")]
+    #[doc(alias = "export")]
+    #[must_use]
+    pub fn to_obj(&self) -> String {
+        let faces = self.triangles.iter().map(|t| t.iter().map(|v| *v as usize));
+        obj(self.points.iter().map(|p| self.given(p)), faces)
     }
 
     /// Returns the corners of the box of a node of the mesh's tree, to be drawn: corner k is at the
