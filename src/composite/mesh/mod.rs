@@ -13,6 +13,7 @@ mod report;
 pub(crate) mod tracker;
 mod weld;
 
+use alloc::string::String;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
