@@ -5,12 +5,13 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Point3};
 
 use crate::error::PlanError;
-use crate::pairs::{Pairs, swept_box};
+use crate::pairs::{Pairs, Stretch, even_span, swept_box};
 use crate::space::{BodyMotion, ConfigurationSpace, SegmentMotion};
 use crate::tuning::CONTACT;
 use crate::world::{World, WorldId, WorldPair};
-use lin_canny::impact::{Cast, Certificate, Impact, ImpactError, Tolerance, cast_proving, cast_within};
-use lin_canny::motion::{Motion, Steady};
+use lin_canny::Operand;
+use lin_canny::impact::{Cast, Certificate, Impact, Tolerance, cast_proving, cast_within};
+use lin_canny::motion::{Course, Motion, Steady};
 use lin_canny::separation::Separation;
 use lin_canny::tolerance::EXTENT_MAX;
 
@@ -116,6 +117,7 @@ pub struct Checker<C> {
     pub(crate) work: CheckWork,
     /// Scratch: pairs to look at, and poses.
     pub(crate) candidates: Vec<usize>,
+    stretches: Vec<Stretch>,
     pub(crate) poses: Vec<Isometry3<f64>>,
     /// The pairs that were not free at single configurations, the last first.
     pub(crate) hits: Vec<usize>,
@@ -146,6 +148,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             margin: 0.0,
             work: CheckWork::default(),
             candidates: Vec::new(),
+            stretches: Vec::new(),
             poses: Vec::new(),
             hits: Vec::new(),
             order: Vec::new(),
@@ -250,44 +253,65 @@ impl<C: ConfigurationSpace> Checker<C> {
     fn judged(&mut self, from: &[f64], to: &[f64], any: bool) -> Result<Verdict, PlanError> {
         let segment = self.segment(from, to)?;
         self.work.segments += 1;
-        let mut candidates = core::mem::take(&mut self.candidates);
+        let mut stretches = core::mem::take(&mut self.stretches);
         let found = self
-            .gather(&segment, &mut candidates)
-            .and_then(|()| self.judge(&segment, &candidates, any));
-        self.candidates = candidates;
+            .gather(&segment, &mut stretches)
+            .and_then(|()| self.judge(&segment, &stretches, any));
+        self.stretches = stretches;
         if let Ok(Verdict::Free { .. }) = found {
             self.work.free += 1;
         }
         found
     }
 
-    /// Collects the pairs whose swept boxes meet, and all pairs of two bodies of the robot.
-    fn gather(&mut self, segment: &C::Segment, candidates: &mut Vec<usize>) -> Result<(), PlanError> {
-        candidates.clear();
+    /// Collects the pairs whose swept boxes meet, with the times at which they do, and all pairs of
+    /// two bodies of the robot; the earliest first.
+    fn gather(&mut self, segment: &C::Segment, stretches: &mut Vec<Stretch>) -> Result<(), PlanError> {
+        stretches.clear();
         for body in 0..self.space.bodies() {
-            let (pose, course) = (segment.pose(body, 0.0), segment.course(body, 0.0, 1.0));
-            let swept = swept_box(self.pairs.robot_balls[body], &pose, &course, self.margin);
-            self.pairs.near(body, &swept, candidates)?;
+            let mut from = 0.0;
+            while from < 1.0 {
+                let (pose, course) = segment.placed(0, body, from, 1.0 - from);
+                let ball = self.pairs.robot_balls[body];
+                let until = f64::min(1.0, from + even_span(ball, &course, 1.0 - from));
+                let swept = swept_box(ball, &pose, &course, until - from, self.margin);
+                self.pairs.near_within(body, &swept, (from, until), stretches)?;
+                from = until;
+            }
         }
-        candidates.extend(self.pairs.own..self.pairs.all.len());
-        self.work.pairs += candidates.len() as u64;
+        let own = self.pairs.own..self.pairs.all.len();
+        stretches.extend(own.map(|pair| Stretch {
+            pair,
+            from: 0.0,
+            until: 1.0,
+        }));
+        stretches.sort_by(|x, y| x.from.total_cmp(&y.from));
+        self.work.pairs += stretches.len() as u64;
         Ok(())
     }
 
     /// Casts pair after pair, each up to the first contact found so far.
-    fn judge(&mut self, segment: &C::Segment, candidates: &[usize], any: bool) -> Result<Verdict, PlanError> {
+    fn judge(&mut self, segment: &C::Segment, stretches: &[Stretch], any: bool) -> Result<Verdict, PlanError> {
         let clearance = self.margin;
         let (mut verdict, mut until) = (Verdict::Free { clearance }, 1.0);
-        for &k in candidates {
-            let found = self.cast(k, segment, (0.0, until), clearance, None)?;
+        for stretch in stretches {
+            if stretch.from > until {
+                break;
+            }
+            let (k, interval) = (stretch.pair, (stretch.from, stretch.until.min(until)));
+            let found = self.cast(k, segment, interval, clearance, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
+            if let WorldId::Robot(o) = self.pairs.all[k].pair.b {
+                self.work.measures += u64::from(found.queries + found.proofs);
+                let _ = o;
+            }
             let (safe, hit) = match found.impact {
                 Impact::Miss => continue,
-                Impact::Start { seen } => (0.0, Some((0.0, seen))),
+                Impact::Start { seen } => (stretch.from, Some((stretch.from, seen))),
                 Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
                 Impact::Near { safe, .. } | Impact::Unknown { safe } => (safe, None),
                 // An answer that is not known here proves nothing.
-                _ => (0.0, None),
+                _ => (stretch.from, None),
             };
             verdict = match hit {
                 Some((t, seen)) => {
@@ -319,39 +343,28 @@ impl<C: ConfigurationSpace> Checker<C> {
         margin: f64,
         trail: Option<&mut Vec<Certificate>>,
     ) -> Result<Cast, PlanError> {
-        self.over_time(index, segment, |pair, a, b| {
-            let radii = pair.ball(lin_canny::Operand::A).1 + pair.ball(lin_canny::Operand::B).1;
-            let tolerance = Tolerance::Distance(CONTACT * radii);
-            match trail {
-                Some(trail) => cast_proving(pair, a, b, interval, tolerance, margin, trail),
-                None => cast_within(pair, a, b, interval, tolerance, margin),
-            }
-        })
-        .map_err(PlanError::from)
-    }
-
-    /// Asks a pair with the motions of both parts along a segment.
-    pub(crate) fn over_time<R>(
-        &mut self,
-        index: usize,
-        segment: &C::Segment,
-        ask: impl FnOnce(
-            &mut dyn Separation,
-            &BodyMotion<'_, C::Segment>,
-            &PartMotion<'_, C::Segment>,
-        ) -> Result<R, ImpactError>,
-    ) -> Result<R, ImpactError> {
         let Pairs { all, resting, .. } = &mut self.pairs;
         let tracked = &mut all[index];
         let (WorldId::Robot(body) | WorldId::Obstacle(body)) = tracked.pair.a;
-        let moving = |body: usize| BodyMotion { segment, body };
+        // Certificates are of the world, answers of any frame.
+        let stem = match tracked.pair.b {
+            WorldId::Robot(other) if trail.is_none() => segment.stem(body, other),
+            _ => 0,
+        };
+        let moving = |body: usize| BodyMotion { segment, body, stem };
         let partner = match tracked.pair.b {
             WorldId::Robot(other) => PartMotion::Robot(moving(other)),
             WorldId::Obstacle(k) => PartMotion::Obstacle(&resting[k]),
         };
         let [a, b] = self.world.shapes(tracked.pair);
         let mut pair = tracked.tracker.over(a, b);
-        ask(&mut pair, &moving(body), &partner)
+        let radii = pair.ball(Operand::A).1 + pair.ball(Operand::B).1;
+        let tolerance = Tolerance::Distance(CONTACT * radii);
+        let found = match trail {
+            Some(trail) => cast_proving(&mut pair, &moving(body), &partner, interval, tolerance, margin, trail),
+            None => cast_within(&mut pair, &moving(body), &partner, interval, tolerance, margin),
+        };
+        found.map_err(PlanError::from)
     }
 
     fn in_world(&self, segment: &C::Segment, pair: WorldPair, time: f64, points: [Point3<f64>; 2]) -> [Point3<f64>; 2] {
@@ -377,10 +390,17 @@ impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
         }
     }
 
-    fn course(&self, time: f64, span: f64) -> lin_canny::motion::Course {
+    fn course(&self, time: f64, span: f64) -> Course {
         match self {
             Self::Robot(motion) => motion.course(time, span),
             Self::Obstacle(motion) => motion.course(time, span),
+        }
+    }
+
+    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
+        match self {
+            Self::Robot(motion) => motion.placed(time, span),
+            Self::Obstacle(motion) => motion.placed(time, span),
         }
     }
 }

@@ -133,7 +133,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         } else {
             for (body, pose) in poses.iter().enumerate() {
                 let still = Steady::new(pose, Velocity::default())?.course(0.0, 1.0);
-                let about = swept_box(self.pairs.robot_balls[body], pose, &still, reach);
+                let about = swept_box(self.pairs.robot_balls[body], pose, &still, 0.0, reach);
                 self.pairs.near(body, &about, &mut self.candidates)?;
             }
         }

@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Point3};
 
 use crate::error::PlanError;
 use crate::tolerance::PLACED;
+use crate::tuning::SWEPT;
 use crate::world::{World, WorldId, WorldPair};
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep};
 use lin_canny::motion::{Course, Steady, Velocity};
@@ -18,6 +19,16 @@ pub(crate) struct TrackedPair {
     pub(crate) tracker: PairTracker,
     /// The number of the configuration at which the pair was measured last.
     pub(crate) measured: u64,
+    /// The number of the last stretch of the pair; of another pair if there is none.
+    stretch: usize,
+}
+
+/// A pair and the times of a segment at which the swept boxes of both meet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stretch {
+    pub(crate) pair: usize,
+    pub(crate) from: f64,
+    pub(crate) until: f64,
 }
 
 /// All pairs that are measured.
@@ -94,6 +105,7 @@ impl Pairs {
             pair,
             tracker: PairTracker::new(),
             measured: 0,
+            stretch: 0,
         });
         Ok(self.all.len() as u32 - 1)
     }
@@ -114,6 +126,35 @@ impl Pairs {
     }
 }
 
+impl Pairs {
+    /// Appends the pairs of a body of the robot with the obstacles whose boxes a swept box
+    /// overlaps; a stretch that ends at the begin is continued.
+    pub(crate) fn near_within(
+        &mut self,
+        body: usize,
+        swept: &Aabb,
+        (from, until): (f64, f64),
+        stretches: &mut Vec<Stretch>,
+    ) -> Result<(), PlanError> {
+        self.found.clear();
+        self.boxes.overlapping(swept, &mut self.found)?;
+        for k in 0..self.found.len() {
+            let Some(pair) = self.of(body, self.found[k].index as usize) else {
+                continue;
+            };
+            let last = &mut self.all[pair].stretch;
+            match stretches.get_mut(*last) {
+                Some(stretch) if stretch.pair == pair && stretch.until == from => stretch.until = until,
+                _ => {
+                    *last = stretches.len();
+                    stretches.push(Stretch { pair, from, until });
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
 impl WorldPair {
     fn new(body: usize, b: WorldId) -> Self {
         Self {
@@ -123,22 +164,34 @@ impl WorldPair {
     }
 }
 
-/// Returns a box that contains a body, grown by `margin`, at every instant of a motion of one unit
+/// Returns a span, at most `most`, over which the pivot of a body stays near the parabola of its
+/// course: within half the reach of the body.
+pub(crate) fn even_span((centre, radius): (Point3<f64>, f64), course: &Course, most: f64) -> f64 {
+    let near = 0.5 * (radius + (centre - course.pivot).norm());
+    let mut span = most;
+    while course.shift.at(span) > near && span > most * SWEPT {
+        span *= 0.5;
+    }
+    span
+}
+
+/// Returns a box that contains a body, grown by `margin`, at every instant of a motion over a span
 /// of time that begins at `pose`: the pivot stays within the hull of the control points of its
 /// parabola but for the drift, and no point is farther from the pivot than the ball reaches.
 pub(crate) fn swept_box(
     (centre, radius): (Point3<f64>, f64),
     pose: &Isometry3<f64>,
     course: &Course,
+    span: f64,
     margin: f64,
 ) -> Aabb {
     let start = pose * course.pivot;
-    let (half, bend) = (course.linear * 0.5, course.acceleration * 0.5);
-    let ends = [start, start + half, start + course.linear + bend];
+    let (way, bend) = (course.linear * span, course.acceleration * (0.5 * span * span));
+    let ends = [start, start + way * 0.5, start + way + bend];
     let path = ends[1..]
         .iter()
         .fold(Aabb::new(start, start), |all, p| all.united(&Aabb::new(*p, *p)));
     let reach = radius + (centre - course.pivot).norm();
-    let size = reach + start.coords.abs().sum() + course.linear.abs().sum() + bend.abs().sum();
-    path.grown(margin + reach + course.drift(reach).at(1.0) + PLACED * size)
+    let size = reach + start.coords.abs().sum() + way.abs().sum() + bend.abs().sum();
+    path.grown(margin + reach + course.shift.at(span) + PLACED * size)
 }

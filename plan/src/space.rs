@@ -148,24 +148,45 @@ pub trait SegmentMotion {
     /// Returns the velocities of a body at a time and bounds of the deviation within `span` from
     /// then on.
     fn course(&self, body: usize, time: f64, span: f64) -> Course;
+
+    /// Returns the *stem* of two bodies: a moving frame as seen from which both move less than in
+    /// the world, such as the last link that carries both. 0 is the world.
+    fn stem(&self, _a: usize, _b: usize) -> usize {
+        0
+    }
+
+    /// Returns the pose of a body as seen from a stem, and the course from there on. The bounds
+    /// hold of the poses that [`pose`](Self::pose) places as well.
+    fn placed(&self, _stem: usize, body: usize, time: f64, span: f64) -> (Isometry3<f64>, Course) {
+        (self.pose(body, time), self.course(body, time, span))
+    }
 }
 
-/// The motion of one body along a segment.
-#[derive(Clone, Copy, Debug)]
+/// The motion of one body along a segment, as seen from a stem.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyMotion<'a, M: ?Sized> {
     /// The motion of all bodies.
     pub segment: &'a M,
     /// The number of the body.
     pub body: usize,
+    /// The [`stem`](SegmentMotion::stem): 0 for the world.
+    pub stem: usize,
 }
 
 impl<M: SegmentMotion + ?Sized> Motion for BodyMotion<'_, M> {
     fn pose(&self, time: f64) -> Isometry3<f64> {
-        self.segment.pose(self.body, time)
+        if self.stem == 0 {
+            return self.segment.pose(self.body, time);
+        }
+        self.placed(time, 0.0).0
     }
 
     fn course(&self, time: f64, span: f64) -> Course {
-        self.segment.course(self.body, time, span)
+        self.placed(time, span).1
+    }
+
+    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
+        self.segment.placed(self.stem, self.body, time, span)
     }
 }
 

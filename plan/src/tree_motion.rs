@@ -21,12 +21,13 @@
 use std::sync::Arc;
 use std::vec::Vec;
 
-use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use crate::arm::JointKind;
 use crate::space::SegmentMotion;
 use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE};
 use crate::tree::TreeJoint;
+use crate::tuning::TURNED;
 use lin_canny::motion::{Course, Drift};
 use lin_canny::normalize;
 
@@ -69,6 +70,13 @@ impl LinkTree {
     /// Returns the joints between the base and a link, outward.
     pub(crate) fn path(&self, link: usize) -> impl Iterator<Item = (usize, &TreeJoint)> {
         self.0.paths[link].iter().map(|&k| (k, &self.0.joints[k]))
+    }
+
+    /// Returns the last link that two links have on their paths: they move alike as far as this one.
+    fn stem(&self, a: usize, b: usize) -> usize {
+        let [of_a, of_b] = [a, b].map(|link| self.0.paths[link].iter());
+        let shared = of_a.zip(of_b).take_while(|(x, y)| x == y);
+        shared.last().map_or(0, |(&joint, _)| joint + 1)
     }
 
     /// Returns the poses of the base and of all links.
@@ -131,9 +139,8 @@ impl TreeSegment {
             motion.pass(joint, course, 0.0);
             motions.push(motion);
         }
-        let courses = motions.iter().map(LinkMotion::course);
         Self {
-            begin: tree.poses(from).into_iter().zip(courses).collect(),
+            begin: motions.iter().map(|motion| (motion.pose, motion.course())).collect(),
             tree: tree.clone(),
             links: links.into(),
             joints,
@@ -153,23 +160,43 @@ impl SegmentMotion for TreeSegment {
         })
     }
 
-    fn course(&self, body: usize, time: f64, _: f64) -> Course {
+    fn course(&self, body: usize, time: f64, span: f64) -> Course {
+        self.placed(0, body, time, span).1
+    }
+
+    fn stem(&self, a: usize, b: usize) -> usize {
+        let stem = self.tree.stem(self.links[a], self.links[b]);
+        // The begin is at hand in the world, and even enough if the stem hardly turns.
+        let turns = self
+            .tree
+            .path(stem)
+            .filter(|(_, joint)| joint.kind == JointKind::Revolute);
+        let turned: f64 = turns.map(|(k, _)| self.joints[k].rate.abs()).sum();
+        if turned > TURNED { stem } else { 0 }
+    }
+
+    fn placed(&self, stem: usize, body: usize, time: f64, _: f64) -> (Isometry3<f64>, Course) {
         let link = self.links[body];
-        if time == 0.0 {
-            return self.begin[link].1;
+        if stem == 0 && time == 0.0 {
+            return self.begin[link];
         }
         let mut motion = LinkMotion::new(self.tree.base());
-        for (k, joint) in self.tree.path(link) {
-            motion.pass(joint, &self.joints[k], time);
+        let mut path = self.tree.path(link);
+        if stem > 0 {
+            for (k, joint) in path.by_ref().take(self.tree.path(stem).count()) {
+                motion.share(joint, &self.joints[k]);
+            }
+            motion.pose = Isometry3::identity();
         }
-        motion.course()
+        path.for_each(|(k, joint)| motion.pass(joint, &self.joints[k], time));
+        (motion.pose, motion.course())
     }
 }
 
 /// A link while the recursion runs outward.
 #[derive(Clone)]
 struct LinkMotion {
-    rotation: UnitQuaternion<f64>,
+    pose: Isometry3<f64>,
     linear: Vector3<f64>,
     acceleration: Vector3<f64>,
     angular: Vector3<f64>,
@@ -195,11 +222,28 @@ struct RateBounds {
     place: f64,
 }
 
+impl RateBounds {
+    /// The rounding of a place that is a vector of some length farther out.
+    fn reach_on(&mut self, length: f64) {
+        self.length += length;
+        self.place += (self.turn + ARM_PLACE) * length + ARM_PLACE * self.length;
+    }
+
+    /// The rounding of the value of a joint, and of the turn by the joint.
+    fn round(&mut self, kind: JointKind, course: &JointCourse) {
+        self.turn += ARM_TURN + ARM_VALUE * course.size;
+        if kind == JointKind::Prismatic {
+            // What the rounding of a value that mimics exceeds the part in `ARM_PLACE` by.
+            self.place += ARM_VALUE * (course.size - course.most).max(0.0);
+        }
+    }
+}
+
 impl LinkMotion {
     fn new(base: &Isometry3<f64>) -> Self {
         let length = base.translation.vector.abs().sum();
         Self {
-            rotation: base.rotation,
+            pose: *base,
             linear: Vector3::zeros(),
             acceleration: Vector3::zeros(),
             angular: Vector3::zeros(),
@@ -213,44 +257,48 @@ impl LinkMotion {
         }
     }
 
+    /// Goes on to the link behind a joint that moves the partner as well: the motion that both
+    /// share is left out, the rounding is not.
+    fn share(&mut self, joint: &TreeJoint, course: &JointCourse) {
+        self.bounds.reach_on(joint.origin.translation.vector.abs().sum());
+        self.bounds.round(joint.kind, course);
+        if joint.kind == JointKind::Prismatic {
+            self.bounds.reach_on(course.most);
+        }
+    }
+
     /// Goes on to the link behind a joint at a time.
     fn pass(&mut self, joint: &TreeJoint, course: &JointCourse, time: f64) {
         let (value, rate) = (course.at(time), course.rate);
-        self.carry(&joint.origin.translation.vector, 0.0, None);
-        self.turn_by(&joint.origin.rotation);
-        self.bounds.turn += ARM_TURN + ARM_VALUE * course.size;
-        let axis = self.rotation * joint.axis.into_inner();
+        let offset = self.pose.rotation * joint.origin.translation.vector;
+        self.carry(&offset, &joint.origin.translation.vector, 0.0, None);
+        self.bounds.round(joint.kind, course);
+        self.pose = joint.after(&self.pose, value);
+        let axis = self.pose.rotation * joint.axis.into_inner();
         match joint.kind {
-            JointKind::Revolute => {
-                self.spin(&axis, rate);
-                self.turn_by(&joint.moved(value).rotation);
-            }
+            JointKind::Revolute => self.spin(&axis, rate),
             JointKind::Prismatic => {
-                // What the rounding of a value that mimics exceeds the part in `ARM_PLACE` by.
-                self.bounds.place += ARM_VALUE * (course.size - course.most).max(0.0);
-                let slide = joint.axis.into_inner() * value;
-                self.carry(&slide, course.most - value.abs(), Some((axis, rate)));
+                let longer = course.most - value.abs();
+                self.carry(
+                    &(axis * value),
+                    &(joint.axis.into_inner() * value),
+                    longer,
+                    Some((axis, rate)),
+                );
             }
         }
     }
 
-    fn turn_by(&mut self, rotation: &UnitQuaternion<f64>) {
-        let turned = self.rotation.into_inner() * rotation.into_inner();
-        let norm = f64::sqrt(turned.norm_squared());
-        self.rotation = UnitQuaternion::new_unchecked(turned / norm);
-    }
-
-    /// Goes along a vector of the link's frame, which is up to `longer` longer at other times, and
-    /// slides along an axis of the world at a rate.
-    fn carry(&mut self, vector: &Vector3<f64>, longer: f64, slide: Option<(Vector3<f64>, f64)>) {
-        let (w, along) = (self.angular, self.rotation * vector);
-        self.linear += w.cross(&along);
-        self.acceleration += self.angular_acceleration.cross(&along) + w.cross(&w.cross(&along));
+    /// Goes along a vector, given in the world and in the link's own axes, which is up to `longer`
+    /// longer at other times, and slides along an axis of the world at a rate.
+    fn carry(&mut self, along: &Vector3<f64>, own: &Vector3<f64>, longer: f64, slide: Option<(Vector3<f64>, f64)>) {
+        let w = self.angular;
+        self.linear += w.cross(along);
+        self.acceleration += self.angular_acceleration.cross(along) + w.cross(&w.cross(along));
         let bounds = &mut self.bounds;
-        let length = vector.abs().sum() + longer;
+        let length = own.abs().sum() + longer;
         let rate = bounds.rate;
-        bounds.length += length;
-        bounds.place += (bounds.turn + ARM_PLACE) * length + ARM_PLACE * bounds.length;
+        bounds.reach_on(length);
         bounds.speed += rate * length;
         bounds.push += rate * rate * length;
         bounds.jerk += rate * rate * rate * length;

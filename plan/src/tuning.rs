@@ -82,3 +82,10 @@ pub(crate) const ENLARGED: f64 = 4.0;
 /// asked before any box is looked at. Not measured.
 pub(crate) const HITS: usize = 16;
 pub(crate) const HITS_FIRST: usize = 2;
+
+/// Part of a segment below which no swept box is cut shorter. Not measured.
+pub(crate) const SWEPT: f64 = 1.0 / 64.0;
+
+/// Radians by which the joints that two links share turn, beyond which the pair is looked at from
+/// the last link that carries both. Not measured.
+pub(crate) const TURNED: f64 = 1.0;

@@ -3,6 +3,7 @@
 
 mod arm;
 mod certify;
+mod far;
 mod free;
 mod judge;
 mod planner;

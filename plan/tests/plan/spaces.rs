@@ -70,10 +70,10 @@ fn configuration<C: ConfigurationSpace>(space: &C, rng: &mut Rng) -> Vec<f64> {
     space.sample(&mut || rng.uniform())
 }
 
-/// For random segments, bodies, times and spans: no point leaves the model of the course by more than the bound. Returns how
-/// many bounds were used by half and more.
-fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exact: bool) -> u32 {
-    let mut tight = 0;
+/// For random segments, bodies, stems, times and spans: no point leaves the model of the course by more than the bound. Returns
+/// how many bounds were used by a fifth and more, and how many were those of a body as seen from another link.
+fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exact: bool) -> [u32; 2] {
+    let (mut tight, mut stems) = (0, 0);
     for _ in 0..rounds {
         let (from, to) = (configuration(space, rng), configuration(space, rng));
         let segment = space.segment(&from, &to).expect("a segment");
@@ -81,11 +81,18 @@ fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exac
         // The begin is looked at most.
         let time = if rng.chance(0.25) { 0.0 } else { rng.uniform() };
         let span = (1.0 - time) * rng.log_range(1e-3, 1.0);
-        let course = segment.course(body, time, span);
-        let start = segment.pose(body, time);
+        let stem = segment.stem(body, rng.below(space.bodies()));
+        let (start, course) = segment.placed(stem, body, time, span);
         for _ in 0..8 {
             let s = span * rng.uniform();
-            let now = segment.pose(body, time + s);
+            let now = segment.placed(stem, body, time + s, 0.0).0;
+            if stem > 0 {
+                stems += 1;
+                // Body k of these trees is link k.
+                let placed = segment.pose(stem, time + s) * now;
+                let off = (placed * course.pivot - segment.pose(body, time + s) * course.pivot).norm();
+                assert!(off <= course.shift.0[0], "{off:e} of {stem} and {body}");
+            }
             let x = Point3::from(Vector3::from(rng.unit()) * rng.range(0.0, 2.0));
             let arm = x - course.pivot;
             let pivot = start * course.pivot + course.linear * s + course.acceleration * (0.5 * s * s);
@@ -106,7 +113,7 @@ fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exac
             tight += u32::from(off > 0.2 * bound);
         }
     }
-    tight
+    [tight, stems]
 }
 
 #[test]
@@ -119,29 +126,31 @@ fn segments_keep_the_contract_of_motions() {
     contract(&plane, &mut rng, 500, true);
     contract(&rigid, &mut rng, 500, true);
     contract(&straight, &mut rng, 500, true);
-    let mut tight = 0;
+    let mut used = [0; 2];
     for joints in [1, 2, 3, 6, 9] {
         for _ in 0..40 {
             let arm = arm(&mut rng, joints);
-            tight += contract(&arm, &mut rng, 20, true);
+            let more = contract(&arm, &mut rng, 20, true);
+            used = [used[0] + more[0], used[1] + more[1]];
         }
     }
     // Bounds of arms are sums of magnitudes; a share of them is nearly used.
-    assert!(tight > 200, "{tight}");
+    assert!(used[0] > 200 && used[1] > 2000, "{used:?}");
 }
 
 /// 1,000 segments of trees with branches, mimics and fixed joints, each at 8 times.
 #[test]
 fn trees_keep_the_contract_of_motions() {
     let mut rng = Rng::new(8);
-    let mut tight = 0;
+    let mut used = [0; 2];
     for joints in [1, 2, 4, 8, 14] {
         for _ in 0..20 {
             let tree = tree(&mut rng, joints);
-            tight += contract(&tree, &mut rng, 10, true);
+            let more = contract(&tree, &mut rng, 10, true);
+            used = [used[0] + more[0], used[1] + more[1]];
         }
     }
-    assert!(tight > 100, "{tight}");
+    assert!(used[0] > 100 && used[1] > 500, "{used:?}");
 }
 
 /// Poses of links are products along their path, mimics and branches included.

@@ -91,6 +91,12 @@ pub trait Motion {
     /// Returns the velocities at a time, and bounds of the deviation from these velocities within
     /// `span` from then on.
     fn course(&self, time: f64, span: f64) -> Course;
+
+    /// Returns the pose and the course at a time: for motions that find one on the way to the
+    /// other.
+    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
+        (self.pose(time), self.course(time, span))
+    }
 }
 
 impl<M: Motion + ?Sized> Motion for &M {
@@ -100,6 +106,10 @@ impl<M: Motion + ?Sized> Motion for &M {
 
     fn course(&self, time: f64, span: f64) -> Course {
         (**self).course(time, span)
+    }
+
+    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
+        (**self).placed(time, span)
     }
 }
 

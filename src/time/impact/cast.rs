@@ -2,8 +2,6 @@
 
 use alloc::vec::Vec;
 
-use nalgebra::Isometry3;
-
 use super::{Certificate, Impact, Tolerance};
 use crate::base::motion::Motion;
 use crate::base::notice::log;
@@ -260,15 +258,16 @@ pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
     until: f64,
     keep: f64,
 ) -> Result<(RelativePose, Flight), PoseError> {
-    let (pose_a, pose_b): (Isometry3<f64>, Isometry3<f64>) = (motion_a.pose(time), motion_b.pose(time));
-    let relative = RelativePose::new(&pose_a, &pose_b)?;
     // Rounded up, so that a proof for the span is a proof to the end.
     let span = if until > time { (until - time).next_up() } else { 0.0 };
+    let (pose_a, course_a) = motion_a.placed(time, span);
+    let (pose_b, course_b) = motion_b.placed(time, span);
+    let relative = RelativePose::new(&pose_a, &pose_b)?;
     let flight = Flight {
         pose_a,
         pose_b,
-        course_a: motion_a.course(time, span),
-        course_b: motion_b.course(time, span),
+        course_a,
+        course_b,
         span,
         keep,
     };

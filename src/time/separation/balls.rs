@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::straight::cut;
 use super::{Flight, Separation};
 use crate::base::motion::{Course, Drift, length};
-use crate::base::num::scalar::{magnitude, sqrt};
+use crate::base::num::scalar::{greater, magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{BALLS, PLANE, ROOT};
 use crate::base::tuning::separation::ROUNDS;
@@ -53,10 +53,15 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
     let reach = radius_a + radius_b;
     let size = reach + length(&offset) + 2.0 * (length(&a.pivot.coords) + length(&b.pivot.coords));
     let noise = PLANE * size + drift.0[0] + f64::MIN_POSITIVE;
-    let bent = 0.5 * length(&(b.acceleration - a.acceleration)) * span * span;
-    let radius = reach + flight.keep + PLANE * size + drift.at(span) + bent + f64::MIN_POSITIVE;
+    let near = reach + flight.keep + noise;
+    // What grows faster than evenly may take half of the gap: as far ahead as that.
+    let Drift([_, d1, d2, d3]) = drift;
+    let growth = Drift([0.0, d1, d2 + length(&(b.acceleration - a.acceleration)), d3]);
+    let ahead = until_as_far(&growth, greater(0.0, 0.5 * (length(&between) - near)), span);
+    let radius = near + growth.at(ahead);
+    let until = until_as_near(&between, &velocity, radius);
     Apart {
-        span: until_as_near(&between, &velocity, radius) * tick,
+        span: if ahead < span { until.min(ahead) } else { until } * tick,
         radii: [radius_a, radius_b],
         reach,
         gap: length(&between) - radius,
