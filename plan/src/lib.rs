@@ -44,8 +44,9 @@
 //! | Is a configuration free? | [`Checker::free_at`] | yes or no, by predicates alone |
 //! | How clear is a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witnesses, gradient |
 //!
-//! A segment is looked at pair by pair. Boxes swept over the segment sort out most obstacles, balls
-//! most of the rest without a distance query. A look at one of the remaining pairs proves as much
+//! A segment is looked at pair by pair. Boxes swept over stretches of the segment, each as long as
+//! the motion is nearly a parabola, sort out most obstacles, balls most of the rest without a
+//! distance query; two links are looked at from the last link that carries both. A look at one of the remaining pairs proves as much
 //! of the segment as a separating plane holds that turns with the closest features
 //! ([`impact`](lin_canny::impact)), and the next look begins where the plane ends. A pair that comes
 //! into contact ends with a time up to which the pair is proven apart and a time at which the pair
@@ -135,10 +136,11 @@ mod tolerance;
 mod tree;
 mod tree_motion;
 mod tuning;
+mod verdict;
 mod world;
 
 pub use arm::{Joint, JointKind, SerialArm};
-pub use checker::{CheckWork, Checker, PairProof, Verdict};
+pub use checker::{Checker, PairProof};
 pub use clearance::{NearPair, SegmentClearance};
 pub use error::PlanError;
 pub use freeway::FreewayEnd;
@@ -149,6 +151,7 @@ pub use roadmap::{Edge, EdgeKind, Freeway, Roadmap};
 pub use space::{BodyMotion, ConfigurationSpace, SegmentMotion};
 pub use tree::{Drive, JointTree, TreeJoint};
 pub use tree_motion::TreeSegment;
+pub use verdict::{CheckWork, Verdict};
 pub use world::{World, WorldId, WorldPair};
 
 /// Runs the README as a test.

@@ -6,13 +6,14 @@ use std::string::ToString;
 use lin_canny::Progress;
 
 use crate::ascent::Slice;
-use crate::checker::{CheckWork, Checker};
+use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::path::Path;
 use crate::random::Random;
 use crate::roadmap::Roadmap;
 use crate::space::ConfigurationSpace;
 use crate::tuning::{LONGEST, SHORTEST};
+use crate::verdict::CheckWork;
 
 /// The budget of a search, and its seed.
 #[derive(Clone, Debug, PartialEq)]

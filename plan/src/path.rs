@@ -2,10 +2,11 @@
 
 use std::vec::Vec;
 
-use crate::checker::{Checker, Verdict};
+use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::random::Random;
 use crate::space::ConfigurationSpace;
+use crate::verdict::Verdict;
 use lin_canny::tolerance::EXTENT_MAX;
 
 /// Configurations joined by segments.

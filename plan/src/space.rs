@@ -5,7 +5,7 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::error::PlanError;
-use lin_canny::motion::{Course, Motion};
+use lin_canny::motion::{Course, Motion, Steady};
 
 /// A configuration space: configurations are lists of numbers, and each places all bodies of a
 /// robot.
@@ -187,6 +187,35 @@ impl<M: SegmentMotion + ?Sized> Motion for BodyMotion<'_, M> {
 
     fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
         self.segment.placed(self.stem, self.body, time, span)
+    }
+}
+
+/// The motion of the second part of a pair.
+pub(crate) enum PartMotion<'a, M> {
+    Robot(BodyMotion<'a, M>),
+    Obstacle(&'a Steady),
+}
+
+impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
+    fn pose(&self, time: f64) -> Isometry3<f64> {
+        match self {
+            Self::Robot(motion) => motion.pose(time),
+            Self::Obstacle(motion) => motion.pose(time),
+        }
+    }
+
+    fn course(&self, time: f64, span: f64) -> Course {
+        match self {
+            Self::Robot(motion) => motion.course(time, span),
+            Self::Obstacle(motion) => motion.course(time, span),
+        }
+    }
+
+    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
+        match self {
+            Self::Robot(motion) => motion.placed(time, span),
+            Self::Obstacle(motion) => motion.placed(time, span),
+        }
     }
 }
 

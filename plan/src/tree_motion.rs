@@ -263,7 +263,7 @@ impl LinkMotion {
         self.bounds.reach_on(joint.origin.translation.vector.abs().sum());
         self.bounds.round(joint.kind, course);
         if joint.kind == JointKind::Prismatic {
-            self.bounds.reach_on(course.most);
+            self.bounds.reach_on(joint.axis.abs().sum() * course.most);
         }
     }
 

@@ -2,6 +2,7 @@
 
 use lab::casts::rotation;
 use lab::rng::Rng;
+use lin_canny::motion::Course;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
 use lin_canny_plan::{
     ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanarSpace, RigidSpace, SegmentMotion, SerialArm,
@@ -83,6 +84,11 @@ fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exac
         let span = (1.0 - time) * rng.log_range(1e-3, 1.0);
         let stem = segment.stem(body, rng.below(space.bodies()));
         let (start, course) = segment.placed(stem, body, time, span);
+        // The rounding of the poses in the world counts, whatever the stem.
+        let in_world = segment.course(body, time, span);
+        let constant = |course: &Course| [course.shift.0[0], course.turn.0[0]];
+        let [seen, least] = [&course, &in_world].map(constant);
+        assert!(seen[0] >= least[0] * (1.0 - 1e-12) && seen[1] >= least[1] * (1.0 - 1e-12));
         for _ in 0..8 {
             let s = span * rng.uniform();
             let now = segment.placed(stem, body, time + s, 0.0).0;
