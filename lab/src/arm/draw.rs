@@ -3,11 +3,16 @@
 use std::fmt::Write as _;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
+use lin_canny::{ConvexPolyhedron, Geometry, PairTracker, RelativePose, Tracker};
+
+use super::Trouble;
 
 /// Width and height of the picture, and the height of the caption.
 const SIZE: [f64; 2] = [860.0, 520.0];
 const CAPTION: f64 = 36.0;
+
+/// Directions of an outline from pole to pole.
+const LATITUDES: u32 = 18;
 
 /// Direction to the viewer, and the direction of the light; not of unit length.
 const VIEWER: Vector3<f64> = Vector3::new(1.0, -0.75, 0.62);
@@ -23,6 +28,26 @@ pub struct Picture<'a> {
     pub poses: Vec<Isometry3<f64>>,
     /// Points joined by a red line.
     pub points: [Point3<f64>; 2],
+}
+
+/// The hull of points of a convex geometry, closest to far points all around: for pictures alone.
+pub fn outline(geometry: &Geometry) -> Result<ConvexPolyhedron, Trouble> {
+    if let Some(body) = geometry.as_polyhedron() {
+        return Ok(body.clone());
+    }
+    let (centre, radius) = geometry.bounding_ball();
+    let (eye, mut tracker) = (ConvexPolyhedron::point(Point3::origin())?, PairTracker::new());
+    let mut points = vec![];
+    for k in 0..=LATITUDES {
+        let height = std::f64::consts::PI * f64::from(k) / f64::from(LATITUDES);
+        for j in 0..2 * LATITUDES {
+            let turn = std::f64::consts::PI * f64::from(j) / f64::from(LATITUDES);
+            let way = Vector3::new(height.sin() * turn.cos(), height.sin() * turn.sin(), height.cos());
+            let from = RelativePose::from_isometry(&Isometry3::from(centre + way * (100.0 * radius)))?;
+            points.push(tracker.closest(geometry, &eye, &from).point_on_a);
+        }
+    }
+    Ok(ConvexPolyhedron::from_points(&points)?)
 }
 
 /// A parallel projection: axes to the right and up in the picture, and to the viewer.

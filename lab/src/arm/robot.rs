@@ -1,4 +1,4 @@
-//! The arm: six joints, and boxes and prisms on their links; the same as `clearance/arm.urdf`, in metres.
+//! The arm: six joints, and boxes and prisms on their links; the same as `arm.urdf` of the package `lin-canny-robot`, in metres.
 
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Unit, Vector3};

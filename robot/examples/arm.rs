@@ -1,14 +1,16 @@
 //! A path of a six-axis arm in its cell, from bin to bin: proven free, shortened, widened, drawn with its clearance.
 //!
-//! `cargo run --release -p lin-canny-plan --example arm -- [--cell X.obj ..] [--seed N] [--out FILE.svg]`
+//! `cargo run --release -p lin-canny-robot --example arm -- [--cell X.obj ..] [--seed N] [--out FILE.svg]`
 
 use clap::Parser;
-use lab::arm::{Trouble, cell, draw, motion, robot};
+use lab::arm::{Trouble, cell, draw, motion};
 use lab::command::{file, seconds};
 use lab::plot::Chart;
+use lin_canny::ConvexPolyhedron;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm, World};
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
+use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -45,13 +47,22 @@ const PLACES: usize = 400;
 
 fn run(options: &Options) -> Result<(), Trouble> {
     let things = cell::things(&options.cell)?;
-    let mut world = World::new();
-    let arm = robot::arm(&mut world)?;
+    let (text, load) = (include_str!("arm.urdf"), LoadOptions::default());
+    let arm = Robot::parse(text, "arm.urdf", &Packages::default(), &load)?;
+    let mut setup = Setup::new();
+    setup.robot("", &arm, Isometry3::identity());
+    setup.ignore_adjacent();
     for (name, shape, pose) in &things {
-        world.obstacle(name, shape.clone(), *pose);
+        setup.obstacle(name, shape.clone(), *pose);
     }
-    robot::exclude(&mut world, things.iter().any(|t| t.0 == "table"))?;
-    let mut checker = Checker::new(arm, world)?;
+    // The arm stands on the table, and its slender links reach over the next but one.
+    if things.iter().any(|thing| thing.0 == "table") {
+        setup.ignore_pair("base", "table");
+    }
+    for pair in arm.links().windows(3) {
+        setup.ignore_pair(&pair[0].name, &pair[2].name);
+    }
+    let mut checker = setup.checker()?;
     let [start, goal] = BINS.map(motion::carry);
     let search = PlanOptions::default()
         .seed(options.seed)
@@ -99,7 +110,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
 }
 
 /// Configurations along a path, evenly in length.
-fn along(checker: &Checker<SerialArm>, path: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
+fn along(checker: &Checker<JointTree>, path: &[Vec<f64>], count: usize) -> Vec<Vec<f64>> {
     let whole = checker.path_length(path);
     let (mut list, mut gone) = (vec![], 0.0);
     for ends in path.windows(2) {
@@ -113,7 +124,7 @@ fn along(checker: &Checker<SerialArm>, path: &[Vec<f64>], count: usize) -> Vec<V
     list
 }
 
-fn clearances(checker: &mut Checker<SerialArm>, path: &[Vec<f64>]) -> Result<Vec<(f64, f64)>, Trouble> {
+fn clearances(checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<Vec<(f64, f64)>, Trouble> {
     let places = along(checker, path, PLACES);
     let last = places.len().max(2) as f64 - 1.0;
     let mut curve = vec![];
@@ -127,7 +138,7 @@ fn clearances(checker: &mut Checker<SerialArm>, path: &[Vec<f64>]) -> Result<Vec
 
 /// The cell, the arm at both ends and at the place of least clearance, and the points that are closest there.
 fn picture(
-    checker: &mut Checker<SerialArm>,
+    checker: &mut Checker<JointTree>,
     things: &[cell::Thing],
     path: &[Vec<f64>],
     chart: &str,
@@ -144,11 +155,12 @@ fn picture(
     let (distance, points, name, at) = nearest.ok_or("the path is empty")?;
     let mut bodies: Vec<_> = things.iter().map(|(_, shape, _)| (shape, false)).collect();
     let mut poses: Vec<_> = things.iter().map(|(_, _, pose)| *pose).collect();
-    let shapes = robot::pieces()?;
+    let links = checker.world().robot_bodies().map(|(_, shape)| draw::outline(shape));
+    let shapes: Vec<ConvexPolyhedron> = links.collect::<Result<_, Trouble>>()?;
     let mut placed: Vec<Isometry3<f64>> = vec![];
     for q in [&path[0], &places[at], &path[path.len() - 1]] {
         checker.space().place(q, &mut placed);
-        for ((_, _, shape), pose) in shapes.iter().zip(&placed) {
+        for (shape, pose) in shapes.iter().zip(&placed) {
             bodies.push((shape, true));
             poses.push(*pose);
         }
