@@ -197,7 +197,8 @@ def judge(options, name, case, work):
             wrong += int(checker.clearance(at[order]).upper > 1e-9)
         if verdict.state != "free":
             continue
-        rows = start + np.linspace(0, 1, options.places)[:, None] * (goal - start)
+        # Clipped, as the sum may round to just beyond a limit.
+        rows = np.clip(start + np.linspace(0, 1, options.places)[:, None] * (goal - start), *limits.T)
         wrong += int((~checker.free(rows[:, order])).sum())
         asked += len(rows)
         for row in rows[::100]:

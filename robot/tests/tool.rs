@@ -118,9 +118,18 @@ fn motions_are_proven_or_blocked() {
             .contains("2,3,blocked,")
     );
     // Around the fence.
-    let path = scratch("path.csv", "");
-    let (code, text) = run("plan", &with(&["--joints", &through, "--csv", &path]));
+    let (path, film) = (scratch("path.csv", ""), scratch("path.jsonl", ""));
+    let (code, text) = run(
+        "plan",
+        &with(&["--joints", &through, "--csv", &path, "--record", &film]),
+    );
     assert_eq!(code, 0, "{text}");
+    let file = std::io::BufReader::new(std::fs::File::open(&film).expect("the recording"));
+    let film = lin_canny_record::Recording::read(file).expect("a recording");
+    let rows = std::fs::read_to_string(&path).expect("the path").lines().count() - 1;
+    assert_eq!(film.frames.len(), 32 * (rows - 1) + 1);
+    let apart = |frame: &lin_canny_record::Frame| frame.pairs[0].outcome.as_ref().is_some_and(|o| o.lower > 0.0);
+    assert!(film.frames.iter().all(apart));
     let (code, text) = run("certify", &with(&["--joints", &path]));
     assert_eq!(code, 0, "{text}");
     // Walls and a lid leave a way that no straight segment takes.

@@ -46,7 +46,7 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
         bar.inc(1);
         let Some(near) = checker.clearance(q)? else { continue };
         if let Some(film) = &mut film {
-            film.frame(checker.space(), q, line, &near)?;
+            film.frame(checker.space(), q, &format!("line {line}"), &near)?;
         }
         let [a, b] = names(&checker, near.pair);
         let mut cells = vec![line.to_string()];

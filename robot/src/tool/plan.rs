@@ -1,14 +1,15 @@
 //! `plan`: a path from the first to the last row of a file.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use lin_canny::Progress;
-use lin_canny_robot::plan::PlanOptions;
+use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
 use lin_canny_robot::{Trajectory, csv_text};
 
 use super::options::RobotOptions;
+use super::record::Film;
 use super::{End, ToolError, write};
 
 #[derive(Args)]
@@ -21,6 +22,9 @@ pub(super) struct PlanArguments {
     /// Where to write the path, to stdout if left out
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
+    /// Where to record the motion along the path, for the viewer
+    #[arg(long, value_name = "OUT.jsonl")]
+    record: Option<PathBuf>,
     /// The distance that all pairs must keep
     #[arg(long, value_name = "LENGTH", default_value_t = 0.0, allow_negative_numbers = true)]
     margin: f64,
@@ -70,6 +74,9 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         Some(file) => write(file, &text)?,
         None => print!("{text}"),
     }
+    if let Some(file) = &options.record {
+        record(file, &mut checker, &short)?;
+    }
     eprintln!(
         "a path of {} rows, length {:.3} ({:.3} before it was shortened)",
         short.len(),
@@ -77,4 +84,23 @@ pub(super) fn run(options: &PlanArguments) -> Result<End, ToolError> {
         checker.path_length(&path)
     );
     Ok(End::Free)
+}
+
+/// Frames of each segment of a recorded path.
+const FRAMES: u32 = 32;
+
+/// Records the motion along a path, with the closest pair of each frame.
+fn record(file: &Path, checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<(), ToolError> {
+    let mut film = Film::new(file, checker, &path[0])?;
+    for (row, ends) in path.windows(2).enumerate() {
+        // A segment begins where the one before ended.
+        for k in u32::from(row > 0)..=FRAMES {
+            let part = f64::from(k) / f64::from(FRAMES);
+            let q = checker.space().between(&ends[0], &ends[1], part);
+            if let Some(near) = checker.clearance(&q)? {
+                film.frame(checker.space(), &q, &format!("segment {}, {part}", row + 1), &near)?;
+            }
+        }
+    }
+    film.finish()
 }

@@ -48,8 +48,14 @@ impl Film {
         })
     }
 
-    /// Adds a frame: a configuration, its closest pair, and the number of its line.
-    pub(super) fn frame(&mut self, space: &JointTree, q: &[f64], line: u32, near: &NearPair) -> Result<(), ToolError> {
+    /// Adds a frame: a configuration, its closest pair, and where it stands.
+    pub(super) fn frame(
+        &mut self,
+        space: &JointTree,
+        q: &[f64],
+        place: &str,
+        near: &NearPair,
+    ) -> Result<(), ToolError> {
         let mut poses = Vec::new();
         space.place(q, &mut poses);
         let [a, b] = [near.pair.a, near.pair.b].map(|part| match part {
@@ -67,7 +73,7 @@ impl Film {
                 self.to.answer(a as u32, b as u32, &answer)?;
             }
             self.to.note(format!(
-                "line {line}: {} from {} to {}",
+                "{place}: {} from {} to {}",
                 near.distance, near.lower, near.upper
             ));
             self.to.end_frame()
