@@ -14,9 +14,9 @@ at hand the last columns are the times of free or not: `Checker.free`, and coal'
 end at the first.
 
 With `--segments` motions are judged instead: from a free configuration to another at most a radian a
-joint away, certified over their whole length. Every free one is asked at so many places by
-predicates, and at a hundredth of them by coal; every blocked one has to be in contact at the time
-that is named.
+joint away (or `--step`: of 32 joints that turn by a radian some always meet), certified over their
+whole length. Every free one is asked at so many places by predicates, and at a hundredth of them by
+coal; every blocked one has to be in contact at the time that is named.
 """
 
 import argparse
@@ -163,6 +163,7 @@ def main():
     parser.add_argument("--geometry", choices=["hull", "mesh"], default="hull", help="what meshes become")
     parser.add_argument("--only", choices=list(ROBOTS), help="one robot")
     parser.add_argument("--segments", type=int, default=0, help="judge so many segments of each robot")
+    parser.add_argument("--step", type=float, default=1.0, help="the most that a joint moves along a segment")
     parser.add_argument("--places", type=int, default=10_000, help="places of each segment")
     options = parser.parse_args()
     share = pathlib.Path(pin.__file__).parents[4] / "share/example-robot-data/robots"
@@ -189,7 +190,7 @@ def judge(options, name, case, work):
         start = rng.uniform(*limits.T)
         if not checker.free(start[None, order])[0]:
             continue
-        goal = np.clip(start + rng.uniform(-1, 1, len(start)), *limits.T)
+        goal = np.clip(start + options.step * rng.uniform(-1, 1, len(start)), *limits.T)
         verdict = checker.certify(start[order], goal[order])
         counts[verdict.state] += 1
         if verdict.state == "blocked":
