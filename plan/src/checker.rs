@@ -203,7 +203,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             from: 0.0,
             until: 1.0,
         }));
-        stretches.sort_by(|x, y| x.from.total_cmp(&y.from));
+        stretches.sort_unstable_by(|x, y| x.from.total_cmp(&y.from).then(x.pair.cmp(&y.pair)));
         self.work.pairs += stretches.len() as u64;
         Ok(())
     }

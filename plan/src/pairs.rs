@@ -169,7 +169,7 @@ impl WorldPair {
 pub(crate) fn even_span((centre, radius): (Point3<f64>, f64), course: &Course, most: f64) -> f64 {
     let near = 0.5 * (radius + (centre - course.pivot).norm());
     let mut span = most;
-    while course.shift.at(span) > near && span > most * SWEPT {
+    while course.shift.at(span) > near && span > SWEPT {
         span *= 0.5;
     }
     span

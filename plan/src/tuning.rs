@@ -83,7 +83,8 @@ pub(crate) const ENLARGED: f64 = 4.0;
 pub(crate) const HITS: usize = 16;
 pub(crate) const HITS_FIRST: usize = 2;
 
-/// Part of a segment below which no swept box is cut shorter. Not measured.
+/// Part of the whole segment below which no swept box is cut shorter: so there are at most 128.
+/// Not measured.
 pub(crate) const SWEPT: f64 = 1.0 / 64.0;
 
 /// Radians by which the joints that two links share turn, beyond which the pair is looked at from

@@ -137,7 +137,8 @@ impl Setup {
         }
     }
 
-    /// Ignores all pairs of two links, or of a link and an obstacle.
+    /// Ignores all pairs of two links, or of a link and an obstacle. A link without bodies has no
+    /// pair, so nothing changes; a name that nothing has is refused by [`checker`](Self::checker).
     pub fn ignore_pair(&mut self, a: &str, b: &str) {
         self.ignored.insert([a.to_owned(), b.to_owned()]);
     }
@@ -156,7 +157,9 @@ impl Setup {
         &self.adjacent
     }
 
-    /// Returns the configuration space of all robots.
+    /// Returns the configuration space of all robots. Its
+    /// [`sample`](lin_canny_plan::ConfigurationSpace::sample) returns a random configuration within
+    /// the limits.
     ///
     /// # Errors
     /// Numbers of a robot that are out of range.
