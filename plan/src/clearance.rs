@@ -196,7 +196,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// well, zero for an overlap of unknown depth.
     fn measure(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<(NearPair, Vector3<f64>), PlanError> {
         self.work.measures += 1;
-        let tracked = &mut self.pairs.all[index];
+        let (tracked, _) = self.pairs.tracked(index);
         let pair = tracked.pair;
         let world = &self.world;
         let pose_of = |part: WorldId| match part {

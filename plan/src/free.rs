@@ -82,7 +82,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     fn keeps_margin(&mut self, index: usize, poses: &[Isometry3<f64>]) -> Result<bool, PlanError> {
         self.work.decisions += 1;
         let margin = self.margin();
-        let tracked = &mut self.pairs.all[index];
+        let (tracked, _) = self.pairs.tracked(index);
         let (pair, world) = (tracked.pair, &self.world);
         let pose_of = |part: WorldId| match part {
             WorldId::Robot(k) => &poses[k],

@@ -21,6 +21,8 @@ pub(crate) struct TrackedPair {
     pub(crate) measured: u64,
     /// The number of the last stretch of the pair; of another pair if there is none.
     stretch: usize,
+    /// How often the pairs had been forgotten when the tracker began.
+    begun: u64,
 }
 
 /// A pair and the times of a segment at which the swept boxes of both meet.
@@ -49,6 +51,8 @@ pub(crate) struct Pairs {
     pub(crate) obstacle_balls: Vec<(Point3<f64>, f64)>,
     /// The greatest radius of a ball of the robot.
     pub(crate) robot_radius: f64,
+    /// How often the pairs have been forgotten.
+    forgotten: u64,
 }
 
 const NONE: u32 = u32::MAX;
@@ -66,6 +70,7 @@ impl Pairs {
             robot_balls: world.robot.iter().map(|b| b.1.bounding_ball()).collect(),
             obstacle_balls: Vec::new(),
             robot_radius: 0.0,
+            forgotten: 0,
         };
         pairs.robot_radius = pairs.robot_balls.iter().map(|b| b.1).fold(0.0, f64::max);
         for (_, shape, pose) in &world.obstacles {
@@ -106,8 +111,23 @@ impl Pairs {
             tracker: PairTracker::new(),
             measured: 0,
             stretch: 0,
+            begun: 0,
         });
         Ok(self.all.len() as u32 - 1)
+    }
+
+    /// Forgets what the trackers know; each is reset when it is asked next.
+    pub(crate) fn forget(&mut self) {
+        self.forgotten += 1;
+    }
+
+    /// Returns a pair whose tracker knows nothing that has been forgotten, and the obstacles.
+    pub(crate) fn tracked(&mut self, index: usize) -> (&mut TrackedPair, &[Steady]) {
+        let tracked = &mut self.all[index];
+        if core::mem::replace(&mut tracked.begun, self.forgotten) != self.forgotten {
+            tracked.tracker.reset();
+        }
+        (tracked, &self.resting)
     }
 
     /// Returns the pair of a body of the robot and an obstacle, unless excluded.

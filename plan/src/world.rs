@@ -75,6 +75,11 @@ impl World {
         Ok(())
     }
 
+    /// Returns the pairs that are excluded, the smaller part first.
+    pub fn excluded(&self) -> impl ExactSizeIterator<Item = [WorldId; 2]> {
+        self.excluded.iter().map(|&(a, b)| [a, b])
+    }
+
     /// Returns the name of a part; empty for a part that does not exist.
     #[must_use]
     pub fn name(&self, part: WorldId) -> &str {

@@ -87,6 +87,9 @@ pub enum FileProblem {
     /// A kind that is not read.
     #[error("{0} is not supported")]
     Unsupported(String),
+    /// A recording that cannot be written.
+    #[error("cannot be written: {0}")]
+    Record(#[from] lin_canny_record::WriteError),
     /// Geometry that makes no body.
     #[error("{0}")]
     Geometry(String),

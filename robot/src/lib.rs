@@ -29,8 +29,10 @@
 //! | where `package://` is | [`Packages`] |
 //! | pairs of links to ignore: of an SRDF, found by random configurations | [`Srdf`], [`find_ignorable`] |
 //! | obstacles of a JSON file | [`Cell`] |
+//! | all files of a robot in its cell in one call | [`RobotFiles`] |
 //! | robots and obstacles in one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | configurations of a CSV file | [`Trajectory`] |
+//! | a recording for the viewer | [`Film`] |
 //!
 //! The checker is that of [`lin_canny_plan`]: clearances with bounds, segments proven free over
 //! their whole length, paths. The tool `lin-canny-robot` does the same without a program.
@@ -51,6 +53,8 @@
 mod cell;
 mod collada;
 mod error;
+mod files;
+mod film;
 mod geometry;
 mod ignorable;
 mod mesh_file;
@@ -64,10 +68,13 @@ mod xml;
 
 pub use cell::{Cell, Obstacle};
 pub use error::{FileError, FileProblem};
+pub use files::RobotFiles;
+pub use film::Film;
 pub use geometry::{MeshOptions, MeshUse};
 pub use ignorable::{IgnoreReason, LinkPairCount, find_ignorable};
 pub use lin_canny;
 pub use lin_canny_plan as plan;
+pub use lin_canny_record as record;
 pub use packages::Packages;
 pub use robot::{Coordinate, LinkBody, LoadOptions, MotionKind, Robot, RobotJoint, RobotLink};
 pub use space::Setup;

@@ -11,6 +11,9 @@ use super::Trouble;
 const SIZE: [f64; 2] = [860.0, 520.0];
 const CAPTION: f64 = 36.0;
 
+/// Opacity of an obstacle in front of the robot.
+const GLASS: f64 = 0.12;
+
 /// Directions of an outline from pole to pole.
 const LATITUDES: u32 = 18;
 
@@ -102,7 +105,21 @@ impl Picture<'_> {
             let value = chart.split_once(word).and_then(|(_, rest)| rest.split('"').nth(1));
             value.and_then(|v| v.parse::<f64>().ok()).unwrap_or(SIZE[0])
         };
-        let [width, height] = [SIZE[0].max(size("width=")), SIZE[1] + size("height=")];
+        let mut svg = self.begun([SIZE[0].max(size("width=")), SIZE[1] + size("height=")]);
+        // Inside another picture the chart keeps the size in its attributes: its style is for pages.
+        let chart = chart.replacen("height:auto", "", 1).replacen("max-width:100%;", "", 1);
+        let chart = chart.replacen("<svg ", &format!("<svg y=\"{}\" ", SIZE[1]), 1);
+        let _ = writeln!(svg, "{chart}\n</svg>");
+        svg
+    }
+
+    /// The picture by itself.
+    pub fn alone(&self) -> String {
+        self.begun(SIZE) + "</svg>\n"
+    }
+
+    /// An SVG with the picture at its top, which is still to be closed.
+    fn begun(&self, [width, height]: [f64; 2]) -> String {
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
              font-family=\"sans-serif\" role=\"img\">\n<title>{0}</title>\n<rect width=\"{width}\" height=\"{height}\" fill=\"white\"/>\n\
@@ -110,10 +127,6 @@ impl Picture<'_> {
             escaped(&self.caption)
         );
         self.draw(&mut svg);
-        // Inside another picture the chart keeps the size in its attributes: its style is for pages.
-        let chart = chart.replacen("height:auto", "", 1).replacen("max-width:100%;", "", 1);
-        let chart = chart.replacen("<svg ", &format!("<svg y=\"{}\" ", SIZE[1]), 1);
-        let _ = writeln!(svg, "{chart}\n</svg>");
         svg
     }
 
@@ -122,7 +135,8 @@ impl Picture<'_> {
         let corners = placed.flat_map(|((shape, _), pose)| shape.vertex_points().map(move |p| pose * p));
         let view = View::of(&corners.collect::<Vec<_>>());
         for k in self.order(&view) {
-            self.draw_body(k, &view, svg);
+            let opacity = if self.hides_robot(k, &view) { GLASS } else { 1.0 };
+            self.draw_body(k, opacity, &view, svg);
         }
         let [p, q] = self.points.map(|p| view.place(&p));
         let _ = writeln!(
@@ -135,8 +149,26 @@ impl Picture<'_> {
         }
     }
 
+    /// Whether an obstacle stands between a body of the robot and the viewer.
+    fn hides_robot(&self, k: usize, view: &View) -> bool {
+        let robot = |&j: &usize| self.bodies[j].1;
+        !self.bodies[k].1
+            && (0..self.bodies.len())
+                .filter(robot)
+                .any(|j| self.may_hide(k, j, view) && self.is_behind(j, k, view))
+    }
+
+    /// Whether the first of two bodies is on the far side of the other, by the normal of their distance or depth.
+    fn is_behind(&self, i: usize, j: usize, view: &View) -> bool {
+        let Ok(pose) = RelativePose::new(&self.poses[i], &self.poses[j]) else {
+            return false;
+        };
+        let found = Tracker::new().closest(self.bodies[i].0, self.bodies[j].0, &pose);
+        (self.poses[i] * found.normal.into_inner()).dot(&view.near) > 0.0
+    }
+
     /// Faces that look to the viewer.
-    fn draw_body(&self, k: usize, view: &View, svg: &mut String) {
+    fn draw_body(&self, k: usize, opacity: f64, view: &View, svg: &mut String) {
         let ((shape, is_of_robot), pose) = (self.bodies[k], &self.poses[k]);
         let hue = if is_of_robot { 205 } else { 35 };
         let light = LIGHT.normalize();
@@ -153,32 +185,29 @@ impl Picture<'_> {
             let path: Vec<_> = path.map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
             let tone = 62.0 + 22.0 * normal.dot(&light);
             let edge = tone - 14.0;
+            let glass = if opacity < 1.0 {
+                format!(" fill-opacity=\"{opacity}\"")
+            } else {
+                String::new()
+            };
             let _ = writeln!(
                 svg,
-                "<polygon points=\"{}\" fill=\"hsl({hue},50%,{tone:.0}%)\" stroke=\"hsl({hue},45%,{edge:.0}%)\" stroke-width=\"0.6\"/>",
+                "<polygon points=\"{}\" fill=\"hsl({hue},50%,{tone:.0}%)\" stroke=\"hsl({hue},45%,{edge:.0}%)\" stroke-width=\"0.6\"{glass}/>",
                 path.join(" ")
             );
         }
     }
 
-    /// Bodies from back to front. Of two bodies the one on the viewer's side is in front, by the normal of their distance or
-    /// depth. If bodies hide each other in a circle, the one whose centre is farthest away comes first.
+    /// Bodies from back to front. If bodies hide each other in a circle, the one whose centre is farthest away comes first.
     fn order(&self, view: &View) -> Vec<usize> {
         let depth = |k: usize| (self.poses[k] * self.bodies[k].0.centroid()).coords.dot(&view.near);
         let mut left: Vec<usize> = (0..self.bodies.len()).collect();
         left.sort_by(|&i, &j| depth(i).total_cmp(&depth(j)));
-        let is_behind = |i: usize, j: usize| {
-            let Ok(pose) = RelativePose::new(&self.poses[i], &self.poses[j]) else {
-                return false;
-            };
-            let found = Tracker::new().closest(self.bodies[i].0, self.bodies[j].0, &pose);
-            (self.poses[i] * found.normal.into_inner()).dot(&view.near) > 0.0
-        };
         let mut order = Vec::new();
         while !left.is_empty() {
             let next = left.iter().position(|&i| {
                 left.iter()
-                    .all(|&j| i == j || !self.may_hide(i, j, view) || is_behind(i, j))
+                    .all(|&j| i == j || !self.may_hide(i, j, view) || self.is_behind(i, j, view))
             });
             order.push(left.remove(next.unwrap_or(0)));
         }

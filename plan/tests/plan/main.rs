@@ -4,6 +4,7 @@
 mod arm;
 mod certify;
 mod far;
+mod forget;
 mod free;
 mod judge;
 mod planner;

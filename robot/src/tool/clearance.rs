@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use lin_canny_robot::Trajectory;
 use lin_canny_robot::plan::NearPair;
+use lin_canny_robot::{Film, Trajectory};
 
 use super::options::RobotOptions;
-use super::record::Film;
 use super::{End, Table, ToolError, names, progress, write};
 
 #[derive(Args)]
@@ -36,7 +35,7 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
     let mut table = Table::new(&COLUMNS);
     let first = rows.rows.first();
     let mut film = match (&options.record, first) {
-        (Some(file), Some(q)) => Some(Film::new(file, &checker, q)?),
+        (Some(file), Some(q)) => Some(Film::create(file, &checker, q)?),
         _ => None,
     };
     let bar = progress("rows", rows.rows.len() as u64);

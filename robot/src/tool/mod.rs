@@ -5,7 +5,6 @@ mod clearance;
 mod ignorable;
 mod options;
 mod plan;
-mod record;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

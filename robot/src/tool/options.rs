@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use lin_canny_robot::lin_canny::nalgebra::Isometry3;
-use lin_canny_robot::{Cell, LoadOptions, MeshOptions, MeshUse, Packages, Robot, Setup, Srdf};
+use lin_canny_robot::{MeshOptions, MeshUse, Packages, Robot, RobotFiles, Setup};
 
 use super::ToolError;
 
@@ -69,39 +68,23 @@ fn link_geometry(text: &str) -> Result<(String, MeshGeometry), String> {
 impl RobotOptions {
     /// Returns the robot, and robot and cell to make a checker of.
     pub(super) fn load(&self) -> Result<(Robot, Setup), ToolError> {
-        let packages = Packages::new(&self.packages).with_environment();
-        let mut options = LoadOptions::default();
-        options.meshes = MeshOptions {
-            all: self.geometry.into(),
-            of_links: self
-                .link
-                .iter()
-                .map(|(link, kind)| (link.clone(), (*kind).into()))
-                .collect(),
-            pieces: self.pieces.clone(),
-            measure_hulls: self.hull_fit,
+        let of_links = self.link.iter().map(|(link, kind)| (link.clone(), (*kind).into()));
+        let files = RobotFiles {
+            urdf: self.urdf.clone(),
+            srdf: self.srdf.clone(),
+            cell: self.cell.clone(),
+            packages: Packages::new(&self.packages).with_environment(),
+            meshes: MeshOptions {
+                all: self.geometry.into(),
+                of_links: of_links.collect(),
+                pieces: self.pieces.clone(),
+                measure_hulls: self.hull_fit,
+            },
+            check_adjacent: self.check_adjacent,
         };
-        let robot = Robot::load_with(&self.urdf, &packages, &options)?;
-        for (name, _) in &self.link {
-            if robot.link(name).is_none() {
-                let reason = format!("there is no link called {name:?}, as --link says");
-                let file = self.urdf.clone();
-                return Err(ToolError::Rows { file, reason });
-            }
-        }
+        let (robot, setup) = files.load()?;
         if self.hull_fit {
             print_hull_fits(&robot);
-        }
-        let mut setup = Setup::new();
-        setup.robot("", &robot, Isometry3::identity());
-        if !self.check_adjacent {
-            setup.ignore_adjacent();
-        }
-        if let Some(file) = &self.srdf {
-            setup.ignore("", &Srdf::load(file, &robot)?);
-        }
-        if let Some(file) = &self.cell {
-            setup.cell(&Cell::load(file, &packages, &options.meshes)?);
         }
         Ok((robot, setup))
     }

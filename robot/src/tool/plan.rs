@@ -6,10 +6,9 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use lin_canny::Progress;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
-use lin_canny_robot::{Trajectory, csv_text};
+use lin_canny_robot::{Film, Trajectory, csv_text};
 
 use super::options::RobotOptions;
-use super::record::Film;
 use super::{End, ToolError, write};
 
 #[derive(Args)]
@@ -91,7 +90,7 @@ const FRAMES: u32 = 32;
 
 /// Records the motion along a path, with the closest pair of each frame.
 fn record(file: &Path, checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<(), ToolError> {
-    let mut film = Film::new(file, checker, &path[0])?;
+    let mut film = Film::create(file, checker, &path[0])?;
     for (row, ends) in path.windows(2).enumerate() {
         // A segment begins where the one before ended.
         for k in u32::from(row > 0)..=FRAMES {
@@ -102,5 +101,5 @@ fn record(file: &Path, checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> R
             }
         }
     }
-    film.finish()
+    Ok(film.finish()?)
 }

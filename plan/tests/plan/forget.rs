@@ -1,0 +1,74 @@
+//! A checker that has forgotten answers as a new one, bit for bit.
+
+use lab::arm::{cell, motion, robot};
+use lab::cells::Cell;
+use lab::rng::Rng;
+use lin_canny_plan::{Checker, ConfigurationSpace, SerialArm, World};
+
+fn of_meshes() -> Checker<SerialArm> {
+    let cell = Cell::new(5);
+    Checker::new(cell.arm(), cell.world()).expect("a cell")
+}
+
+fn of_hulls() -> Checker<SerialArm> {
+    let mut world = World::new();
+    let arm = robot::arm(&mut world).expect("an arm");
+    for (name, shape, pose) in cell::things(&[]).expect("the built-in cell") {
+        world.obstacle(name, shape, pose);
+    }
+    robot::exclude(&mut world, true).expect("names of the arm");
+    Checker::new(arm, world).expect("a cell")
+}
+
+/// How many questions [`ask`] knows.
+const QUESTIONS: usize = 5;
+
+/// What a checker says about two configurations; `Debug` writes every digit, and the sign of zero.
+fn ask(checker: &mut Checker<SerialArm>, question: usize, q: &[f64], p: &[f64]) -> String {
+    match question {
+        0 => format!("{:?}", checker.clearance(q)),
+        1 => format!("{:?}", checker.nearest(q, 0.1)),
+        2 => format!("{:?}", checker.free_at(q)),
+        3 => format!("{:?}", checker.certify(q, p)),
+        _ => format!("{:?}", checker.prove(q, p)),
+    }
+}
+
+/// Returns how many answers of a checker that has not forgotten differ from those of a new one.
+fn judge(new: impl Fn() -> Checker<SerialArm>, draw: impl Fn(&mut Rng) -> Vec<f64>, count: usize) -> usize {
+    let (mut rng, mut warm, mut forgetful) = (Rng::new(17), new(), new());
+    let (mut q, mut differing) = (draw(&mut rng), 0);
+    for k in 0..count {
+        // Far, near, and the same again.
+        q = match k % 3 {
+            0 => draw(&mut rng),
+            1 => {
+                let steps: Vec<f64> = q.iter().map(|_| rng.range(-0.01, 0.01)).collect();
+                warm.space().moved(&q, &steps)
+            }
+            _ => q,
+        };
+        let steps: Vec<f64> = q.iter().map(|_| rng.range(-0.1, 0.1)).collect();
+        let p = warm.space().moved(&q, &steps);
+        for question in 0..QUESTIONS {
+            let expected = ask(&mut new(), question, &q, &p);
+            forgetful.forget();
+            assert_eq!(ask(&mut forgetful, question, &q, &p), expected, "{q:?} {p:?}");
+            differing += usize::from(ask(&mut warm, question, &q, &p) != expected);
+        }
+    }
+    differing
+}
+
+#[test]
+fn hulls_are_forgotten() {
+    let draw = |rng: &mut Rng| motion::carry(rng.range(0.0, 1.0));
+    let differing = judge(of_hulls, draw, 60);
+    assert!(differing > 0, "nothing to forget");
+}
+
+#[test]
+fn meshes_are_forgotten() {
+    let differing = judge(of_meshes, Cell::sample, 24);
+    assert!(differing > 0, "nothing to forget");
+}

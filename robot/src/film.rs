@@ -1,0 +1,111 @@
+//! A recording of a robot in its cell, for the viewer.
+
+use std::fs::File;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use lin_canny::nalgebra::Isometry3;
+use lin_canny::{Geometry, PairTracker, RelativePose};
+use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, NearPair, WorldId};
+use lin_canny_record::{Recorder, WriteError};
+
+use crate::error::{FileError, FileProblem};
+
+/// A recording of which every frame is a configuration and the closest pair there.
+///
+/// ```no_run
+/// # use lin_canny_robot::{Film, RobotFiles};
+/// let mut checker = RobotFiles::new("arm.urdf").load()?.1.checker()?;
+/// let path = [[0.0; 6], [0.5; 6]];
+/// let mut film = Film::create("arm.jsonl", &checker, &path[0])?;
+/// for q in &path {
+///     let near = checker.clearance(q)?.ok_or("no pair")?;
+///     film.frame(checker.space(), q, "on the path", &near)?;
+/// }
+/// film.finish()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Film {
+    file: PathBuf,
+    to: Recorder<BufWriter<File>>,
+    /// Shapes and poses of the bodies of the robot, then of the obstacles.
+    bodies: Vec<(Geometry, Isometry3<f64>)>,
+    links: usize,
+}
+
+impl Film {
+    /// Begins a recording of the bodies of a checker, the robot at a configuration.
+    ///
+    /// # Errors
+    /// A file that cannot be written, or a shape that a recording does not have.
+    pub fn create(file: impl AsRef<Path>, checker: &Checker<JointTree>, q: &[f64]) -> Result<Self, FileError> {
+        let mut poses = Vec::new();
+        checker.space().place(q, &mut poses);
+        let links = poses.len();
+        let world = checker.world();
+        let robot = world.robot_bodies().zip(&poses).map(|((n, g), pose)| (n, g, *pose));
+        let cell = world.obstacles().map(|(n, g, pose)| (n, g, *pose));
+        let begin = || -> Result<_, WriteError> {
+            let mut to = Recorder::create(file.as_ref(), "a robot in its cell")?;
+            let mut bodies = Vec::new();
+            for (name, shape, pose) in robot.chain(cell) {
+                to.body(name, shape, &pose)?;
+                bodies.push((shape.clone(), pose));
+            }
+            Ok((to, bodies))
+        };
+        let (to, bodies) = begin().map_err(|fault| refused(file.as_ref(), fault))?;
+        let file = file.as_ref().to_owned();
+        Ok(Self {
+            file,
+            to,
+            bodies,
+            links,
+        })
+    }
+
+    /// Adds a frame: a configuration, its closest pair, and where it stands.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn frame(&mut self, space: &JointTree, q: &[f64], place: &str, near: &NearPair) -> Result<(), FileError> {
+        let written = self.write_frame(space, q, place, near);
+        written.map_err(|fault| refused(&self.file, fault))
+    }
+
+    fn write_frame(&mut self, space: &JointTree, q: &[f64], place: &str, near: &NearPair) -> Result<(), WriteError> {
+        let mut poses = Vec::new();
+        space.place(q, &mut poses);
+        let [a, b] = [near.pair.a, near.pair.b].map(|part| match part {
+            WorldId::Robot(k) => k,
+            WorldId::Obstacle(k) => self.links + k,
+        });
+        for ((k, pose), body) in (0..).zip(poses).zip(&mut self.bodies) {
+            body.1 = pose;
+            self.to.pose(k, &pose)?;
+        }
+        let [(x, at), (y, there)] = [&self.bodies[a], &self.bodies[b]];
+        if let Ok(pose) = RelativePose::new(at, there) {
+            let answer = PairTracker::new().closest(x, y, &pose);
+            self.to.answer(a as u32, b as u32, &answer)?;
+        }
+        self.to.note(format!(
+            "{place}: {} from {} to {}",
+            near.distance, near.lower, near.upper
+        ));
+        self.to.end_frame()
+    }
+
+    /// Ends the recording.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn finish(self) -> Result<(), FileError> {
+        let Self { file, to, .. } = self;
+        to.finish().map(|_| ()).map_err(|fault| refused(&file, fault))
+    }
+}
+
+fn refused(file: &Path, fault: WriteError) -> FileError {
+    FileError::new(file, None, "", FileProblem::Record(fault))
+}
