@@ -1,0 +1,90 @@
+//! The processes of a cluster: Apache Ballista, with the functions of a study.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use ballista_core::extension::SessionConfigExt;
+use ballista_core::registry::BallistaFunctionRegistry;
+use ballista_executor::executor_process::{ExecutorProcessConfig, start_executor_process};
+use ballista_scheduler::cluster::BallistaCluster;
+use ballista_scheduler::config::SchedulerConfig;
+use ballista_scheduler::scheduler_process::start_server;
+use datafusion::prelude::SessionConfig;
+
+use crate::error::StudyError;
+use crate::study::Study;
+
+/// Seconds between signs of life of an executor.
+const HEARTBEAT: u64 = 5;
+
+/// Divides queries among executors until the process is stopped; an executor that has been silent
+/// for `lost_after` seconds counts as lost, and others repeat its rows.
+///
+/// # Errors
+/// An address that cannot be listened at.
+pub async fn schedule(study: &Arc<Study>, bind: &str, port: u16, lost_after: u64) -> Result<(), StudyError> {
+    let study = Arc::clone(study);
+    let mut config = SchedulerConfig::default()
+        .with_port(port)
+        .with_override_session_builder(Arc::new(move |config| study.session_state(config)));
+    config.bind_host = bind.into();
+    config.executor_timeout_seconds = lost_after.max(HEARTBEAT + 1);
+    config.expire_dead_executor_interval_seconds = HEARTBEAT.min(config.executor_timeout_seconds);
+    let failed = |e: ballista_core::error::BallistaError| StudyError::Cluster(e.to_string());
+    let address = format!("{bind}:{port}");
+    let listen = address.parse().map_err(|e| StudyError::unfit(&address, e))?;
+    let cluster = BallistaCluster::new_from_config(&config).await.map_err(failed)?;
+    start_server(cluster, listen, Arc::new(config)).await.map_err(failed)
+}
+
+/// A process that answers rows for a scheduler.
+#[derive(Clone, Debug)]
+pub struct Executor {
+    /// The scheduler, `host:port`.
+    pub scheduler: String,
+    /// The address to listen at.
+    pub bind: String,
+    /// The name by which others reach this machine.
+    pub external_host: Option<String>,
+    /// The port to listen at; the next one is used too.
+    pub port: u16,
+    /// Partitions answered side by side; as many as the machine has cores if left out.
+    pub cores: Option<usize>,
+    /// Where answers wait until they are fetched.
+    pub work: Option<PathBuf>,
+}
+
+impl Executor {
+    /// Answers rows until the process is stopped.
+    ///
+    /// # Errors
+    /// A scheduler that is not reached, an address that cannot be listened at.
+    pub async fn run(&self, study: &Arc<Study>) -> Result<(), StudyError> {
+        let (host, port) = self
+            .scheduler
+            .rsplit_once(':')
+            .and_then(|(host, port)| Some((host, port.parse().ok()?)))
+            .ok_or_else(|| StudyError::unfit(&self.scheduler, "HOST:PORT is needed"))?;
+        let default = ExecutorProcessConfig::default();
+        let own = std::env::temp_dir().join(format!("lin-canny-study-{}", default.executor_id));
+        let work = self.work.clone().unwrap_or(own);
+        std::fs::create_dir_all(&work).map_err(StudyError::io(&work))?;
+        let state = study.session_state(SessionConfig::new_with_ballista())?;
+        let config = ExecutorProcessConfig {
+            bind_host: self.bind.clone(),
+            external_host: self.external_host.clone(),
+            port: self.port,
+            grpc_port: self.port.saturating_add(1),
+            scheduler_host: host.into(),
+            scheduler_port: port,
+            scheduler_connect_timeout_seconds: 30,
+            vcores: self.cores.unwrap_or(default.vcores),
+            work_dir: Some(work.to_string_lossy().into_owned()),
+            executor_heartbeat_interval_seconds: HEARTBEAT,
+            override_function_registry: Some(Arc::new(BallistaFunctionRegistry::from(&state))),
+            ..default
+        };
+        let ended = start_executor_process(Arc::new(config)).await;
+        ended.map_err(|e| StudyError::Cluster(e.to_string()))
+    }
+}

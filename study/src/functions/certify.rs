@@ -1,0 +1,71 @@
+//! `certify(from, to)`: a segment proven free over its whole length, or the time and the pair.
+
+use datafusion::arrow::array::ArrayRef;
+use datafusion::arrow::datatypes::{DataType, Fields};
+use datafusion::common::plan_err;
+use datafusion::error::Result;
+use lin_canny_plan::Verdict;
+
+use super::answers::{Answers, Kind, Value, fields_of};
+use super::outside;
+use crate::error::RowFault;
+use crate::rows::{Vectors, configuration, vector_types};
+use crate::study::Study;
+
+const FIELDS: [(&str, Kind); 5] = [
+    ("verdict", Kind::Word),
+    ("safe", Kind::Number),
+    ("t", Kind::Number),
+    ("a", Kind::Word),
+    ("b", Kind::Word),
+];
+
+pub(super) fn fields() -> Fields {
+    fields_of(&FIELDS)
+}
+
+/// Two lists, or the numbers of both ends.
+pub(super) fn argument_types(types: &[DataType], count: usize) -> Result<Vec<DataType>> {
+    if types.len() != 2 && types.len() != 2 * count {
+        return plan_err!("certify takes two lists of {count} numbers, or {} numbers", 2 * count);
+    }
+    let (from, to) = types.split_at(types.len() / 2);
+    let mut all = vector_types(from, count, "the start of certify")?;
+    all.extend(vector_types(to, count, "the end of certify")?);
+    Ok(all)
+}
+
+pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
+    let coordinates = study.coordinates();
+    let (from, to) = arguments.split_at(arguments.len() / 2);
+    let (from, to) = (Vectors::new(from), Vectors::new(to));
+    let (mut answers, mut p, mut q) = (Answers::new(fields(), rows), Vec::new(), Vec::new());
+    study
+        .with_checker(|checker| {
+            for row in 0..rows {
+                q.clear();
+                let verdict = configuration(&from, row, coordinates, &mut p)
+                    .and_then(|()| configuration(&to, row, coordinates, &mut q))
+                    .and_then(|()| {
+                        checker.forget();
+                        checker.certify(&p, &q).map_err(|e| RowFault::Refused(e.to_string()))
+                    });
+                let ends = [p.as_slice(), q.as_slice()].concat();
+                let Some(verdict) = study.settled(row, &ends, verdict)? else {
+                    answers.push(None);
+                    continue;
+                };
+                let safe = Value::Number(verdict.safe());
+                match verdict {
+                    Verdict::Free { .. } => answers.push(Some(&[Value::Word("free"), safe])),
+                    Verdict::Blocked { t, pair, .. } => {
+                        let [a, b] = [pair.a, pair.b].map(|part| Value::Word(checker.name(part)));
+                        answers.push(Some(&[Value::Word("blocked"), safe, Value::Number(t), a, b]));
+                    }
+                    _ => answers.push(Some(&[Value::Word("unknown"), safe])),
+                }
+            }
+            answers.finish()
+        })
+        .map_err(outside)?
+}

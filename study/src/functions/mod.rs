@@ -1,0 +1,247 @@
+//! The functions of a study, as the engine calls them.
+
+mod answers;
+mod certify;
+mod clearance;
+mod separation;
+
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
+use datafusion::arrow::array::{ArrayRef, BooleanBuilder, StringBuilder};
+use datafusion::arrow::datatypes::DataType;
+use datafusion::common::exec_err;
+use datafusion::error::Result;
+use datafusion::execution::{FunctionRegistry, SessionState, SessionStateBuilder};
+use datafusion::logical_expr::{
+    ColumnarValue, Expr, ScalarFunctionArgs, ScalarUDF, ScalarUDFImpl, Signature, Volatility,
+};
+use datafusion::prelude::{SessionConfig, SessionContext};
+
+use crate::error::RowFault;
+use crate::rows::{Vectors, configuration, vector_types};
+use crate::study::Study;
+
+/// What a function answers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Question {
+    Clearance,
+    IsFree,
+    Certify,
+    Separation,
+    Fault,
+}
+
+impl Question {
+    const ALL: [Self; 5] = [
+        Self::Clearance,
+        Self::IsFree,
+        Self::Certify,
+        Self::Separation,
+        Self::Fault,
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Clearance => "clearance",
+            Self::IsFree => "is_free",
+            Self::Certify => "certify",
+            Self::Separation => "separation",
+            Self::Fault => "configuration_fault",
+        }
+    }
+
+    fn answer_type(self) -> DataType {
+        match self {
+            Self::Clearance => DataType::Struct(clearance::fields()),
+            Self::Certify => DataType::Struct(certify::fields()),
+            Self::Separation => DataType::Struct(separation::fields()),
+            Self::IsFree => DataType::Boolean,
+            Self::Fault => DataType::Utf8,
+        }
+    }
+}
+
+/// A function of a study.
+///
+/// Its name ends with the fingerprint of the study, and the plain name is an alias: a plan that
+/// reaches a process with another robot, cell or options names a function that is not there, and is
+/// refused instead of answered by the wrong cell.
+#[derive(Clone)]
+struct StudyFunction {
+    study: Arc<Study>,
+    question: Question,
+    name: String,
+    aliases: Vec<String>,
+    signature: Signature,
+}
+
+impl StudyFunction {
+    fn new(study: &Arc<Study>, question: Question) -> Self {
+        Self {
+            study: Arc::clone(study),
+            question,
+            name: format!("{}_{}", question.name(), study.fingerprint()),
+            aliases: vec![question.name().into()],
+            signature: Signature::user_defined(Volatility::Immutable),
+        }
+    }
+
+    /// Answers the rows of a batch.
+    fn answer(&self, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
+        let study = &*self.study;
+        if self.question != Question::Fault {
+            study.count(rows);
+        }
+        match self.question {
+            Question::Clearance => clearance::answer(study, arguments, rows),
+            Question::IsFree => is_free(study, arguments, rows),
+            Question::Certify => certify::answer(study, arguments, rows),
+            Question::Separation => separation::answer(study, arguments, rows),
+            Question::Fault => Ok(faults(study, arguments, rows)),
+        }
+    }
+}
+
+impl std::fmt::Debug for StudyFunction {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("StudyFunction")
+            .field("name", &self.name)
+            .finish_non_exhaustive()
+    }
+}
+
+// The name tells question, robot, cell and options.
+impl PartialEq for StudyFunction {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Eq for StudyFunction {}
+
+impl Hash for StudyFunction {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.name.hash(state);
+    }
+}
+
+impl ScalarUDFImpl for StudyFunction {
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    fn aliases(&self) -> &[String] {
+        &self.aliases
+    }
+
+    fn schema_name(&self, arguments: &[Expr]) -> Result<String> {
+        let arguments: Vec<_> = arguments.iter().map(|a| a.schema_name().to_string()).collect();
+        Ok(format!("{}({})", self.question.name(), arguments.join(",")))
+    }
+
+    fn signature(&self) -> &Signature {
+        &self.signature
+    }
+
+    fn coerce_types(&self, types: &[DataType]) -> Result<Vec<DataType>> {
+        let count = self.study.coordinates().len();
+        match self.question {
+            Question::Clearance | Question::IsFree | Question::Fault => {
+                let names: Vec<_> = self.study.coordinates().iter().map(|c| c.name.as_str()).collect();
+                vector_types(
+                    types,
+                    count,
+                    &format!("{} ({})", self.question.name(), names.join(", ")),
+                )
+            }
+            Question::Certify => certify::argument_types(types, count),
+            Question::Separation => separation::argument_types(types),
+        }
+    }
+
+    fn return_type(&self, _: &[DataType]) -> Result<DataType> {
+        Ok(self.question.answer_type())
+    }
+
+    fn invoke_with_args(&self, called: ScalarFunctionArgs) -> Result<ColumnarValue> {
+        let rows = called.number_rows;
+        let arguments = called.args.iter().map(|a| a.to_array(rows));
+        let arguments: Vec<_> = arguments.collect::<Result<_>>()?;
+        Ok(ColumnarValue::Array(self.answer(&arguments, rows)?))
+    }
+}
+
+impl Study {
+    /// Returns the functions `clearance`, `is_free`, `certify`, `separation` and
+    /// `configuration_fault`, to be registered with a context or an executor.
+    #[must_use]
+    pub fn functions(self: &Arc<Self>) -> Vec<Arc<ScalarUDF>> {
+        let function = |question| Arc::new(ScalarUDF::from(StudyFunction::new(self, question)));
+        Question::ALL.map(function).into()
+    }
+
+    /// Registers the functions with a context.
+    pub fn register(self: &Arc<Self>, context: &SessionContext) {
+        for function in self.functions() {
+            context.register_udf((*function).clone());
+        }
+    }
+
+    /// Returns the state of a session that knows the functions, as schedulers and executors need.
+    ///
+    /// # Errors
+    /// A function that the engine refuses.
+    pub fn session_state(self: &Arc<Self>, config: SessionConfig) -> Result<SessionState> {
+        let mut state = SessionStateBuilder::new()
+            .with_config(config)
+            .with_default_features()
+            .build();
+        for function in self.functions() {
+            state.register_udf(function)?;
+        }
+        Ok(state)
+    }
+
+    /// Passes a row's answer on, or nothing for a bad row of a lenient study.
+    fn settled<T>(&self, row: usize, values: &[f64], answer: Result<T, RowFault>) -> Result<Option<T>> {
+        match answer {
+            Ok(answer) => Ok(Some(answer)),
+            Err(_) if self.options().lenient => Ok(None),
+            Err(fault) => exec_err!("row {row} of its batch, {values:?}: {fault}"),
+        }
+    }
+}
+
+fn is_free(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRef> {
+    let (vectors, coordinates) = (Vectors::new(arguments), study.coordinates());
+    let (mut answers, mut q) = (BooleanBuilder::with_capacity(rows), Vec::new());
+    study
+        .with_checker(|checker| {
+            for row in 0..rows {
+                let answer = configuration(&vectors, row, coordinates, &mut q).and_then(|()| {
+                    checker.forget();
+                    checker.free_at(&q).map_err(|e| RowFault::Refused(e.to_string()))
+                });
+                answers.append_option(study.settled(row, &q, answer)?);
+            }
+            Ok::<(), datafusion::error::DataFusionError>(())
+        })
+        .map_err(outside)??;
+    Ok(Arc::new(answers.finish()))
+}
+
+fn faults(study: &Study, arguments: &[ArrayRef], rows: usize) -> ArrayRef {
+    let (vectors, coordinates) = (Vectors::new(arguments), study.coordinates());
+    let (mut answers, mut q) = (StringBuilder::new(), Vec::new());
+    for row in 0..rows {
+        let fault = configuration(&vectors, row, coordinates, &mut q).err();
+        answers.append_option(fault.map(|f| f.to_string()));
+    }
+    Arc::new(answers.finish())
+}
+
+/// An error of this library as one of the engine.
+fn outside(error: crate::StudyError) -> datafusion::error::DataFusionError {
+    datafusion::error::DataFusionError::External(Box::new(error))
+}

@@ -1,0 +1,90 @@
+//! What a folder of parts holds: a run goes on only where the same run had stopped.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::StudyError;
+use crate::run::Run;
+
+/// The file beside the parts.
+const NAME: &str = "study.json";
+
+/// What the parts of a folder answer.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Manifest {
+    /// The fingerprint of robot, cell and options.
+    study: String,
+    /// The version of the library.
+    version: String,
+    query: String,
+    /// Names and lengths of the files of the input.
+    input: Vec<(String, u64)>,
+    /// Rows of a part; none if a file is a part.
+    block: Option<usize>,
+    format: String,
+}
+
+impl Manifest {
+    pub(crate) fn new(run: &Run<'_>) -> Self {
+        let length = |file: &Path| std::fs::metadata(file).map_or(0, |m| m.len());
+        let files = run.input.files().iter();
+        let options = run.options;
+        Self {
+            study: run.study.fingerprint().into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            query: run.query.into(),
+            input: files.map(|f| (f.display().to_string(), length(f))).collect(),
+            block: options.scheduler.is_none().then_some(options.block),
+            format: options.format.extension().into(),
+        }
+    }
+
+    /// Makes the folder, or goes on in it.
+    pub(crate) fn claim(&self, folder: &Path) -> Result<(), StudyError> {
+        std::fs::create_dir_all(folder).map_err(StudyError::io(folder))?;
+        let path = folder.join(NAME);
+        if !path.exists() {
+            let is_empty = std::fs::read_dir(folder)
+                .map_err(StudyError::io(folder))?
+                .next()
+                .is_none();
+            if !is_empty {
+                let reason = format!("the folder is not empty, and has no {NAME} of an earlier run");
+                return Err(StudyError::unfit(folder.display(), reason));
+            }
+            let text = serde_json::to_string_pretty(self)?;
+            return std::fs::write(&path, text).map_err(StudyError::io(&path));
+        }
+        let text = std::fs::read_to_string(&path).map_err(StudyError::io(&path))?;
+        let other: Self = serde_json::from_str(&text).map_err(|e| StudyError::unfit(path.display(), e))?;
+        match self.difference(&other) {
+            None => Ok(()),
+            Some(what) => Err(StudyError::unfit(
+                folder.display(),
+                format!("the folder holds the parts of a run with {what}"),
+            )),
+        }
+    }
+
+    fn difference(&self, other: &Self) -> Option<&'static str> {
+        let Self {
+            study,
+            version,
+            query,
+            input,
+            block,
+            format,
+        } = self;
+        let differences = [
+            (*study != other.study, "another robot, cell or option"),
+            (*version != other.version, "another version"),
+            (*query != other.query, "another query"),
+            (*input != other.input, "another input"),
+            (*block != other.block, "parts of another size"),
+            (*format != other.format, "another format"),
+        ];
+        differences.into_iter().find(|(is, _)| *is).map(|(_, what)| what)
+    }
+}

@@ -1,0 +1,146 @@
+//! The graph of a roadmap: which nodes to connect, and what hangs together.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use datafusion::arrow::array::{ArrayRef, AsArray, Float64Array, Int64Array, ListArray, RecordBatch};
+use datafusion::arrow::buffer::OffsetBuffer;
+use datafusion::arrow::datatypes::{DataType, Field, Float64Type, Int64Type, Schema};
+use lin_canny_robot::Coordinate;
+
+use crate::error::StudyError;
+use crate::input::ID;
+use crate::rows::list_type;
+
+/// Returns the segments from each node to its nearest, each once: the ids of both ends, the length
+/// and both configurations. Lengths are counted in parts of the joints' ranges.
+///
+/// # Errors
+/// Nodes without a column that is needed.
+pub fn candidates(
+    coordinates: &[Coordinate],
+    nodes: &RecordBatch,
+    neighbours: usize,
+) -> Result<RecordBatch, StudyError> {
+    let points = points(coordinates, nodes)?;
+    let scaled: Vec<Vec<f64>> = points
+        .iter()
+        .map(|p| p.iter().zip(coordinates).map(|(x, c)| x / range(c)).collect())
+        .collect();
+    let length = |i: usize, j: usize| {
+        let squares = scaled[i].iter().zip(&scaled[j]).map(|(x, y)| (x - y) * (x - y));
+        squares.sum::<f64>().sqrt()
+    };
+    let mut pairs = BTreeSet::new();
+    for i in 0..points.len() {
+        let mut others: Vec<(f64, usize)> = (0..points.len())
+            .filter(|&j| j != i)
+            .map(|j| (length(i, j), j))
+            .collect();
+        let count = neighbours.min(others.len());
+        if count > 0 && count < others.len() {
+            others.select_nth_unstable_by(count - 1, |x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));
+        }
+        pairs.extend(others[..count].iter().map(|&(_, j)| (i.min(j), i.max(j))));
+    }
+    let ids = ids(nodes, ID)?;
+    let ends = |pick: fn(&(usize, usize)) -> usize| pairs.iter().map(pick);
+    let id = |pick| Arc::new(Int64Array::from_iter_values(ends(pick).map(|k| ids.value(k)))) as ArrayRef;
+    let lengths = Float64Array::from_iter_values(pairs.iter().map(|&(i, j)| length(i, j)));
+    let list = |pick: fn(&(usize, usize)) -> usize| lists(ends(pick).map(|k| points[k].as_slice()), coordinates.len());
+    let fields = [
+        Field::new("a", DataType::Int64, false),
+        Field::new("b", DataType::Int64, false),
+        Field::new("length", DataType::Float64, false),
+        Field::new("from", list_type(), true),
+        Field::new("to", list_type(), true),
+    ];
+    let columns = vec![
+        id(|p| p.0),
+        id(|p| p.1),
+        Arc::new(lengths),
+        list(|p| p.0)?,
+        list(|p| p.1)?,
+    ];
+    Ok(RecordBatch::try_new(Arc::new(Schema::new(fields.to_vec())), columns)?)
+}
+
+/// What hangs together.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Components {
+    /// How many components there are.
+    pub count: usize,
+    /// Nodes of the largest.
+    pub largest: usize,
+}
+
+/// Returns the components of nodes (column `id`) and edges (columns `node_a` and `node_b`).
+///
+/// # Errors
+/// Nodes or edges without these columns, or an edge of a node that is not there.
+pub fn components(nodes: &RecordBatch, edges: &RecordBatch) -> Result<Components, StudyError> {
+    let ids = ids(nodes, ID)?;
+    let numbers: std::collections::HashMap<i64, usize> = ids.values().iter().copied().zip(0..).collect();
+    let number = |id: &i64| numbers.get(id).copied().ok_or_else(|| missing(&id.to_string()));
+    let mut parents: Vec<usize> = (0..numbers.len()).collect();
+    let (from, to) = (self::ids(edges, "node_a")?, self::ids(edges, "node_b")?);
+    for (a, b) in from.values().iter().zip(to.values()) {
+        let (a, b) = (root(&mut parents, number(a)?), root(&mut parents, number(b)?));
+        parents[a] = b;
+    }
+    let mut sizes = vec![0; parents.len()];
+    for k in 0..parents.len() {
+        sizes[root(&mut parents, k)] += 1;
+    }
+    Ok(Components {
+        count: sizes.iter().filter(|&&s| s > 0).count(),
+        largest: sizes.into_iter().max().unwrap_or(0),
+    })
+}
+
+/// The node that stands for a component; halves the way there.
+fn root(parents: &mut [usize], mut node: usize) -> usize {
+    while parents[node] != node {
+        parents[node] = parents[parents[node]];
+        node = parents[node];
+    }
+    node
+}
+
+fn range(coordinate: &Coordinate) -> f64 {
+    let [low, high] = coordinate.limits;
+    // A joint that cannot move adds nothing: both ends are the same.
+    if high > low { high - low } else { 1.0 }
+}
+
+fn missing(name: &str) -> StudyError {
+    StudyError::unfit("the roadmap", format!("{name} is missing"))
+}
+
+fn ids<'r>(rows: &'r RecordBatch, name: &str) -> Result<&'r Int64Array, StudyError> {
+    let column = rows
+        .column_by_name(name)
+        .and_then(|c| c.as_primitive_opt::<Int64Type>());
+    column.ok_or_else(|| missing(name))
+}
+
+fn points(coordinates: &[Coordinate], nodes: &RecordBatch) -> Result<Vec<Vec<f64>>, StudyError> {
+    let column = |c: &Coordinate| {
+        let found = nodes
+            .column_by_name(&c.name)
+            .and_then(|c| c.as_primitive_opt::<Float64Type>());
+        found.ok_or_else(|| missing(&c.name))
+    };
+    let columns: Vec<_> = coordinates.iter().map(column).collect::<Result<_, _>>()?;
+    Ok((0..nodes.num_rows())
+        .map(|row| columns.iter().map(|c| c.value(row)).collect())
+        .collect())
+}
+
+fn lists<'p>(points: impl Iterator<Item = &'p [f64]>, length: usize) -> Result<ArrayRef, StudyError> {
+    let values: Vec<f64> = points.flatten().copied().collect();
+    let offsets = OffsetBuffer::from_lengths(std::iter::repeat_n(length, values.len() / length.max(1)));
+    let field = Arc::new(Field::new_list_field(DataType::Float64, true));
+    let lists = ListArray::try_new(field, offsets, Arc::new(Float64Array::from(values)), None)?;
+    Ok(Arc::new(lists))
+}

@@ -1,0 +1,279 @@
+//! Runs: a query over many rows, part after part, that can be stopped and continued.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use datafusion::arrow::array::{AsArray, RecordBatch};
+use datafusion::arrow::compute::concat_batches;
+use datafusion::arrow::datatypes::{Int64Type, SchemaRef};
+use datafusion::arrow::util::display::array_value_to_string;
+use datafusion::datasource::MemTable;
+use datafusion::error::DataFusionError;
+use datafusion::prelude::SessionContext;
+use futures::StreamExt;
+
+use crate::engine::{self, BATCH};
+use crate::error::StudyError;
+use crate::format::Format;
+use crate::input::{ID, Input, TABLE};
+use crate::manifest::Manifest;
+use crate::study::Study;
+
+/// Where and how a run is carried out.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    /// Partitions that are answered side by side.
+    pub partitions: usize,
+    /// Rows of a part: what a run that was stopped repeats at most.
+    pub block: usize,
+    /// The format of the parts.
+    pub format: Format,
+    /// The scheduler of a cluster, `host:port`; this process answers if there is none.
+    pub scheduler: Option<String>,
+}
+
+impl Default for RunOptions {
+    /// As many partitions as the machine has cores, parts of 65,536 rows, Parquet, this process.
+    fn default() -> Self {
+        Self {
+            partitions: std::thread::available_parallelism().map_or(1, usize::from),
+            block: 65_536,
+            format: Format::Parquet,
+            scheduler: None,
+        }
+    }
+}
+
+/// How far a run has come, for another thread to look at.
+#[derive(Debug, Default)]
+pub struct RunProgress {
+    /// Rows of the input.
+    pub total: AtomicU64,
+    /// Rows that need no more work, but for those that [`Study::rows`] has counted since the run
+    /// began.
+    pub known: AtomicU64,
+}
+
+/// What a run has done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RunSummary {
+    /// Rows of the input.
+    pub rows: u64,
+    /// Bad rows, answered by NULL.
+    pub faults: u64,
+    /// Parts of the answer.
+    pub parts: usize,
+    /// Parts that an earlier run had left.
+    pub kept: usize,
+}
+
+/// A query over the rows of an input.
+pub struct Run<'a> {
+    /// Robot and cell.
+    pub study: &'a Arc<Study>,
+    /// The rows.
+    pub input: &'a Input,
+    /// The query over the table `configs`; it answers row by row, without order or groups.
+    pub query: &'a str,
+    /// The folder of the parts.
+    pub folder: &'a Path,
+    /// Where and how.
+    pub options: &'a RunOptions,
+}
+
+impl Run<'_> {
+    /// Answers all rows that no part in the folder holds yet.
+    ///
+    /// In this process, parts have [`RunOptions::block`] rows in the order of the input. On a
+    /// cluster, a file is a part, ordered by the column `id` if there is one.
+    ///
+    /// # Errors
+    /// A folder with parts of another study or query, a query that fails, files.
+    pub async fn go(&self, progress: &RunProgress) -> Result<RunSummary, StudyError> {
+        let manifest = Manifest::new(self);
+        manifest.claim(self.folder)?;
+        progress.total.store(self.rows().await?, Ordering::Relaxed);
+        match &self.options.scheduler {
+            None => self.go_local(progress).await,
+            Some(scheduler) => self.go_remote(scheduler, progress).await,
+        }
+    }
+
+    async fn rows(&self) -> Result<u64, StudyError> {
+        let context = engine::local(self.study, self.options.partitions);
+        Ok(self.input.read(&context).await?.count().await? as u64)
+    }
+
+    async fn go_local(&self, progress: &RunProgress) -> Result<RunSummary, StudyError> {
+        let (reader, context) = (
+            engine::local(self.study, 1),
+            engine::local(self.study, self.options.partitions),
+        );
+        let mut summary = RunSummary::default();
+        for file in self.input.each() {
+            let rows = file.read(&reader).await?;
+            let mut stream = rows.execute_stream().await?;
+            let schema = stream.schema();
+            let (mut waiting, mut count) = (Vec::new(), 0);
+            while let Some(batch) = stream.next().await {
+                let mut batch = batch?;
+                while count + batch.num_rows() >= self.options.block {
+                    let cut = self.options.block - count;
+                    waiting.push(batch.slice(0, cut));
+                    batch = batch.slice(cut, batch.num_rows() - cut);
+                    self.block(&context, &schema, std::mem::take(&mut waiting), &mut summary, progress)
+                        .await?;
+                    count = 0;
+                }
+                count += batch.num_rows();
+                waiting.push(batch);
+            }
+            if count > 0 {
+                self.block(&context, &schema, waiting, &mut summary, progress).await?;
+            }
+        }
+        Ok(summary)
+    }
+
+    /// Answers a block of rows, unless its part is there.
+    async fn block(
+        &self,
+        context: &SessionContext,
+        schema: &SchemaRef,
+        rows: Vec<RecordBatch>,
+        summary: &mut RunSummary,
+        progress: &RunProgress,
+    ) -> Result<(), StudyError> {
+        let path = self.part(summary.parts);
+        let rows = concat_batches(schema, &rows)?;
+        summary.parts += 1;
+        summary.rows += rows.num_rows() as u64;
+        if path.exists() {
+            summary.kept += 1;
+            progress.known.fetch_add(rows.num_rows() as u64, Ordering::Relaxed);
+            return Ok(());
+        }
+        let table = MemTable::try_new(Arc::clone(schema), divided(&rows, self.options.partitions))?;
+        context.deregister_table(TABLE)?;
+        context.register_table(TABLE, Arc::new(table))?;
+        let answers = context.sql(self.query).await?;
+        let schema: SchemaRef = Arc::clone(answers.schema().inner());
+        let answers = answers.collect_partitioned().await?.concat();
+        self.options.format.write(&schema, &answers, &path)
+    }
+
+    async fn go_remote(&self, scheduler: &str, progress: &RunProgress) -> Result<RunSummary, StudyError> {
+        let context = engine::cluster(self.study, scheduler, self.options.partitions).await?;
+        let mut summary = RunSummary::default();
+        for file in self.input.each() {
+            let path = self.part(summary.parts);
+            summary.parts += 1;
+            file.register(&context).await?;
+            if path.exists() {
+                let rows = file.read(&engine::local(self.study, 1)).await?.count().await? as u64;
+                (summary.kept, summary.rows) = (summary.kept + 1, summary.rows + rows);
+                progress.known.fetch_add(rows, Ordering::Relaxed);
+                continue;
+            }
+            let (schema, answers) = self.asked(&context).await?;
+            let rows: u64 = answers.iter().map(|b| b.num_rows() as u64).sum();
+            summary.rows += rows;
+            progress.known.fetch_add(rows, Ordering::Relaxed);
+            self.options.format.write(&schema, &answers, &path)?;
+        }
+        Ok(summary)
+    }
+
+    /// Asks the executors, again if one is lost with answers that were not fetched yet.
+    async fn asked(&self, context: &SessionContext) -> Result<(SchemaRef, Vec<RecordBatch>), StudyError> {
+        let mut tries = 0;
+        loop {
+            let mut answers = context.sql(self.query).await?;
+            if answers.schema().has_column_with_unqualified_name(ID) {
+                answers = answers.sort_by(vec![datafusion::prelude::col(ID)])?;
+            }
+            let schema: SchemaRef = Arc::clone(answers.schema().inner());
+            tries += 1;
+            match answers.collect().await {
+                Ok(batches) => return Ok((schema, batches)),
+                Err(error) if tries < TRIES && !is_in_vain(&error) => log::warn!("asked again: {error}"),
+                Err(error) => return Err(cluster_error(&error)),
+            }
+        }
+    }
+
+    fn part(&self, number: usize) -> PathBuf {
+        let name = format!("part-{number:05}.{}", self.options.format.extension());
+        self.folder.join(name)
+    }
+}
+
+/// How often a file is asked of a cluster.
+const TRIES: u32 = 3;
+
+/// Whether asking again is in vain: a bad row, a function that is not there.
+fn is_in_vain(error: &DataFusionError) -> bool {
+    let text = error.to_string();
+    text.contains("of its batch") || text.contains(UNKNOWN)
+}
+
+/// What a scheduler says of a plan with a function that it does not have.
+const UNKNOWN: &str = "not provided for scalar function";
+
+/// Returns the error of a query that a cluster has refused.
+#[must_use]
+pub fn cluster_error(error: &DataFusionError) -> StudyError {
+    let text = error.strip_backtrace();
+    StudyError::Cluster(match text.contains(UNKNOWN) {
+        true => {
+            "the scheduler has another robot, cell or option than this command: both print a fingerprint as they begin"
+                .into()
+        }
+        false => text,
+    })
+}
+
+/// Rows in so many partitions, one after the other.
+fn divided(rows: &RecordBatch, partitions: usize) -> Vec<Vec<RecordBatch>> {
+    let (count, partitions) = (rows.num_rows(), partitions.max(1));
+    let cuts = (0..=partitions).map(|k| count * k / partitions).collect::<Vec<_>>();
+    let partition = |ends: &[usize]| {
+        let starts = (ends[0]..ends[1]).step_by(BATCH);
+        starts.map(|k| rows.slice(k, BATCH.min(ends[1] - k))).collect()
+    };
+    cuts.windows(2).map(partition).collect()
+}
+
+/// Looks all rows of an input over before they are measured: returns the number of bad ones.
+///
+/// # Errors
+/// In a study that is not lenient, the first bad row.
+pub async fn look_over(
+    study: &Arc<Study>,
+    input: &Input,
+    arguments: &str,
+    partitions: usize,
+) -> Result<u64, StudyError> {
+    let context = engine::local(study, partitions);
+    input.register(&context).await?;
+    let fault = format!("configuration_fault({arguments})");
+    let bad = format!("FROM {TABLE} WHERE {fault} IS NOT NULL");
+    if study.options().lenient {
+        let counted = context.sql(&format!("SELECT count(*) {bad}")).await?.collect().await?;
+        let count = |b: &RecordBatch| b.column(0).as_primitive::<Int64Type>().value(0);
+        return Ok(counted.first().map_or(0, count) as u64);
+    }
+    let first = context
+        .sql(&format!("SELECT {fault} AS fault, * {bad} LIMIT 1"))
+        .await?;
+    let found = first.collect().await?;
+    if let Some(batch) = found.iter().find(|b| b.num_rows() > 0) {
+        let value = |k: usize| array_value_to_string(batch.column(k), 0);
+        let schema = batch.schema();
+        let named = |k: usize| Ok(format!("{} {}", schema.field(k).name(), value(k)?));
+        let row: Vec<String> = (1..batch.num_columns()).map(named).collect::<Result<_, StudyError>>()?;
+        return Err(StudyError::Row(format!("{}: {}", row.join(", "), value(0)?)));
+    }
+    Ok(0)
+}

@@ -1,0 +1,161 @@
+//! The robot, its cell, and the checkers that wait for rows.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use lin_canny_plan::{Checker, JointTree, PlanError, WorldId};
+use lin_canny_robot::{Coordinate, RobotFiles, Setup};
+
+use crate::error::StudyError;
+
+/// How the rows of a study are answered.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StudyOptions {
+    /// The distance that all pairs must keep, for `is_free` and `certify`, in the robot's unit of
+    /// length.
+    pub margin: f64,
+    /// Whether a bad row is answered by NULL instead of an error.
+    pub lenient: bool,
+}
+
+/// A robot in its cell, loaded once a process, and its answers about rows.
+///
+/// Checkers wait in a pool: a batch of rows takes one and puts it back. Each row is asked of a
+/// checker that has forgotten the rows before ([`Checker::forget`]), so its answer is a function of
+/// the row alone, bit for bit.
+pub struct Study {
+    setup: Setup,
+    options: StudyOptions,
+    fingerprint: String,
+    pool: Mutex<Vec<Checker<JointTree>>>,
+    rows: AtomicU64,
+}
+
+impl Study {
+    /// Returns the study of a robot and a cell in files.
+    ///
+    /// # Errors
+    /// A file that is refused, or a robot of which no checker can be made.
+    pub fn load(files: &RobotFiles, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
+        Self::new(files.load()?.1, options)
+    }
+
+    /// Returns the study of a robot and a cell.
+    ///
+    /// # Errors
+    /// A robot of which no checker can be made, or a margin that is negative or not finite.
+    pub fn new(setup: Setup, options: StudyOptions) -> Result<Arc<Self>, StudyError> {
+        let mut study = Self {
+            setup,
+            options,
+            fingerprint: String::new(),
+            pool: Mutex::default(),
+            rows: AtomicU64::new(0),
+        };
+        let first = study.checker()?;
+        study.fingerprint = fingerprint(&study.setup, &first, options)?;
+        study.put_back(first);
+        Ok(Arc::new(study))
+    }
+
+    /// Returns the coordinates of a configuration: the arguments of the functions, in order.
+    #[must_use]
+    pub fn coordinates(&self) -> &[Coordinate] {
+        self.setup.coordinates()
+    }
+
+    /// Returns robot and cell.
+    #[must_use]
+    pub fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// Returns how rows are answered.
+    #[must_use]
+    pub fn options(&self) -> StudyOptions {
+        self.options
+    }
+
+    /// Returns sixteen hexadecimal digits that tell robots, cells and options apart: two studies
+    /// with the same fingerprint give every row the same answer.
+    #[must_use]
+    pub fn fingerprint(&self) -> &str {
+        &self.fingerprint
+    }
+
+    /// Returns the number of rows measured in this process so far.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        self.rows.load(Ordering::Relaxed)
+    }
+
+    /// Asks a checker of the pool; a new one is made if none waits there.
+    ///
+    /// # Errors
+    /// A checker that cannot be made.
+    pub fn with_checker<R>(&self, ask: impl FnOnce(&mut Checker<JointTree>) -> R) -> Result<R, StudyError> {
+        let waiting = self.pool.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut checker = match waiting {
+            Some(checker) => checker,
+            None => self.checker()?,
+        };
+        let answer = ask(&mut checker);
+        self.put_back(checker);
+        Ok(answer)
+    }
+
+    pub(crate) fn count(&self, rows: usize) {
+        self.rows.fetch_add(rows as u64, Ordering::Relaxed);
+    }
+
+    fn put_back(&self, checker: Checker<JointTree>) {
+        let mut pool = self.pool.lock().unwrap_or_else(PoisonError::into_inner);
+        pool.push(checker);
+    }
+
+    fn checker(&self) -> Result<Checker<JointTree>, PlanError> {
+        let mut checker = self.setup.checker()?;
+        checker.set_margin(self.options.margin)?;
+        Ok(checker)
+    }
+}
+
+/// The format of fingerprints, and of what enters them.
+const FORMAT: &str = "lin-canny-study 1";
+
+fn fingerprint(setup: &Setup, checker: &Checker<JointTree>, options: StudyOptions) -> Result<String, StudyError> {
+    let mut hasher = blake3::Hasher::new();
+    // Every field ends with a byte that no text has.
+    let mut text = |text: String| {
+        hasher.update(text.as_bytes()).update(&[0xff]);
+    };
+    text(FORMAT.into());
+    // `Debug` writes every digit of a number.
+    text(format!("{options:?} {:?} {:?}", setup.coordinates(), checker.space()));
+    let world = checker.world();
+    for [a, b] in world.excluded() {
+        text(format!("{a:?} {b:?}"));
+    }
+    for (name, _) in world.robot_bodies() {
+        text(name.into());
+    }
+    for (name, _, pose) in world.obstacles() {
+        text(format!("{name} {pose:?}"));
+    }
+    let robot = world.robot_bodies().map(|(_, geometry)| geometry);
+    for geometry in robot.chain(world.obstacles().map(|(_, geometry, _)| geometry)) {
+        serde_json::to_writer(&mut hasher, geometry)?;
+    }
+    Ok(hasher.finalize().to_hex()[..16].to_owned())
+}
+
+/// The bodies that a name stands for.
+pub(crate) fn bodies_called(checker: &Checker<JointTree>, name: &str) -> Vec<WorldId> {
+    let world = checker.world();
+    let robot = (0..world.robot_bodies().len()).map(WorldId::Robot);
+    let obstacles = (0..world.obstacles().len()).map(WorldId::Obstacle);
+    robot
+        .chain(obstacles)
+        .filter(|&part| world.name(part) == name)
+        .collect()
+}

@@ -1,0 +1,53 @@
+//! Bars on stderr, if a terminal is there.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use lin_canny_study::{RunProgress, Study};
+
+pub(super) fn bar(what: &'static str, length: u64) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+    match ProgressStyle::with_template("{prefix} {wide_bar} {human_pos}/{human_len} {per_sec} {eta}") {
+        Ok(style) => bar.with_style(style).with_prefix(what),
+        Err(_) => bar,
+    }
+}
+
+/// A line for something whose length is not known.
+pub(super) fn wait(what: &'static str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+    bar.enable_steady_tick(TICK);
+    match ProgressStyle::with_template("{spinner} {prefix} {elapsed}") {
+        Ok(style) => bar.with_style(style).with_prefix(what),
+        Err(_) => bar,
+    }
+}
+
+const TICK: Duration = Duration::from_millis(200);
+
+/// Shows how far a run has come until it has ended.
+pub(super) async fn shown<T>(
+    what: &'static str,
+    study: &Arc<Study>,
+    progress: &RunProgress,
+    run: impl Future<Output = T>,
+) -> T {
+    let (bar, before) = (bar(what, 0), study.rows());
+    let mut run = std::pin::pin!(run);
+    let mut tick = tokio::time::interval(TICK);
+    loop {
+        tokio::select! {
+            ended = &mut run => {
+                bar.finish_and_clear();
+                return ended;
+            }
+            _ = tick.tick() => {
+                bar.set_length(progress.total.load(Ordering::Relaxed));
+                let known = progress.known.load(Ordering::Relaxed);
+                bar.set_position(known + study.rows() - before);
+            }
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! The worst row as a picture, and the worst rows as a recording.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use lab::arm::draw::{Picture, outline};
+use lin_canny::ConvexPolyhedron;
+use lin_canny_plan::ConfigurationSpace;
+use lin_canny_study::robot::Film;
+use lin_canny_study::{Study, StudyError};
+
+use super::tables::{Tables, WorstRow};
+
+/// The robot in its cell at a row, the closest points joined.
+pub(super) fn picture(study: &Arc<Study>, row: &WorstRow) -> Result<String, StudyError> {
+    study.with_checker(|checker| {
+        let unfit = |e: String| StudyError::unfit("the picture", e);
+        let near = checker.clearance(&row.configuration)?;
+        let near = near.ok_or_else(|| unfit("no pair".into()))?;
+        let mut poses = Vec::new();
+        checker.space().place(&row.configuration, &mut poses);
+        let world = checker.world();
+        let robot = world.robot_bodies().map(|(_, g)| (g, true));
+        let shapes = robot.chain(world.obstacles().map(|(_, g, _)| (g, false)));
+        let shapes =
+            shapes.map(|(geometry, is_robot)| Ok((outline(geometry).map_err(|e| unfit(e.to_string()))?, is_robot)));
+        let shapes: Vec<(ConvexPolyhedron, bool)> = shapes.collect::<Result<_, StudyError>>()?;
+        poses.extend(world.obstacles().map(|(_, _, pose)| *pose));
+        let picture = Picture {
+            caption: format!("{} – {}: {:.6}", row.pair[0], row.pair[1], row.distance),
+            bodies: shapes.iter().map(|(shape, is_robot)| (shape, *is_robot)).collect(),
+            poses,
+            points: near.witnesses,
+        };
+        Ok(picture.alone())
+    })?
+}
+
+/// A frame for each of the worst rows.
+pub(super) fn record(study: &Arc<Study>, tables: &Tables, file: &Path) -> Result<(), StudyError> {
+    let Some(first) = tables.worst.first() else {
+        return Err(StudyError::unfit(file.display(), "there is no row to record"));
+    };
+    study.with_checker(|checker| {
+        let mut film = Film::create(file, checker, &first.configuration)?;
+        for (k, row) in tables.worst.iter().enumerate() {
+            let Some(near) = checker.clearance(&row.configuration)? else {
+                continue;
+            };
+            let place = row
+                .id
+                .as_ref()
+                .map_or(format!("worst {}", k + 1), |id| format!("row {id}"));
+            film.frame(checker.space(), &row.configuration, &place, &near)?;
+        }
+        Ok(film.finish()?)
+    })?
+}

@@ -1,0 +1,119 @@
+//! `roadmap`: free nodes, and edges proven free.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use clap::Args;
+use lin_canny_study::{
+    Format, Input, Run, RunOptions, RunProgress, Study, StudyError, TABLE, configuration_of, engine, roadmap, sampled,
+};
+
+use super::options::{StudyArguments, WhereArguments};
+use super::progress::{shown, wait};
+
+#[derive(Args)]
+pub(super) struct RoadmapOptions {
+    #[command(flatten)]
+    study: StudyArguments,
+    #[command(flatten)]
+    place: WhereArguments,
+    /// Configurations of the sequence of Halton to begin with; free ones become nodes
+    #[arg(long, default_value_t = 10_000, value_parser = clap::value_parser!(u64).range(1..))]
+    samples: u64,
+    /// Nearest nodes to which each node is connected, if the segment is proven free
+    #[arg(long, default_value_t = 10)]
+    neighbours: usize,
+    /// The folder of the roadmap. A command that was stopped goes on in it
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+pub(super) async fn run(options: &RoadmapOptions) -> Result<(), StudyError> {
+    let study = options.study.load()?;
+    let place = options.place.options(Format::Parquet);
+    let [samples, nodes, segments, edges] = ["samples", "nodes", "segments", "edges"].map(|f| options.out.join(f));
+    std::fs::create_dir_all(&options.out).map_err(StudyError::io(&options.out))?;
+
+    let rows = sampled::Source::Halton
+        .begin(study.coordinates())
+        .rows(0..options.samples)?;
+    written(&samples, &rows)?;
+    let names: Vec<_> = study.coordinates().iter().map(|c| c.name.as_str()).collect();
+    let query = format!(
+        "SELECT *, is_free({}) AS free FROM {TABLE}",
+        configuration_of(&study, &names)?
+    );
+    answered("nodes", &study, &samples, &query, &nodes, &place).await?;
+
+    let free = table(&study, &nodes, &format!("SELECT * FROM {TABLE} WHERE free ORDER BY id")).await?;
+    let waiting = wait("neighbours");
+    let rows = roadmap::candidates(study.coordinates(), &free, options.neighbours)?;
+    waiting.finish_and_clear();
+    written(&segments, &rows)?;
+    let query = format!("SELECT a AS node_a, b AS node_b, length, certify(\"from\", \"to\") AS found FROM {TABLE}");
+    answered("edges", &study, &segments, &query, &edges, &place).await?;
+
+    let counts = table(&study, &edges, &format!("SELECT * FROM {TABLE} WHERE verdict = 'free'")).await?;
+    let found = roadmap::components(&free, &counts)?;
+    println!(
+        "{} of {} configurations are free nodes; {} of {} segments are proven free; {} component(s), the largest of {} nodes",
+        free.num_rows(),
+        options.samples,
+        counts.num_rows(),
+        rows.num_rows(),
+        found.count,
+        found.largest
+    );
+    println!(
+        "nodes: {} (column free); edges: {} (column verdict)",
+        nodes.display(),
+        edges.display()
+    );
+    Ok(())
+}
+
+/// Writes rows to a file of a folder, unless they are there.
+fn written(folder: &Path, rows: &datafusion::arrow::array::RecordBatch) -> Result<(), StudyError> {
+    std::fs::create_dir_all(folder).map_err(StudyError::io(folder))?;
+    let file = folder.join("rows.parquet");
+    if file.exists() {
+        return Ok(());
+    }
+    Format::Parquet.write(&rows.schema(), std::slice::from_ref(rows), &file)
+}
+
+async fn answered(
+    what: &'static str,
+    study: &Arc<Study>,
+    rows: &Path,
+    query: &str,
+    folder: &Path,
+    options: &RunOptions,
+) -> Result<(), StudyError> {
+    let input = Input::new(rows)?;
+    let run = Run {
+        study,
+        input: &input,
+        query,
+        folder,
+        options,
+    };
+    let progress = RunProgress::default();
+    shown(what, study, &progress, run.go(&progress)).await.map(|_| ())
+}
+
+/// The rows of a query over the files of a folder.
+async fn table(
+    study: &Arc<Study>,
+    folder: &Path,
+    query: &str,
+) -> Result<datafusion::arrow::array::RecordBatch, StudyError> {
+    let context = engine::local(study, 1);
+    Input::new(folder)?.register(&context).await?;
+    let frame = context.sql(query).await?;
+    let schema = Arc::clone(frame.schema().inner());
+    Ok(datafusion::arrow::compute::concat_batches(
+        &schema,
+        &frame.collect().await?,
+    )?)
+}

@@ -1,0 +1,113 @@
+//! `run`: the clearance of every row, or a query.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+use clap::Args;
+use lin_canny_study::{
+    Format, Input, Run, RunProgress, Study, StudyError, TABLE, cluster_error, configuration_of, engine, look_over,
+};
+
+use super::options::{FormatArgument, StudyArguments, WhereArguments};
+use super::progress::{shown, wait};
+
+#[derive(Args)]
+pub(super) struct RunArguments {
+    #[command(flatten)]
+    study: StudyArguments,
+    #[command(flatten)]
+    place: WhereArguments,
+    /// Configurations: a file or a folder of Parquet, CSV or Arrow IPC, with a column for each joint
+    /// (or a column `q` of lists), and any others, which are kept
+    #[arg(long = "in", value_name = "Q.parquet")]
+    input: PathBuf,
+    /// The folder of the answers. A run that was stopped goes on in it
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// A query of your own over the table `configs`, with the functions clearance, is_free, certify,
+    /// separation and configuration_fault; answered as a whole, to one file
+    #[arg(long, value_name = "QUERY")]
+    sql: Option<String>,
+    /// Rows of a part: what a run that was stopped repeats at most
+    #[arg(long, value_name = "N", default_value_t = 65_536, value_parser = clap::value_parser!(u32).range(1..))]
+    block: u32,
+    /// The format of the answers
+    #[arg(long, value_enum, default_value = "parquet")]
+    format: FormatArgument,
+}
+
+pub(super) async fn run(arguments: &RunArguments) -> Result<(), StudyError> {
+    let study = arguments.study.load()?;
+    let input = Input::new(&arguments.input)?;
+    match &arguments.sql {
+        Some(query) => whole(&study, &input, query, arguments).await,
+        None => rows(&study, &input, arguments).await,
+    }
+}
+
+/// The clearance of every row, part after part.
+async fn rows(study: &Arc<Study>, input: &Input, arguments: &RunArguments) -> Result<(), StudyError> {
+    let mut options = arguments.place.options(arguments.format.into());
+    options.block = arguments.block as usize;
+    let (partitions, began) = (options.partitions, Instant::now());
+    let configuration = configuration_in(study, input).await?;
+    let waiting = wait("looking all rows over");
+    let faults = look_over(study, input, &configuration, partitions).await?;
+    waiting.finish_and_clear();
+    let query = format!("SELECT *, clearance({configuration}) AS clearance FROM {TABLE}");
+    let run = Run {
+        study,
+        input,
+        query: &query,
+        folder: &arguments.out,
+        options: &options,
+    };
+    let progress = RunProgress::default();
+    let done = shown("rows", study, &progress, run.go(&progress)).await?;
+    println!(
+        "{} rows in {} part(s), {} kept from before, {faults} bad; {:.1} s",
+        done.rows,
+        done.parts,
+        done.kept,
+        began.elapsed().as_secs_f64()
+    );
+    Ok(())
+}
+
+/// The arguments of functions over the columns of an input.
+pub(super) async fn configuration_in(study: &Arc<Study>, input: &Input) -> Result<String, StudyError> {
+    let frame = input.read(&engine::local(study, 1)).await?;
+    let names: Vec<_> = frame.schema().fields().iter().map(|f| f.name().as_str()).collect();
+    configuration_of(study, &names)
+}
+
+/// A query, answered as a whole.
+async fn whole(study: &Arc<Study>, input: &Input, query: &str, arguments: &RunArguments) -> Result<(), StudyError> {
+    let format = Format::from(arguments.format);
+    let options = arguments.place.options(format);
+    let (began, waiting) = (Instant::now(), wait("the query"));
+    let context = match &options.scheduler {
+        None => engine::local(study, options.partitions),
+        Some(scheduler) => engine::cluster(study, scheduler, options.partitions).await?,
+    };
+    input.register(&context).await?;
+    let answers = context.sql(query).await?;
+    let schema = Arc::clone(answers.schema().inner());
+    let batches = answers.collect().await;
+    let batches = match &options.scheduler {
+        None => batches?,
+        Some(_) => batches.map_err(|e| cluster_error(&e))?,
+    };
+    waiting.finish_and_clear();
+    std::fs::create_dir_all(&arguments.out).map_err(StudyError::io(&arguments.out))?;
+    let file = arguments.out.join(format!("result.{}", format.extension()));
+    format.write(&schema, &batches, &file)?;
+    let rows: usize = batches.iter().map(|b| b.num_rows()).sum();
+    println!(
+        "{rows} row(s) in {}; {:.1} s",
+        file.display(),
+        began.elapsed().as_secs_f64()
+    );
+    Ok(())
+}

@@ -1,0 +1,70 @@
+//! `sample`: configurations to measure.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use lin_canny_study::{Format, StudyError, sampled};
+
+use super::options::{FormatArgument, StudyArguments};
+use super::progress::bar;
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Method {
+    /// The sequence of Halton: even, for up to some ten joints.
+    Halton,
+    /// Independent random numbers.
+    Random,
+}
+
+#[derive(Args)]
+pub(super) struct SampleOptions {
+    #[command(flatten)]
+    study: StudyArguments,
+    /// Configurations
+    #[arg(long, default_value_t = 100_000)]
+    rows: u64,
+    /// How they are drawn, within the limits of the joints
+    #[arg(long, value_enum, default_value = "halton")]
+    method: Method,
+    /// Seed of random configurations
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Rows of a file: what a cluster keeps if a run is stopped
+    #[arg(long, value_name = "N", default_value_t = 1_000_000)]
+    rows_a_file: u64,
+    /// The format of the files
+    #[arg(long, value_enum, default_value = "parquet")]
+    format: FormatArgument,
+    /// The folder to write to; it must not be there yet
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+pub(super) fn run(options: &SampleOptions) -> Result<(), StudyError> {
+    let study = options.study.load()?;
+    std::fs::create_dir(&options.out).map_err(StudyError::io(&options.out))?;
+    let format = Format::from(options.format);
+    let source = match options.method {
+        Method::Halton => sampled::Source::Halton,
+        Method::Random => sampled::Source::Random { seed: options.seed },
+    };
+    let mut source = source.begin(study.coordinates());
+    let bar = bar("rows", options.rows);
+    let (mut first, mut files) = (0, 0);
+    while first < options.rows {
+        let end = (first + options.rows_a_file.max(1)).min(options.rows);
+        let rows = source.rows(first..end)?;
+        let name = format!("configs-{files:05}.{}", format.extension());
+        format.write(&rows.schema(), std::slice::from_ref(&rows), &options.out.join(name))?;
+        bar.inc(end - first);
+        (first, files) = (end, files + 1);
+    }
+    bar.finish_and_clear();
+    println!(
+        "{} configurations of {} joints in {files} file(s) of {}",
+        options.rows,
+        study.coordinates().len(),
+        options.out.display()
+    );
+    Ok(())
+}

@@ -1,0 +1,208 @@
+//! What the functions answer, and what they refuse.
+
+use std::sync::Arc;
+
+use datafusion::arrow::array::RecordBatch;
+use lin_canny_plan::Verdict;
+use lin_canny_study::sampled::Source;
+use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
+
+use crate::{block_on, study, values};
+
+const JOINTS: &str = "turn, lift, elbow, roll, bend, twist";
+
+/// The answer to a query over the first rows of a sample.
+fn asked(study: &Arc<Study>, rows: u64, query: &str) -> Result<Vec<RecordBatch>, StudyError> {
+    let rows = Source::Halton.begin(study.coordinates()).rows(0..rows)?;
+    block_on(async {
+        let context = engine::local(study, 2);
+        context.register_batch("configs", rows)?;
+        let answers = context.sql(query).await?.collect().await?;
+        answers.iter().map(flat).collect()
+    })
+}
+
+fn fails(study: &Arc<Study>, query: &str, parts: &[&str]) {
+    let error = asked(study, 4, query).expect_err(query).to_string();
+    for part in parts {
+        assert!(error.contains(part), "{query}: {error}");
+    }
+}
+
+#[test]
+fn clearances_are_those_of_a_new_checker() {
+    let study = study(StudyOptions::default());
+    let found = asked(
+        &study,
+        400,
+        &format!("SELECT {JOINTS}, clearance({JOINTS}) AS c FROM configs"),
+    )
+    .expect("rows");
+    let mut contacts = 0;
+    for row in values(&found) {
+        let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
+        let q: Vec<f64> = row[..6].iter().map(bits).collect();
+        let mut checker = study.setup().checker().expect("a checker");
+        let near = checker.clearance(&q).expect("a configuration").expect("a pair");
+        let numbers = |list: &[f64]| list.iter().map(|x| format!("{:016x}", x.to_bits())).collect::<Vec<_>>();
+        let mut expected = numbers(&[near.distance, near.lower, near.upper]);
+        expected.extend([near.pair.a, near.pair.b].map(|part| checker.name(part).to_owned()));
+        expected.extend(near.witnesses.iter().flat_map(|p| numbers(&[p.x, p.y, p.z])));
+        assert_eq!(row[6..], expected[..], "{q:?}");
+        contacts += u32::from(near.distance <= 0.0);
+    }
+    assert!((50..350).contains(&contacts), "{contacts}");
+}
+
+#[test]
+fn predicates_agree_with_clearances() {
+    let study = study(StudyOptions::default());
+    let query = format!(
+        "SELECT count(*) FROM configs WHERE is_free({JOINTS}) <> (clearance({JOINTS})['distance'] > 0) \
+         OR is_free({JOINTS}) <> is_free(make_array({JOINTS})) \
+         OR (certify(make_array({JOINTS}), make_array({JOINTS}))['verdict'] = 'free') <> is_free({JOINTS})"
+    );
+    assert_eq!(values(&asked(&study, 2000, &query).expect("a count")), [["0"]]);
+    // Among them are both.
+    let query = format!("SELECT count(*) > 400, count(*) < 1600 FROM configs WHERE is_free({JOINTS})");
+    assert_eq!(
+        values(&asked(&study, 2000, &query).expect("a count")),
+        [["true", "true"]]
+    );
+}
+
+#[test]
+fn a_margin_is_kept() {
+    let margin = StudyOptions {
+        margin: 0.05,
+        ..StudyOptions::default()
+    };
+    let study = study(margin);
+    let query =
+        format!("SELECT count(*) FROM configs WHERE is_free({JOINTS}) <> (clearance({JOINTS})['distance'] > 0.05)");
+    assert_eq!(values(&asked(&study, 2000, &query).expect("a count")), [["0"]]);
+}
+
+#[test]
+fn segments_are_certified_as_by_a_new_checker() {
+    let study = study(StudyOptions::default());
+    let next = "turn + 0.01, lift, elbow - 0.02, roll, bend, twist";
+    let inner = "abs(turn) < 2.8 AND abs(elbow) < 2.5";
+    let text = format!(
+        "SELECT {JOINTS}, turn + 0.01 AS t2, elbow - 0.02 AS e2, certify({JOINTS}, {next}) AS c FROM configs WHERE {inner}"
+    );
+    let mut seen = [0; 2];
+    for row in values(&asked(&study, 300, &text).expect("rows")) {
+        let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
+        let from: Vec<f64> = row[..6].iter().map(bits).collect();
+        let (mut to, mut checker) = (from.clone(), study.setup().checker().expect("a checker"));
+        (to[0], to[2]) = (bits(&row[6]), bits(&row[7]));
+        let verdict = checker.certify(&from, &to).expect("configurations");
+        assert_eq!(bits(&row[9]).to_bits(), verdict.safe().to_bits());
+        match verdict {
+            Verdict::Free { .. } => assert_eq!(row[8], "free"),
+            Verdict::Blocked { t, pair, .. } => {
+                assert_eq!((row[8].as_str(), bits(&row[10]).to_bits()), ("blocked", t.to_bits()));
+                assert_eq!(row[11..], [pair.a, pair.b].map(|part| checker.name(part).to_owned()));
+            }
+            _ => assert_eq!(row[8], "unknown"),
+        }
+        seen[usize::from(verdict.is_free())] += 1;
+    }
+    assert!(seen.iter().all(|&n| n > 20), "{seen:?}");
+}
+
+#[test]
+fn separations_are_measured_by_name() {
+    let study = study(StudyOptions::default());
+    // The gripper ends 0.12 above its frame, the table 0.02 below its middle.
+    let text = "SELECT separation('gripper', 'table', 0, 0, 1, 0, 0, 0, 1) AS s FROM configs LIMIT 1";
+    let row = &values(&asked(&study, 1, text).expect("a row"))[0];
+    let distance = f64::from_bits(u64::from_str_radix(&row[1], 16).expect("bits"));
+    assert_eq!(row[0], "separated");
+    assert!((distance - 0.86).abs() < 1e-12, "{distance}");
+    let turned = "SELECT separation('gripper', 'table', [0, 0, 0.1, 0, 0, 0.6, 0.8])['class'] FROM configs LIMIT 1";
+    assert_eq!(values(&asked(&study, 1, turned).expect("a row")), [["overlapping"]]);
+    fails(
+        &study,
+        "SELECT separation('hand', 'table', 0, 0, 1, 0, 0, 0, 1) FROM configs",
+        &["0 bodies", "hand"],
+    );
+    fails(
+        &study,
+        "SELECT separation('gripper', 'table', 0, 0, 1, 0, 0, 0, 2) FROM configs",
+        &["norm 2.0"],
+    );
+}
+
+#[test]
+fn bad_rows_are_named() {
+    let strict = study(StudyOptions::default());
+    let none = "turn, CASE WHEN id = 2 THEN NULL ELSE lift END, elbow, roll, bend, twist";
+    for function in ["clearance", "is_free"] {
+        fails(
+            &strict,
+            &format!("SELECT {function}({none}) FROM configs"),
+            &["row 2 ", "lift is NULL"],
+        );
+        let far = "turn, lift, elbow, CASE WHEN id = 3 THEN 2.95 ELSE roll END, bend, twist";
+        let parts = ["row 3 ", "roll is 2.95, not within -2.9 and 2.9"];
+        fails(&strict, &format!("SELECT {function}({far}) FROM configs"), &parts);
+        let nan = "turn, lift, elbow, roll, 'NaN'::DOUBLE, twist";
+        fails(
+            &strict,
+            &format!("SELECT {function}({nan}) FROM configs"),
+            &["row 0 ", "bend is NaN"],
+        );
+        fails(
+            &strict,
+            &format!("SELECT {function}([1, 2, 3]) FROM configs"),
+            &["3 values instead of 6"],
+        );
+        fails(
+            &strict,
+            &format!("SELECT {function}(turn) FROM configs"),
+            &["6 number(s)", "elbow"],
+        );
+    }
+    let fault = format!("SELECT configuration_fault({none}) FROM configs");
+    let found = values(&asked(&strict, 4, &fault).expect("faults"));
+    assert_eq!(found, [[""], [""], ["lift is NULL"], [""]]);
+
+    let lenient = StudyOptions {
+        lenient: true,
+        ..StudyOptions::default()
+    };
+    let lenient = study(lenient);
+    let text = format!(
+        "SELECT id, c['distance'] IS NULL, c IS NULL, is_free({none}) IS NULL FROM (SELECT *, clearance({none}) AS c FROM configs)"
+    );
+    let found = values(&asked(&lenient, 4, &text).expect("rows"));
+    for row in &found {
+        let is_bad = (row[0] == "2").to_string();
+        assert!(row[1..].iter().all(|v| *v == is_bad), "{row:?}");
+    }
+    let certified = format!("SELECT certify({none}, {JOINTS}) AS c FROM configs");
+    let found = values(&asked(&lenient, 4, &certified).expect("rows"));
+    assert!(
+        found[2].iter().all(String::is_empty) && !found[1][0].is_empty(),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn fingerprints_tell_studies_apart() {
+    let names = [0.0, 0.01].map(|margin| {
+        let options = StudyOptions {
+            margin,
+            ..StudyOptions::default()
+        };
+        study(options).fingerprint().to_owned()
+    });
+    assert_ne!(names[0], names[1]);
+    assert_eq!(names[0], study(StudyOptions::default()).fingerprint());
+    let mut without = crate::files();
+    without.srdf = None;
+    let other = Study::load(&without, StudyOptions::default()).expect("the example");
+    assert_ne!(names[0], other.fingerprint());
+}

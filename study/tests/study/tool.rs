@@ -1,0 +1,131 @@
+//! The tool as a user runs it.
+
+use crate::{said, scratch, tool};
+
+#[test]
+fn three_commands_make_a_report() {
+    let folder = scratch("three");
+    let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    let (code, text) = said(tool("sample").args(["--rows", "3000", "--rows-a-file", "2000", "--out", &at("q")]));
+    assert!(
+        code == 0 && text.contains("3000 configurations of 6 joints in 2 file(s)"),
+        "{text}"
+    );
+    let (code, text) = said(tool("run").args(["--in", &at("q"), "--out", &at("out")]));
+    assert!(
+        code == 0 && text.contains("3000 rows in 2 part(s), 0 kept from before, 0 bad"),
+        "{text}"
+    );
+    let (code, text) = said(tool("run").args(["--in", &at("q"), "--out", &at("out")]));
+    assert!(code == 0 && text.contains("3000 rows in 2 part(s), 2 kept"), "{text}");
+    let report = [
+        "--in",
+        &at("out"),
+        "--out",
+        &at("report.html"),
+        "--map",
+        "lift",
+        "elbow",
+    ];
+    let (code, text) = said(tool("report").args(report).args(["--record", &at("worst.jsonl")]));
+    assert!(code == 0 && text.contains("3000 rows"), "{text}");
+    let page = std::fs::read_to_string(at("report.html")).expect("a page");
+    assert_eq!(page.matches("<svg").count(), 3, "histogram, map, picture");
+    assert!(
+        page.contains("Clearances of 3000 configurations") && page.contains("<th>elbow"),
+        "{page:.400}"
+    );
+    // The numbers of all bars are the rows, those of the pairs too.
+    let record = std::fs::read_to_string(at("worst.jsonl")).expect("a recording");
+    assert!(record.lines().count() > 10, "{}", record.lines().count());
+}
+
+#[test]
+fn a_query_is_answered_as_a_whole() {
+    let folder = scratch("query");
+    let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    let random = [
+        "--rows",
+        "2000",
+        "--method",
+        "random",
+        "--format",
+        "csv",
+        "--out",
+        &at("q"),
+    ];
+    assert_eq!(said(tool("sample").args(random)).0, 0);
+    let query = "SELECT is_free(turn, lift, elbow, roll, bend, twist) AS free, count(*) AS n FROM configs GROUP BY 1 ORDER BY 1";
+    let run = ["--in", &at("q"), "--out", &at("out"), "--format", "csv", "--sql", query];
+    let (code, text) = said(tool("run").args(run));
+    assert_eq!(code, 0, "{text}");
+    let answer = std::fs::read_to_string(at("out/result.csv")).expect("an answer");
+    let count = |word: &str| {
+        let line = answer.lines().find_map(|l| l.strip_prefix(word));
+        line.and_then(|n| n.parse::<u32>().ok()).expect("a count")
+    };
+    assert_eq!(count("true,") + count("false,"), 2000, "{answer}");
+}
+
+#[test]
+fn a_roadmap_has_nodes_and_edges() {
+    let folder = scratch("roadmap");
+    let out = folder.join("map").to_string_lossy().into_owned();
+    let run = ["--samples", "300", "--neighbours", "5", "--out", &out];
+    let (code, text) = said(tool("roadmap").args(run));
+    assert!(code == 0 && text.contains("segments are proven free"), "{text}");
+    let again = said(tool("roadmap").args(run));
+    assert!(again.0 == 0, "{}", again.1);
+    assert_eq!(text, again.1);
+}
+
+#[test]
+fn what_does_not_fit_is_named() {
+    let folder = scratch("unfit");
+    let at = |name: &str| folder.join(name).to_string_lossy().into_owned();
+    let refused = |arguments: &[&str], parts: &[&str]| {
+        let (code, text) = said(tool("run").args(arguments));
+        assert!(code == 3 && parts.iter().all(|p| text.contains(p)), "{code} {text}");
+    };
+    refused(
+        &["--in", &at("none.csv"), "--out", &at("o")],
+        &["none.csv", "No such file"],
+    );
+    std::fs::write(at("a.txt"), "turn\n0\n").expect("a file");
+    refused(
+        &["--in", &at("a.txt"), "--out", &at("o")],
+        &["a.txt", ".parquet, .csv or .arrow"],
+    );
+    std::fs::write(at("b.csv"), "turn,lift,elbow,roll,bend\n0,0,0,0,0\n").expect("a file");
+    refused(
+        &["--in", &at("b.csv"), "--out", &at("o")],
+        &["no column \"twist\"", "turn, lift"],
+    );
+    let head = "id,turn,lift,elbow,roll,bend,twist\n";
+    std::fs::write(
+        at("c.csv"),
+        format!("{head}7,0,0,0,0,0,0\n8,0,0,,0,0,0\n9,0,0,0,0,0,3\n"),
+    )
+    .expect("a file");
+    refused(
+        &["--in", &at("c.csv"), "--out", &at("o")],
+        &["id 8", "elbow is NULL", "--lenient"],
+    );
+    let lenient = ["--in", &at("c.csv"), "--out", &at("lenient"), "--lenient"];
+    let (code, text) = said(tool("run").args(lenient));
+    assert!(
+        code == 0 && text.contains("3 rows in 1 part(s), 0 kept from before, 2 bad"),
+        "{text}"
+    );
+    refused(
+        &[
+            "--in",
+            &at("c.csv"),
+            "--out",
+            &at("o"),
+            "--sql",
+            "SELECT clearnce(turn) FROM configs",
+        ],
+        &["clearnce"],
+    );
+}
