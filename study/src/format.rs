@@ -12,6 +12,7 @@ use datafusion::arrow::{csv, ipc};
 use datafusion::parquet::arrow::ArrowWriter;
 use datafusion::parquet::basic::{Compression, ZstdLevel};
 use datafusion::parquet::file::properties::WriterProperties;
+use datafusion::parquet::schema::types::ColumnPath;
 
 use crate::error::StudyError;
 
@@ -72,7 +73,12 @@ impl Format {
         let file = match self {
             Self::Parquet => {
                 let level = ZstdLevel::try_new(1).unwrap_or_default();
-                let properties = WriterProperties::builder().set_compression(Compression::ZSTD(level));
+                let mut properties = WriterProperties::builder().set_compression(Compression::ZSTD(level));
+                // No two distances are the same: a dictionary of them is in vain.
+                for field in schema.fields().iter().filter(|f| f.data_type().is_floating()) {
+                    let column = ColumnPath::from(field.name().as_str());
+                    properties = properties.set_column_dictionary_enabled(column, false);
+                }
                 // Groups of rows are what readers divide a file by.
                 let properties = properties.set_max_row_group_row_count(Some(ROW_GROUP)).build();
                 let mut writer = ArrowWriter::try_new(file, Arc::clone(schema), Some(properties)).map_err(parquet)?;

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use datafusion::arrow::array::RecordBatch;
+use datafusion::arrow::array::{ArrayRef, Int64Array, RecordBatch, StructArray};
+use datafusion::arrow::buffer::NullBuffer;
+use datafusion::arrow::datatypes::{DataType, Field};
 use lin_canny_plan::Verdict;
 use lin_canny_study::sampled::Source;
 use lin_canny_study::{Study, StudyError, StudyOptions, engine, flat};
@@ -86,13 +88,13 @@ fn a_margin_is_kept() {
 #[test]
 fn segments_are_certified_as_by_a_new_checker() {
     let study = study(StudyOptions::default());
-    let next = "turn + 0.01, lift, elbow - 0.02, roll, bend, twist";
-    let inner = "abs(turn) < 2.8 AND abs(elbow) < 2.5";
+    let next = "turn + 0.3, lift, elbow - 0.6, roll, bend, twist";
+    let inner = "abs(turn) < 2.5 AND abs(elbow) < 1.9";
     let text = format!(
-        "SELECT {JOINTS}, turn + 0.01 AS t2, elbow - 0.02 AS e2, certify({JOINTS}, {next}) AS c FROM configs WHERE {inner}"
+        "SELECT {JOINTS}, turn + 0.3 AS t2, elbow - 0.6 AS e2, certify({JOINTS}, {next}) AS c FROM configs WHERE {inner}"
     );
     let mut seen = [0; 2];
-    for row in values(&asked(&study, 300, &text).expect("rows")) {
+    for row in values(&asked(&study, 1500, &text).expect("rows")) {
         let bits = |text: &String| f64::from_bits(u64::from_str_radix(text, 16).expect("bits"));
         let from: Vec<f64> = row[..6].iter().map(bits).collect();
         let (mut to, mut checker) = (from.clone(), study.setup().checker().expect("a checker"));
@@ -205,4 +207,16 @@ fn fingerprints_tell_studies_apart() {
     without.srdf = None;
     let other = Study::load(&without, StudyOptions::default()).expect("the example");
     assert_ne!(names[0], other.fingerprint());
+}
+
+#[test]
+fn fields_of_a_null_struct_are_null() {
+    let values = Arc::new(Int64Array::from(vec![1, 2, 3])) as ArrayRef;
+    let field = Arc::new(Field::new("x", DataType::Int64, false));
+    let nulls = NullBuffer::from(vec![true, false, true]);
+    let parts = StructArray::try_new(vec![field].into(), vec![Arc::clone(&values)], Some(nulls)).expect("a struct");
+    let batch = RecordBatch::try_from_iter([("x", values), ("s", Arc::new(parts) as ArrayRef)]).expect("rows");
+    let found = flat(&batch).expect("columns");
+    assert_eq!(found.schema().field(1).name(), "s_x");
+    assert_eq!(crate::values(&[found]), [["1", "1"], ["2", ""], ["3", "3"]]);
 }
