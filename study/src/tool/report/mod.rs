@@ -9,9 +9,10 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use lin_canny_study::{Input, Study, StudyError, TABLE, engine};
+use lin_canny_study::{Input, Study, StudyError, engine};
 
 use super::options::StudyArguments;
+use super::progress::wait;
 use tables::Tables;
 
 #[derive(Args)]
@@ -41,10 +42,12 @@ pub(super) async fn run(options: &ReportOptions) -> Result<(), StudyError> {
     let context = engine::local(&study, std::thread::available_parallelism().map_or(1, usize::from));
     input.register(&context).await?;
     let map = joints(&study, options.map.as_deref())?;
+    let waiting = wait("counting");
     let tables = Tables::read(&context, &study, &map, options.worst).await?;
     let text = page::page(&study, &tables, &map)?;
+    waiting.finish_and_clear();
     std::fs::write(&options.out, text).map_err(StudyError::io(&options.out))?;
-    println!("{} rows of {TABLE}; {}", tables.rows, tables.headline());
+    println!("{} rows; {}", tables.rows, tables.headline());
     println!("the page is {}", options.out.display());
     if let Some(file) = &options.record {
         scene::record(&study, &tables, file)?;
