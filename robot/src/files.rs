@@ -61,8 +61,10 @@ impl RobotFiles {
     /// # Errors
     /// A file that is refused, or a link of `meshes.of_links` that the robot does not have.
     pub fn load(&self) -> Result<(Robot, Setup), FileError> {
-        let mut options = LoadOptions::default();
-        options.meshes = self.meshes.clone();
+        let options = LoadOptions {
+            meshes: self.meshes.clone(),
+            ..LoadOptions::default()
+        };
         let robot = Robot::load_with(&self.urdf, &self.packages, &options)?;
         for name in self.meshes.of_links.keys() {
             if robot.link(name).is_none() {
