@@ -50,10 +50,12 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod format;
+mod picture;
 mod read;
 mod scene;
 mod write;
 
 pub use format::{BodyLine, Bracket, Contact, FORMAT, Frame, Header, PairLine, PencilLine, VERSION, poses};
+pub use picture::BodyPicture;
 pub use read::{Cursor, ReadError, Recording};
 pub use write::{Recorder, WriteError};

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The workspaces beside the core.
-const WORKSPACES: [&str; 3] = ["python", "study", "viewer"];
+const WORKSPACES: [&str; 4] = ["python", "rerun", "study", "viewer"];
 
 fn read(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))

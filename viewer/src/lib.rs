@@ -1,7 +1,7 @@
 //! Shows pairs, scenes and robots with their closest features: one source for a window, for
 //! pictures without a display, and for a web page.
 //!
-//! `stage`, `solid`, `lit`, `player` and `bits` know nothing of graphics; `camera` and `draw` are
+//! `stage`, `lit`, `player` and `bits` know nothing of graphics; `camera` and `draw` are
 //! plain arithmetic; `gpu` draws a stage into a texture; `app` is panel, mouse and the picture in
 //! egui; `demo` holds what the page shows.
 
@@ -17,7 +17,6 @@ pub mod lit;
 mod panel;
 mod pipelines;
 pub mod player;
-pub mod solid;
 pub mod stage;
 #[cfg(target_arch = "wasm32")]
 mod web;

@@ -5,9 +5,7 @@ use std::collections::HashMap;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Geometry, ManifoldOptions, Outcome, PairTracker, RelativePose};
-use lin_canny_record::{Bracket, Contact, PencilLine};
-
-use crate::solid::Solid;
+use lin_canny_record::{BodyPicture, Bracket, Contact, PencilLine};
 
 /// A body and where it stands.
 #[derive(Clone, Debug)]
@@ -56,7 +54,7 @@ pub struct Stage {
     /// All geometries.
     pub geometries: Vec<Geometry>,
     /// Their pictures, by the same number.
-    pub solids: Vec<Solid>,
+    pub solids: Vec<BodyPicture>,
     /// All bodies.
     pub bodies: Vec<Body>,
     /// The pairs that are watched.
@@ -88,7 +86,7 @@ impl Stage {
     /// Adds a geometry.
     pub fn geometry(&mut self, geometry: impl Into<Geometry>) -> usize {
         let geometry = geometry.into();
-        self.solids.push(Solid::of(&geometry));
+        self.solids.push(BodyPicture::of(&geometry));
         self.geometries.push(geometry);
         self.geometries.len() - 1
     }

@@ -20,9 +20,9 @@ const PATCH_STEPS: usize = 14;
 /// Meshes of more triangles are drawn without edges.
 const MOST_EDGED: usize = 4000;
 
-/// Triangles and edges of a body.
+/// What a viewer draws of a body: triangles, and the edges to be seen.
 #[derive(Clone, Debug, Default)]
-pub struct Solid {
+pub struct BodyPicture {
     /// Corners of each triangle, counter-clockwise seen from outside, and the unit normal.
     pub triangles: Vec<([Point3<f64>; 3], Vector3<f64>)>,
     /// Ends of each edge.
@@ -31,7 +31,7 @@ pub struct Solid {
     pub radius: f64,
 }
 
-impl Solid {
+impl BodyPicture {
     /// Returns the picture of a geometry. Curved bodies are hulls of points on their surface.
     #[must_use]
     pub fn of(geometry: &Geometry) -> Self {
