@@ -64,6 +64,15 @@ pub(crate) const THINNER: f64 = 1.0 / 16.0;
 /// thin leaves of one triangle, fine bodies save two thirds of the boxes.
 pub(crate) const THIN: f64 = 1.0 / 16.0;
 
+/// From so many triangles on, a leaf of several need not be thin if it is compact, its middle axis
+/// at least this part of its longest. A terrain of a million triangles as rough as they are long
+/// takes 75 bytes a triangle instead of 154, 355 meshes of robots 88 instead of 95, the largest
+/// mean of one 112 instead of 143; a knot of 20,000 is a fifth faster. Tori of 1,280 are twice as
+/// slow: forty pairs of triangles that only boxes of their own prove are measured instead of five.
+/// Slivers, which are not compact, make a gear of 20,000 a seventh slower.
+pub(crate) const MANY_ITEMS: usize = 2048;
+pub(crate) const COMPACT: f64 = 0.5;
+
 /// A cut of a node leaves at least one part in this many on each side, so that the depth is a
 /// logarithm.
 pub(crate) const LOPSIDED: usize = 8;
@@ -74,7 +83,7 @@ pub(crate) const LONG_BOX: f32 = 4.0;
 /// A cut that leaves a part longer than this part of the node is compared with cuts along the other
 /// axes. Shafts of 1,000 sides that cross at 10 degrees: 8,700 bounds a query without the direction
 /// across both lengths and without the comparison, 190 with both.
-pub(crate) const HARDLY: f64 = 0.9;
+pub(crate) const HARDLY: f64 = 0.95;
 
 /// A cut along another axis must leave less than this part of the area that the first leaves. Not
 /// measured.

@@ -210,7 +210,7 @@ impl FrontMemory {
         search.descend(&mut self.stack, Some(&mut self.front));
         self.front.cut = self.front.len();
         if self.front.is_full() {
-            self.worth.lost();
+            self.worth.overflowed();
         }
         if search.is_over() || self.front.is_full() {
             self.front.clear();

@@ -15,7 +15,8 @@
 //!
 //! A long node is not a ball. If all points of Y are within rho of a segment, c plus and minus u,
 //! the last term is `|u . w| + rho |w|` with `w = R1^T n - R0^T n`, small if the node turns about
-//! its length. So an entry is those eleven numbers and u, zero if the ball will do.
+//! its length. So an entry is those eleven numbers and u, zero if the ball will do, as it will for
+//! nearly all: blocks of entries without a segment leave its term out.
 //!
 //! X is the larger of the two nodes: rho is the radius of the smaller. A budget of path length
 //! instead of a direction fails ten times as often.
@@ -40,7 +41,11 @@ const NUMBERS: usize = 14;
 
 /// Four entries by component: n, m, c, the radius, the base, u.
 #[derive(Clone, Debug, PartialEq)]
-struct FrontBlock([[f32; WIDTH]; NUMBERS]);
+struct FrontBlock {
+    numbers: [[f32; WIDTH]; NUMBERS],
+    /// Whether an entry has, or had, a segment.
+    has_rods: bool,
+}
 
 /// Entries with the larger node on one side.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -156,7 +161,7 @@ impl Front {
         let at = entries.pairs.len() as u32;
         entries.pairs.push(pair);
         if entries.pairs.len() > WIDTH * entries.blocks.len() {
-            entries.blocks.push(FrontBlock([[0.0; WIDTH]; NUMBERS]));
+            entries.blocks.push(FrontBlock::EMPTY);
         }
         self.set(frame, trees, EntryId { half, at }, normal, gap);
     }
@@ -185,10 +190,14 @@ impl Front {
         let m = way.back(n);
         let base = gap - (n[0] * x + n[1] * y + n[2] * z);
         let values = [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base, ux, uy, uz];
-        let (block, lane) = (place.at as usize / WIDTH, place.at as usize % WIDTH);
-        for (slot, value) in entries.blocks[block].0.iter_mut().zip(values) {
+        let (block, lane) = (
+            &mut entries.blocks[place.at as usize / WIDTH],
+            place.at as usize % WIDTH,
+        );
+        for (slot, value) in block.numbers.iter_mut().zip(values) {
             slot[lane] = value;
         }
+        block.has_rods |= [ux, uy, uz] != [0.0; 3];
     }
 
     /// Removes an entry; the last one of the half takes its place.
@@ -197,9 +206,10 @@ impl Front {
         let last = entries.pairs.len() - 1;
         entries.pairs.swap_remove(k);
         for c in 0..NUMBERS {
-            let moved = entries.blocks[last / WIDTH].0[c][last % WIDTH];
-            entries.blocks[k / WIDTH].0[c][k % WIDTH] = moved;
+            let moved = entries.blocks[last / WIDTH].numbers[c][last % WIDTH];
+            entries.blocks[k / WIDTH].numbers[c][k % WIDTH] = moved;
         }
+        entries.blocks[k / WIDTH].has_rods |= entries.blocks[last / WIDTH].has_rods;
         if last.is_multiple_of(WIDTH) {
             entries.blocks.pop();
         }
@@ -208,7 +218,7 @@ impl Front {
     /// Spoils an entry, so that a test can see it found.
     #[cfg(test)]
     pub(in crate::composite) fn corrupt(&mut self, place: EntryId, by: f32) {
-        self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0[10][place.at as usize % WIDTH] += by;
+        self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers[10][place.at as usize % WIDTH] += by;
     }
 
     /// Returns the place of an entry by its number.
@@ -221,7 +231,7 @@ impl Front {
 
     /// Returns the direction of an entry at a pose, in A's frame.
     pub(in crate::composite) fn normal(&self, frame: &Single, place: EntryId) -> [f32; 3] {
-        let block = &self.halves[place.half as usize].blocks[place.at as usize / WIDTH].0;
+        let block = &self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers;
         let n = [0, 1, 2].map(|c| block[c][place.at as usize % WIDTH]);
         if place.half == 0 {
             n
@@ -238,9 +248,14 @@ fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: NodePair) -> u8 {
 }
 
 impl FrontBlock {
+    const EMPTY: Self = Self {
+        numbers: [[0.0; WIDTH]; NUMBERS],
+        has_rods: false,
+    };
+
     #[inline(always)]
     fn gaps(&self, way: &Way) -> f32x4 {
-        let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base, ux, uy, uz] = &self.0;
+        let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base, ux, uy, uz] = &self.numbers;
         let (r, t) = (&way.rotation, &way.translation);
         let (nx, ny, nz) = (f32x4::new(*nx), f32x4::new(*ny), f32x4::new(*nz));
         let (cx, cy, cz) = (f32x4::new(*cx), f32x4::new(*cy), f32x4::new(*cz));
@@ -252,7 +267,11 @@ impl FrontBlock {
         let along = x * cx + y * cy + z * cz + (nx * t[0] + ny * t[1] + nz * t[2]);
         let (p, q, s) = (x - f32x4::new(*mx), y - f32x4::new(*my), z - f32x4::new(*mz));
         let turned = (p * p + q * q + s * s).sqrt();
-        let swung = (p * f32x4::new(*ux) + q * f32x4::new(*uy) + s * f32x4::new(*uz)).abs();
-        f32x4::new(*base) + along - f32x4::new(*radius) * turned - swung
+        let gap = f32x4::new(*base) + along - f32x4::new(*radius) * turned;
+        if self.has_rods {
+            gap - (p * f32x4::new(*ux) + q * f32x4::new(*uy) + s * f32x4::new(*uz)).abs()
+        } else {
+            gap
+        }
     }
 }

@@ -51,4 +51,10 @@ impl FrontWorth {
         self.wait = (2 * self.wait + 1).min(LONGEST_WAIT);
         self.left = self.wait;
     }
+
+    /// A front grew too long before it was whole: the next one is far off.
+    pub(in crate::composite) fn overflowed(&mut self) {
+        self.wait = LONGEST_WAIT;
+        self.left = self.wait;
+    }
 }

@@ -89,8 +89,8 @@ pub(in crate::composite) struct TreeSearch<'a, J: Judge> {
     /// Whether contact without a crossing is all that is asked of the least distance: of surfaces,
     /// which share no inner points.
     pub(in crate::composite) ends_in_contact: bool,
-    /// Pairs measured that are in contact.
-    contacts: u32,
+    /// Pairs measured that are in contact, or as near as a tie.
+    close: u32,
     /// The level in single precision.
     single: f32,
     /// The least gap that single precision has proven.
@@ -140,7 +140,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             directions: [None; 2],
             touching: Touching::NONE,
             ends_in_contact: false,
-            contacts: 0,
+            close: 0,
             single: f32::INFINITY,
             least: f32::INFINITY,
             work: MeshWork::default(),
@@ -207,17 +207,17 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         } else {
             self.lower = self.lower.min(found.lower);
         }
-        if found.distance <= self.frame.error {
-            self.contacts += 1;
-            if self.contacts == CROWD {
+        if found.distance <= self.frame.tie {
+            self.close += 1;
+            if self.close == CROWD {
                 self.judge_crowd();
             }
         }
         result
     }
 
-    /// Looks for inner points of bodies of which a crowd of pairs is in contact: there may be as
-    /// many contacts as items, and none of them crosses for certain.
+    /// Looks for inner points of bodies of which a crowd of pairs is nearly in contact: there may be
+    /// as many such pairs as items, and none of them crosses for certain.
     #[cold]
     fn judge_crowd(&mut self) {
         let Some(best) = &mut self.best else { return };

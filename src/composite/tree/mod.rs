@@ -53,19 +53,19 @@ impl OrientedBox {
     }
 
     /// Returns a segment `-u` to `u` about the centre, and how far from it points below the node
-    /// are at most; no segment if the ball about the centre is not twice as large. Lengths are
-    /// times `scale`, a power of two.
+    /// are at most; no segment if the ball about the centre is not four times as large, so that
+    /// few have one. Lengths are times `scale`, a power of two.
     #[inline(always)]
     pub(crate) fn rod(&self, scale: f32) -> (f32, [f32; 3]) {
         let [long, wide, deep, radius] = self.rows[3].map(|h| h * scale);
-        // The factor: axes that are orthonormal within 8 units, 6 of the length, and rounding, 3.
-        let around = sqrt(f64::from(wide * wide + deep * deep)) as f32 * (1.0 + 16.0 * f32::EPSILON);
-        if around + around < radius {
-            let [x, y, z, _] = self.rows[0];
-            (around, [x * long, y * long, z * long])
-        } else {
-            (radius, [0.0; 3])
+        let square = wide * wide + deep * deep;
+        if 16.0 * square >= radius * radius {
+            return (radius, [0.0; 3]);
         }
+        // The factor: axes that are orthonormal within 8 units, 6 of the length, and rounding, 3.
+        let around = sqrt(f64::from(square)) as f32 * (1.0 + 16.0 * f32::EPSILON);
+        let [x, y, z, _] = self.rows[0];
+        (around, [x * long, y * long, z * long])
     }
 
     /// Returns an eighth of the surface of the box.

@@ -12,7 +12,7 @@ use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::base::notice::progress::Watch;
 use crate::base::num::scalar::{greater, lesser, sqrt};
 use crate::base::tolerance::UNIT;
-use crate::base::tuning::composite::{ACROSS, FEW_CORNERS, HARDLY, LEVEL, LONG, LOPSIDED, THIN};
+use crate::base::tuning::composite::{ACROSS, COMPACT, FEW_CORNERS, HARDLY, LEVEL, LONG, LOPSIDED, MANY_ITEMS, THIN};
 use crate::body::polyhedron::{bounding_box, exponent_of, power_of_two};
 
 /// A triangle or a piece while it is sorted, in the tree's coordinates.
@@ -108,8 +108,7 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
                 heaviest,
             } = self.spread(first, count);
             self.tree.boxes[node as usize].set_axes(&rows);
-            let thin = values[2] <= THIN * THIN * values[0];
-            if count == 1 || count <= self.most && thin {
+            if count == 1 || count <= self.most && self.is_leaf(&values) {
                 self.tree.links[node as usize] = LEAF_MARK | (count as u32 - 1) << COUNT_SHIFT | first as u32;
                 // Tasks are taken in the order of the items.
                 if !watch.done(first + count) {
@@ -129,6 +128,12 @@ impl<I: AsRef<[u32]>> Splitter<'_, I> {
             tasks.push((child + 1, first + left, count - left));
             tasks.push((child, first, left));
         }
+    }
+
+    /// Returns whether items of a spread, few enough, are better left together: thin ones anywhere,
+    /// compact ones where memory counts.
+    fn is_leaf(&self, [long, wide, deep]: &[f64; 3]) -> bool {
+        *deep <= THIN * THIN * long || self.items.len() >= MANY_ITEMS && *wide >= COMPACT * COMPACT * long
     }
 
     fn push_node(&mut self) -> u32 {
