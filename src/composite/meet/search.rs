@@ -216,8 +216,8 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         result
     }
 
-    /// Looks for inner points of bodies of which a crowd of pairs is nearly in contact: there may be
-    /// as many such pairs as items, and none of them crosses for certain.
+    /// Looks for inner points of bodies of which a crowd of pairs is nearly in contact: there may
+    /// be as many such pairs as items, and none of them crosses for certain.
     #[cold]
     fn judge_crowd(&mut self) {
         let Some(best) = &mut self.best else { return };
