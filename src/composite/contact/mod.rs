@@ -35,7 +35,7 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::ACROSS;
 use crate::base::tuning::composite::ALIKE;
 use crate::composite::front::NodePair;
-use crate::composite::meet::bounds::{BoundAim, MOST, bounds};
+use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::TreeFrame;
 use crate::composite::meet::search::split_pair;
 use crate::composite::pieces::CompositeTracker;
@@ -221,7 +221,7 @@ fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
     let aim = BoundAim::to((level + frame.single.error).next_up());
     let (mut stack, mut found) = (alloc::vec![[0, 0]], Vec::new());
     while !stack.is_empty() {
-        let batch = stack.split_off(stack.len().saturating_sub(MOST));
+        let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
         let gaps = bounds(&frame.single, (of_a, of_b), &batch, &aim);
         for (&pair, gap) in batch.iter().zip(gaps.gap) {
             if frame.single.error.is_finite() && gap - frame.single.error > level {

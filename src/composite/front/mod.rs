@@ -26,7 +26,7 @@ pub(in crate::composite) mod memory;
 mod worth;
 
 use alloc::vec::Vec;
-use wide::f32x4;
+use wide::f32x8;
 
 use crate::base::tuning::composite::MOST_ENTRIES;
 use crate::composite::meet::bounds::WIDTH;
@@ -39,7 +39,7 @@ pub(in crate::composite) type NodePair = [u32; 2];
 /// The numbers of an entry.
 const NUMBERS: usize = 14;
 
-/// Four entries by component: n, m, c, the radius, the base, u.
+/// Eight entries by component: n, m, c, the radius, the base, u.
 #[derive(Clone, Debug, PartialEq)]
 struct FrontBlock {
     numbers: [[f32; WIDTH]; NUMBERS],
@@ -117,10 +117,10 @@ impl Front {
     /// Calls `failed` with the place of every entry that is not proven to be at least `distance`
     /// apart: the places in each half rise.
     pub(in crate::composite) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(EntryId)) {
-        let level = f32x4::splat(distance + self.error);
+        let level = f32x8::splat(distance + self.error);
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
             for (k, block) in (0u32..).zip(&entries.blocks) {
-                let mut open = !block.gaps(way).simd_ge(level).to_bitmask() & 0xf;
+                let mut open = !block.gaps(way).simd_ge(level).to_bitmask() & 0xff;
                 while open != 0 {
                     let at = WIDTH as u32 * k + open.trailing_zeros();
                     if (at as usize) < entries.pairs.len() {
@@ -254,22 +254,22 @@ impl FrontBlock {
     };
 
     #[inline(always)]
-    fn gaps(&self, way: &Way) -> f32x4 {
+    fn gaps(&self, way: &Way) -> f32x8 {
         let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base, ux, uy, uz] = &self.numbers;
-        let (r, t) = (&way.rotation, &way.translation);
-        let (nx, ny, nz) = (f32x4::new(*nx), f32x4::new(*ny), f32x4::new(*nz));
-        let (cx, cy, cz) = (f32x4::new(*cx), f32x4::new(*cy), f32x4::new(*cz));
+        let (r, t) = (way.rotation.map(f32x8::splat), way.translation.map(f32x8::splat));
+        let (nx, ny, nz) = (f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
+        let (cx, cy, cz) = (f32x8::new(*cx), f32x8::new(*cy), f32x8::new(*cz));
         let (x, y, z) = (
             r[0] * nx + r[3] * ny + r[6] * nz,
             r[1] * nx + r[4] * ny + r[7] * nz,
             r[2] * nx + r[5] * ny + r[8] * nz,
         );
         let along = x * cx + y * cy + z * cz + (nx * t[0] + ny * t[1] + nz * t[2]);
-        let (p, q, s) = (x - f32x4::new(*mx), y - f32x4::new(*my), z - f32x4::new(*mz));
+        let (p, q, s) = (x - f32x8::new(*mx), y - f32x8::new(*my), z - f32x8::new(*mz));
         let turned = (p * p + q * q + s * s).sqrt();
-        let gap = f32x4::new(*base) + along - f32x4::new(*radius) * turned;
+        let gap = f32x8::new(*base) + along - f32x8::new(*radius) * turned;
         if self.has_rods {
-            gap - (p * f32x4::new(*ux) + q * f32x4::new(*uy) + s * f32x4::new(*uz)).abs()
+            gap - (p * f32x8::new(*ux) + q * f32x8::new(*uy) + s * f32x8::new(*uz)).abs()
         } else {
             gap
         }

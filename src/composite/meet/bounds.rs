@@ -1,4 +1,4 @@
-//! Lower bounds of the distance of pairs of boxes, four at once.
+//! Lower bounds of the distance of pairs of boxes, eight at once.
 //!
 //! Three directions are tried: the line of centres, and the excess vector in the axes of either
 //! box, with the amounts by which the centres are farther apart along each axis than both
@@ -12,7 +12,7 @@
 //! or not the axes are orthonormal and whatever the direction is. The error term is
 //! [`BOXES`](crate::tolerance::BOXES).
 
-use wide::f32x4;
+use wide::{f32x4, f32x8};
 
 use crate::base::tolerance::PARALLEL_SIDES;
 use crate::base::tuning::composite::LONG_BOX;
@@ -20,31 +20,29 @@ use crate::composite::front::NodePair;
 use crate::composite::meet::frame::Single;
 use crate::composite::tree::{OrientedBox, Tree};
 
-/// Pairs of boxes bounded at once: the width of a register on every target.
-pub(in crate::composite) const WIDTH: usize = 4;
-
-/// Most pairs of a call.
-pub(in crate::composite) const MOST: usize = 8;
+/// Pairs of boxes bounded at once: a register of x86-64-v3, two of other targets, where eight lanes
+/// take the time of four twice. The operations of a lane are the same, so bits are.
+pub(in crate::composite) const WIDTH: usize = 8;
 
 /// Gaps along unit directions in A's frame, in the unit of the frame in single precision.
 #[derive(Clone, Copy)]
 pub(in crate::composite) struct BoxGaps {
-    pub(in crate::composite) gap: [f32; MOST],
-    pub(in crate::composite) normal: [[f32; 3]; MOST],
+    pub(in crate::composite) gap: [f32; WIDTH],
+    pub(in crate::composite) normal: [[f32; 3]; WIDTH],
 }
 
 impl BoxGaps {
     /// Of pairs about which nothing is known.
     pub(in crate::composite) const NONE: Self = Self {
-        gap: [-f32::MAX; MOST],
-        normal: [[0.0; 3]; MOST],
+        gap: [-f32::MAX; WIDTH],
+        normal: [[0.0; 3]; WIDTH],
     };
 }
 
 /// What is asked of bounds.
 #[derive(Clone, Copy)]
 pub(in crate::composite) struct BoundAim {
-    /// The gap that is enough: no more directions are tried once all four pairs have it.
+    /// The gap that is enough: no more directions are tried once all pairs have it.
     pub(in crate::composite) level: f32,
     /// A direction in A's frame that may prove it.
     pub(in crate::composite) known: Option<[f32; 3]>,
@@ -57,23 +55,27 @@ impl BoundAim {
     }
 }
 
-/// Four boxes by component.
-struct Four {
-    axes: [[f32x4; 3]; 3],
-    centre: [f32x4; 3],
-    half: [f32x4; 3],
+/// Eight boxes by component.
+struct Boxes {
+    axes: [[f32x8; 3]; 3],
+    centre: [f32x8; 3],
+    half: [f32x8; 3],
 }
 
-impl Four {
+impl Boxes {
     #[inline(always)]
     fn new(boxes: [&OrientedBox; WIDTH], scale: f32) -> Self {
-        let [b0, b1, b2, b3] = boxes;
-        let row = |k: usize| f32x4::transpose([b0, b1, b2, b3].map(|b| f32x4::new(b.rows[k])));
+        let [b0, b1, b2, b3, b4, b5, b6, b7] = boxes;
+        let row = |k: usize| {
+            let low = f32x4::transpose([b0, b1, b2, b3].map(|b| f32x4::new(b.rows[k])));
+            let high = f32x4::transpose([b4, b5, b6, b7].map(|b| f32x4::new(b.rows[k])));
+            core::array::from_fn(|i| joined(low[i], high[i]))
+        };
         let [xx, xy, xz, yx] = row(0);
         let [yy, yz, zx, zy] = row(1);
         let [zz, cx, cy, cz] = row(2);
         let [hx, hy, hz, _] = row(3);
-        let s = f32x4::splat(scale);
+        let s = f32x8::splat(scale);
         Self {
             axes: [[xx, xy, xz], [yx, yy, yz], [zx, zy, zz]],
             centre: [cx * s, cy * s, cz * s],
@@ -82,13 +84,22 @@ impl Four {
     }
 }
 
+/// Returns both halves of a register.
 #[inline(always)]
-fn dot(a: [f32x4; 3], b: [f32x4; 3]) -> f32x4 {
+fn joined(low: f32x4, high: f32x4) -> f32x8 {
+    let mut both = [0.0; WIDTH];
+    both[..4].copy_from_slice(&low.to_array());
+    both[4..].copy_from_slice(&high.to_array());
+    f32x8::new(both)
+}
+
+#[inline(always)]
+fn dot(a: [f32x8; 3], b: [f32x8; 3]) -> f32x8 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[inline(always)]
-fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
+fn cross(a: [f32x8; 3], b: [f32x8; 3]) -> [f32x8; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -97,7 +108,7 @@ fn cross(a: [f32x4; 3], b: [f32x4; 3]) -> [f32x4; 3] {
 }
 
 #[inline(always)]
-fn turned(r: &[f32x4; 9], v: [f32x4; 3]) -> [f32x4; 3] {
+fn turned(r: &[f32x8; 9], v: [f32x8; 3]) -> [f32x8; 3] {
     [
         r[0] * v[0] + r[1] * v[1] + r[2] * v[2],
         r[3] * v[0] + r[4] * v[1] + r[5] * v[2],
@@ -107,12 +118,12 @@ fn turned(r: &[f32x4; 9], v: [f32x4; 3]) -> [f32x4; 3] {
 
 /// `x` with the sign of `s`, for `x` not negative.
 #[inline(always)]
-fn signed(x: f32x4, s: f32x4) -> f32x4 {
-    x | (s & f32x4::splat(-0.0))
+fn signed(x: f32x8, s: f32x8) -> f32x8 {
+    x | (s & f32x8::splat(-0.0))
 }
 
 #[inline(always)]
-fn combined(w: [f32x4; 3], v: &[[f32x4; 3]; 3]) -> [f32x4; 3] {
+fn combined(w: [f32x8; 3], v: &[[f32x8; 3]; 3]) -> [f32x8; 3] {
     [
         w[0] * v[0][0] + w[1] * v[1][0] + w[2] * v[2][0],
         w[0] * v[0][1] + w[1] * v[1][1] + w[2] * v[2][1],
@@ -124,10 +135,10 @@ fn combined(w: [f32x4; 3], v: &[[f32x4; 3]; 3]) -> [f32x4; 3] {
 /// in the axes of one box, half extents of that box and of the other, and the products of the axes,
 /// by the axis of the first.
 #[inline(always)]
-fn excess(d: [f32x4; 3], h: [f32x4; 3], g: [f32x4; 3], m: &[[f32x4; 3]; 3]) -> (f32x4, f32x4, [f32x4; 3]) {
+fn excess(d: [f32x8; 3], h: [f32x8; 3], g: [f32x8; 3], m: &[[f32x8; 3]; 3]) -> (f32x8, f32x8, [f32x8; 3]) {
     let over = [d[0].abs() - h[0], d[1].abs() - h[1], d[2].abs() - h[2]];
     let reach = |k: usize| g[0] * m[k][0].abs() + g[1] * m[k][1].abs() + g[2] * m[k][2].abs();
-    let zero = f32x4::splat(0.0);
+    let zero = f32x8::splat(0.0);
     let x = (over[0] - reach(0)).fast_max(zero);
     let y = (over[1] - reach(1)).fast_max(zero);
     let z = (over[2] - reach(2)).fast_max(zero);
@@ -136,19 +147,19 @@ fn excess(d: [f32x4; 3], h: [f32x4; 3], g: [f32x4; 3], m: &[[f32x4; 3]; 3]) -> (
     let [p, q, r] = combined(e, m);
     let own = x * over[0] + y * over[1] + z * over[2];
     let other = g[0] * p.abs() + g[1] * q.abs() + g[2] * r.abs();
-    let inverse = f32x4::splat(1.0) / square.sqrt().fast_max(f32x4::splat(f32::MIN_POSITIVE));
+    let inverse = f32x8::splat(1.0) / square.sqrt().fast_max(f32x8::splat(f32::MIN_POSITIVE));
     let open = square.simd_gt(zero);
-    let gap = open.select((own - other) * inverse, f32x4::splat(-f32::MAX));
+    let gap = open.select((own - other) * inverse, f32x8::splat(-f32::MAX));
     (gap, inverse, e)
 }
 
-/// Half extents and axes of four boxes.
-type AxesOf<'a> = (&'a [f32x4; 3], &'a [[f32x4; 3]; 3]);
+/// Half extents and axes of eight boxes.
+type AxesOf<'a> = (&'a [f32x8; 3], &'a [[f32x8; 3]; 3]);
 
-/// The best gap of four pairs so far, and its unit direction.
+/// The best gap of eight pairs so far, and its unit direction.
 struct BestGaps {
-    gap: f32x4,
-    normal: [f32x4; 3],
+    gap: f32x8,
+    normal: [f32x8; 3],
 }
 
 impl BestGaps {
@@ -156,16 +167,16 @@ impl BestGaps {
     /// boxes that overlap are looked at in the order of the other directions. `d` is the difference
     /// of the centres, `reaches` are half extents and axes of both boxes.
     #[inline(always)]
-    fn offer(&mut self, c: [f32x4; 3], d: [f32x4; 3], reaches: (AxesOf<'_>, AxesOf<'_>)) {
+    fn offer(&mut self, c: [f32x8; 3], d: [f32x8; 3], reaches: (AxesOf<'_>, AxesOf<'_>)) {
         let (square, height) = (dot(c, c), dot(c, d));
         let reach = |(half, axes): AxesOf<'_>| {
             half[0] * dot(axes[0], c).abs() + half[1] * dot(axes[1], c).abs() + half[2] * dot(axes[2], c).abs()
         };
         let (a, b) = (reach(reaches.0), reach(reaches.1));
-        let inverse = f32x4::splat(1.0) / square.sqrt().fast_max(f32x4::splat(f32::MIN_POSITIVE));
+        let inverse = f32x8::splat(1.0) / square.sqrt().fast_max(f32x8::splat(f32::MIN_POSITIVE));
         let gap = (height.abs() - a - b) * inverse;
-        let least = self.gap.fast_max(f32x4::splat(0.0));
-        let wins = square.simd_gt(f32x4::splat(PARALLEL_SIDES as f32)) & gap.simd_gt(least);
+        let least = self.gap.fast_max(f32x8::splat(0.0));
+        let wins = square.simd_gt(f32x8::splat(PARALLEL_SIDES as f32)) & gap.simd_gt(least);
         let inverse = signed(inverse, height);
         self.gap = wins.select(gap, self.gap);
         for k in 0..3 {
@@ -181,34 +192,30 @@ pub(in crate::composite) fn bounds(
     pairs: &[NodePair],
     aim: &BoundAim,
 ) -> BoxGaps {
-    debug_assert!(pairs.len() <= MOST, "{} pairs", pairs.len());
+    debug_assert!(pairs.len() <= WIDTH, "{} pairs", pairs.len());
     let mut found = BoxGaps::NONE;
-    if !frame.error.is_finite() {
+    let Some(last) = pairs.len().checked_sub(1).filter(|_| frame.error.is_finite()) else {
         return found;
-    }
-    for (k, four) in pairs.chunks(WIDTH).enumerate() {
-        let at = [0, 1, 2, 3].map(|k| four[k.min(four.len() - 1)]);
-        let of_a = at.map(|[x, _]| &a.boxes[x as usize]);
-        let of_b = at.map(|[_, y]| &b.boxes[y as usize]);
-        let best = bound_four(frame, (of_a, of_b), aim);
-        let first = WIDTH * k;
-        found.gap[first..first + WIDTH].copy_from_slice(&best.gap.to_array());
-        let [x, y, z] = best.normal.map(|n| n.to_array());
-        for k in 0..WIDTH {
-            found.normal[first + k] = [x[k], y[k], z[k]];
-        }
-    }
+    };
+    // The last pair again in the lanes that are left.
+    let at: [NodePair; WIDTH] = core::array::from_fn(|k| pairs[k.min(last)]);
+    let of_a = at.map(|[x, _]| &a.boxes[x as usize]);
+    let of_b = at.map(|[_, y]| &b.boxes[y as usize]);
+    let best = bound_eight(frame, (of_a, of_b), aim);
+    found.gap = best.gap.to_array();
+    let [x, y, z] = best.normal.map(|n| n.to_array());
+    found.normal = core::array::from_fn(|k| [x[k], y[k], z[k]]);
     found
 }
 
-/// Returns the best gap of each of four pairs, and its direction.
+/// Returns the best gap of each of eight pairs, and its direction.
 #[inline(never)]
-fn bound_four(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WIDTH]), aim: &BoundAim) -> BestGaps {
-    let (a, b) = (Four::new(a, frame.scale_a), Four::new(b, frame.scale_b));
-    let r = &frame.ways[0].rotation;
+fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WIDTH]), aim: &BoundAim) -> BestGaps {
+    let (a, b) = (Boxes::new(a, frame.scale_a), Boxes::new(b, frame.scale_b));
+    let r = &frame.ways[0].rotation.map(f32x8::splat);
     let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];
     let at = turned(r, b.centre);
-    let t = &frame.ways[0].translation;
+    let t = frame.ways[0].translation.map(f32x8::splat);
     let d = [
         at[0] + t[0] - a.centre[0],
         at[1] + t[1] - a.centre[1],
@@ -231,7 +238,7 @@ fn bound_four(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WID
     let db = [dot(axes[0], d), dot(axes[1], d), dot(axes[2], d)];
 
     let square = dot(d, d);
-    let inverse = f32x4::splat(1.0) / square.sqrt().fast_max(f32x4::splat(f32::MIN_POSITIVE));
+    let inverse = f32x8::splat(1.0) / square.sqrt().fast_max(f32x8::splat(f32::MIN_POSITIVE));
     let reach_a = a.half[0] * da[0].abs() + a.half[1] * da[1].abs() + a.half[2] * da[2].abs();
     let reach_b = b.half[0] * db[0].abs() + b.half[1] * db[1].abs() + b.half[2] * db[2].abs();
     let by_centres = (square - reach_a - reach_b) * inverse;
@@ -252,17 +259,17 @@ fn bound_four(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WID
     };
     let reaches = ((&a.half, &a.axes), (&b.half, &axes));
     // The first axis is the longest.
-    let is_long = |half: &[f32x4; 3]| half[0].simd_gt(half[1] * f32x4::splat(LONG_BOX));
+    let is_long = |half: &[f32x8; 3]| half[0].simd_gt(half[1] * f32x8::splat(LONG_BOX));
     let (long_a, long_b) = (is_long(&a.half), is_long(&b.half));
-    let level = f32x4::splat(aim.level);
-    let is_any_open = |best: &BestGaps, long: f32x4| (best.gap.simd_lt(level) & long).to_bitmask() & 0xf != 0;
+    let level = f32x8::splat(aim.level);
+    let is_any_open = |best: &BestGaps, long: f32x8| (best.gap.simd_lt(level) & long).to_bitmask() & 0xff != 0;
     if is_any_open(&best, long_a & long_b) {
         best.offer(cross(a.axes[0], axes[0]), d, reaches);
     }
     if let Some([x, y, z]) = aim.known
         && is_any_open(&best, long_a | long_b)
     {
-        best.offer([f32x4::splat(x), f32x4::splat(y), f32x4::splat(z)], d, reaches);
+        best.offer([f32x8::splat(x), f32x8::splat(y), f32x8::splat(z)], d, reaches);
     }
     best
 }

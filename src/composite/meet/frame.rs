@@ -2,7 +2,6 @@
 //! errors of each.
 
 use nalgebra::{Matrix3, Vector3};
-use wide::f32x4;
 
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
@@ -60,29 +59,23 @@ pub(in crate::composite) struct Single {
 
 /// A map `x -> R x + t` in single precision.
 pub(in crate::composite) struct Way {
-    pub(in crate::composite) rotation: [f32x4; 9],
-    pub(in crate::composite) translation: [f32x4; 3],
-    /// Rotation and translation for unpacked points.
-    r: [f32; 9],
-    t: [f32; 3],
+    /// Row by row.
+    pub(in crate::composite) rotation: [f32; 9],
+    pub(in crate::composite) translation: [f32; 3],
 }
 
 impl Way {
     fn new(rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
-        let r = core::array::from_fn(|k| rotation[(k / 3, k % 3)] as f32);
-        let t = [translation.x as f32, translation.y as f32, translation.z as f32];
         Self {
-            rotation: r.map(f32x4::splat),
-            translation: t.map(f32x4::splat),
-            r,
-            t,
+            rotation: core::array::from_fn(|k| rotation[(k / 3, k % 3)] as f32),
+            translation: [translation.x as f32, translation.y as f32, translation.z as f32],
         }
     }
 
     /// Returns the image of a point.
     #[inline(always)]
     pub(in crate::composite) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        let (r, t) = (&self.r, &self.t);
+        let (r, t) = (&self.rotation, &self.translation);
         [
             r[0] * x + r[1] * y + r[2] * z + t[0],
             r[3] * x + r[4] * y + r[5] * z + t[1],
@@ -93,7 +86,7 @@ impl Way {
     /// Returns the direction that the map turns to `n`.
     #[inline(always)]
     pub(in crate::composite) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
-        let r = &self.r;
+        let r = &self.rotation;
         [
             r[0] * x + r[3] * y + r[6] * z,
             r[1] * x + r[4] * y + r[7] * z,

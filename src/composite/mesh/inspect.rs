@@ -8,7 +8,7 @@ use super::Mesh;
 use crate::base::notice::progress::{Progress, Watch};
 use crate::base::num::sign;
 use crate::base::pose::RelativePose;
-use crate::composite::meet::bounds::{BoundAim, MOST, bounds};
+use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::TreeFrame;
 use crate::composite::meet::search::split_pair;
 use crate::composite::parts::Parted;
@@ -75,7 +75,7 @@ impl Mesh {
         let (mut stack, mut done) = (alloc::vec![[0, 0]], 0);
         found.is_complete = watch.stage("crossings", None).is_ok();
         while found.is_complete && !stack.is_empty() {
-            let batch = stack.split_off(stack.len().saturating_sub(MOST));
+            let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
             let gaps = bounds(&frame.single, (tree, tree), &batch, &aim);
             done += batch.len();
             found.is_complete &= watch.done(done);
