@@ -43,6 +43,8 @@ pub struct Checker<C> {
     pub(crate) order: Vec<(f64, usize)>,
     /// The distance within which the last clearance was found: how far the next one looks first.
     pub(crate) reach: f64,
+    /// Whether predicates are asked before distances.
+    has_parts: bool,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -60,6 +62,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         }
         let pairs = Pairs::new(&world, |a, b| space.is_rigid(a, b))?;
         let reach = pairs.robot_radius;
+        let has_parts = world.has_parts();
         Ok(Self {
             space,
             world,
@@ -72,6 +75,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             hits: Vec::new(),
             order: Vec::new(),
             reach,
+            has_parts,
         })
     }
 
@@ -157,16 +161,25 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// # Errors
     /// A configuration that is not of the space.
     pub fn certify(&mut self, from: &[f64], to: &[f64]) -> Result<Verdict, PlanError> {
-        self.judged(from, to, false)
+        let segment = self.segment(from, to)?;
+        self.judged(&segment, false)
     }
 
     /// Returns whether the segment between two configurations is proven free, without asking for
     /// the first contact.
     ///
+    /// If a body is not convex, so that a predicate costs far less than a distance, the last
+    /// configuration and the middle one are asked first ([`free_at`](Self::free_at)).
+    ///
     /// # Errors
     /// A configuration that is not of the space.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
-        Ok(self.judged(from, to, true)?.is_free())
+        let segment = self.segment(from, to)?;
+        if self.has_parts && !(self.free_at(to)? && self.free_at(&self.space.between(from, to, 0.5))?) {
+            self.work.segments += 1;
+            return Ok(false);
+        }
+        Ok(self.judged(&segment, true)?.is_free())
     }
 
     /// Returns the proof that a segment is free, all pairs and all certificates; `None` if the
@@ -198,13 +211,12 @@ impl<C: ConfigurationSpace> Checker<C> {
         self.space.segment(from, to)
     }
 
-    fn judged(&mut self, from: &[f64], to: &[f64], any: bool) -> Result<Verdict, PlanError> {
-        let segment = self.segment(from, to)?;
+    fn judged(&mut self, segment: &C::Segment, any: bool) -> Result<Verdict, PlanError> {
         self.work.segments += 1;
         let mut stretches = core::mem::take(&mut self.stretches);
         let found = self
-            .gather(&segment, &mut stretches)
-            .and_then(|()| self.judge(&segment, &stretches, any));
+            .gather(segment, &mut stretches)
+            .and_then(|()| self.judge(segment, &stretches, any));
         self.stretches = stretches;
         if let Ok(Verdict::Free { .. }) = found {
             self.work.free += 1;
@@ -249,10 +261,6 @@ impl<C: ConfigurationSpace> Checker<C> {
             let (k, interval) = (stretch.pair, (stretch.from, stretch.until.min(until)));
             let found = self.cast(k, segment, interval, clearance, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
-            if let WorldId::Robot(o) = self.pairs.all[k].pair.b {
-                self.work.measures += u64::from(found.queries + found.proofs);
-                let _ = o;
-            }
             let (safe, hit) = match found.impact {
                 Impact::Miss => continue,
                 Impact::Start { seen } => (stretch.from, Some((stretch.from, seen))),

@@ -23,7 +23,7 @@ pub struct PlanOptions {
     pub seed: u64,
     /// Random slices, at most.
     pub slices: u64,
-    /// Distance queries, at most; looked at between freeways. The default, a million, takes some
+    /// Queries of pairs, at most; looked at between freeways. The default, a million, takes some
     /// seconds to tens of seconds, as the bodies are; a search that is watched by the caller takes
     /// `u64::MAX`, with [`Checker::plan_with_progress`].
     pub queries: u64,

@@ -47,7 +47,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
 
     fn is_over(&mut self) -> bool {
         let spent = self.checker.work.since(&self.before);
-        let queries = spent.queries + spent.measures;
+        let queries = spent.queries + spent.measures + spent.decisions;
         if self.is_solved() || queries >= self.queries {
             return true;
         }

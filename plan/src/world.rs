@@ -113,6 +113,13 @@ impl World {
         }
     }
 
+    /// Returns whether a body is not convex: distances then cost many times a predicate.
+    pub(crate) fn has_parts(&self) -> bool {
+        let obstacles = self.obstacles.iter().map(|o| &o.1);
+        let is_convex = |shape: &Geometry| matches!(shape, Geometry::Polyhedron(_) | Geometry::Convex(_));
+        !self.robot.iter().map(|b| &b.1).chain(obstacles).all(is_convex)
+    }
+
     pub(crate) fn is_excluded(&self, pair: WorldPair) -> bool {
         self.excluded.contains(&(pair.a.min(pair.b), pair.a.max(pair.b)))
     }

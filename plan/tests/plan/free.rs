@@ -116,3 +116,24 @@ fn a_configuration_of_another_space_is_refused() {
     assert!(checker.free_at(&[0.0; 5]).is_err());
     assert!(checker.free_at(&[f64::NAN; 6]).is_err());
 }
+
+#[test]
+fn a_segment_that_ends_in_contact_takes_no_distance() {
+    let cell = Cell::new(5);
+    let arm = cell.arm();
+    let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
+    let (mut rng, mut tally) = (Rng::new(34), [0; 3]);
+    for _ in 0..60 {
+        let from = Cell::sample(&mut rng);
+        let to = arm.moved(&from, &[0; 6].map(|_| rng.range(-0.2, 0.2)));
+        let ends = [&from, &to].map(|q| checker.free_at(q).expect("a configuration"));
+        let before = checker.work();
+        let is_free = checker.is_free(&from, &to).expect("a segment");
+        let spent = checker.work().queries - before.queries;
+        assert_eq!(checker.work().segments, before.segments + 1);
+        assert_eq!(checker.certify(&from, &to).expect("a segment").is_free(), is_free);
+        assert!(ends[1] || spent == 0, "{spent} queries");
+        tally[if is_free { 0 } else { 1 + usize::from(ends[1]) }] += 1;
+    }
+    assert!(tally[0] > 10 && tally[1] > 10, "{tally:?}");
+}
