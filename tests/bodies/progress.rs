@@ -6,7 +6,7 @@ use lab::rng::Rng;
 use lab::soups;
 use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
-use lin_canny::{ConvexPolyhedron, Mesh, MeshError, Progress};
+use lin_canny::{Composite, ConvexPolyhedron, Decomposition, Mesh, MeshError, Piece, Progress};
 
 fn cloud(count: usize) -> Vec<Point3<f64>> {
     let mut rng = Rng::of_case(40, count as u64);
@@ -99,4 +99,24 @@ fn an_inspection_that_is_stopped_is_not_complete() {
     assert_eq!(stages, ["crossings", "parts in parts"]);
     let words = stopped(|callback| !mesh.inspect_with_progress(10, callback).is_complete);
     assert!(words > 3, "{words}");
+}
+
+#[test]
+fn a_decomposition_says_how_far_it_is() {
+    let ring = soups::torus(40, 20, 0.3);
+    let points: Vec<_> = ring.points.iter().map(|p| Point3::from(*p)).collect();
+    let mesh = Mesh::new(&points, &ring.triangles).expect("a mesh");
+    let pieces = || Composite::new(vec![Piece::new(mesh.hull().expect("a hull"))]).expect("pieces");
+    let plain = Decomposition::new(mesh.clone(), pieces()).expect("pieces of a mesh");
+    let stages = noted(|callback| {
+        let told = Decomposition::new_with_progress(mesh.clone(), pieces(), callback).expect("pieces of a mesh");
+        assert_eq!(told.fit(), plain.fit());
+    });
+    assert_eq!(stages, ["excess", "shortfall"]);
+    let words = stopped(|callback| {
+        let found = Decomposition::new_with_progress(mesh.clone(), pieces(), callback);
+        assert!(found.is_ok() || matches!(found, Err(MeshError::Stopped)));
+        found.is_err()
+    });
+    assert!(words > 5, "{words}");
 }

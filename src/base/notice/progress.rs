@@ -78,6 +78,10 @@ impl<'a> Watch<'a> {
     /// Work between two tellings of a stage whose work is unknown.
     const EVERY: usize = 1 << 14;
 
+    /// The same of a stage whose units are slow.
+    #[cfg(feature = "meshes")]
+    const EVERY_SLOW: usize = 1 << 8;
+
     /// Returns a watch for a caller that does not ask.
     pub(crate) const fn none() -> Self {
         Self {
@@ -105,6 +109,15 @@ impl<'a> Watch<'a> {
         self.every = total.map_or(Self::EVERY, |total| (total / Self::PARTS).max(1));
         self.tell(0);
         self.check()
+    }
+
+    /// Begins a stage of unknown work whose units take tens of microseconds each.
+    #[cfg(feature = "meshes")]
+    pub(crate) fn slow_stage(&mut self, stage: &'static str) -> Result<(), Stopped> {
+        self.stage(stage, None)?;
+        self.every = Self::EVERY_SLOW;
+        self.next = self.every;
+        Ok(())
     }
 
     /// Says how much of the stage is done, and returns whether the call goes on.

@@ -15,7 +15,9 @@ mod shortfall;
 
 use alloc::sync::Arc;
 use core::fmt;
+use core::ops::ControlFlow;
 
+use crate::base::notice::progress::{Progress, Watch};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
@@ -99,13 +101,31 @@ impl Decomposition {
     ///
     /// A piece that is rounded or curved ([`MeshError::Curved`]).
     pub fn new(mesh: impl Into<Arc<Mesh>>, pieces: impl Into<Arc<Composite>>) -> Result<Self, MeshError> {
-        let (mesh, pieces) = (mesh.into(), pieces.into());
+        Self::measured(mesh.into(), pieces.into(), &mut Watch::none())
+    }
+
+    /// Measures as [`new`](Self::new) does, and tells the caller how far it is: for meshes of a
+    /// hundred thousand triangles.
+    ///
+    /// # Errors
+    ///
+    /// As [`new`](Self::new); [`MeshError::Stopped`] if the caller stops it.
+    pub fn new_with_progress(
+        mesh: impl Into<Arc<Mesh>>,
+        pieces: impl Into<Arc<Composite>>,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> Result<Self, MeshError> {
+        Self::measured(mesh.into(), pieces.into(), &mut Watch::new(progress))
+    }
+
+    fn measured(mesh: Arc<Mesh>, pieces: Arc<Composite>, watch: &mut Watch<'_>) -> Result<Self, MeshError> {
         let mut hulls = hulls(&pieces)?;
         let resolution = RESOLUTION * sqrt((mesh.high - mesh.low).norm_squared()) * 0.5;
-        let (excess, shortfall) = (
-            excess(&mesh, &hulls, resolution),
-            shortfall(&mesh, &mut hulls, resolution),
-        );
+        watch.slow_stage("excess")?;
+        let excess = excess(&mesh, &hulls, resolution, watch);
+        watch.slow_stage("shortfall")?;
+        let shortfall = shortfall(&mesh, &mut hulls, resolution, watch);
+        watch.check()?;
         // The rounding of distances of points.
         let noise = CERTIFICATE * UNIT * (mesh.radius * mesh.unit() + pieces.side().radius * pieces.stored_unit());
         let fit = DecompositionFit {

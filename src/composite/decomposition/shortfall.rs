@@ -7,6 +7,7 @@
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use crate::base::notice::progress::Watch;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tuning::composite::GAP;
@@ -123,7 +124,12 @@ impl PieceHull<'_> {
 }
 
 /// Bounds of the farthest point of the pieces' surface from the mesh, in stored units of the mesh.
-pub(in crate::composite) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64) -> (f64, f64) {
+pub(in crate::composite) fn excess(
+    mesh: &Mesh,
+    hulls: &[PieceHull],
+    resolution: f64,
+    watch: &mut Watch<'_>,
+) -> (f64, f64) {
     let scale = 1.0 / mesh.unit();
     let triangles = hulls.iter().flat_map(|hull| {
         let at = |v| {
@@ -141,7 +147,7 @@ pub(in crate::composite) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution:
             .chain(wire.filter(|_| is_wire))
             .map(move |t| t.map(at))
     });
-    greatest(triangles, resolution, |corners: &Triangle, enough| {
+    greatest(triangles, resolution, watch, |corners: &Triangle, enough| {
         let gap = mesh.gap_over(corners);
         if gap.upper <= enough {
             return (0.0, gap.upper);
@@ -157,11 +163,16 @@ pub(in crate::composite) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution:
 }
 
 /// Bounds of the farthest point of the mesh's surface from the pieces, in stored units of the mesh.
-pub(in crate::composite) fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], resolution: f64) -> (f64, f64) {
+pub(in crate::composite) fn shortfall(
+    mesh: &Mesh,
+    hulls: &mut [PieceHull],
+    resolution: f64,
+    watch: &mut Watch<'_>,
+) -> (f64, f64) {
     let (unit, scale) = (mesh.unit(), 1.0 / mesh.unit());
     let triangles = (0..mesh.triangles.len() as u32).map(|t| mesh.corners(t));
     let (mut last, slack) = (0, GAP * resolution * unit);
-    greatest(triangles, resolution, |corners: &Triangle, enough| {
+    greatest(triangles, resolution, watch, |corners: &Triangle, enough| {
         let corners = corners.map(|p| Point3::from(p * unit));
         let most = enough * unit;
         // The piece that was nearest to the last triangle.

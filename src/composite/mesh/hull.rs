@@ -11,6 +11,7 @@ use core::fmt;
 use nalgebra::{Point3, Vector3};
 
 use super::Mesh;
+use crate::base::notice::progress::Watch;
 use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::composite::meet::triangle::{self, Triangle};
@@ -128,7 +129,7 @@ impl Mesh {
         let points: Vec<Vector3<f64>> = hull.vertex_points().map(|p| p.coords * scale).collect();
         let triangles = hull.triangles().map(|t| t.map(|v| points[v.index()]));
         let size = sqrt((self.high - self.low).norm_squared()) * 0.5;
-        greatest(triangles, RESOLUTION * size, |corners, _| {
+        greatest(triangles, RESOLUTION * size, &mut Watch::none(), |corners, _| {
             let gap = self.gap_over(corners);
             (gap.at_centroid, gap.upper)
         })

@@ -2,6 +2,7 @@
 
 use alloc::collections::BinaryHeap;
 
+use crate::base::notice::progress::Watch;
 use crate::base::num::ranked::Ranked;
 use crate::composite::meet::triangle::Triangle;
 
@@ -21,13 +22,15 @@ type Open = Ranked<(), Triangle>;
 /// as any: the greatest value found so far and a little more.
 ///
 /// Triangles are halved, that with the greatest bound first (branch and bound: Land and Doig 1960),
-/// until no bound exceeds the greatest value found by more than `resolution`.
+/// until no bound exceeds the greatest value found by more than `resolution`. The watch counts
+/// triangles looked at; what is returned to a caller who stops it is of no use.
 pub(in crate::composite) fn greatest(
     triangles: impl Iterator<Item = Triangle>,
     resolution: f64,
+    watch: &mut Watch<'_>,
     mut judge: impl FnMut(&Triangle, f64) -> (f64, f64),
 ) -> (f64, f64) {
-    let (mut lower, mut settled, mut open) = (0.0f64, 0.0f64, BinaryHeap::new());
+    let (mut lower, mut settled, mut open, mut done) = (0.0f64, 0.0f64, BinaryHeap::new(), 0);
     let mut examine = |corners: Triangle, open: &mut BinaryHeap<Open>| {
         let (value, upper) = judge(&corners, lower + ENOUGH * resolution);
         lower = lower.max(value);
@@ -45,9 +48,14 @@ pub(in crate::composite) fn greatest(
     let mut reached = 0.0;
     for corners in triangles {
         reached = examine(corners, &mut open);
+        done += 1;
+        if !watch.done(done) {
+            return (lower, f64::INFINITY);
+        }
     }
-    for _ in 0..HALVED {
-        let Some(widest) = open.peek().filter(|t| -t.rank > reached + resolution) else {
+    for halved in 0..HALVED {
+        let widest = open.peek().filter(|t| -t.rank > reached + resolution);
+        let Some(widest) = widest.filter(|_| watch.done(done + halved)) else {
             break;
         };
         let halves = halves(&widest.item);
