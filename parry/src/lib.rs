@@ -40,6 +40,9 @@
 //!   balls, capsules and their rounded and compound forms by [`lin_canny`], in `f64`, without an
 //!   absolute tolerance, and hands all other pairs to parry. Distances, tests and contacts of
 //!   cylinders and cones are answered as well; their manifolds are parry's.
+//! * **The shape** [`MeshShape`](crate::single::MeshShape) is a mesh as the caller brought it, a
+//!   terrain of a million triangles or a tool: closed ones are solids, contacts are those of convex
+//!   patches, so that no edge inside a flat floor bears one.
 //! * **V-HACD, checked.** [`decompose`](crate::single::decompose) cuts a mesh into convex pieces by
 //!   parry's V-HACD and measures the gaps: distances are intervals that hold for the mesh.
 //! * **No state.** A manifold is a function of the relative pose and of the contacts that the
@@ -60,13 +63,15 @@
 //! | two balls | parry (closed form) | parry (closed form) |
 //! | cylinder, cone, and any of the shapes above | here | parry |
 //! | half-space, and a hull, capsule, convex polyhedron or rounded one | parry | here |
-//! | compounds | part by part | part by part |
+//! | a `MeshShape`, and any of the shapes above but a half-space | here | here |
+//! | compounds | part by part | part by part, at once with a `MeshShape` |
 //! | triangles, meshes, height fields, voxels, custom shapes | parry | parry |
 //!
 //! The closed forms of parry that are kept compare no length with an absolute number. Its other
-//! tolerances in `f32` are absolute, so **small parts on a mesh or height field floor are not cured**,
-//! nor are the manifolds of small cylinders and cones: build such floors of hulls or cuboids and such
-//! parts of hulls, or scale the scene. rapier's character controller asks parry's own dispatcher,
+//! tolerances in `f32` are absolute, so **small parts on a mesh or height field of parry are not
+//! cured**, nor are the manifolds of small cylinders and cones on each other: make such floors
+//! `MeshShape`s (`MeshShape::try_from(&trimesh)`), hulls or cuboids and such parts hulls, or scale the
+//! scene. rapier's character controller asks parry's own dispatcher,
 //! whichever is set.
 //!
 //! # Casts
@@ -98,6 +103,8 @@
 //!   the dispatcher makes a body of these vertices again, which costs a hash of all vertices in
 //!   each query ([`Hull::try_from`](crate::single::Hull) saves that). After reading a snapshot the
 //!   dispatcher must be set again: engines do not serialize it.
+//! * A `MeshShape` is no part of a snapshot, has no mass unless it is closed, and bears contacts from
+//!   outside alone: give a thin sheet both sides, or a body that is pushed through it comes free.
 //! * Flat and needle-like bodies for which parry has no convex polyhedron are no part of a snapshot.
 //!
 //! # Defects of parry 0.31.1 and glamx 0.3.1 that are worked round

@@ -20,6 +20,12 @@ mod hull_shape;
 mod known;
 #[path = "bridge/manifold.rs"]
 mod manifold;
+#[path = "bridge/mass.rs"]
+mod mass;
+#[path = "bridge/mesh.rs"]
+mod mesh;
+#[path = "bridge/mesh_shape.rs"]
+mod mesh_shape;
 #[path = "bridge/number.rs"]
 mod number;
 #[path = "bridge/part.rs"]
@@ -28,4 +34,5 @@ mod part;
 pub use decomposition::{DecompositionError, decompose};
 pub use dispatcher::{Certified, ContactOptions};
 pub use hull::{Conversion, Hull, HullError};
+pub use mesh::MeshShape;
 pub use number::{isometry, pose};

@@ -8,6 +8,6 @@ mod simulation;
 mod world;
 
 use lin_canny_parry::single as engine;
-pub use lin_canny_parry::single::{Certified, ContactOptions, Hull};
+pub use lin_canny_parry::single::{Certified, ContactOptions, Hull, MeshShape};
 pub use simulation::Simulation;
 pub use world::certified_world;

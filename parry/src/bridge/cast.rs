@@ -43,7 +43,14 @@ pub(super) fn linear((a, b): (&Placed, &Placed), pos12: &Pose, vel12: Vector, op
     match fly((a, b), (&rest, &way), (0.0, until), target) {
         // The distance of convex shapes at a constant velocity is a convex function of time, so
         // that shapes that move apart stay apart.
-        Flown::Start(hit) if !options.stop_at_penetration && wide(hit.normal1).dot(&velocity) >= 0.0 => Flown::Free,
+        Flown::Start(hit)
+            if !options.stop_at_penetration
+                && a.is_convex()
+                && b.is_convex()
+                && wide(hit.normal1).dot(&velocity) >= 0.0 =>
+        {
+            Flown::Free
+        }
         Flown::Start(hit) => Flown::Hit(hit),
         flown => flown,
     }

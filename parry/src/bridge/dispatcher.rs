@@ -10,6 +10,7 @@ use super::guard::{self, Turning, margin, parrys};
 use super::half_space;
 use super::known::Known;
 use super::manifold::{PosedPair, is_far};
+use super::mesh;
 use super::number::{isometry, narrow};
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::{
@@ -190,6 +191,9 @@ impl QueryDispatcher for Certified {
         b: &dyn Shape,
         prediction: Real,
     ) -> Result<Option<Contact>, Unsupported> {
+        if let Some(deepest) = mesh::deepest(&self.known, pos12, (a, b), prediction, &self.options) {
+            return Ok(Some(deepest).filter(|contact| contact.dist <= prediction));
+        }
         if let Some(posed) = self.posed(pos12, a, b) {
             let outcome = posed.closest();
             let is_near = outcome.distance <= f64::from(prediction);
@@ -309,6 +313,9 @@ where
         kept: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
         let prediction = margin(prediction);
+        if mesh::write(&self.known, pos12, (a, b), prediction, &self.options, (out, kept)) {
+            return Ok(());
+        }
         if is_single(a) && is_single(b) {
             if out.is_empty() {
                 out.push(ContactManifold::new());

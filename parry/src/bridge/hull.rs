@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
-use lin_canny::nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::Point3;
 use lin_canny::{BuildError, ConvexPolyhedron};
 
+use super::mass::UnitMass;
 use super::number::{down, narrow, up, wide_point};
 use super::parry::bounding_volume::{Aabb, BoundingSphere};
 use super::parry::mass_properties::MassProperties;
-use super::parry::math::{Real, Rotation, Vector};
+use super::parry::math::{Real, Vector};
 use super::parry::shape::{self, SharedShape};
 
 /// A convex body for parry, with everything parry asks of it computed once.
@@ -74,15 +75,6 @@ pub enum HullError {
     Kind,
 }
 
-/// Mass properties at density 1.
-#[derive(Clone, Copy)]
-struct UnitMass {
-    mass: f64,
-    center: Vector,
-    principal: Vector3<f64>,
-    frame: Rotation,
-}
-
 impl Hull {
     /// Returns the convex hull of points, which must span a volume.
     ///
@@ -104,7 +96,7 @@ impl Hull {
         Self {
             aabb: Aabb::new(outward(&low, down), outward(&high, up)),
             ball: BoundingSphere::new(middle, up((radius + moved) * (1.0 + 4.0 * f64::EPSILON))),
-            mass: UnitMass::of(&body),
+            mass: UnitMass::new(body.volume(), &body.centroid(), &body.inertia()),
             conversion: conversion(&body, twin.is_some()),
             body,
             twin,
@@ -135,25 +127,7 @@ impl Hull {
     /// from a decomposition in `f64` that knows no absolute tolerance.
     #[must_use]
     pub fn mass_properties_at(&self, density: Real) -> MassProperties {
-        let density = f64::from(density);
-        let UnitMass {
-            mass,
-            center,
-            principal,
-            frame,
-        } = self.mass;
-        // Not by the constructors of parry, for which inertia below 1e-20 is none.
-        let inverse = |x: f64| {
-            let y = (1.0 / x) as Real;
-            if x > 0.0 && y.is_finite() { y } else { 0.0 }
-        };
-        let inertia = principal * density;
-        MassProperties {
-            local_com: center,
-            inv_mass: inverse(mass * density),
-            inv_principal_inertia: Vector::new(inverse(inertia.x), inverse(inertia.y), inverse(inertia.z)),
-            principal_inertia_local_frame: frame,
-        }
+        self.mass.at(density)
     }
 }
 
@@ -230,35 +204,4 @@ fn conversion(body: &ConvexPolyhedron, has_twin: bool) -> Conversion {
         report.shift = report.shift.max(shift);
     }
     report
-}
-
-impl UnitMass {
-    fn of(body: &ConvexPolyhedron) -> Self {
-        let inertia = body.inertia();
-        let size = inertia.amax();
-        let (principal, frame) = if size > 0.0 && size.is_finite() {
-            principal_axes(&(inertia / size))
-        } else {
-            (Vector3::zeros(), UnitQuaternion::identity())
-        };
-        let [i, j, k, w] = frame.coords.data.0[0].map(|x| x as Real);
-        Self {
-            mass: body.volume(),
-            center: narrow(&body.centroid().coords),
-            principal: principal * size,
-            frame: Rotation::from_xyzw(i, j, k, w).normalize(),
-        }
-    }
-}
-
-/// Returns the eigenvalues, none negative, and the rotation to their axes.
-fn principal_axes(inertia: &Matrix3<f64>) -> (Vector3<f64>, UnitQuaternion<f64>) {
-    let eigen = SymmetricEigen::new(*inertia);
-    let mut axes = eigen.eigenvectors;
-    if axes.determinant() < 0.0 {
-        let flipped = -axes.column(2);
-        axes.set_column(2, &flipped);
-    }
-    let frame = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(axes));
-    (eigen.eigenvalues.map(|x| x.max(0.0)), frame)
 }

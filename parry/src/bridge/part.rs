@@ -4,10 +4,11 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use lin_canny::{ConvexPolyhedron, Shape};
+use lin_canny::{ConvexPolyhedron, Geometry, Shape};
 
 use super::hull::{Hull, corners};
 use super::known::Known;
+use super::mesh::mesh;
 use super::parry::math::{Real, Vector};
 use super::parry::shape;
 
@@ -110,7 +111,7 @@ fn part<'a>(known: &Known, shape: &'a dyn shape::Shape) -> Option<Part<'a>> {
 
 /// A shape of [`lin_canny`] at its place in the frame of the shape of parry.
 pub(super) struct Placed {
-    pub(super) shape: Shape,
+    pub(super) shape: Geometry,
     pub(super) at: Isometry3<f64>,
 }
 
@@ -121,8 +122,19 @@ impl Part<'_> {
 
     fn placed(&self) -> Option<Placed> {
         let shape = Shape::from(self.core.body.clone()).rounded(self.radius).ok()?;
-        let at = Isometry3::identity();
+        let (shape, at) = (shape.into(), Isometry3::identity());
         Some(Placed { shape, at })
+    }
+}
+
+impl Placed {
+    /// Returns the shape if it is convex.
+    pub(super) fn convex(&self) -> Option<Shape> {
+        self.shape.as_convex().map(|shape| shape.into_owned())
+    }
+
+    pub(super) fn is_convex(&self) -> bool {
+        !matches!(self.shape, Geometry::Mesh(_))
     }
 }
 
@@ -140,7 +152,11 @@ pub(super) fn both(known: &Known, a: &dyn shape::Shape, b: &dyn shape::Shape) ->
 }
 
 /// Returns a shape as a shape of [`lin_canny`].
-fn one(known: &Known, shape: &dyn shape::Shape) -> Option<Placed> {
+pub(super) fn one(known: &Known, shape: &dyn shape::Shape) -> Option<Placed> {
+    if let Some(mesh) = mesh(shape) {
+        let (shape, at) = (mesh.geometry.clone(), Isometry3::identity());
+        return Some(Placed { shape, at });
+    }
     match curved(shape) {
         Some(placed) => Some(placed),
         None => part(known, shape)?.placed(),
@@ -164,7 +180,8 @@ fn curved(shape: &dyn shape::Shape) -> Option<Placed> {
     };
     let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), -std::f64::consts::FRAC_PI_2);
     let at = Isometry3::from_parts(Vector3::zeros().into(), turn);
-    Some(Placed { shape: shape.ok()?, at })
+    let shape = shape.ok()?.into();
+    Some(Placed { shape, at })
 }
 
 /// Returns a hull, convex polyhedron or rounded one; `None` for other shapes.

@@ -12,5 +12,7 @@ mod dispatch;
 mod hulls;
 #[path = "manifolds.rs"]
 mod manifolds;
+#[path = "meshes.rs"]
+mod meshes;
 #[path = "numbers.rs"]
 mod numbers;

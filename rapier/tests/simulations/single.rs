@@ -6,3 +6,5 @@ use lin_canny_rapier::single as engine;
 mod effects;
 #[path = "piles.rs"]
 mod piles;
+#[path = "terrain.rs"]
+mod terrain;

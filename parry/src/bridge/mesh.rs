@@ -1,0 +1,227 @@
+//! Meshes of [`lin_canny`] as shapes of parry, and their manifolds.
+
+use std::sync::Arc;
+
+use lin_canny::nalgebra::Point3;
+use lin_canny::{
+    Composite, ContactPatches, ContactPoint, Feature, Geometry, ManifoldOptions, Mesh, MeshError, PairTracker,
+    PatchContacts, Piece, RelativePose,
+};
+
+use super::dispatcher::ContactOptions;
+use super::known::Known;
+use super::mass::UnitMass;
+use super::number::{isometry, narrow, wide_point};
+use super::parry::math::{Pose, Real, Vector};
+use super::parry::query::details::{TypedWorkspaceData, WorkspaceData};
+use super::parry::query::{Contact, ContactManifold, ContactManifoldsWorkspace, TrackedContact};
+use super::parry::shape::{PackedFeatureId, Shape, SharedShape, TriMesh};
+use super::part;
+
+/// A mesh as the caller brought it, as a shape for parry: floors, terrains, tools, other bodies.
+///
+/// A closed mesh is a solid. All queries are those of [`lin_canny`], in `f64` and without an
+/// absolute tolerance, with convex shapes of parry, [`Hull`](super::Hull)s and other meshes.
+/// Contacts are borne by the convex patches of the surface, from outside alone: no edge between two
+/// triangles of a flat floor bears any. Cheap to clone: everything is shared.
+///
+/// ```
+/// use lin_canny_parry::single::{Certified, Hull, MeshShape, parry};
+/// use parry::math::{Pose, Vector};
+/// use parry::query::{ContactManifold, PersistentQueryDispatcher};
+/// use parry::shape::Cuboid;
+///
+/// // A floor of two triangles, and a die of a millimetre on the edge between them.
+/// let corners = [[0., 0., 0.], [1., 0., 0.], [1., 0., 1.], [0., 0., 1.]].map(Vector::from);
+/// let floor = MeshShape::from_triangles(&corners, &[[0, 2, 1], [0, 3, 2]])?;
+/// let die = Cuboid::new(Vector::splat(5e-4));
+/// let at = Pose::translation(0.5, 5.1e-4, 0.5);
+/// let mut found: Vec<ContactManifold<(), ()>> = Vec::new();
+/// let dispatcher = Certified::default();
+/// dispatcher.contact_manifolds(&at, &floor, &die, 1e-4, &mut found, &mut None).unwrap();
+/// assert_eq!((found.len(), found[0].points.len()), (1, 4));
+/// assert!((found[0].points[0].dist - 1e-5).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct MeshShape {
+    pub(super) mesh: Arc<Mesh>,
+    pub(super) geometry: Geometry,
+    patches: ContactPatches,
+    pub(super) mass: UnitMass,
+}
+
+impl MeshShape {
+    /// Returns the shape of a mesh that shares its memory with other users of the mesh. Takes the
+    /// time of dividing the surface into convex patches: microseconds a triangle.
+    pub fn new(mesh: impl Into<Arc<Mesh>>) -> Self {
+        Self::within(mesh, 0.0)
+    }
+
+    /// Returns the shape of a mesh whose patches are convex within a tolerance in its unit: for
+    /// flat floors stored in single precision, some 1e-6 times their size.
+    pub fn within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
+        let mesh: Arc<Mesh> = mesh.into();
+        Self {
+            geometry: Geometry::from(mesh.clone()),
+            patches: ContactPatches::of_mesh_within(mesh.clone(), tolerance),
+            mass: UnitMass::new(mesh.volume().max(0.0), &mesh.centroid(), &mesh.inertia()),
+            mesh,
+        }
+    }
+
+    /// Returns the shape of triangles, counter-clockwise seen from outside.
+    ///
+    /// # Errors
+    /// If the triangles make no [`Mesh`]; the error names the index.
+    pub fn from_triangles(points: &[Vector], triangles: &[[u32; 3]]) -> Result<Self, MeshError> {
+        let points: Vec<Point3<f64>> = points.iter().map(|&p| wide_point(p)).collect();
+        Ok(Self::new(Mesh::new(&points, triangles)?))
+    }
+
+    /// Returns the mesh.
+    #[must_use]
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+}
+
+impl From<Mesh> for MeshShape {
+    fn from(mesh: Mesh) -> Self {
+        Self::new(mesh)
+    }
+}
+
+/// The triangles of a mesh of parry. Its flags are not asked: which side is outside, and whether
+/// the mesh is closed, follows from the triangles.
+impl TryFrom<&TriMesh> for MeshShape {
+    type Error = MeshError;
+
+    fn try_from(mesh: &TriMesh) -> Result<Self, MeshError> {
+        Self::from_triangles(mesh.vertices(), mesh.indices())
+    }
+}
+
+impl From<MeshShape> for SharedShape {
+    fn from(mesh: MeshShape) -> Self {
+        SharedShape(Arc::new(mesh))
+    }
+}
+
+/// The mark by which rapier tells pairs whose manifolds come and go: it holds nothing.
+#[derive(Clone)]
+struct MeshPair;
+
+impl WorkspaceData for MeshPair {
+    fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
+        TypedWorkspaceData::Custom
+    }
+
+    fn clone_dyn(&self) -> Box<dyn WorkspaceData> {
+        Box::new(self.clone())
+    }
+}
+
+/// Returns the mesh of a shape that is one.
+pub(super) fn mesh(shape: &dyn Shape) -> Option<&MeshShape> {
+    shape.as_shape::<MeshShape>()
+}
+
+/// Returns the patches of a mesh, or of a convex shape or compound in the frame of the engine's
+/// shape.
+fn patches(known: &Known, shape: &dyn Shape) -> Option<ContactPatches> {
+    if let Some(mesh) = mesh(shape) {
+        return Some(mesh.patches.clone());
+    }
+    let piece = |shape: &dyn Shape, at: &Pose| {
+        let placed = part::one(known, shape)?;
+        let mut piece = Piece::new(placed.convex()?);
+        piece.pose = isometry(at) * placed.at;
+        Some(piece)
+    };
+    let pieces = match shape.as_compound() {
+        Some(compound) => compound.shapes().iter().map(|(at, part)| piece(&**part, at)).collect(),
+        None => piece(shape, &Pose::IDENTITY).map(|piece| vec![piece]),
+    };
+    Some(ContactPatches::of_pieces(Composite::new(pieces?).ok()?))
+}
+
+/// Returns the deepest contact of two shapes of which one is a mesh.
+pub(super) fn deepest(
+    known: &Known,
+    pos12: &Pose,
+    shapes: (&dyn Shape, &dyn Shape),
+    prediction: Real,
+    options: &ContactOptions,
+) -> Option<Contact> {
+    let mut found: Vec<ContactManifold<(), ()>> = Vec::new();
+    write(known, pos12, shapes, prediction, options, (&mut found, &mut None));
+    let points = found.iter().flat_map(|m| m.points.iter().map(move |p| (m, p)));
+    let (m, p) = points.min_by(|x, y| x.1.dist.total_cmp(&y.1.dist))?;
+    Some(Contact::new(p.local_p1, p.local_p2, m.local_n1, m.local_n2, p.dist))
+}
+
+/// Writes the manifolds of two shapes of which one is a mesh, one for each direction of contact.
+/// Contacts that were there before keep their data. Returns false, with nothing written, if one
+/// shape is not of [`lin_canny`], or the pose is not finite.
+pub(super) fn write<M: Default, C: Default + Copy>(
+    known: &Known,
+    pos12: &Pose,
+    (a, b): (&dyn Shape, &dyn Shape),
+    prediction: Real,
+    options: &ContactOptions,
+    (out, mark): (&mut Vec<ContactManifold<M, C>>, &mut Option<ContactManifoldsWorkspace>),
+) -> bool {
+    if mesh(a).is_none() && mesh(b).is_none() {
+        return false;
+    }
+    let turned = isometry(pos12);
+    let (Some(of_a), Some(of_b), Ok(at)) = (
+        patches(known, a),
+        patches(known, b),
+        RelativePose::from_isometry(&turned),
+    ) else {
+        return false;
+    };
+    let mut chosen = ManifoldOptions::within(f64::from(prediction) * f64::from(options.reach));
+    (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
+    let mut tracker = PairTracker::new();
+    let found = tracker.contacts_between(&of_a, &of_b, &at, &chosen);
+    mark.get_or_insert_with(|| MeshPair.into());
+    let kept: Vec<TrackedContact<C>> = out.drain(..).flat_map(|m| m.points).collect();
+    out.extend(found.iter().map(|group| {
+        let mut manifold = manifold(group);
+        let normal = group.normal.into_inner();
+        manifold.local_n1 = narrow(&normal);
+        manifold.local_n2 = narrow(&-turned.rotation.inverse_transform_vector(&normal));
+        manifold.match_contacts(&kept);
+        manifold
+    }));
+    true
+}
+
+fn manifold<M: Default, C: Default + Copy>(group: &PatchContacts) -> ContactManifold<M, C> {
+    let mut manifold = ContactManifold::new();
+    manifold.points.extend(group.contacts.iter().map(|contact| {
+        let ContactPoint {
+            point_on_a,
+            point_on_b,
+            separation,
+            id,
+            ..
+        } = contact.point;
+        let name = |patch: u32, feature: Feature| {
+            let word = (u64::from(patch) << 32 | feature.index() as u64) * 3 + feature.dimension() as u64;
+            // Ids of parry have 30 bits: one that two contacts share costs a start of the solver.
+            PackedFeatureId::face((word.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 34) as u32)
+        };
+        TrackedContact::new(
+            narrow(&point_on_a.coords),
+            narrow(&point_on_b.coords),
+            name(contact.patches[0], id.a),
+            name(contact.patches[1], id.b),
+            separation as Real,
+        )
+    }));
+    manifold
+}
