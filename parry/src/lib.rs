@@ -103,6 +103,9 @@
 //!   the dispatcher makes a body of these vertices again, which costs a hash of all vertices in
 //!   each query ([`Hull::try_from`](crate::single::Hull) saves that). After reading a snapshot the
 //!   dispatcher must be set again: engines do not serialize it.
+//! * A body on a `MeshShape` costs 10 to 25 microseconds a step, some ten times parry's mesh,
+//!   whatever the number of triangles (`terrain` of the examples of `lin-canny-rapier`). The engine
+//!   keeps a tracker for the pair, which saves time and nothing else.
 //! * A `MeshShape` is no part of a snapshot, has no mass unless it is closed, and bears contacts from
 //!   outside alone: give a thin sheet both sides, or a body that is pushed through it comes free.
 //! * Flat and needle-like bodies for which parry has no convex polyhedron are no part of a snapshot.

@@ -108,9 +108,10 @@ impl From<MeshShape> for SharedShape {
     }
 }
 
-/// The mark by which rapier tells pairs whose manifolds come and go: it holds nothing.
-#[derive(Clone)]
-struct MeshPair;
+/// What an engine keeps for a pair of which one shape is a mesh, and by which rapier tells pairs whose
+/// manifolds come and go. The tracker knows its bodies again, so one of other shapes starts anew.
+#[derive(Clone, Default)]
+struct MeshPair(PairTracker);
 
 impl WorkspaceData for MeshPair {
     fn as_typed_workspace_data(&self) -> TypedWorkspaceData<'_> {
@@ -170,7 +171,7 @@ pub(super) fn write<M: Default, C: Default + Copy>(
     (a, b): (&dyn Shape, &dyn Shape),
     prediction: Real,
     options: &ContactOptions,
-    (out, mark): (&mut Vec<ContactManifold<M, C>>, &mut Option<ContactManifoldsWorkspace>),
+    (out, state): (&mut Vec<ContactManifold<M, C>>, &mut Option<ContactManifoldsWorkspace>),
 ) -> bool {
     if mesh(a).is_none() && mesh(b).is_none() {
         return false;
@@ -185,9 +186,11 @@ pub(super) fn write<M: Default, C: Default + Copy>(
     };
     let mut chosen = ManifoldOptions::within(f64::from(prediction) * f64::from(options.reach));
     (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
-    let mut tracker = PairTracker::new();
-    let found = tracker.contacts_between(&of_a, &of_b, &at, &chosen);
-    mark.get_or_insert_with(|| MeshPair.into());
+    let mut pair = state
+        .take()
+        .and_then(|state| state.0.downcast::<MeshPair>().ok())
+        .unwrap_or_default();
+    let found = pair.0.contacts_between(&of_a, &of_b, &at, &chosen);
     let kept: Vec<TrackedContact<C>> = out.drain(..).flat_map(|m| m.points).collect();
     out.extend(found.iter().map(|group| {
         let mut manifold = manifold(group);
@@ -197,6 +200,7 @@ pub(super) fn write<M: Default, C: Default + Copy>(
         manifold.match_contacts(&kept);
         manifold
     }));
+    *state = Some(ContactManifoldsWorkspace(pair));
     true
 }
 
