@@ -122,6 +122,26 @@ fn plates_that_slide_flush_need_no_finer_arithmetic_and_a_short_front() {
 }
 
 #[test]
+fn solids_on_two_sides_of_a_plane_take_no_winding_numbers() {
+    // Their own boxes may be tilted, so that the boxes of the whole bodies overlap.
+    for n in [5, 10, 19] {
+        let plate = soups::plate(n, [1.0, 1.0, 0.05]);
+        let m = mesh(&plate);
+        for k in 0..40 {
+            let angle = 0.05 * f64::from(k);
+            let pose = Pose {
+                q: quat([0.0, 0.0, 1.0], angle),
+                t: [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1],
+            };
+            let mut tracker = PairTracker::new();
+            let found = tracker.closest(&m, &m, &relative(&pose));
+            assert_eq!(found.class, Class::Touching, "{n} {k}");
+            assert_eq!(tracker.work().trees.windings, 0, "{n} {k}");
+        }
+    }
+}
+
+#[test]
 fn powers_of_two_scale_the_answer() {
     let (a, b) = (soups::knot(60, 8, 0.12), soups::gear(12));
     let mut rng = Rng::new(10);

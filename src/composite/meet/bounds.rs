@@ -56,13 +56,13 @@ impl BoundAim {
 }
 
 /// Eight boxes by component.
-struct Boxes {
+struct EightBoxes {
     axes: [[f32x8; 3]; 3],
     centre: [f32x8; 3],
     half: [f32x8; 3],
 }
 
-impl Boxes {
+impl EightBoxes {
     #[inline(always)]
     fn new(boxes: [&OrientedBox; WIDTH], scale: f32) -> Self {
         let [b0, b1, b2, b3, b4, b5, b6, b7] = boxes;
@@ -211,7 +211,7 @@ pub(in crate::composite) fn bounds(
 /// Returns the best gap of each of eight pairs, and its direction.
 #[inline(never)]
 fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WIDTH]), aim: &BoundAim) -> BestGaps {
-    let (a, b) = (Boxes::new(a, frame.scale_a), Boxes::new(b, frame.scale_b));
+    let (a, b) = (EightBoxes::new(a, frame.scale_a), EightBoxes::new(b, frame.scale_b));
     let r = &frame.ways[0].rotation.map(f32x8::splat);
     let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];
     let at = turned(r, b.centre);

@@ -7,7 +7,7 @@
 
 use nalgebra::Vector3;
 
-use crate::base::num::scalar::sqrt;
+use crate::base::num::scalar::{greater, sqrt};
 use crate::base::tuning::composite::{PARTED, SPREAD, TOUCHES};
 use crate::composite::front::NodePair;
 use crate::composite::meet::search::Measured;
@@ -15,6 +15,7 @@ use crate::composite::meet::state::{Inside, PosedTrees};
 use crate::composite::meet::triangle::{self, Triangle};
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
+use crate::composite::tree::Below;
 use crate::composite::tree::height::height;
 
 /// Pairs of items at distance zero, up to rounding.
@@ -90,6 +91,24 @@ fn spread(mesh: &Mesh) -> impl Iterator<Item = u32> {
     (0..count as u32).step_by(count.div_ceil(SPREAD))
 }
 
+/// Returns the greatest height of a mesh along a direction, or at most `slack` more.
+fn top(mesh: &Mesh, n: &Vector3<f64>, slack: f64) -> f64 {
+    let (mut most, mut stack) = (f64::NEG_INFINITY, alloc::vec![0]);
+    while let Some(node) = stack.pop() {
+        if height(&mesh.tree, node, n) <= most + slack {
+            continue;
+        }
+        match mesh.tree.below(node) {
+            Below::Children(c) => stack.extend([c, c + 1]),
+            Below::Leaf(first, count) => {
+                let corners = (first..first + count).flat_map(|t| mesh.corners(t));
+                most = corners.map(|p| n.dot(&p)).fold(most, greater);
+            }
+        }
+    }
+    most + slack
+}
+
 impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
     /// Returns whether two solids certainly share inner points, and the winding numbers taken of
     /// parts. `found`: a contact.
@@ -102,16 +121,19 @@ impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
         }
         let (normal, point) = (&found.normal, &found.on_a);
         let (frame, pairs) = (&self.frame, touching.pairs());
-        let is_parted = {
-            let lift = normal.dot(&frame.translation);
-            let top = height(self.a.side().tree, 0, normal);
-            let bottom = lift - height(self.b.side().tree, 0, &-frame.direction_in_b(normal));
-            top - bottom < PARTED * frame.size
-        };
+        let lift = normal.dot(&frame.translation);
+        let down = -frame.direction_in_b(normal);
+        let are_parted = |top: f64, low: f64| top + low - lift < PARTED * frame.size;
         let meshes = match (self.a.by_kind(), self.b.by_kind()) {
             (PartsRef::Mesh(a), PartsRef::Mesh(b)) => Some((a, b)),
             _ => None,
         };
+        // The boxes of whole bodies may be tilted.
+        let slack = 0.25 * PARTED * frame.size;
+        let is_parted = are_parted(
+            height(self.a.side().tree, 0, normal),
+            height(self.b.side().tree, 0, &down),
+        ) || meshes.is_some_and(|(a, b)| are_parted(top(a, normal, slack), top(b, &down, slack)));
         let (inside, windings) = match meshes {
             Some(_) if is_parted => (Inside::No, 0),
             _ => self.inside(0.0),

@@ -21,8 +21,8 @@ use crate::base::tolerance::UNIT_SINGLE;
 /// `|s_k| <= half_k`, exactly, for the numbers as stored. Coordinates are those of the tree
 /// ([`Tree::centre`], [`Tree::exponent`]).
 ///
-/// Sixteen numbers, a line of the cache, so that four boxes are read by one transposition a row: three
-/// axes, the longest side's first, the centre, the half extents, the radius.
+/// Sixteen numbers, a line of the cache, so that four boxes are read by one transposition a row:
+/// three axes, the longest side's first, the centre, the half extents, the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(align(64))]
 pub(crate) struct OrientedBox {
