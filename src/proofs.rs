@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 
+use crate::base::motion::turn;
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::packed::{PackedRotation, PackedVec3};
 use crate::base::num::{scalar, sign};
@@ -14,10 +15,12 @@ use crate::base::pose::{self, RelativePose};
 use crate::base::tolerance;
 use crate::body::polyhedron::build::hull;
 use crate::body::polyhedron::{Plane, heights, query};
+use crate::composite::front;
+use crate::composite::meet::bounds;
 use crate::convex::depth::pyramid::PyramidSide;
 use crate::pair::star;
 use crate::patch::{bezier, net, nurbs};
-use crate::time::separation::{bernstein, polyhedra};
+use crate::time::separation::{balls, bernstein, plane, polyhedra};
 
 type Triple = [f64; 3];
 
@@ -126,6 +129,47 @@ pub fn raise(points: &[[f64; 4]]) -> Vec<[f64; 4]> {
     row[..=points.len()].to_vec()
 }
 
+/// Returns both derivatives of a direction, and the way of the pivots with its derivatives.
+pub fn plane_derivatives(n: Triple, spin: Triple, w: Triple, ways: [Triple; 3]) -> ([Triple; 2], [f64; 3]) {
+    let [n, spin, w] = [n, spin, w].map(Vector3::from);
+    let [between, velocity, acceleration] = ways.map(Vector3::from);
+    (
+        plane::derivatives(&n, &spin, &w).map(Triple::from),
+        plane::way_along(&n, &spin, [&between, &velocity, &acceleration]),
+    )
+}
+
+pub fn flight_of_ball(from: Triple, velocity: Triple, radius: f64) -> [f64; 4] {
+    balls::flight_of_ball(&from.into(), &velocity.into(), radius)
+}
+
+/// Returns the quaternion of a turn, vector part first, and its product with another.
+pub fn half_turn(axis: Triple, half: (f64, f64), rest: f64, other: [f64; 4]) -> [[f64; 4]; 2] {
+    let [x, y, z, w] = other;
+    let q = turn::half_turn(&axis.into(), half, rest);
+    [q, q * Quaternion::new(w, x, y, z)].map(|q| [q.i, q.j, q.k, q.w])
+}
+
+pub fn patch_first(net: &[f64], degree: usize, at: f64) -> f64 {
+    let net: Vec<[f64; 1]> = net.iter().flat_map(|x| [[*x], [*x]]).collect();
+    bezier::jet(&net, [degree, 1], [at, 0.0]).u[0]
+}
+
+/// Returns the gap of two boxes, each of axes, centre and half extents, at a relative pose.
+pub fn box_gap(pose: ([f32; 9], [f32; 3]), boxes: [[[f32; 3]; 5]; 2], known: Option<[f32; 3]>) -> f32 {
+    bounds::gap_of(pose, boxes, known)
+}
+
+/// Returns direction and base of an entry of a front, and the gap that it proves at another pose.
+pub fn front_entry(
+    poses: [([f32; 9], [f32; 3]); 2],
+    claim: ([f32; 3], f32),
+    centre: [f32; 3],
+    about: (f32, [f32; 3]),
+) -> ([f32; 3], f32, f32) {
+    front::entry_at(poses, claim, centre, about)
+}
+
 fn double([hi, lo]: [f64; 2]) -> DoubleDouble {
     DoubleDouble { hi, lo }
 }
@@ -154,16 +198,32 @@ pub fn constants() -> Vec<(&'static str, f64)> {
     let mut all: Vec<(&'static str, f64)> = by!(unit,
         EDGE_SIGN STEEPER SIDE_ERROR ORIENTATION FOOT CELL HEIGHT EDGE_BOUND EXACT_FILTER BOX CENTRE PLACED_PIVOT
         PLACED_CENTRE BERNSTEIN ROOT PATCH_POINT KNOTS RAISED NET NET_STEP NET_CUT COEFFICIENT SLAB_HEIGHT TILT
-        NORMAL_ERROR BOX_TURNED DISPLACEMENT FLANK SLANT);
+        NORMAL_ERROR BOX_TURNED DISPLACEMENT FLANK SLANT TURN PLANE BALLS RAY PLACED_BALL SHAPE_POINT CARRIED
+        PARALLEL_AXES WAY ODOMETER TICK REGION PLATEAU CROSS_CANCELLED PLANE_OFFSET NEAR_PLANE BOX_EXTENT CURVATURE
+        TAYLOR SURFACE_POINT PATCH_SLOPE BENT);
+    #[cfg(feature = "serde")]
+    all.extend(by!(unit, NORMALISED));
     all.extend(by!(1.0, VOLUME CERTIFICATE LEAST_RISE LEAST_SQUARE));
     all.extend(by!(unit * unit, UNIT_DOUBLE_DOUBLE));
-    let raised = [("ROUND_UP", tolerance::ROUND_UP), ("RADIUS_UP", tolerance::RADIUS_UP)];
+    let raised = [
+        ("ROUND_UP", tolerance::ROUND_UP),
+        ("RADIUS_UP", tolerance::RADIUS_UP),
+        ("DISC", tolerance::DISC),
+    ];
     all.extend(raised.map(|(name, factor)| (name, (factor - 1.0) / unit)));
     let lowered = [
         ("ROUND_DOWN", tolerance::ROUND_DOWN),
         ("BOX_DISTANCE_DOWN", tolerance::BOX_DISTANCE_DOWN),
+        ("INNER", tolerance::INNER),
     ];
     all.extend(lowered.map(|(name, factor)| (name, (1.0 - factor) / unit)));
     all.extend(by!(tolerance::UNIT_SINGLE, BOX_SCANNED BOXES));
+    let columns = [
+        ("COLUMN_SUM", tolerance::COLUMN_SUM),
+        ("COLUMN_MOVE", tolerance::COLUMN_MOVE - 1.0),
+        ("COLUMN_SEARCH", tolerance::COLUMN_SEARCH),
+        ("COLUMN_REACH", tolerance::COLUMN_REACH - 1.0),
+    ];
+    all.extend(columns.map(|(name, part)| (name, f64::from(part) / tolerance::UNIT_SINGLE)));
     all
 }

@@ -8,6 +8,7 @@ use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::pairs::swept_box;
 use crate::space::ConfigurationSpace;
+use crate::tolerance::{PLACED, PLACED_BALL};
 use crate::tuning::{ENLARGED, LOWERED, SAMPLES};
 use crate::world::{WorldId, WorldPair};
 use lin_canny::Class;
@@ -174,21 +175,24 @@ impl<C: ConfigurationSpace> Checker<C> {
         Ok(())
     }
 
-    /// Returns the distance of the balls about both parts: negative if the balls overlap.
-    fn ball_gap(&self, index: usize, poses: &[Isometry3<f64>]) -> f64 {
+    /// Returns a lower bound of the distance of the balls about both parts: negative if the balls
+    /// overlap.
+    pub(crate) fn ball_gap(&self, index: usize, poses: &[Isometry3<f64>]) -> f64 {
         let [(p, r), (q, s)] = self.balls(index, poses);
         (q - p).norm() - r - s
     }
 
-    /// Returns the balls about both parts of a pair, in the world.
-    pub(crate) fn balls(&self, index: usize, poses: &[Isometry3<f64>]) -> [(Point3<f64>, f64); 2] {
+    /// Returns the balls about both parts of a pair, in the world, larger by the rounding of their
+    /// places and of their distance.
+    fn balls(&self, index: usize, poses: &[Isometry3<f64>]) -> [(Point3<f64>, f64); 2] {
         let pair = self.pairs.all[index].pair;
         [pair.a, pair.b].map(|part| {
             let (pose, (centre, radius)) = match part {
                 WorldId::Robot(k) => (&poses[k], self.pairs.robot_balls[k]),
                 WorldId::Obstacle(k) => (&self.world.obstacles[k].2, self.pairs.obstacle_balls[k]),
             };
-            (pose * centre, radius)
+            let (out, at) = (centre.coords.abs().sum(), pose.translation.vector.abs().sum());
+            (pose * centre, radius + PLACED_BALL * out + PLACED * (radius + out + at))
         })
     }
 

@@ -5,7 +5,6 @@ use nalgebra::Isometry3;
 use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::space::ConfigurationSpace;
-use crate::tolerance::PLACED;
 use crate::tuning::{HITS, HITS_FIRST};
 use crate::world::WorldId;
 use lin_canny::RelativePose;
@@ -72,10 +71,8 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Returns the distance of the balls about both parts, if it is not proven beyond the margin.
     fn near_by(&self, index: usize, poses: &[Isometry3<f64>]) -> Option<f64> {
-        let [(p, r), (q, s)] = self.balls(index, poses);
-        let gap = (q - p).norm() - r - s;
-        let size = p.coords.abs().sum() + q.coords.abs().sum() + r + s;
-        (gap <= self.margin() + PLACED * size).then_some(gap)
+        let gap = self.ball_gap(index, poses);
+        (gap <= self.margin()).then_some(gap)
     }
 
     /// Returns whether a pair is proven farther apart than the margin at posed bodies.

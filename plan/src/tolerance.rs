@@ -1,13 +1,20 @@
 //! Bounds of rounding errors of the motions of robots. The rules of their derivations stand at
 //! [`lin_canny::tolerance`].
 
+use lin_canny::tolerance::POSE_UNIT;
+
 /// Unit roundoff of f64.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// Error of a gap between balls, or of the side of a box about a motion, in units of the sum of the
+/// Error of a ball at a pose, or of the side of a box about a motion, in units of the sum of the
 /// radii and of the absolute coordinates of the places: a point placed by a quaternion errs by 33
 /// UNIT, by the derivation of the relative pose, and two sums and a norm of three squares by 6.
 pub(crate) const PLACED: f64 = 64.0 * UNIT;
+
+/// Error of the place of a ball's middle by the pose of a body, which the caller may give, in units of the 1-norm of the
+/// middle in the body's frame: a quaternion whose square is off one by `POSE_UNIT` of `lin_canny::tolerance` puts it off
+/// by twice as much, and half as much again is room.
+pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 
 /// Error of the angle of a link of an arm by one joint: the product with the fixed rotation of the
 /// joint's frame errs by 8 UNIT as a vector of a quaternion, the quaternion of the joint's value by

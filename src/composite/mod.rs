@@ -33,7 +33,7 @@
 pub(crate) mod contact;
 pub(crate) mod decomposition;
 pub(crate) mod front;
-mod meet;
+pub(crate) mod meet;
 pub mod mesh;
 pub(crate) mod parts;
 pub(crate) mod penetration;

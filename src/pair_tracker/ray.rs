@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 use crate::base::motion::{MotionError, Steady, Velocity};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
-use crate::base::tolerance::RAY;
+use crate::base::tolerance::{PLACED_BALL, RAY};
 use crate::base::tuning::impact::{RAY_CROSSINGS, RAY_WIDTH};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
 use crate::pair_tracker::PairTracker;
@@ -213,7 +213,7 @@ impl RayCaster {
         let flight = ray.flight(length)?;
         let still = Steady::new(pose, Velocity::default())?;
         let (centre, radius) = body.bounding_ball();
-        let ball = (pose * centre, radius);
+        let ball = placed_ball((centre, radius), pose);
         let Some((from, until)) = ray.within_ball(ball, length) else {
             return Ok(RayCast::Miss);
         };
@@ -255,6 +255,11 @@ impl RayCaster {
         let point = self.point.as_ref()?;
         Some(self.tracker.over(body, point).measure(&placed(pose, at)?))
     }
+}
+
+/// Returns the ball about a body at a pose, larger by what the pose may put its middle off.
+pub(crate) fn placed_ball((centre, radius): (Point3<f64>, f64), pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
+    (pose * centre, radius + PLACED_BALL * centre.coords.abs().sum())
 }
 
 /// Returns the pose of a point in the frame of a body.

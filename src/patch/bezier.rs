@@ -12,9 +12,9 @@ pub(super) const NET: usize = ORDER * ORDER;
 
 /// Value and derivatives at a point of a patch with `K` coordinates.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Jet<const K: usize> {
+pub(crate) struct Jet<const K: usize> {
     pub(super) value: [f64; K],
-    pub(super) u: [f64; K],
+    pub(crate) u: [f64; K],
     pub(super) v: [f64; K],
     pub(super) uu: [f64; K],
     pub(super) uv: [f64; K],
@@ -71,7 +71,7 @@ fn along_of<const K: usize>(points: &mut [[f64; K]], t: f64) -> [[f64; K]; 3] {
 
 /// Returns value and derivatives of a patch. Rows of constant u follow each other.
 #[inline(always)]
-pub(super) fn jet<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: [f64; 2]) -> Jet<K> {
+pub(crate) fn jet<const K: usize>(net: &[[f64; K]], [p, q]: [usize; 2], [u, v]: [f64; 2]) -> Jet<K> {
     let mut columns = [[[0.0; K]; ORDER]; 3];
     let mut row = [[0.0; K]; ORDER];
     for i in 0..=p {

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 use super::{BodyId, Scene, SceneError};
 use crate::base::tolerance::RAY;
 use crate::broad::{Aabb, BroadPhase};
-use crate::pair_tracker::ray::{Ray, RayCast, RayCaster};
+use crate::pair_tracker::ray::{Ray, RayCast, RayCaster, placed_ball};
 
 impl Scene {
     /// Returns the first body that a ray meets up to a length, which may be infinite, and where;
@@ -54,8 +54,7 @@ impl Scene {
         let mut candidates: Vec<(f64, u32)> = bodies
             .filter_map(|k| {
                 let shape = &self.bodies.solids[k as usize].as_ref()?.shape;
-                let (centre, radius) = shape.bounding_ball();
-                let ball = (self.bodies.poses[k as usize] * centre, radius);
+                let ball = placed_ball(shape.bounding_ball(), &self.bodies.poses[k as usize]);
                 Some((ray.within_ball(ball, length)?.0, k))
             })
             .collect();

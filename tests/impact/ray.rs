@@ -265,3 +265,39 @@ fn scenes_tell_the_first_body() {
         Err(SceneError::Ray(RayError::Motion(_)))
     ));
 }
+
+/// A tip that a bounding ball touches, of a body far from its own origin, at poses whose quaternions are off unit length
+/// by all that is accepted: rays through the tip meet it.
+#[test]
+fn rays_meet_tips_at_poses_off_unit_length() {
+    let far = 1e3;
+    let tips = [
+        [1.0, 0.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [0.0, 0.0, -1.0],
+    ];
+    let tips = tips.map(|[x, y, z]| Point3::new(x + far, y, z));
+    let body = ConvexPolyhedron::from_points(&tips).expect("an octahedron");
+    let mut met = 0;
+    for length in [1.0 + 4.9e-13, 1.0 - 4.9e-13, 1.0] {
+        let q = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::FRAC_PI_2);
+        let q = UnitQuaternion::new_unchecked(q.into_inner() * length);
+        let pose = Isometry3::from_parts(Vector3::zeros().into(), q);
+        for (x, y) in [(1.0, far), (-1.0, far), (0.0, far + 1.0), (0.0, far - 1.0)] {
+            // Inside the tip by more than the rounding of the body.
+            let inward = Vector3::new(x, y - far, 0.0) * -4e-10;
+            let origin = Point3::new(x, y, -5.0) + inward;
+            let ray = Ray::new(origin, Vector3::z()).expect("a ray");
+            let found = RayCaster::new().cast(&body, &pose, &ray, 10.0).expect("a pose");
+            assert_ne!(found, RayCast::Miss, "{length} {x} {y}");
+            let mut scene = Scene::new();
+            scene.insert(Body::moving(body.clone()), pose).expect("a body");
+            scene.step();
+            met += usize::from(scene.cast_ray(&ray, 10.0, |_| true).expect("a scene").is_some());
+        }
+    }
+    assert_eq!(met, 12);
+}

@@ -10,6 +10,17 @@ pub(crate) struct Inputs {
 }
 
 impl Inputs {
+    /// A number of single precision: ordinary, whole, or of some range, so that products of six stay finite.
+    pub(crate) fn single(&mut self) -> f32 {
+        let ordinary = self.rng.range(-1.0, 1.0);
+        let x = match self.rng.below(4) {
+            0 => self.rng.int(-2, 2) as f64,
+            1 => ordinary * 2f64.powi(self.rng.int(-6, 6) as i32),
+            _ => ordinary,
+        };
+        x as f32
+    }
+
     /// The inputs of the `k`-th try.
     pub(crate) fn new(seed: u64, k: u64) -> Self {
         let mut rng = Rng::of_case(seed, k);

@@ -11,3 +11,4 @@ mod inputs;
 mod table;
 mod transcribed;
 mod underflow;
+mod vectors;

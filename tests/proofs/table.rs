@@ -43,6 +43,8 @@ const LIMITS: &[&str] = &[
     "AGREE_CURVED",
     "AGREE_DEPTH",
     "AGREE_WITNESS",
+    "BENT_POSE",
+    "COPLANAR",
     "DEPTH_GOAL",
     "DISC_MOST",
     "EXPONENT_FREE",
@@ -66,6 +68,7 @@ const LIMITS: &[&str] = &[
     "SHORT_OF",
     "SLOPE",
     "SMALL_PAIR",
+    "SPECK",
     "SQUARE_MIN",
     "UNIT",
     "UNIT_SINGLE",
@@ -73,44 +76,7 @@ const LIMITS: &[&str] = &[
 ];
 
 /// Constants whose derivation is prose alone.
-const PROSE: &[&str] = &[
-    "ARM_PLACE",
-    "ARM_TURN",
-    "BALLS",
-    "BENT",
-    "BENT_POSE",
-    "BOXES",
-    "BOX_EXTENT",
-    "CARRIED",
-    "COLUMN_MOVE",
-    "COLUMN_REACH",
-    "COLUMN_SEARCH",
-    "COLUMN_SUM",
-    "COPLANAR",
-    "CROSS_CANCELLED",
-    "CURVATURE",
-    "DISC",
-    "INNER",
-    "NEAR_PLANE",
-    "NORMALISED",
-    "NORMAL_ERROR",
-    "ODOMETER",
-    "PARALLEL_AXES",
-    "PATCH_SLOPE",
-    "PLACED",
-    "PLANE",
-    "PLANE_OFFSET",
-    "PLATEAU",
-    "RAY",
-    "REGION",
-    "SHAPE_POINT",
-    "SPECK",
-    "SURFACE_POINT",
-    "TAYLOR",
-    "TICK",
-    "TURN",
-    "WAY",
-];
+const PROSE: &[&str] = &[];
 
 /// Constants whose bound is a matter of underflow, see `underflow`.
 const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];
@@ -132,7 +98,7 @@ pub(crate) fn of_planner() -> Vec<(&'static str, f64)> {
         let (count, _) = rest.split_once(" * UNIT;").expect("a count of roundings");
         (name, count.parse().expect("a number"))
     };
-    ["ARM_VALUE"].map(value).to_vec()
+    ["ARM_PLACE", "ARM_TURN", "ARM_VALUE", "PLACED"].map(value).to_vec()
 }
 
 fn source(path: &str) -> PathBuf {

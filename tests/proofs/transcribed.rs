@@ -15,7 +15,7 @@ fn same(a: f64, b: f64) -> bool {
 }
 
 /// Compares a kernel with its transcription on the inputs that `run` draws.
-fn agree(name: &str, run: impl Fn(&mut Inputs) -> [Vec<f64>; 2]) {
+pub(crate) fn agree(name: &str, run: impl Fn(&mut Inputs) -> [Vec<f64>; 2]) {
     let mut finite = 0;
     for k in 0..TRIES {
         let [of_crate, ours] = run(&mut Inputs::new(0x9e37, k));

@@ -8,6 +8,7 @@
 //! | [`Majorant`] | a bound of its rounding and of what underflow takes, for all inputs |
 //! | [`Reach`] | the largest number and the finest grid on the way |
 //! | [`Traced`] | the rounding of one input, for the search of large ones |
+//! | [`vectors::Within`], [`vectors::Arrow`] | the same as a majorant for numbers and vectors of known sizes |
 //! | [`Factor`] | the same as a majorant for chains of positive numbers, with quotients and roots |
 //!
 //! [`bounds`] says for each constant of the crate what it has to cover; `tests/proofs` compares all of this with the
@@ -25,6 +26,7 @@ pub mod number;
 pub mod polynomial;
 pub mod reach;
 pub mod traced;
+pub mod vectors;
 
 pub use factor::{Factor, Positive};
 pub use majorant::Majorant;

@@ -4,8 +4,9 @@ use lab::cells::Cell;
 use lab::pose::Pose;
 use lab::rng::Rng;
 use lab::{brute, soups::Soup};
-use lin_canny::nalgebra::Isometry3;
-use lin_canny_plan::{Checker, ConfigurationSpace, SerialArm};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::{ConvexPolyhedron, Shape};
+use lin_canny_plan::{Checker, ConfigurationSpace, RigidSpace, SerialArm, World};
 
 fn posed(pose: &Isometry3<f64>) -> Pose {
     let (q, t) = (pose.rotation.coords, pose.translation.vector);
@@ -136,4 +137,43 @@ fn a_segment_that_ends_in_contact_takes_no_distance() {
         tally[if is_free { 0 } else { 1 + usize::from(ends[1]) }] += 1;
     }
     assert!(tally[0] > 10 && tally[1] > 10, "{tally:?}");
+}
+
+/// A tip that a bounding ball touches, of an obstacle far from its own origin, at poses whose quaternions are off unit
+/// length by all that is accepted: a ball that reaches into the tip is not free.
+#[test]
+fn tips_of_obstacles_at_poses_off_unit_length_are_met() {
+    let (far, radius) = (1e3, 1e-3);
+    let tips = [1.0, -1.0].map(|s| [0, 1, 2].map(|k| Vector3::from_fn(|i, _| if i == k { s } else { 0.0 })));
+    let tips = tips
+        .concat()
+        .iter()
+        .map(|v| Point3::from(v + Vector3::x() * far))
+        .collect::<Vec<_>>();
+    let body = ConvexPolyhedron::from_points(&tips).expect("an octahedron");
+    for length in [1.0 + 4.9e-13, 1.0 - 4.9e-13, 1.0] {
+        let q = UnitQuaternion::from_scaled_axis(Vector3::z() * std::f64::consts::FRAC_PI_2);
+        let pose = Isometry3::from_parts(
+            Vector3::zeros().into(),
+            UnitQuaternion::new_unchecked(q.into_inner() * length),
+        );
+        let mut world = World::new();
+        world.robot_body("probe", Shape::ball(radius).expect("a ball"));
+        world.obstacle("octahedron", body.clone(), pose);
+        let space = RigidSpace::new([[-2e3, 2e3]; 3], 1.0, 1).expect("a space");
+        let mut checker = Checker::new(space, world).expect("a world");
+        for (x, y) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0)] {
+            for (depth, is_free) in [(4e-10, false), (-4e-10, true)] {
+                let out = 1.0 + radius - depth;
+                let q = RigidSpace::configuration(&Isometry3::translation(x * out, far + y * out, 0.0));
+                let told = checker.free_at(&q).expect("a configuration");
+                assert_eq!(told, is_free, "{length} {x} {y}");
+                let clearance = checker.clearance(&q).expect("a configuration").expect("a pair");
+                assert!(
+                    clearance.lower <= -depth + 1e-11 && -depth <= clearance.upper + 1e-11,
+                    "{clearance:?}"
+                );
+            }
+        }
+    }
 }

@@ -27,7 +27,7 @@
 mod error;
 mod nlerp;
 mod steady;
-mod turn;
+pub(crate) mod turn;
 mod velocity;
 mod way;
 

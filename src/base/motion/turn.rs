@@ -52,9 +52,15 @@ impl Spin {
         }
         let (half, error) = two_product(rate, 0.5 * time);
         let rest = error + rest * (0.5 * time);
-        let (sine, cosine) = libm::sincos(half);
-        Quaternion::from_parts(cosine - sine * rest, self.axis * (sine + cosine * rest))
+        half_turn(&self.axis, libm::sincos(half), rest)
     }
+}
+
+/// Returns the quaternion of a turn about an axis, of sine and cosine of half its angle but for a
+/// small rest.
+#[inline(always)]
+pub(crate) fn half_turn(axis: &Vector3<f64>, (sine, cosine): (f64, f64), rest: f64) -> Quaternion<f64> {
+    Quaternion::from_parts(cosine - sine * rest, axis * (sine + cosine * rest))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Bounds of rounding errors of motions, impacts and composites, each with its derivation.
 
-use super::{UNIT, UNIT_SINGLE};
+use super::{POSE_UNIT, UNIT, UNIT_SINGLE};
 
 /// Error of the posed pivot of a body on a motion, twice (once at the begin of a bound, once at the
 /// end), in units of the 1-norms of the pivot's position at time zero, and of the displacements by
@@ -132,10 +132,16 @@ pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 /// below, the bounds are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
 pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
 
+/// Error of the place of a ball's middle by a pose of the caller, in units of the 1-norm of the
+/// middle in the body's frame: a quaternion whose square is off one by [`POSE_UNIT`] puts it off by
+/// twice as much, and is rounded by some thirty UNIT, far less than the rest.
+pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
+
 /// Error of the part of a ray in a ball, in units of the radius and the absolute coordinates of the
-/// ray's origin and of the ball's middle: a place by a quaternion errs by 33 UNIT (see [`PLANE`]),
-/// the difference, the product with the direction, which is of unit length within 4 UNIT, and the
-/// foot by 16 together. A height of a place of the ray in a mesh's frame along a unit vector, minus
-/// that of a corner, errs by no more: the place by 33 UNIT and 4 of the direction, two sums of
-/// three products by 6 together, their difference and the vector's length by 4.
+/// ray's origin and of the ball's middle, whose own place is counted by [`PLACED_BALL`]: the
+/// difference, the product with the direction, which is of unit length within 4 UNIT, the foot, its
+/// length and the sums err by 34 UNIT together. A height of a place of the ray in a mesh's frame
+/// along a unit vector, minus that of a corner, errs by 46: the place, a relative translation, by 31
+/// (see [`CERTIFICATE`](super::CERTIFICATE)), and by 4 of the direction; products, the difference
+/// and the vector's length by the rest.
 pub(crate) const RAY: f64 = 64.0 * UNIT;

@@ -64,8 +64,9 @@ pub(crate) const SEAM: f64 = 1024.0 * UNIT;
 /// Error of a height over a node by its second derivatives, in UNIT times `(p + q)^2` times the
 /// largest coefficient G. With `d = p + q` and UNIT G as the unit:
 ///
-/// 1. Each second difference of coefficients has two or three roundings of numbers up to 4 G: times
-///    its factor at most `8 d^2`. This is added to each of the three bounds before use
+/// 1. Each second difference of coefficients has two roundings of numbers up to 3 G and 4 G, and the
+///    two products with its factor one each of 4 G: 15 times the factor, at most 42 of degrees 7
+///    and 1, so below `10 d^2`. This is added to each of the three bounds before use
 ///    ([`CURVATURE`]), so that their signs can be trusted.
 /// 2. The value by de Casteljau: `3 d`. A first derivative: differences up to 2 G with one
 ///    rounding, `3 d` roundings each, times p or q: both together `6 d^2 + 2 d`.
@@ -77,7 +78,7 @@ pub(crate) const SEAM: f64 = 1024.0 * UNIT;
 pub(crate) const TAYLOR: f64 = 32.0 * UNIT;
 
 /// Step 1 of [`TAYLOR`].
-pub(crate) const CURVATURE: f64 = 8.0 * UNIT;
+pub(crate) const CURVATURE: f64 = 12.0 * UNIT;
 
 /// Error of a coefficient of a height, `n . N - c w`, times R and the weight: the dot product three
 /// UNIT, the product with c, at most R, two, and the difference two.
@@ -86,11 +87,11 @@ pub(crate) const COEFFICIENT: f64 = 8.0 * UNIT;
 /// Error of a coefficient of a height above a bowl (`patch::bowl`), times the denominator's
 /// coefficient, R and the distance of the point of contact from the origin. Where the gradient of
 /// the quadratic part is at most one, that part is no larger than the height; a larger gradient
-/// multiplies the error. The shift by the point of contact has two roundings, products with a
-/// direction, a form and a weight nine, a coefficient up to 16 products, each with two binomials
-/// and a sum, a quotient; the quadratic part twice. The orthogonality of the directions is off by
-/// six UNIT.
-pub(crate) const BENT: f64 = 96.0 * UNIT;
+/// multiplies the error. A term of the numerator passes 50 roundings: two of the shift by the point
+/// of contact, those of the products with directions, form, weight and binomials, and the sums of
+/// up to 16 terms; one of the denominator passes 20, and the quotient adds one. The quadratic part
+/// is half as large again. The orthogonality of the directions is off by six UNIT: 113 in all.
+pub(crate) const BENT: f64 = 128.0 * UNIT;
 
 /// Gradient of the quadratic part of a bowl over a node, at most: errors of points grow by one more
 /// than that.

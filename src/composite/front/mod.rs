@@ -186,18 +186,9 @@ impl Front {
         };
         let [_, cx, cy, cz] = ball.rows[2].map(|c| c * scale);
         let (radius, [ux, uy, uz]) = ball.rod(scale);
-        let [x, y, z] = way.place([cx, cy, cz]);
-        let m = way.back(n);
-        let base = gap - (n[0] * x + n[1] * y + n[2] * z);
+        let (m, base) = claim(way, n, [cx, cy, cz], gap);
         let values = [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base, ux, uy, uz];
-        let (block, lane) = (
-            &mut entries.blocks[place.at as usize / WIDTH],
-            place.at as usize % WIDTH,
-        );
-        for (slot, value) in block.numbers.iter_mut().zip(values) {
-            slot[lane] = value;
-        }
-        block.has_rods |= [ux, uy, uz] != [0.0; 3];
+        entries.blocks[place.at as usize / WIDTH].set(place.at as usize % WIDTH, values);
     }
 
     /// Removes an entry; the last one of the half takes its place.
@@ -241,6 +232,34 @@ impl Front {
     }
 }
 
+/// Returns the direction in the other frame, and the base of an entry.
+#[inline(always)]
+fn claim(way: &Way, n: [f32; 3], centre: [f32; 3], gap: f32) -> ([f32; 3], f32) {
+    let [x, y, z] = way.place(centre);
+    (way.back(n), gap - (n[0] * x + n[1] * y + n[2] * z))
+}
+
+/// Returns direction and base of an entry, and the gap that it proves at another pose, for the
+/// tests of the error bounds. Poses are rows and translation; the last two are the radius and a
+/// segment.
+#[cfg(feature = "proofs")]
+pub(crate) fn entry_at(
+    poses: [([f32; 9], [f32; 3]); 2],
+    (n, gap): ([f32; 3], f32),
+    centre: [f32; 3],
+    (radius, [ux, uy, uz]): (f32, [f32; 3]),
+) -> ([f32; 3], f32, f32) {
+    let [made, now] = poses.map(|(rotation, translation)| Way { rotation, translation });
+    let (m, base) = claim(&made, n, centre, gap);
+    let [cx, cy, cz] = centre;
+    let mut block = FrontBlock::EMPTY;
+    block.set(
+        0,
+        [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base, ux, uy, uz],
+    );
+    (m, base, block.gaps(&now).to_array()[0])
+}
+
 /// Returns where the entry of a pair stands: with the larger node.
 fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: NodePair) -> u8 {
     let radius = |b: &OrientedBox, scale: f32| b.radius() * scale;
@@ -252,6 +271,14 @@ impl FrontBlock {
         numbers: [[0.0; WIDTH]; NUMBERS],
         has_rods: false,
     };
+
+    /// Writes the numbers of one entry.
+    fn set(&mut self, lane: usize, values: [f32; NUMBERS]) {
+        for (slot, value) in self.numbers.iter_mut().zip(values) {
+            slot[lane] = value;
+        }
+        self.has_rods |= values[11..] != [0.0; 3];
+    }
 
     #[inline(always)]
     fn gaps(&self, way: &Way) -> f32x8 {

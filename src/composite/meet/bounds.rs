@@ -273,3 +273,33 @@ fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WI
     }
     best
 }
+
+/// Returns the gap of a pair of boxes (axes, centre, half extents), for the tests of the error
+/// bounds. All directions are tried.
+#[cfg(feature = "proofs")]
+pub(crate) fn gap_of(
+    (rotation, translation): ([f32; 9], [f32; 3]),
+    boxes: [[[f32; 3]; 5]; 2],
+    known: Option<[f32; 3]>,
+) -> f32 {
+    use crate::composite::meet::frame::Way;
+    let way = || Way { rotation, translation };
+    let frame = Single {
+        unit: 1.0,
+        per_unit: 1.0,
+        ways: [way(), way()],
+        scale_a: 1.0,
+        scale_b: 1.0,
+        error: 0.0,
+    };
+    let [a, b] = boxes.map(|rows| {
+        let mut numbers = rows.as_flattened().iter().copied();
+        OrientedBox {
+            rows: [0; 4].map(|_| [0; 4].map(|_| numbers.next().unwrap_or(0.0))),
+        }
+    });
+    let level = f32::INFINITY;
+    bound_eight(&frame, ([&a; WIDTH], [&b; WIDTH]), &BoundAim { level, known })
+        .gap
+        .to_array()[0]
+}

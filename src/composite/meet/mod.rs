@@ -1,7 +1,7 @@
 //! Two bodies of parts at a pose: the search down both trees to the closest pair, and what it asks
 //! of boxes, leaves and triangles.
 
-pub(in crate::composite) mod bounds;
+pub(crate) mod bounds;
 pub(crate) mod frame;
 pub(in crate::composite) mod inside;
 mod leaves;

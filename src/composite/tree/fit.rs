@@ -10,6 +10,10 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
 use crate::base::tuning::composite::{SLAB, SLAB_ITEMS, THINNER};
 
+/// Square of the least sine of the angle of an axis in a plane and the plane's normal, before it is
+/// made perpendicular: what rounding leaves grows with the cosine.
+const FLAT: f64 = 0.99;
+
 /// Vertices in the tree's coordinates, by the range of triangles or pieces that use them.
 struct Vertices<'a, I> {
     places: Vec<Vector3<f64>>,
@@ -136,7 +140,10 @@ impl Tree {
         let ([a, b, c], normal) = largest_triangle(range, vertices)?;
         let flat = [self.boxes[node].axis(0), b - a, c - b, a - c].map(|v| {
             let across = v - normal * normal.dot(&v);
-            let long = across / sqrt(across.norm_squared());
+            let square = across.norm_squared();
+            // The normal of a sliver may be rounding, and not perpendicular to its edges.
+            let is_flat = square > FLAT * v.norm_squared();
+            let long = across / if is_flat { sqrt(square) } else { f64::NAN };
             [long, normal.cross(&long)]
         });
         let (mut low, mut high) = ([[f64::INFINITY; 2]; 4], [[f64::NEG_INFINITY; 2]; 4]);
@@ -278,4 +285,51 @@ fn largest_triangle<I: AsRef<[u32]>>(
 pub(in crate::composite) fn up(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) < x { near.next_up() } else { near }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::base::tolerance::UNIT_SINGLE;
+    use crate::composite::mesh::Mesh;
+    use crate::rng::Rng;
+    use nalgebra::{Matrix3, Point3};
+    use std::vec::Vec;
+
+    /// Triangles whose corners all but lie on a line: their normals are rounding, some parallel to
+    /// their edges.
+    #[test]
+    fn axes_of_slivers_are_orthonormal() {
+        let mut rng = Rng::new(5);
+        let (mut slabs, mut worst, mut worst_slab) = (0, 0.0f64, 0.0f64);
+        for case in 0..2000 {
+            let aside = 10f64.powi(-(case % 8));
+            let e = Vector3::new(1.0, aside, aside);
+            let mut points = Vec::new();
+            for k in 0..3 * 40 {
+                let at = e * (rng.range(0.0, 0.3) + f64::from(k / 3) / 40.0);
+                points.push(Point3::from(
+                    at.map(|x| x * (1.0 + f64::from(rng.below(3) as u32) * f64::EPSILON)),
+                ));
+            }
+            let triangles: Vec<[u32; 3]> = (0..40).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+            let Ok(mesh) = Mesh::new(&points, &triangles) else {
+                continue;
+            };
+            let gram = |axes: [Vector3<f64>; 3]| {
+                let m = Matrix3::from_columns(&axes);
+                (m.transpose() * m - Matrix3::identity()).amax()
+            };
+            for b in &mesh.tree.boxes {
+                worst = worst.max(gram([0, 1, 2].map(|k| b.axis(k))));
+            }
+            for s in &mesh.tree.slabs {
+                slabs += 1;
+                worst_slab = worst_slab.max(gram(s.axes));
+            }
+        }
+        assert!(slabs > 1000, "{slabs}");
+        assert!(worst < 8.0 * UNIT_SINGLE && worst_slab < 8.0 * UNIT);
+    }
 }

@@ -75,12 +75,7 @@ fn until_as_near(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> f
     // Products are of degree four, so lengths and velocities are scaled to about one.
     let (unit, pace) = (magnitude(from.amax().max(radius)), magnitude(velocity.amax()));
     let (from, velocity, radius) = (from / unit, velocity / pace, radius / unit);
-    // Both sides a little to the worse: more than what rounding takes of any term.
-    let square = from.norm_squared();
-    let above = square - (radius * radius + BALLS * (square + radius * radius));
-    let approach = -from.dot(&velocity);
-    let speed = velocity.norm_squared();
-    let root = approach * approach - speed * above;
+    let [above, approach, _, root] = flight_of_ball(&from, &velocity, radius);
     if !(above > 0.0) {
         0.0
     } else if approach <= 0.0 || root < 0.0 {
@@ -88,6 +83,17 @@ fn until_as_near(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> f
     } else {
         above / (approach + sqrt(root)) * (1.0 - ROOT) * unit / pace
     }
+}
+
+/// Returns what the radius leaves of the square of the distance, the approach, the square of the
+/// velocity, and what stands under the root. Both sides are a little to the worse: more than what
+/// rounding takes of any term.
+pub(crate) fn flight_of_ball(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> [f64; 4] {
+    let square = from.norm_squared();
+    let above = square - (radius * radius + BALLS * (square + radius * radius));
+    let approach = -from.dot(velocity);
+    let speed = velocity.norm_squared();
+    [above, approach, speed, approach * approach - speed * above]
 }
 
 /// Returns the time in which no point of A, seen from B, moves by as much as `way`.

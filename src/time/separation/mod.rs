@@ -10,9 +10,9 @@
 //! Trackers make such pairs: [`PairTracker::over`](crate::PairTracker::over) of any two geometries,
 //! [`Tracker::over`](crate::Tracker::over) of two polyhedra.
 
-mod balls;
+pub(crate) mod balls;
 pub(crate) mod bernstein;
-mod plane;
+pub(crate) mod plane;
 pub(crate) mod polyhedra;
 mod shapes;
 mod straight;

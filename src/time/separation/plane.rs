@@ -122,7 +122,7 @@ pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight:
     let (turn_a, turn_b) = (set.a.turn(&normal, &spin), set.b.turn(&normal, &spin));
     let on_a = set.a.rotation * (seen.point_on_a - flight.course_a.pivot);
     let on_b = set.b.rotation * (seen.point_on_b - flight.course_b.pivot);
-    let [_, f1, f2] = set.way(&normal, &spin);
+    let [_, f1, f2] = way_along(&normal, &spin, [&set.between, &set.velocity, &set.acceleration]);
     let slope = f1 - turn_a.first.dot(&on_a) + turn_b.first.dot(&on_b);
     let bend = f2 - turn_a.second.dot(&on_a) + turn_b.second.dot(&on_b);
     ahead(slope, bend)
@@ -193,11 +193,11 @@ impl PlaneSide {
                 pace: 0.0,
             };
         }
-        let (with_spin, first) = (spin.cross(n), (spin - w).cross(n));
+        let [first, second] = derivatives(n, spin, w);
         Turn {
             rests: false,
             first,
-            second: spin.cross(&with_spin) - w.cross(&with_spin) * 2.0 + w.cross(&w.cross(n)),
+            second,
             off: length(&(spin - w)),
             pace: tilt(&first, &(spin - w)),
         }
@@ -279,7 +279,7 @@ impl<'a> PlaneSetting<'a> {
             spin_rate,
             tilt: tilt(&spin.cross(n), spin),
             rate: spin_rate + self.a.rate.max(self.b.rate),
-            way: self.way(n, spin),
+            way: way_along(n, spin, [&self.between, &self.velocity, &self.acceleration]),
             at_a: &at.0,
             at_b: &at.1,
             gap: 0.0,
@@ -291,16 +291,30 @@ impl<'a> PlaneSetting<'a> {
         }
         plane
     }
+}
 
-    /// `n(s) . (dc + dv s + da s^2 / 2)` and its first two derivatives.
-    fn way(&self, n: &Vector3<f64>, spin: &Vector3<f64>) -> [f64; 3] {
-        let (turned, bent) = (spin.cross(n), spin.cross(&spin.cross(n)));
-        [
-            n.dot(&self.between),
-            turned.dot(&self.between) + n.dot(&self.velocity),
-            bent.dot(&self.between) + 2.0 * turned.dot(&self.velocity) + n.dot(&self.acceleration),
-        ]
-    }
+/// Returns the first two derivatives of a direction that turns at the rate `spin`, as a body sees
+/// the direction that turns at the rate `w`.
+pub(crate) fn derivatives(n: &Vector3<f64>, spin: &Vector3<f64>, w: &Vector3<f64>) -> [Vector3<f64>; 2] {
+    let with_spin = spin.cross(n);
+    [
+        (spin - w).cross(n),
+        spin.cross(&with_spin) - w.cross(&with_spin) * 2.0 + w.cross(&w.cross(n)),
+    ]
+}
+
+/// Returns `n(s) . (dc + dv s + da s^2 / 2)` and its first two derivatives.
+pub(crate) fn way_along(
+    n: &Vector3<f64>,
+    spin: &Vector3<f64>,
+    [between, velocity, acceleration]: [&Vector3<f64>; 3],
+) -> [f64; 3] {
+    let (turned, bent) = (spin.cross(n), spin.cross(&spin.cross(n)));
+    [
+        n.dot(between),
+        turned.dot(between) + n.dot(velocity),
+        bent.dot(between) + 2.0 * turned.dot(velocity) + n.dot(acceleration),
+    ]
 }
 
 /// A plane that turns, and the heights of both shapes at the instant.

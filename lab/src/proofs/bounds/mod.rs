@@ -1,13 +1,17 @@
 //! What each constant of the crate has to cover, proved from the transcribed kernels.
 
+mod bends;
+mod boxes;
+mod chains;
 mod double;
+mod motions;
 mod patches;
 mod places;
 mod poses;
 mod roots;
 mod signs;
 
-pub use poses::{product as turned_by_matrix, rotation};
+pub use poses::{product as turned_by_matrix, product_in, rotation};
 
 use super::majorant::{SINGLE, rounding, unit, unit_of};
 use super::norm::root_above;
@@ -67,6 +71,10 @@ pub fn all() -> Vec<Bound> {
         patches::bounds(),
         double::bounds(),
         roots::bounds(),
+        chains::bounds(),
+        motions::bounds(),
+        boxes::bounds(),
+        bends::bounds(),
     ]
     .into_iter()
     .flatten()
@@ -84,7 +92,7 @@ fn units(count: f64) -> RBig {
 }
 
 /// The root of a whole number, rounded up.
-fn root(square: u32) -> RBig {
+pub fn root(square: u32) -> RBig {
     root_above(&RBig::from(square))
 }
 

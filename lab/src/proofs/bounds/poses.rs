@@ -3,7 +3,7 @@
 use super::{Bound, once, root, units};
 use crate::proofs::factor::{Factor, Positive};
 use crate::proofs::kernels::poses;
-use crate::proofs::majorant::{Majorant, SINGLE, power, rounding, unit};
+use crate::proofs::majorant::{DOUBLE, Majorant, SINGLE, power, rounding, unit};
 use crate::proofs::norm::length;
 use crate::proofs::number::{Number, Vector, cross, dot, named, sum};
 use crate::proofs::polynomial::{Polynomial, Symbol};
@@ -66,11 +66,16 @@ pub(super) fn bounds() -> Vec<Bound> {
 
 /// The product of two quaternions of length one.
 fn quaternion() -> RBig {
-    size(&poses::quotient(exactly('a'), exactly('b')), &[])
+    quaternion_of(poses::quotient)
+}
+
+/// Of one way to write it.
+pub(super) fn quaternion_of(of: impl Fn([Majorant; 4], [Majorant; 4]) -> [Majorant; 4]) -> RBig {
+    size(&of(exactly('a'), exactly('b')), &[])
 }
 
 /// The sum of four squares, relative to itself.
-fn squared_norm() -> RBig {
+pub(super) fn squared_norm() -> RBig {
     let square = || Factor::input().squared();
     ((square() + square()) + (square() + square())).error()
 }
@@ -85,7 +90,7 @@ fn factor() -> RBig {
 
 /// The entries of the matrix of a unit quaternion for a given factor, times a unit vector. The Frobenius norm of the
 /// matrix is the root of three.
-fn entries() -> RBig {
+pub(super) fn entries() -> RBig {
     let rows = poses::matrix(exactly('q'), Majorant::exact(2.0));
     let turned = rows.map(|row| {
         (0..3u8).fold(Polynomial::default(), |total, k| {
@@ -122,6 +127,12 @@ pub fn rotation() -> RBig {
 
 /// A matrix of a rotation times a vector of length one.
 pub fn product() -> RBig {
+    product_in(DOUBLE)
+}
+
+/// The same in a precision.
+pub fn product_in(precision: u32) -> RBig {
+    let exactly = |c| [0, 1, 2].map(|k| Majorant::input_in(precision, c, k, &RBig::ZERO));
     let m = ['i', 'j', 'k'].map(exactly);
     let image = poses::product(m, exactly('v')).map(|x| x.error().clone());
     let one_matrix = |k: usize| {
@@ -134,7 +145,7 @@ pub fn product() -> RBig {
 }
 
 /// An offset of length one in A's frame: the factor errs by the squared norm and a difference.
-fn translation() -> RBig {
+pub(super) fn translation() -> RBig {
     let offset = Majorant::vector('o', &once());
     let two = Polynomial::constant(RBig::from(2));
     let off = squared_norm() + once() * (RBig::ONE + off_unit() * RBig::from(2)) + off_unit() * off_unit();
@@ -147,7 +158,7 @@ fn translation() -> RBig {
 }
 
 /// A vector of length one times a unit quaternion of nalgebra.
-fn turned() -> RBig {
+pub(super) fn turned() -> RBig {
     let two = RBig::from(2);
     let r = poses::turned(exactly('q'), exactly('v'));
     size(&r, &[('g', two.clone()), ('h', two)])

@@ -1,7 +1,9 @@
 //! The kernels, in the crate's own order of operations.
 
+pub mod boxes;
 pub mod double;
 pub mod patches;
 pub mod places;
+pub mod planes;
 pub mod poses;
 pub mod signs;

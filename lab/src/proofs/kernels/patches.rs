@@ -12,6 +12,16 @@ pub fn end<N: Number>(mut points: Vec<N>, s: N, t: N) -> N {
     points[0]
 }
 
+/// `patch::bezier::along_of`: the first derivative of a curve at `t`, over its degree, for `s = 1 - t`.
+pub fn first<N: Number>(mut points: Vec<N>, s: N, t: N) -> N {
+    for left in (2..points.len()).rev() {
+        for i in 0..left {
+            points[i] = s * points[i] + t * points[i + 1];
+        }
+    }
+    points[1] - points[0]
+}
+
 /// `patch::bezier::value`: the point of a patch of degrees `p` and `q`, for `[s, t]` of each direction.
 pub fn value<N: Number>(net: &[N], [p, q]: [usize; 2], [u, v]: [[N; 2]; 2]) -> N {
     let row = |i: usize| end(net[i * (q + 1)..][..=q].to_vec(), v[0], v[1]);
