@@ -18,7 +18,7 @@ use crate::body::polyhedron::{Plane, heights, query};
 use crate::composite::front;
 use crate::composite::meet::bounds;
 use crate::convex::depth::pyramid::PyramidSide;
-use crate::pair::star;
+use crate::pair::{draft, star};
 use crate::patch::{bezier, net, nurbs};
 use crate::time::separation::{balls, bernstein, plane, polyhedra};
 
@@ -52,6 +52,10 @@ pub fn side_height(u: Triple, w: Triple, base: Triple, p: Triple) -> f64 {
 
 pub fn guard(u: Triple, w: Triple, sides: Triple) -> f64 {
     hull::guard(&u.into(), &w.into(), &sides.into())
+}
+
+pub fn scaled_down(x: f64, unit: f64) -> f64 {
+    draft::scaled_down(x, unit)
 }
 
 pub fn volume(a: Triple, b: Triple, c: Triple) -> f64 {

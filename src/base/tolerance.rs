@@ -23,8 +23,8 @@
 //!   above `LEAST_RISE` only.
 //! * **G, guarded**: numbers of the caller of any size. Squares are guarded by `LEAST_SQUARE`, or
 //!   numbers are scaled first.
-//! * **U, the caller's unit**: bounds leave the stored unit in one function,
-//!   `tracker::to_user_units`, and are rounded outward there.
+//! * **U, the caller's unit**: bounds leave the stored unit in one function, `Draft::scale`, and
+//!   are rounded outward there.
 //!
 //! # Degrees
 //!
@@ -58,11 +58,10 @@
 //! it yields a bound for all inputs, told below beside what the constant, or a part of its
 //! derivation, allows, and the largest error that a search of some seconds finds. All are in
 //! roundings of the format: `UNIT`, `UNIT_SINGLE` or the square of `UNIT`. `tests/proofs`
-//! compares all of it with the code, and proves the cases S, P, D and G for signs, volumes,
-//! heights, poses and squares. The underflow of `ORIENTATION`, `FOOT`, curved shapes and
-//! patches, and case U, are prose. So are three lemmas: what an error of a quaternion does to its
-//! matrix (step 1 of `CERTIFICATE`), how its steps 5 and 6 add up, and how the parts of a bound
-//! that are told "per" something do.
+//! compares all of it with the code, and proves the cases of underflow above, but for the quotient
+//! of a side's height and the comparisons of degree five of curved pairs, which are prose. So are
+//! two lemmas: what an error of a quaternion does to its matrix (step 1 of `CERTIFICATE`), and how
+//! the parts of a bound that are told "per" something add up.
 //!
 #![doc = include_str!("tolerance/proved.md")]
 

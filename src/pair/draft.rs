@@ -76,7 +76,7 @@ impl DerefMut for Draft {
 }
 
 /// Returns the largest f64 that is no greater than `x` times a power of two.
-fn scaled_down(x: f64, unit: f64) -> f64 {
+pub(crate) fn scaled_down(x: f64, unit: f64) -> f64 {
     let y = x * unit;
     // The way back is exact, or overflows as the way there did.
     if y / unit > x { y.next_down() } else { y }

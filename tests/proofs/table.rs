@@ -165,7 +165,7 @@ fn what_steers_says_so() {
 
 /// The largest error that the search finds, in the constant's roundings.
 fn observed(constant: &str, part: &str, tries: u64) -> Option<f64> {
-    let climb = climb::ALL.iter().find(|c| c.constant == constant && c.part == part)?;
+    let climb = climb::all().find(|c| c.constant == constant && c.part == part)?;
     Some(climb.run(1, tries).0)
 }
 

@@ -1,6 +1,6 @@
-//! What underflow takes, and what leaves the range: the cases S, P, D and G of `tolerance`, and its table of degrees.
+//! What underflow takes, and what leaves the range: the cases of `tolerance`, and its table of degrees.
 
-use lab::proofs::kernels::{poses, signs};
+use lab::proofs::kernels::{patches, poses, signs};
 use lab::proofs::majorant::{Majorant, power, unit};
 use lab::proofs::number::{Number, Vector, dot};
 use lab::proofs::{Polynomial, Reach};
@@ -52,10 +52,70 @@ fn stored_lengths_leave_room() {
     let n = exactly('n');
     is_lost_in_room("HEIGHT", &along(signs::height_over(n, a, b).lost()), 1, 0.5);
     is_lost_in_room("CELL", &along(dot(n, a).lost()), 1, 5.0);
+    is_lost_in_room("ORIENTATION", signs::pyramid_side([a, b, c]).1.lost(), 3, 16.0 - 4.2);
     let rotation: [Vector<Majorant>; 3] = ['n', 'n', 'n'].map(exactly);
     for x in poses::product(rotation, a) {
         is_lost_in_room("CERTIFICATE, product", &along(x.lost()), 1, 1.0);
     }
+}
+
+/// Case S: the side of a face over an edge, which is as short as the grid allows, and a length.
+#[test]
+fn sides_of_faces_leave_room() {
+    let (n, edge, to) = (exactly('n'), exactly('e'), exactly('t'));
+    let side = signs::over_side(n, edge, to);
+    let lost = side
+        .lost()
+        .at(|letter| power(if letter == 'n' { 0 } else { LONGEST_EDGE }));
+    assert!(!side.lost().is_zero() && lost * half_least() < unit() * power(GRID + LEAST_LENGTH));
+}
+
+/// Case S: points and heights of patches and curved shapes, of weights down to `2^-40`, in pairs from `NEAR` on. What is
+/// lost of a number is relative to nothing, as it was multiplied by directions and factors up to one, and weights up to
+/// one.
+#[test]
+fn patches_leave_room() {
+    let number = |c| Majorant::input(c, 0, &RBig::ZERO);
+    let height = patches::coefficient(exactly('n'), exactly('p'), number('c'), number('w'));
+    let net: Vec<_> = (0..64).map(|k| Majorant::input('p', k, &RBig::ZERO)).collect();
+    let [s, t] = ['s', 't'].map(number);
+    let point = patches::value(&net, [7, 7], [[s, t]; 2]);
+    for lost in [height.lost(), point.lost()] {
+        let most = lost.at(|_| RBig::ONE) * half_least();
+        assert!(!lost.is_zero() && most < unit() * power(-300 - 40 - 200));
+    }
+}
+
+/// Case U: a bound in the caller's unit is no better than the one in the stored unit, whatever the unit.
+#[test]
+fn bounds_leave_the_stored_unit_outward() {
+    let mut rng = Rng::new(9);
+    let mut rounded = 0;
+    for _ in 0..100_000 {
+        let x = f64::from_bits(rng.bits());
+        let exponent = rng.int(-1000, 1000);
+        let at_the_end = rng.chance(0.5);
+        // Products about the least number: one that is rounded up has to be lowered.
+        let size = if at_the_end {
+            -1074 - exponent + rng.int(-2, 54)
+        } else {
+            rng.int(-900, 900)
+        };
+        if !x.is_finite() || !(-1022..1023).contains(&size) {
+            continue;
+        }
+        let x = f64::from_bits((x.to_bits() & !(0x7ff << 52)) | ((size + 1023) as u64) << 52);
+        let (y, truth) = (
+            proofs::scaled_down(x, 2f64.powi(exponent as i32)),
+            exact(x) * power(exponent),
+        );
+        if y == f64::NEG_INFINITY {
+            continue;
+        }
+        assert!(exact(y) <= truth, "{x:e} times 2^{exponent}");
+        rounded += usize::from(exact(y) != truth);
+    }
+    assert!(rounded > 10_000, "only {rounded} were rounded");
 }
 
 /// Case P: coordinates of unit quaternions; translations in the caller's unit, at most `2^420` stored ones.

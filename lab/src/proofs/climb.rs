@@ -3,6 +3,9 @@
 //! Inputs are whole numbers of 53 bits, as multiples of 2^-52: changes of any size, down to the last bit, keep what
 //! makes the error larger. Errors are told in the unit of the bound, as [`bounds`](super::bounds) tells them.
 
+mod composed;
+mod single;
+
 use super::kernels::double::{self, ErrorFree};
 use super::kernels::{patches, places, poses, signs};
 use super::number::{Number, Vector, dot, sub};
@@ -22,7 +25,11 @@ pub struct Climb {
 const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// All kernels that are climbed.
-pub const ALL: &[Climb] = &[
+pub fn all() -> impl Iterator<Item = &'static Climb> {
+    ALL.iter().chain(composed::ALL).chain(single::ALL)
+}
+
+const ALL: &[Climb] = &[
     climb("EDGE_SIGN", "", 9, edge_sign),
     climb("STEEPER", "", 15, steeper),
     climb("SIDE_ERROR", "", 12, side_error),

@@ -31,6 +31,30 @@ impl Traced {
         self.value + self.error
     }
 
+    /// The quotient.
+    #[must_use]
+    pub fn over(self, below: Self) -> Self {
+        let value = self.value / below.value;
+        let (product, rest) = two_product(value, below.value);
+        let residual = ((self.value - product) - rest) + self.error - value * below.error;
+        Self {
+            value,
+            error: residual / below.truth(),
+        }
+    }
+
+    /// The root, of a number whose error is far smaller.
+    #[must_use]
+    pub fn root(self) -> Self {
+        let value = self.value.sqrt();
+        let (square, rest) = two_product(value, value);
+        let residual = ((self.value - square) - rest) + self.error;
+        Self {
+            value,
+            error: if value == 0.0 { 0.0 } else { residual / (2.0 * value) },
+        }
+    }
+
     /// The true number taken for the input of what follows.
     pub fn settled(self) -> Self {
         Self::input(self.truth())

@@ -141,7 +141,7 @@ pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 /// ray's origin and of the ball's middle, whose own place is counted by [`PLACED_BALL`]: the
 /// difference, the product with the direction, which is of unit length within 4 UNIT, the foot, its
 /// length and the sums err by 34 UNIT together. A height of a place of the ray in a mesh's frame
-/// along a unit vector, minus that of a corner, errs by 46: the place, a relative translation, by 31
-/// (see [`CERTIFICATE`](super::CERTIFICATE)), and by 4 of the direction; products, the difference
-/// and the vector's length by the rest.
+/// along a unit vector, minus that of a corner, errs by 46: the place, a relative translation, by
+/// 31 (see [`CERTIFICATE`](super::CERTIFICATE)), and by 4 of the direction; products, the
+/// difference and the vector's length by the rest.
 pub(crate) const RAY: f64 = 64.0 * UNIT;

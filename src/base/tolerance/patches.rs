@@ -64,9 +64,9 @@ pub(crate) const SEAM: f64 = 1024.0 * UNIT;
 /// Error of a height over a node by its second derivatives, in UNIT times `(p + q)^2` times the
 /// largest coefficient G. With `d = p + q` and UNIT G as the unit:
 ///
-/// 1. Each second difference of coefficients has two roundings of numbers up to 3 G and 4 G, and the
-///    two products with its factor one each of 4 G: 15 times the factor, at most 42 of degrees 7
-///    and 1, so below `10 d^2`. This is added to each of the three bounds before use
+/// 1. Each second difference of coefficients has two roundings of numbers up to 3 G and 4 G, and
+///    the two products with its factor one each of 4 G: 15 times the factor, at most 42 of degrees
+///    7 and 1, so below `10 d^2`. This is added to each of the three bounds before use
 ///    ([`CURVATURE`]), so that their signs can be trusted.
 /// 2. The value by de Casteljau: `3 d`. A first derivative: differences up to 2 G with one
 ///    rounding, `3 d` roundings each, times p or q: both together `6 d^2 + 2 d`.
