@@ -1,18 +1,25 @@
 //! What is proved against the constants.
 
-use lab::proofs::bounds::{self, Bound};
+use lab::proofs::bounds::{self, Allowed, Bound};
 use lin_canny::proofs::constants;
 
 use crate::table::of_planner;
 
 /// What the constant, or its derivation, allows.
 pub(crate) fn allowed(bound: &Bound) -> f64 {
-    let constant = constants()
-        .into_iter()
-        .chain(of_planner())
-        .find(|(name, _)| *name == bound.constant);
-    let (_, constant) = constant.unwrap_or_else(|| panic!("no constant {}", bound.constant));
-    bound.allowed.unwrap_or(constant)
+    let all: Vec<_> = constants().into_iter().chain(of_planner()).collect();
+    let value = |name: &str| {
+        let found = all.iter().find(|(n, _)| *n == name);
+        found.unwrap_or_else(|| panic!("no constant {name}")).1
+    };
+    match bound.allowed {
+        Allowed::Constant => value(bound.constant),
+        Allowed::Sum(of) => of.iter().map(|(count, name)| count * value(name)).sum(),
+        Allowed::Part(of) => {
+            assert!(of <= value(bound.constant), "{} {}", bound.constant, bound.part);
+            of
+        }
+    }
 }
 
 #[test]

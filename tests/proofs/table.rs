@@ -173,7 +173,9 @@ fn table(tries: u64) -> String {
     let mut text = String::from("| constant | part | allowed | proved | found |\n|---|---|---|---|---|\n");
     let mut row = |name: &str, part: &str, [allowed, proved, found]: [Option<f64>; 3]| {
         let number = |x: Option<f64>, digits: usize| x.map_or(String::new(), |x| format!("{x:.digits$}"));
-        let (proved, found) = (number(proved.map(|x| (x * 100.0).ceil() / 100.0), 2), number(found, 1));
+        let digits = if allowed.is_some_and(|x| x < 2.0) { 3 } else { 2 };
+        let up = |x: f64| (x * 10f64.powi(digits)).ceil() / 10f64.powi(digits);
+        let (proved, found) = (number(proved.map(up), digits as usize), number(found, 1));
         let allowed = allowed.map_or(String::new(), |x| format!("{}", (x * 1e3).round() / 1e3));
         writeln!(text, "| `{name}` | {part} | {allowed} | {proved} | {found} |").expect("text grows");
     };

@@ -14,7 +14,7 @@ use crate::rational::exact;
 use dashu::rational::RBig;
 
 pub(super) fn bounds() -> Vec<Bound> {
-    let single = |part, kernel, error: RBig| Bound::single("BOXES", kernel, error).part(part, 96.0);
+    let single = |part, kernel, error: RBig| Bound::single("BOXES", kernel, error).case(part);
     let worst = |of: fn(&Sizes) -> RBig| Sizes::all().iter().map(of).max().expect("sizes");
     vec![
         single("line of centres", "meet::bounds::bound_eight", worst(centres)),
@@ -25,7 +25,8 @@ pub(super) fn bounds() -> Vec<Bound> {
         single("front, segments", "front::FrontBlock::gaps", worst(front_of_segments)),
         Bound::single("BOXES", "tree::OrientedBox::rod", around()).part("about a segment", 32.0),
         Bound::whole("BOX_EXTENT", "tree::fit::store_extents", extent()),
-        Bound::whole("SLAB_HEIGHT", "tree::fit::flat_axes", gram()).part("a point of three heights", 24.0),
+        Bound::whole("SLAB_HEIGHT", "tree::fit::flat_axes", gram())
+            .sum("a point of three heights", &[(2.0, "SLAB_HEIGHT")]),
     ]
 }
 

@@ -20,8 +20,9 @@ pub(super) fn bounds() -> Vec<Bound> {
         whole("PLATEAU", "depth::search", plateau()),
         whole("CROSS_CANCELLED", "polyhedron::plane::cross", cancelled()).part("of a direction", 1.0 / 64.0),
         whole("NORMAL_ERROR", "polyhedron::plane::plane", normal()),
-        whole("PLANE_OFFSET", "polyhedron::plane::plane", offset() / unit()).part("product, in UNIT^2", 64.0),
-        whole("PLANE_OFFSET", "polyhedron::plane::plane", reach()).part("reach", 8.0),
+        whole("PLANE_OFFSET", "polyhedron::plane::plane", offset() / unit())
+            .sum("product, in UNIT^2", &[(4.0, "UNIT_DOUBLE_DOUBLE")]),
+        whole("PLANE_OFFSET", "polyhedron::plane::plane", tilted() + offset()),
         whole("NEAR_PLANE", "polyhedron::query::contains", near_plane()),
         column("COLUMN_SUM", "broad::pencil::scan", column_sum()),
         column("COLUMN_MOVE", "broad::pencil::scan", RBig::from(4) * v()),
@@ -82,6 +83,11 @@ fn normal() -> RBig {
 /// Three sums of exact products, each off by ten of UNIT^2 at most of what is no longer than the point.
 fn offset() -> RBig {
     RBig::from(3) * units(10.0) * unit()
+}
+
+/// The error of the normal times the distances, which are computed too.
+fn tilted() -> RBig {
+    units(1.0625) * (RBig::ONE + reach())
 }
 
 /// The root of three squares, the sum with the radius, and the product.

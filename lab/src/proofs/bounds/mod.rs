@@ -28,8 +28,19 @@ pub struct Bound {
     pub kernel: &'static str,
     /// What is proved, in roundings of the format: UNIT, `UNIT_SINGLE`, or UNIT^2 for double-double.
     pub proved: RBig,
-    /// What the derivation of the constant allows for this part; `None` for the constant itself.
-    pub allowed: Option<f64>,
+    /// What the bound is compared with.
+    pub allowed: Allowed,
+}
+
+/// What a bound is compared with.
+#[derive(Clone, Copy, Debug)]
+pub enum Allowed {
+    /// The constant as the source has it.
+    Constant,
+    /// A sum of so many of these constants: what the code adds up.
+    Sum(&'static [(f64, &'static str)]),
+    /// What the derivation of the constant gives a part, no more than the constant.
+    Part(f64),
 }
 
 impl Bound {
@@ -48,7 +59,7 @@ impl Bound {
             part: "",
             kernel,
             proved: error / unit(),
-            allowed: None,
+            allowed: Allowed::Constant,
         }
     }
 
@@ -56,7 +67,21 @@ impl Bound {
     fn part(self, part: &'static str, allowed: f64) -> Self {
         Self {
             part,
-            allowed: Some(allowed),
+            allowed: Allowed::Part(allowed),
+            ..self
+        }
+    }
+
+    /// One of the cases of a constant, each of which has all of it.
+    fn case(self, part: &'static str) -> Self {
+        Self { part, ..self }
+    }
+
+    /// A bound that the code makes of several constants.
+    fn sum(self, part: &'static str, of: &'static [(f64, &'static str)]) -> Self {
+        Self {
+            part,
+            allowed: Allowed::Sum(of),
             ..self
         }
     }

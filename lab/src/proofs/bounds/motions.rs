@@ -14,20 +14,23 @@ pub(super) fn bounds() -> Vec<Bound> {
     let whole = Bound::whole;
     let both = |of: RBig| RBig::from(2) * of;
     vec![
-        whole("TURN", "motion::steady::pose", both(turn())).part("steady", 64.0),
-        whole("TURN", "motion::nlerp::pose", both(interpolated())).part("nlerp", 64.0),
+        whole("TURN", "motion::steady::pose", both(turn())).case("steady"),
+        whole("TURN", "motion::nlerp::pose", both(interpolated())).case("nlerp"),
         whole("NORMALISED", "motion::steady::restored", normalised()),
         whole("PLANE", "separation::plane::coefficients", plane()),
-        whole("BALLS", "separation::balls::until_as_near", balls()).part("a square, and the root", 8192.0),
-        whole("RAY", "pair_tracker::ray::within_ball", ball_of_ray()).part("a ball", 64.0),
-        whole("RAY", "pair_tracker::ray_mesh::pierce", place_on_ray()).part("a mesh", 64.0),
+        whole("BALLS", "separation::balls::until_as_near", balls()).case("a square, and the root"),
+        whole("RAY", "pair_tracker::ray::within_ball", ball_of_ray()).case("a ball"),
+        whole("RAY", "pair_tracker::ray_mesh::pierce", place_on_ray()).case("a mesh"),
         whole("PLACED_BALL", "pair_tracker::ray::placed_ball", ball_at_pose()),
         whole("PLACED", "plan::clearance::balls", placed()),
         whole("ARM_TURN", "plan::tree::TreeJoint::after", arm_turn()),
         whole("ARM_PLACE", "plan::tree::TreeJoint::after", arm_place()),
         whole("SHAPE_POINT", "patch::shape_tracker", shape_point()),
-        whole("CARRIED", "patch::front::NetEntry", carried()).part("a pose", 256.0),
-        whole("PARALLEL_AXES", "smooth::parallel::prove", parallel()).part("with CERTIFICATE, twice", 192.0),
+        whole("CARRIED", "patch::front::NetEntry", carried()).case("a pose"),
+        whole("PARALLEL_AXES", "smooth::parallel::prove", parallel()).sum(
+            "with CERTIFICATE, twice",
+            &[(2.0, "PARALLEL_AXES"), (1.0, "CERTIFICATE")],
+        ),
         whole("INNER", "shape::ellipsoid::inner_ball", inner_ball()),
         whole("WAY", "motion::way::displacement", way()),
     ]

@@ -13,8 +13,10 @@ pub(super) fn bounds() -> Vec<Bound> {
         Bound::whole("KNOTS", "patch::nurbs::blossom", knots()),
         Bound::whole("RAISED", "patch::net::raise", raised()),
         Bound::whole("NET", "patch::net::homogeneous", after(0, &RBig::ZERO)),
-        Bound::whole("NET_STEP", "patch::bezier::halves", halves()).part("a thousand, with NET", 4.0 + 2.0 * 1000.0),
-        Bound::whole("NET_CUT", "patch::cut", cuts()).part("degrees 7 and 7, with NET", 4.0 + 12.0 * 14.0),
+        Bound::whole("NET_STEP", "patch::bezier::halves", halves())
+            .sum("a thousand, with NET", &[(1.0, "NET"), (1000.0, "NET_STEP")]),
+        Bound::whole("NET_CUT", "patch::cut", cuts())
+            .sum("degrees 7 and 7, with NET", &[(1.0, "NET"), (14.0, "NET_CUT")]),
         Bound::whole("COEFFICIENT", "patch::height::fill", coefficient()),
     ]
 }

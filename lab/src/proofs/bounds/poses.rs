@@ -38,8 +38,8 @@ pub(super) fn bounds() -> Vec<Bound> {
         certificate(rotation(), "pose::packed_rotation", "1 and 2, rotation", 71.0),
         certificate(translation(), "pose::rotated_to_a", "3, translation", 31.0),
         certificate(product(), "num::packed::combined", "4, product", 6.0),
-        certificate(per_radius + units(24.0), support, "per radius", 128.0),
-        certificate(per_distance + units(10.0), support, "per distance", 128.0),
+        whole("CERTIFICATE", support, per_radius + units(24.0)).case("per radius"),
+        whole("CERTIFICATE", support, per_distance + units(10.0)).case("per distance"),
         whole("BOX", "polyhedron::bounds", boxed()),
         whole("PLACED_PIVOT", "nalgebra turn", turned()).part("rounding", 24.0),
         // A quaternion off unit length by x in the square turns wrong by twice as much; twice, with one difference.
@@ -56,9 +56,9 @@ pub(super) fn bounds() -> Vec<Bound> {
         ),
         whole("BOX_TURNED", "polyhedron::bounds", boxed() + units(24.0)),
         Bound::single("BOX_SCANNED", "polyhedron::bounds::Scan", scanned()),
-        whole("DISPLACEMENT", "motion::way", displacement_by_radius()).part("per radius", 256.0),
-        whole("DISPLACEMENT", "motion::way", displacement_by_middle()).part("per middle", 256.0),
-        whole("DISPLACEMENT", "motion::way", displacement_by_distance()).part("per distance", 256.0),
+        whole("DISPLACEMENT", "motion::way", displacement_by_radius()).case("per radius"),
+        whole("DISPLACEMENT", "motion::way", displacement_by_middle()).case("per middle"),
+        whole("DISPLACEMENT", "motion::way", displacement_by_distance()).case("per distance"),
         whole("SLAB_HEIGHT", "composite::placed", along_axis()),
         whole("TILT", "separation::plane", tilt()),
     ]

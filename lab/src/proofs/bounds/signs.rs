@@ -185,7 +185,7 @@ fn flank_on_b() -> Bound {
     let along = length(&[dot(exactly('n'), exactly('v')).error()], &[]);
     let second_order = units(1.0);
     let error = RBig::from(5) * rotation() + edges + cross_product() + units(4.0) + along + normal_error();
-    Bound::whole("FLANK", "pair::star::falls_into_both_faces", error + second_order).part("on B", 512.0)
+    Bound::whole("FLANK", "pair::star::falls_into_both_faces", error + second_order).case("on B")
 }
 
 /// A cross product of vectors of length one.

@@ -19,7 +19,6 @@ pub(super) const ALL: &[Climb] = &[
     climb("ROOT", "one crossing", 2, crossing),
     climb("PLATEAU", "", 6, plateau),
     climb("DISC", "", 6, disc),
-    climb("PLANE_OFFSET", "reach", 5, reach),
     climb("ROUND_UP", "", 3, norm),
     climb("BOX_DISTANCE_DOWN", "", 6, distance),
     climb("WAY", "", 15, way),
@@ -125,11 +124,6 @@ fn disc(x: &[f64]) -> f64 {
     let [a, b, c, d, e, f] = inputs(x).map(Number::abs);
     let off = a * (b * b + c * c).root() + d.root();
     relative((off * e).over(f) * a)
-}
-
-fn reach(x: &[f64]) -> f64 {
-    let [r, by] = inputs(&x[3..]).map(Number::abs);
-    relative((root_of_squares(inputs::<3>(x)) + r) * by)
 }
 
 fn norm(x: &[f64]) -> f64 {
