@@ -4,6 +4,8 @@ pub use parry3d_f64 as parry;
 
 #[path = "bridge/cast.rs"]
 mod cast;
+#[path = "bridge/curved.rs"]
+mod curved;
 #[path = "bridge/decomposition.rs"]
 mod decomposition;
 #[path = "bridge/dispatcher.rs"]
@@ -30,6 +32,8 @@ mod mesh_shape;
 mod number;
 #[path = "bridge/part.rs"]
 mod part;
+#[path = "bridge/surface.rs"]
+mod surface;
 
 pub use decomposition::{DecompositionError, decompose};
 pub use dispatcher::{Certified, ContactOptions};

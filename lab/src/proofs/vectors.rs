@@ -209,7 +209,7 @@ impl Add for Within {
 impl Sub for Within {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        self + other
+        Self::of(self.0.beside(other.0))
     }
 }
 

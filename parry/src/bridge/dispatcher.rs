@@ -6,6 +6,7 @@ use lin_canny::nalgebra::{Point3, UnitQuaternion};
 use lin_canny::{Class, Outcome, PairTracker, RelativePose};
 
 use super::cast::{self, Flown};
+use super::curved;
 use super::guard::{self, Turning, margin, parrys};
 use super::half_space;
 use super::known::Known;
@@ -18,8 +19,10 @@ use super::parry::query::details::{
     cast_shapes_nonlinear_composite_shape_shape, cast_shapes_nonlinear_shape_composite_shape,
     cast_shapes_shape_composite_shape, closest_points_composite_shape_shape, closest_points_shape_composite_shape,
     contact_composite_shape_shape, contact_manifolds_composite_shape_composite_shape,
-    contact_manifolds_composite_shape_shape, contact_shape_composite_shape, distance_composite_shape_shape,
-    distance_shape_composite_shape, intersection_test_composite_shape_shape, intersection_test_shape_composite_shape,
+    contact_manifolds_composite_shape_shape, contact_manifolds_heightfield_composite_shape,
+    contact_manifolds_heightfield_shape_shapes, contact_manifolds_trimesh_shape_shapes, contact_shape_composite_shape,
+    distance_composite_shape_shape, distance_shape_composite_shape, intersection_test_composite_shape_shape,
+    intersection_test_shape_composite_shape,
 };
 use super::parry::query::{
     ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, NonlinearRigidMotion,
@@ -27,6 +30,7 @@ use super::parry::query::{
 };
 use super::parry::shape::{CompositeShape, Shape, ShapeType};
 use super::part::{self, Placed};
+use super::surface;
 
 /// Which contacts a manifold holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -75,6 +79,8 @@ impl Default for ContactOptions {
 pub struct Certified {
     options: ContactOptions,
     known: Arc<Known>,
+    /// Whether triangles are parts of a surface.
+    is_surface: bool,
 }
 
 impl std::fmt::Debug for Certified {
@@ -91,7 +97,7 @@ impl Certified {
     pub fn new(options: ContactOptions) -> Self {
         Self {
             options,
-            known: Arc::default(),
+            ..Self::default()
         }
     }
 
@@ -99,6 +105,30 @@ impl Certified {
     #[must_use]
     pub fn options(&self) -> ContactOptions {
         self.options
+    }
+
+    /// Writes the contacts of two convex shapes. Returns false, with nothing written, for a pair that
+    /// is left to parry.
+    pub(super) fn write_convex<M, C: Default + Copy>(
+        &self,
+        pos12: &Pose,
+        (a, b): (&dyn Shape, &dyn Shape),
+        prediction: Real,
+        out: &mut ContactManifold<M, C>,
+    ) -> bool {
+        let (known, options) = (&*self.known, &self.options);
+        if let Some(pair) = part::pair(known, a, b) {
+            if is_far(&pair, pos12, prediction * options.reach) {
+                out.clear();
+                return true;
+            }
+            if let Some(posed) = PosedPair::new(&pair, pos12) {
+                posed.write(prediction, options, out);
+                return true;
+            }
+        }
+        half_space::write(known, pos12, (a, b), prediction, options, out)
+            || curved::write(known, pos12, (a, b), prediction, options, out)
     }
 
     /// Returns two shapes that [`lin_canny`] has at their pose; `None` for a pose that is not
@@ -157,6 +187,40 @@ fn compound(shape: &dyn Shape) -> Option<&(dyn CompositeShape + Sync)> {
 /// Returns whether a shape is no composite, mesh, height field or voxels.
 fn is_single(shape: &dyn Shape) -> bool {
     shape.as_composite_shape().is_none() && !matches!(shape.shape_type(), ShapeType::Voxels | ShapeType::HeightField)
+}
+
+/// Returns whether a shape is a mesh or height field of parry.
+fn is_field(shape: &dyn Shape) -> bool {
+    matches!(shape.shape_type(), ShapeType::TriMesh | ShapeType::HeightField)
+}
+
+/// Writes the manifolds of a mesh or height field of parry and another shape, triangle by triangle.
+fn fields<M, C>(
+    by: &Certified,
+    pos12: &Pose,
+    (a, b): (&dyn Shape, &dyn Shape),
+    prediction: Real,
+    out: &mut Vec<ContactManifold<M, C>>,
+    kept: &mut Option<ContactManifoldsWorkspace>,
+) where
+    M: Default + Clone + Send + Sync,
+    C: Default + Copy + Send + Sync,
+{
+    let other = &pos12.inverse();
+    let composites = (a.as_composite_shape(), b.as_composite_shape());
+    match (composites, a.as_heightfield(), b.as_heightfield()) {
+        ((Some(c), Some(d)), ..) => {
+            contact_manifolds_composite_shape_composite_shape(by, pos12, c, d, prediction, out, kept);
+        }
+        ((None, Some(c)), Some(field), _) => {
+            contact_manifolds_heightfield_composite_shape(by, pos12, other, field, c, prediction, out, kept, false);
+        }
+        ((Some(c), None), _, Some(field)) => {
+            contact_manifolds_heightfield_composite_shape(by, other, pos12, field, c, prediction, out, kept, true);
+        }
+        ((None, None), ..) => contact_manifolds_heightfield_shape_shapes(by, pos12, a, b, prediction, out, kept),
+        _ => contact_manifolds_trimesh_shape_shapes(by, pos12, a, b, prediction, out, kept),
+    }
 }
 
 impl QueryDispatcher for Certified {
@@ -336,6 +400,14 @@ where
                 contact_manifolds_composite_shape_shape(self, &pos12.inverse(), c, a, prediction, out, kept, true);
                 Ok(())
             }
+            _ if is_field(a) || is_field(b) => {
+                let by = Self {
+                    is_surface: true,
+                    ..self.clone()
+                };
+                fields(&by, pos12, (a, b), prediction, out, kept);
+                Ok(())
+            }
             _ => parry.contact_manifolds(pos12, a, b, prediction, out, kept),
         }
     }
@@ -350,21 +422,10 @@ where
         prediction: Real,
         out: &mut ContactManifold<M, C>,
     ) -> Result<(), Unsupported> {
-        // Corrected normals of mesh triangles are parry's.
-        let is_free = constraints1.is_none() && constraints2.is_none();
-        let pair = if is_free { part::pair(&self.known, a, b) } else { None };
-        if pair
-            .as_ref()
-            .is_some_and(|pair| is_far(pair, pos12, prediction * self.options.reach))
-        {
-            out.clear();
-            return Ok(());
-        }
-        if let Some(posed) = pair.as_ref().and_then(|pair| PosedPair::new(pair, pos12)) {
-            posed.write(prediction, &self.options, out);
-            return Ok(());
-        }
-        if is_free && half_space::write(&self.known, pos12, (a, b), prediction, &self.options, out) {
+        if self.write_convex(pos12, (a, b), prediction, out) {
+            if self.is_surface || constraints1.or(constraints2).is_some() {
+                surface::correct(self, pos12, (a, b), [constraints1, constraints2], prediction, out);
+            }
             return Ok(());
         }
         guard::touching(pos12, a, b)?.contact_manifold_convex_convex(

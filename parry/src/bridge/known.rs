@@ -117,6 +117,7 @@ fn made(points: &[Vector]) -> Option<Hull> {
         [p] => ConvexPolyhedron::point(p),
         [p, q] if p == q => ConvexPolyhedron::point(p),
         [p, q] => ConvexPolyhedron::segment(p, q),
+        [_, _, _] => ConvexPolyhedron::polygon(&wide),
         _ => ConvexPolyhedron::from_points(&wide),
     };
     body.ok().map(Hull::new)

@@ -30,7 +30,10 @@ pub(super) fn is_far((a, b): &(Part, Part), pos12: &Pose, distance: Real) -> boo
 }
 
 /// Writes contacts over those of a manifold, and hands the data of equal features on.
-fn exchange<M, C: Default + Copy>(out: &mut ContactManifold<M, C>, write: impl FnOnce(&mut Vec<TrackedContact<C>>)) {
+pub(super) fn exchange<M, C: Default + Copy>(
+    out: &mut ContactManifold<M, C>,
+    write: impl FnOnce(&mut Vec<TrackedContact<C>>),
+) {
     match out.points[..] {
         [first, ..] if out.points.len() <= MOST_KEPT => {
             let mut kept = [first; MOST_KEPT];
@@ -145,7 +148,7 @@ impl<'a> PosedPair<'a> {
     }
 }
 
-fn packed(feature: Feature) -> PackedFeatureId {
+pub(super) fn packed(feature: Feature) -> PackedFeatureId {
     let k = feature.index() as u32;
     match feature {
         // Ids of parry have 30 bits; a start that is not remembered costs time only.

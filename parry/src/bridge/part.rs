@@ -58,11 +58,16 @@ fn are_balls(a: &dyn shape::Shape, b: &dyn shape::Shape) -> bool {
 }
 
 fn kind(shape: &dyn shape::Shape) -> Option<Kind> {
-    use shape::ShapeType::{Ball, Capsule, ConvexPolyhedron, Cuboid, Custom, RoundConvexPolyhedron, RoundCuboid};
+    use shape::ShapeType::{
+        Ball, Capsule, ConvexPolyhedron, Cuboid, Custom, RoundConvexPolyhedron, RoundCuboid, RoundTriangle, Segment,
+        Triangle,
+    };
     match shape.shape_type() {
         Ball => Some(Kind::Ball),
         Cuboid => Some(Kind::Cuboid),
-        Capsule | ConvexPolyhedron | RoundConvexPolyhedron | RoundCuboid => Some(Kind::Polyhedron),
+        Capsule | ConvexPolyhedron | RoundConvexPolyhedron | RoundCuboid | RoundTriangle | Segment | Triangle => {
+            Some(Kind::Polyhedron)
+        }
         Custom => shape.as_shape::<Hull>().map(|_| Kind::Polyhedron),
         _ => None,
     }
@@ -104,6 +109,12 @@ fn part<'a>(known: &Known, shape: &'a dyn shape::Shape) -> Option<Part<'a>> {
         made(&corners(round.inner_shape.half_extents), round.border_radius)
     } else if let Some(round) = shape.as_round_convex_polyhedron() {
         made(round.inner_shape.points(), round.border_radius)
+    } else if let Some(triangle) = shape.as_triangle() {
+        made(&triangle.vertices()[..], 0.0)
+    } else if let Some(round) = shape.as_round_triangle() {
+        made(&round.inner_shape.vertices()[..], round.border_radius)
+    } else if let Some(segment) = shape.as_segment() {
+        made(&[segment.a, segment.b], 0.0)
     } else {
         None
     }
@@ -161,6 +172,12 @@ pub(super) fn one(known: &Known, shape: &dyn shape::Shape) -> Option<Placed> {
         Some(placed) => Some(placed),
         None => part(known, shape)?.placed(),
     }
+}
+
+/// Returns whether a shape is a cylinder or cone, rounded or not.
+pub(super) fn is_curved(shape: &dyn shape::Shape) -> bool {
+    use shape::ShapeType::{Cone, Cylinder, RoundCone, RoundCylinder};
+    matches!(shape.shape_type(), Cylinder | Cone | RoundCylinder | RoundCone)
 }
 
 /// Returns a cylinder or cone, whose axis is y in parry and z in [`lin_canny`].

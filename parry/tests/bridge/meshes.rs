@@ -9,7 +9,7 @@ use super::engine::parry::query::details::ShapeCastOptions;
 use super::engine::parry::query::{
     ContactManifold, NonlinearRigidMotion, PersistentQueryDispatcher, PointQuery, QueryDispatcher, Ray, RayCast,
 };
-use super::engine::parry::shape::{Compound, Cuboid, HeightField, Shape, SharedShape, TriMesh};
+use super::engine::parry::shape::{Compound, Cuboid, HeightField, Shape, SharedShape, TriMesh, TriMeshFlags};
 use super::engine::{Certified, Hull, MeshShape};
 
 type Manifolds = Vec<ContactManifold<(), u32>>;
@@ -61,6 +61,48 @@ fn bodies_of_every_size_rest_on_a_floor_of_triangles() {
             }
         }
     }
+}
+
+/// Triangle by triangle: meshes of parry without and with normals that are told by their neighbours, and height fields.
+#[test]
+fn bodies_of_every_size_rest_on_meshes_of_parry() {
+    let mut rng = Rng::new(45);
+    let mut bent = 0;
+    for size in [1.0, 0.02, 0.001] {
+        let side = 40.0 * size;
+        let field = HeightField::new(
+            super::engine::parry::utils::Array2::repeat(9, 9, 0.0),
+            Vector::new(side, 1.0, side),
+        );
+        let (points, triangles) = field.to_trimesh();
+        let plain = TriMesh::new(points.clone(), triangles.clone()).expect("a mesh");
+        let flags = TriMeshFlags::FIX_INTERNAL_EDGES;
+        let fixed = TriMesh::with_flags(points, triangles, flags).expect("a mesh");
+        let floors: [&dyn Shape; 3] = [&field, &plain, &fixed];
+        for (k, shape) in kinds(&mut rng, size)[..CONVEX].iter().enumerate() {
+            for case in 0..60 {
+                let turned = random_pose(&mut rng, 0.0);
+                let low = shape.compute_aabb(&turned).mins.y;
+                let gap = size * rng.range(-0.05, 0.05) as Real;
+                let [x, z] = [0; 2].map(|_| size * rng.range(-8.0, 8.0) as Real);
+                let pose = Pose::from_parts(Vector::new(x, gap - low, z), turned.rotation);
+                let floor = floors[case % 3];
+                let found = manifolds(&pose, floor, &**shape, 0.1 * size);
+                let points = found.iter().flat_map(|m| &m.points);
+                let deepest = points.map(|p| p.dist).fold(Real::INFINITY, Real::min);
+                let what = (k, size, case % 3);
+                assert!((deepest - gap).abs() < 2e-3 * size, "{what:?}: {deepest} of {gap}");
+                let bears = |m: &&ContactManifold<(), u32>| m.points.iter().any(|p| p.dist < 0.0);
+                let aside = found.iter().filter(bears).filter(|m| m.local_n1.y < 0.999).count();
+                assert!(
+                    aside == 0 || case % 3 < 2,
+                    "{what:?}: a contact with an edge inside the floor"
+                );
+                bent += aside;
+            }
+        }
+    }
+    println!("{bent} contacts of edges inside floors without flags");
 }
 
 #[test]
