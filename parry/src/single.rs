@@ -38,5 +38,5 @@ mod surface;
 pub use decomposition::{DecompositionError, decompose};
 pub use dispatcher::{Certified, ContactOptions};
 pub use hull::{Conversion, Hull, HullError};
-pub use mesh::MeshShape;
+pub use mesh::{MeshShape, geometry};
 pub use number::{isometry, pose};

@@ -120,12 +120,8 @@ impl Effects {
 
     /// Refuses numbers that are none, and effects that need response.
     pub(crate) fn check(&self, reals: Reals) -> Result<(), SimulationError> {
-        let number = |what, x: Option<f64>| match x {
-            Some(value) if !(0.0..=1e6).contains(&value) => Err(SimulationError::Number { what, value }),
-            _ => Ok(()),
-        };
-        number("friction", self.friction)?;
-        number("restitution", self.restitution)?;
+        coefficient("friction", self.friction)?;
+        coefficient("restitution", self.restitution)?;
         if let Some(gravity) = &self.gravity {
             reals.vector("gravity", gravity)?;
         }
@@ -190,10 +186,24 @@ impl Settings {
 pub struct Body {
     /// Pose of the body's frame in the world.
     pub pose: Isometry3<f64>,
-    /// Mass a unit of volume; `None` for a body that never moves.
+    /// Mass a unit of volume; `None` for a body that nothing pushes.
     pub density: Option<f64>,
     /// Velocity of the centre of mass, and angular velocity.
     pub velocity: Velocity,
+    /// Whether a body without density moves at its velocity, pushed by nothing.
+    pub is_kinematic: bool,
+    /// Coefficient of friction of this body; `None` for that of the effects.
+    pub friction: Option<f64>,
+    /// Coefficient of restitution of this body, 0 to 1; `None` for that of the effects.
+    pub restitution: Option<f64>,
+}
+
+/// How a body moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Movement {
+    Fixed,
+    Kinematic,
+    Dynamic,
 }
 
 impl Body {
@@ -204,6 +214,20 @@ impl Body {
             pose,
             density: None,
             velocity: Velocity::default(),
+            is_kinematic: false,
+            friction: None,
+            restitution: None,
+        }
+    }
+
+    /// Returns a body that moves at its velocity and pushes others, and that nothing pushes: a
+    /// conveyor, a gripper, a lift.
+    #[must_use]
+    pub fn kinematic(pose: Isometry3<f64>, velocity: Velocity) -> Self {
+        Self {
+            velocity,
+            is_kinematic: true,
+            ..Self::fixed(pose)
         }
     }
 
@@ -222,22 +246,70 @@ impl Body {
         Self { velocity, ..self }
     }
 
+    /// Returns the body with a coefficient of friction of its own. Two bodies in contact have the mean
+    /// of theirs.
+    #[must_use]
+    pub fn friction(self, friction: f64) -> Self {
+        Self {
+            friction: Some(friction),
+            ..self
+        }
+    }
+
+    /// Returns the body with a coefficient of restitution of its own, 0 to 1. Two bodies in contact
+    /// have the mean of theirs.
+    #[must_use]
+    pub fn restitution(self, restitution: f64) -> Self {
+        Self {
+            restitution: Some(restitution),
+            ..self
+        }
+    }
+
+    pub(crate) fn movement(&self) -> Movement {
+        match self.density {
+            Some(_) => Movement::Dynamic,
+            None if self.is_kinematic => Movement::Kinematic,
+            None => Movement::Fixed,
+        }
+    }
+
     pub(crate) fn check(&self, reals: Reals) -> Result<(), SimulationError> {
-        lin_canny::RelativePose::from_isometry(&self.pose)?;
+        coefficient("friction", self.friction)?;
+        coefficient("restitution", self.restitution)?;
         if let Some(value) = self.density.filter(|d| !(*d > 0.0 && d.is_finite())) {
             return Err(SimulationError::Number { what: "density", value });
         }
-        // A position may be as near to the origin as it likes.
-        let at = &self.pose.translation.vector;
-        if let Some(&value) = at.iter().find(|x| x.abs() > reals.most) {
-            return Err(SimulationError::Number {
-                what: "position",
-                value,
-            });
-        }
-        reals.vector("velocity", &self.velocity.linear)?;
-        reals.vector("velocity", &self.velocity.angular)
+        placed(&self.pose, reals)?;
+        moved(&self.velocity, reals)
     }
+}
+
+/// Refuses a coefficient that is negative, NaN or beyond all use.
+fn coefficient(what: &'static str, x: Option<f64>) -> Result<(), SimulationError> {
+    match x {
+        Some(value) if !(0.0..=1e6).contains(&value) => Err(SimulationError::Number { what, value }),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses a pose that is none of the engine's. A position may be as near to the origin as it likes.
+pub(crate) fn placed(pose: &Isometry3<f64>, reals: Reals) -> Result<(), SimulationError> {
+    lin_canny::RelativePose::from_isometry(pose)?;
+    let at = &pose.translation.vector;
+    match at.iter().find(|x| x.abs() > reals.most) {
+        Some(&value) => Err(SimulationError::Number {
+            what: "position",
+            value,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a velocity that the engine does not have.
+pub(crate) fn moved(velocity: &Velocity, reals: Reals) -> Result<(), SimulationError> {
+    reals.vector("velocity", &velocity.linear)?;
+    reals.vector("velocity", &velocity.angular)
 }
 
 /// Id of a body of one simulation, never used again after the body is removed.

@@ -30,6 +30,10 @@ pub enum SimulationError {
     /// rapier's narrow phase has the contacts.
     #[error("a scene is observed without response only")]
     ObservedResponse,
+    /// A shape without response that [`lin_canny`] does not have: a half-space, voxels, a custom
+    /// shape, or one of which it refuses a number.
+    #[error("the shape has no geometry in lin-canny")]
+    Shape,
     /// The pose is not a rigid motion.
     #[error(transparent)]
     Pose(#[from] PoseError),

@@ -1,11 +1,10 @@
 //! The engine without response: bodies that move and pass through each other.
 
-use std::sync::Arc;
-
 use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use lin_canny::scene::{self, Group, Scene};
-use lin_canny::{ConvexPolyhedron, Velocity};
+use lin_canny::{Geometry, Velocity};
 
+use crate::effects::Movement;
 use crate::{Body, BodyId, Effects, Report, Settings, SimulationError};
 
 const FIXED: Group = Group::new(0).unwrap();
@@ -21,14 +20,29 @@ pub(crate) struct Free {
     moved: usize,
 }
 
+/// What a shape is without an engine.
+pub(crate) struct Solid {
+    pub(crate) geometry: Geometry,
+    /// Place of the geometry's frame in the body's.
+    pub(crate) at: Isometry3<f64>,
+    pub(crate) centroid: Point3<f64>,
+    /// Inertia about the centroid at unit density.
+    pub(crate) inertia: Matrix3<f64>,
+}
+
 #[derive(Debug)]
 struct FreeBody {
     id: scene::BodyId,
-    is_fixed: bool,
+    pose: Isometry3<f64>,
+    /// Place of the geometry's frame in the body's.
+    at: Isometry3<f64>,
+    movement: Movement,
     center: Point3<f64>,
     linear: Vector3<f64>,
     /// Angular momentum over the mass density, which no torque changes.
     momentum: Vector3<f64>,
+    /// Inertia at unit density, in the body's frame; identity for a body without.
+    spun: Matrix3<f64>,
     /// Inverse of the inertia at unit density, in the body's frame; identity for a body without.
     inverse: Matrix3<f64>,
 }
@@ -47,40 +61,37 @@ impl Free {
         })
     }
 
-    pub(crate) fn insert(&mut self, shape: &Arc<ConvexPolyhedron>, body: &Body) -> Result<BodyId, SimulationError> {
-        let is_fixed = body.density.is_none();
-        let solid = match is_fixed {
-            true => scene::Body::fixed(shape.clone()).group(FIXED),
-            false => scene::Body::moving(shape.clone()).group(MOVING),
+    pub(crate) fn insert(&mut self, solid: Solid, body: &Body) -> Result<BodyId, SimulationError> {
+        let Solid {
+            geometry,
+            at,
+            centroid,
+            inertia,
+        } = solid;
+        let movement = body.movement();
+        let member = match movement {
+            Movement::Fixed => scene::Body::fixed(geometry).group(FIXED),
+            _ => scene::Body::moving(geometry).group(MOVING),
         };
-        let id = self.scene.insert(solid, body.pose)?;
-        let inertia = shape.inertia();
+        let id = self.scene.insert(member, body.pose * at)?;
         let size = inertia.amax();
         let inverse = (inertia / size).try_inverse().map(|m| m / size);
         let inverse = inverse
             .filter(|m| m.iter().all(|x| x.is_finite()))
             .unwrap_or_else(Matrix3::identity);
         let spun = inverse.try_inverse().unwrap_or_else(Matrix3::identity);
-        let turn = body.pose.rotation;
-        // What does not move has no velocity, as in the engine with response.
-        let linear = if is_fixed {
-            Vector3::zeros()
-        } else {
-            body.velocity.linear
-        };
-        let spin = if is_fixed || !self.effects.rotation {
-            Vector3::zeros()
-        } else {
-            body.velocity.angular
-        };
-        let made = FreeBody {
+        let mut made = FreeBody {
             id,
-            is_fixed,
-            center: shape.centroid(),
-            linear,
-            momentum: turn * (spun * turn.inverse_transform_vector(&spin)),
+            pose: body.pose,
+            at,
+            movement,
+            center: centroid,
+            linear: Vector3::zeros(),
+            momentum: Vector3::zeros(),
+            spun,
             inverse,
         };
+        made.set_velocity(&body.velocity, self.effects.rotation);
         let index = BodyId(self.bodies.len() as u32);
         self.bodies.push(Some(made));
         Ok(index)
@@ -93,14 +104,27 @@ impl Free {
     }
 
     pub(crate) fn pose(&self, body: BodyId) -> Option<Isometry3<f64>> {
-        let body = self.bodies.get(body.index())?.as_ref()?;
-        self.scene.pose(body.id).copied()
+        Some(self.bodies.get(body.index())?.as_ref()?.pose)
     }
 
     pub(crate) fn velocity(&self, body: BodyId) -> Option<Velocity> {
-        let pose = self.pose(body)?;
         let body = self.bodies.get(body.index())?.as_ref()?;
-        Some(Velocity::new(body.linear, body.spin(&pose)))
+        Some(Velocity::new(body.linear, body.spin()))
+    }
+
+    /// Moves a body without passing what lies between; its velocity stays.
+    pub(crate) fn set_pose(&mut self, body: BodyId, pose: Isometry3<f64>) -> Result<(), SimulationError> {
+        let of = found(&mut self.bodies, body)?;
+        self.scene.set_pose(of.id, pose * of.at)?;
+        let velocity = Velocity::new(of.linear, of.spin());
+        of.pose = pose;
+        of.set_velocity(&velocity, self.effects.rotation);
+        Ok(())
+    }
+
+    pub(crate) fn set_velocity(&mut self, body: BodyId, velocity: &Velocity) -> Result<(), SimulationError> {
+        found(&mut self.bodies, body)?.set_velocity(velocity, self.effects.rotation);
+        Ok(())
     }
 
     /// Advances velocities, then poses with the new velocities (semi-implicit Euler), then the
@@ -108,12 +132,15 @@ impl Free {
     pub(crate) fn step(&mut self) -> Result<(), SimulationError> {
         let (dt, gravity) = (self.time_step, self.effects.gravity.unwrap_or_else(Vector3::zeros));
         self.moved = 0;
-        for body in self.bodies.iter_mut().flatten().filter(|b| !b.is_fixed) {
-            let Some(pose) = self.scene.pose(body.id) else { continue };
-            let linear = body.linear + gravity * dt;
-            let next = body.advanced(pose, &linear, &body.spin(pose), dt);
-            self.scene.set_pose(body.id, next)?;
-            body.linear = linear;
+        for body in self.bodies.iter_mut().flatten() {
+            let linear = match body.movement {
+                Movement::Fixed => continue,
+                Movement::Kinematic => body.linear,
+                Movement::Dynamic => body.linear + gravity * dt,
+            };
+            let next = body.advanced(&linear, dt);
+            self.scene.set_pose(body.id, next * body.at)?;
+            (body.pose, body.linear) = (next, linear);
             self.moved += 1;
         }
         self.scene.step();
@@ -134,17 +161,49 @@ impl Free {
     }
 }
 
+fn found(bodies: &mut [Option<FreeBody>], body: BodyId) -> Result<&mut FreeBody, SimulationError> {
+    let slot = bodies.get_mut(body.index()).and_then(Option::as_mut);
+    slot.ok_or(SimulationError::NoBody { body })
+}
+
 impl FreeBody {
-    /// Returns the angular velocity of the conserved angular momentum.
-    fn spin(&self, pose: &Isometry3<f64>) -> Vector3<f64> {
-        let turn = pose.rotation;
-        turn * (self.inverse * turn.inverse_transform_vector(&self.momentum))
+    /// What does not move has no velocity, as in the engine with response; a kinematic body turns
+    /// whether bodies rotate or not.
+    fn set_velocity(&mut self, velocity: &Velocity, rotation: bool) {
+        let turns = match self.movement {
+            Movement::Fixed => return,
+            Movement::Kinematic => true,
+            Movement::Dynamic => rotation,
+        };
+        self.linear = velocity.linear;
+        let spin = if turns { velocity.angular } else { Vector3::zeros() };
+        self.momentum = match self.movement {
+            Movement::Kinematic => spin,
+            _ => {
+                let turn = self.pose.rotation;
+                turn * (self.spun * turn.inverse_transform_vector(&spin))
+            }
+        };
+    }
+
+    /// Returns the angular velocity of the conserved angular momentum; that of a kinematic body is
+    /// conserved itself.
+    fn spin(&self) -> Vector3<f64> {
+        match self.movement {
+            Movement::Kinematic => self.momentum,
+            _ => {
+                let turn = self.pose.rotation;
+                turn * (self.inverse * turn.inverse_transform_vector(&self.momentum))
+            }
+        }
     }
 
     /// Returns the pose after a time at which the centre of mass moves on a line.
-    fn advanced(&self, pose: &Isometry3<f64>, linear: &Vector3<f64>, spin: &Vector3<f64>, dt: f64) -> Isometry3<f64> {
-        let center = pose * self.center + linear * dt;
-        let turned = Velocity::new(Vector3::zeros(), *spin).applied(pose, dt).rotation;
+    fn advanced(&self, linear: &Vector3<f64>, dt: f64) -> Isometry3<f64> {
+        let center = self.pose * self.center + linear * dt;
+        let turned = Velocity::new(Vector3::zeros(), self.spin())
+            .applied(&self.pose, dt)
+            .rotation;
         Isometry3::from_parts((center - turned * self.center).into(), turned)
     }
 }

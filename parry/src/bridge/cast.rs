@@ -20,8 +20,8 @@ pub(super) enum Flown {
     /// The shapes stay apart.
     Free,
     Hit(ShapeCastHit),
-    /// The shapes meet at the start already.
-    Start(ShapeCastHit),
+    /// The shapes meet at the start already; without a hit if none was wanted.
+    Start(Option<ShapeCastHit>),
     /// A motion, the interval or the distance is out of range: nothing is known.
     Refused,
 }
@@ -40,10 +40,10 @@ pub(super) fn linear((a, b): (&Placed, &Placed), pos12: &Pose, vel12: Vector, op
     let (Ok(rest), Ok(way)) = (rest, way) else {
         return Flown::Refused;
     };
-    match fly((a, b), (&rest, &way), (0.0, until), target) {
+    match fly((a, b), (&rest, &way), (0.0, until), target, true) {
         // The distance of convex shapes at a constant velocity is a convex function of time, so
         // that shapes that move apart stay apart.
-        Flown::Start(hit)
+        Flown::Start(Some(hit))
             if !options.stop_at_penetration
                 && a.is_convex()
                 && b.is_convex()
@@ -51,19 +51,22 @@ pub(super) fn linear((a, b): (&Placed, &Placed), pos12: &Pose, vel12: Vector, op
         {
             Flown::Free
         }
-        Flown::Start(hit) => Flown::Hit(hit),
+        Flown::Start(Some(hit)) => Flown::Hit(hit),
         flown => flown,
     }
 }
 
-/// Casts two shapes that move and turn at constant velocities.
+/// Casts two shapes that move and turn at constant velocities. What meets at the start is measured
+/// if this is wanted: the depth of an overlap takes longer than the cast.
 pub(super) fn nonlinear(
     (a, b): (&Placed, &Placed),
     (motion1, motion2): (&NonlinearRigidMotion, &NonlinearRigidMotion),
     (start, end): (Real, Real),
+    is_wanted: bool,
 ) -> Flown {
+    let interval = (f64::from(start), f64::from(end));
     match (steady(a, motion1), steady(b, motion2)) {
-        (Some(x), Some(y)) => fly((a, b), (&x, &y), (f64::from(start), f64::from(end)), 0.0),
+        (Some(x), Some(y)) => fly((a, b), (&x, &y), interval, 0.0, is_wanted),
         _ => Flown::Refused,
     }
 }
@@ -76,7 +79,13 @@ fn steady(placed: &Placed, motion: &NonlinearRigidMotion) -> Option<Steady> {
     Steady::about(&pose, pivot, velocity).ok()
 }
 
-fn fly((a, b): (&Placed, &Placed), (x, y): (&Steady, &Steady), interval: (f64, f64), target: f64) -> Flown {
+fn fly(
+    (a, b): (&Placed, &Placed),
+    (x, y): (&Steady, &Steady),
+    interval: (f64, f64),
+    target: f64,
+    is_wanted: bool,
+) -> Flown {
     use ShapeCastStatus::{Converged, OutOfIterations, PenetratingOrWithinTargetDist};
     let mut tracker = PairTracker::new();
     let mut pair = tracker.over(&a.shape, &b.shape);
@@ -88,6 +97,7 @@ fn fly((a, b): (&Placed, &Placed), (x, y): (&Steady, &Steady), interval: (f64, f
     let mut hit = |time| hit((a, b), (&x.pose(time), &y.pose(time)), time, &mut tracker);
     let (found, status) = match cast.impact {
         Impact::Miss => return Flown::Free,
+        Impact::Start { .. } if !is_wanted => return Flown::Start(None),
         Impact::Start { seen } => {
             // An overlap of two polyhedra is measured without a depth.
             let is_touching = seen.class != Class::Overlapping && seen.distance >= target;
@@ -96,7 +106,7 @@ fn fly((a, b): (&Placed, &Placed), (x, y): (&Steady, &Steady), interval: (f64, f
             } else {
                 PenetratingOrWithinTargetDist
             };
-            let start = hit(interval.0).map(|found| Flown::Start(ShapeCastHit { status, ..found }));
+            let start = hit(interval.0).map(|found| Flown::Start(Some(ShapeCastHit { status, ..found })));
             return start.unwrap_or(Flown::Refused);
         }
         // Proven apart up to `safe`, and nearer than the tolerance there.

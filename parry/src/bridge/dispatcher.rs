@@ -314,8 +314,8 @@ impl QueryDispatcher for Certified {
         if let Some((on_a, on_b)) = pair.filter(|_| pos12.is_finite()) {
             match cast::linear((&on_a, &on_b), pos12, vel12, &options) {
                 Flown::Free => return Ok(None),
-                Flown::Hit(hit) | Flown::Start(hit) => return Ok(Some(hit)),
-                Flown::Refused => {}
+                Flown::Hit(hit) | Flown::Start(Some(hit)) => return Ok(Some(hit)),
+                Flown::Start(None) | Flown::Refused => {}
             }
         }
         let (parry, options) = guard::casting(pos12, vel12, (a, b), &options)?;
@@ -336,20 +336,15 @@ impl QueryDispatcher for Certified {
         end: Real,
         stop_at_penetration: bool,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
-        let mut met = None;
-        if let Some((on_a, on_b)) = part::both(&self.known, a, b) {
-            match cast::nonlinear((&on_a, &on_b), (motion1, motion2), (start, end)) {
-                Flown::Free => return Ok(None),
-                Flown::Hit(hit) => return Ok(Some(hit)),
-                Flown::Start(hit) if stop_at_penetration => return Ok(Some(hit)),
-                // What happens after a penetration at the start is asked of parry, if it can tell.
-                Flown::Start(hit) => met = Some(hit),
-                Flown::Refused => {}
-            }
-        }
         let asked = Turning::new((a, b), (motion1, motion2), (start, end), stop_at_penetration);
-        if let Some(hit) = met.filter(|_| !asked.as_ref().is_ok_and(|asked| !asked.stop_at_penetration)) {
-            return Ok(Some(hit));
+        // What happens after a penetration at the start is asked of parry, if it can tell.
+        let goes_on = asked.as_ref().is_ok_and(|asked| !asked.stop_at_penetration);
+        if let Some((on_a, on_b)) = part::both(&self.known, a, b) {
+            match cast::nonlinear((&on_a, &on_b), (motion1, motion2), (start, end), !goes_on) {
+                Flown::Free => return Ok(None),
+                Flown::Hit(hit) | Flown::Start(Some(hit)) => return Ok(Some(hit)),
+                Flown::Start(None) | Flown::Refused => {}
+            }
         }
         let asked = asked?;
         let (x, y, end, stop) = (&asked.motion1, &asked.motion2, asked.end, asked.stop_at_penetration);

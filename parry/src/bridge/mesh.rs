@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use lin_canny::nalgebra::Point3;
+use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{
     Composite, ContactPatches, ContactPoint, Feature, Geometry, ManifoldOptions, Mesh, MeshError, PairTracker,
     PatchContacts, Piece, RelativePose,
@@ -134,17 +134,61 @@ fn patches(known: &Known, shape: &dyn Shape) -> Option<ContactPatches> {
     if let Some(mesh) = mesh(shape) {
         return Some(mesh.patches.clone());
     }
+    Some(ContactPatches::of_pieces(composite(known, shape)?))
+}
+
+/// Returns a compound, or a convex shape as its only piece, in the frame of the engine's shape.
+fn composite(known: &Known, shape: &dyn Shape) -> Option<Composite> {
     let piece = |shape: &dyn Shape, at: &Pose| {
         let placed = part::one(known, shape)?;
         let mut piece = Piece::new(placed.convex()?);
         piece.pose = isometry(at) * placed.at;
         Some(piece)
     };
-    let pieces = match shape.as_compound() {
+    let pieces: Option<Vec<_>> = match shape.as_compound() {
         Some(compound) => compound.shapes().iter().map(|(at, part)| piece(&**part, at)).collect(),
         None => piece(shape, &Pose::IDENTITY).map(|piece| vec![piece]),
     };
-    Some(ContactPatches::of_pieces(Composite::new(pieces?).ok()?))
+    Composite::new(pieces?).ok()
+}
+
+/// Returns a shape of parry as a geometry of [`lin_canny`], and the place of its frame in the frame
+/// of the shape: for trackers and scenes about the shapes of an engine. `None` for half-spaces,
+/// voxels, custom shapes other than [`Hull`](super::Hull) and [`MeshShape`], and shapes that
+/// [`lin_canny`] refuses.
+///
+/// ```
+/// use lin_canny_parry::lin_canny::{PairTracker, RelativePose};
+/// use lin_canny_parry::single::{geometry, parry};
+/// use parry::shape::{Ball, Cylinder};
+///
+/// let (can, at) = geometry(&Cylinder::new(0.5, 0.2)).unwrap();
+/// let (ball, _) = geometry(&Ball::new(0.1)).unwrap();
+/// // The axis is y in parry and z in lin-canny.
+/// let above = lin_canny_parry::lin_canny::nalgebra::Isometry3::translation(0.0, 1.0, 0.0);
+/// let distance = PairTracker::new().distance(&can, &ball, &RelativePose::new(&at, &above)?);
+/// assert!((distance - 0.4).abs() < 1e-7);
+/// # Ok::<(), lin_canny_parry::lin_canny::PoseError>(())
+/// ```
+#[must_use]
+pub fn geometry(shape: &dyn Shape) -> Option<(Geometry, Isometry3<f64>)> {
+    let (known, own) = (Known::default(), Isometry3::identity());
+    let of_triangles = |points: &[Vector], triangles: &[[u32; 3]]| {
+        let points: Vec<Point3<f64>> = points.iter().map(|&p| wide_point(p)).collect();
+        Some((Geometry::from(Mesh::new(&points, triangles).ok()?), own))
+    };
+    if let Some(mesh) = shape.as_trimesh() {
+        return of_triangles(mesh.vertices(), mesh.indices());
+    }
+    if let Some(field) = shape.as_heightfield() {
+        let (points, triangles) = field.to_trimesh();
+        return of_triangles(&points, &triangles);
+    }
+    if shape.as_compound().is_some() {
+        return Some((composite(&known, shape)?.into(), own));
+    }
+    let placed = part::one(&known, shape)?;
+    Some((placed.shape, placed.at))
 }
 
 /// Returns the deepest contact of two shapes of which one is a mesh.

@@ -4,12 +4,12 @@ use lin_canny::Velocity;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{self, Scene};
 
-use super::Hull;
+use super::BodyShape;
 use super::rapier::dynamics::RigidBodyHandle;
 use super::rapier::math::Real;
-use super::rapier::pipeline::PhysicsWorld;
+use super::rapier::pipeline::{EventHandler, PhysicsHooks, PhysicsWorld};
 use super::world::World;
-use crate::effects::Reals;
+use crate::effects::{Reals, moved, placed};
 use crate::free::Free;
 use crate::{Body, BodyId, Effects, Report, Settings, SimulationError};
 
@@ -56,14 +56,52 @@ impl Simulation {
     /// Puts a body into the simulation.
     ///
     /// # Errors
-    /// If the pose is not a rigid motion, position, density, mass or velocity is not a number of the
-    /// engine, or the shape is too large for a scene.
-    pub fn insert(&mut self, shape: &Hull, body: Body) -> Result<BodyId, SimulationError> {
-        body.check(reals(matches!(self.engine, Engine::Response(_))))?;
+    /// If the pose is not a rigid motion, position, density, mass, velocity or a coefficient is not a
+    /// number of the engine; without response, if the shape is not one of [`lin_canny`] or too large
+    /// for a scene, or a coefficient is given.
+    pub fn insert(&mut self, shape: impl Into<BodyShape>, body: Body) -> Result<BodyId, SimulationError> {
+        body.check(self.reals())?;
+        let shape = shape.into();
         match &mut self.engine {
-            Engine::Free(free) => free.insert(shape.body(), &body),
-            Engine::Response(world) => world.insert(shape, &body),
+            Engine::Free(free) => {
+                let given = [("friction", body.friction), ("restitution", body.restitution)];
+                if let Some((effect, _)) = given.iter().find(|(_, x)| x.is_some()) {
+                    return Err(SimulationError::NeedsResponse { effect });
+                }
+                free.insert(shape.solid().ok_or(SimulationError::Shape)?, &body)
+            }
+            Engine::Response(world) => world.insert(&shape, &body),
         }
+    }
+
+    /// Puts a body at a pose, whatever lies between. Its velocity stays, and it is awake.
+    ///
+    /// # Errors
+    /// If there is no such body, the pose is not a rigid motion, or the position is not a number of
+    /// the engine.
+    pub fn set_pose(&mut self, body: BodyId, pose: Isometry3<f64>) -> Result<(), SimulationError> {
+        placed(&pose, self.reals())?;
+        match &mut self.engine {
+            Engine::Free(free) => free.set_pose(body, pose),
+            Engine::Response(world) => world.set_pose(body, &pose),
+        }
+    }
+
+    /// Sets the velocity of a body's centre of mass, and its angular velocity; a fixed body keeps
+    /// none.
+    ///
+    /// # Errors
+    /// If there is no such body, or a coordinate is not a number of the engine.
+    pub fn set_velocity(&mut self, body: BodyId, velocity: Velocity) -> Result<(), SimulationError> {
+        moved(&velocity, self.reals())?;
+        match &mut self.engine {
+            Engine::Free(free) => free.set_velocity(body, &velocity),
+            Engine::Response(world) => world.set_velocity(body, &velocity),
+        }
+    }
+
+    fn reals(&self) -> Reals {
+        reals(matches!(self.engine, Engine::Response(_)))
     }
 
     /// Removes a body.
@@ -87,6 +125,24 @@ impl Simulation {
             Engine::Free(free) => free.step(),
             Engine::Response(world) => {
                 world.world.step();
+                Ok(())
+            }
+        }
+    }
+
+    /// Advances a simulation with response by one time step under the caller's hooks, which may
+    /// refuse pairs and change contacts, and tells a handler of what begins and ends: rapier tells of
+    /// bodies whose colliders have `active_hooks` and `active_events` (through
+    /// [`world_mut`](Self::world_mut)). Without response the events of the scene are those of
+    /// [`scene`](Self::scene), and hooks and handler are not asked.
+    ///
+    /// # Errors
+    /// Those of [`step`](Self::step).
+    pub fn step_with(&mut self, hooks: &dyn PhysicsHooks, events: &dyn EventHandler) -> Result<(), SimulationError> {
+        match &mut self.engine {
+            Engine::Free(free) => free.step(),
+            Engine::Response(world) => {
+                world.world.step_with_events(hooks, events);
                 Ok(())
             }
         }
@@ -139,7 +195,34 @@ impl Simulation {
     }
 
     /// Returns the rapier world of a simulation with response, for what effects do not cover:
-    /// joints, forces, sensors. `world.narrow_phase = NarrowPhase::new()` before the first step puts
+    /// joints, forces, sensors, events.
+    ///
+    /// ```
+    /// use lin_canny_rapier::single::rapier::prelude::RevoluteJointBuilder;
+    /// use lin_canny_rapier::single::rapier::math::Vector;
+    /// use lin_canny_rapier::single::rapier::geometry::SharedShape;
+    /// use lin_canny_rapier::single::Simulation;
+    /// use lin_canny_rapier::{Body, Effects, Settings};
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    ///
+    /// let effects = Effects { gravity: Some(Vector3::y() * -9.81), ..Effects::response() };
+    /// let mut simulation = Simulation::new(effects, Settings::default())?;
+    /// let post = simulation.insert(SharedShape::cuboid(0.1, 0.1, 0.1), Body::fixed(Isometry3::identity()))?;
+    /// let at = Isometry3::translation(1.0, 0.0, 0.0);
+    /// let bob = simulation.insert(SharedShape::cylinder(0.1, 0.1), Body::moving(at, 1000.0))?;
+    /// // A pendulum: the bob turns about z at the post.
+    /// let (a, b) = (simulation.handle(post).unwrap(), simulation.handle(bob).unwrap());
+    /// let joint = RevoluteJointBuilder::new(Vector::Z).local_anchor2(Vector::new(-1.0, 0.0, 0.0));
+    /// simulation.world_mut().unwrap().insert_impulse_joint(a, b, joint);
+    /// for _ in 0..20 {
+    ///     simulation.step()?;
+    /// }
+    /// let at = simulation.pose(bob).unwrap().translation.vector;
+    /// assert!(at.y < -0.1 && (at.norm() - 1.0).abs() < 0.01);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// `world.narrow_phase = NarrowPhase::new()` before the first step puts
     /// parry's contacts in the place of the certified ones, for a comparison.
     pub fn world_mut(&mut self) -> Option<&mut PhysicsWorld> {
         match &mut self.engine {

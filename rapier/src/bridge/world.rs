@@ -4,11 +4,12 @@ use lin_canny::Velocity;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 
 use super::rapier::dynamics::{RigidBody, RigidBodyBuilder, RigidBodyHandle};
-use super::rapier::geometry::{ColliderBuilder, NarrowPhase, SharedShape};
+use super::rapier::geometry::{ColliderBuilder, NarrowPhase};
 use super::rapier::math::{Real, Vector};
 use super::rapier::pipeline::PhysicsWorld;
 use super::rapier::{self};
-use super::{Certified, Hull, engine};
+use super::{BodyShape, Certified, engine};
+use crate::effects::Movement;
 use crate::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings, SimulationError};
 
 /// Inverse mass up to which rapier takes a body for one that no force moves.
@@ -61,35 +62,32 @@ impl World {
         }
     }
 
-    pub(super) fn insert(&mut self, shape: &Hull, body: &Body) -> Result<BodyId, SimulationError> {
+    pub(super) fn insert(&mut self, shape: &BodyShape, body: &Body) -> Result<BodyId, SimulationError> {
         let effects = &self.effects;
-        let is_solid = shape.body().volume() > 0.0;
-        let is_moved = |density: f64| shape.mass_properties_at(density as Real).inv_mass > IMMOVABLE;
-        if let Some(value) = body.density.filter(|&density| is_solid && !is_moved(density)) {
+        let is_stuck = |density: f64| shape.inverse_mass(density).is_some_and(|inverse| inverse <= IMMOVABLE);
+        if let Some(value) = body.density.filter(|&density| is_stuck(density)) {
             return Err(SimulationError::Number { what: "density", value });
         }
-        let turning = if effects.rotation {
-            body.velocity.angular
-        } else {
-            Vector3::zeros()
-        };
-        let builder = match body.density {
-            None => RigidBodyBuilder::fixed(),
-            Some(_) => RigidBodyBuilder::dynamic()
+        let (linear, angular) = (narrow(&body.velocity.linear), narrow(&body.velocity.angular));
+        let builder = match body.movement() {
+            Movement::Fixed => RigidBodyBuilder::fixed(),
+            Movement::Kinematic => RigidBodyBuilder::kinematic_velocity_based()
+                .linvel(linear)
+                .angvel(angular),
+            Movement::Dynamic => RigidBodyBuilder::dynamic()
                 .can_sleep(effects.sleeping)
                 .ccd_enabled(effects.continuous == Continuous::AgainstAll)
-                .linvel(narrow(&body.velocity.linear))
-                .angvel(narrow(&turning)),
+                .linvel(linear)
+                .angvel(if effects.rotation { angular } else { Vector::ZERO }),
         };
-        let builder = if effects.rotation {
-            builder
-        } else {
-            builder.lock_rotations()
+        let builder = match body.movement() {
+            Movement::Dynamic if !effects.rotation => builder.lock_rotations(),
+            _ => builder,
         };
-        let collider = ColliderBuilder::new(SharedShape::from(shape.clone()))
+        let collider = ColliderBuilder::new(shape.shared().clone())
             .density(body.density.unwrap_or(1.0) as Real)
-            .friction(effects.friction.unwrap_or(0.0) as Real)
-            .restitution(effects.restitution.unwrap_or(0.0) as Real);
+            .friction(body.friction.or(effects.friction).unwrap_or(0.0) as Real)
+            .restitution(body.restitution.or(effects.restitution).unwrap_or(0.0) as Real);
         let (handle, _) = self.world.insert(builder.pose(engine::pose(&body.pose)), collider);
         let id = BodyId(self.bodies.len() as u32);
         self.bodies.push(Some(handle));
@@ -100,6 +98,27 @@ impl World {
         let slot = self.bodies.get_mut(body.index()).and_then(Option::take);
         let handle = slot.ok_or(SimulationError::NoBody { body })?;
         self.world.remove_body(handle);
+        Ok(())
+    }
+
+    fn body_mut(&mut self, body: BodyId) -> Result<&mut RigidBody, SimulationError> {
+        let handle = self.handle(body);
+        let found = handle.and_then(|handle| self.world.bodies.get_mut(handle));
+        found.ok_or(SimulationError::NoBody { body })
+    }
+
+    pub(super) fn set_pose(&mut self, body: BodyId, pose: &Isometry3<f64>) -> Result<(), SimulationError> {
+        self.body_mut(body)?.set_position(engine::pose(pose), true);
+        Ok(())
+    }
+
+    pub(super) fn set_velocity(&mut self, body: BodyId, velocity: &Velocity) -> Result<(), SimulationError> {
+        let rotation = self.effects.rotation;
+        let body = self.body_mut(body)?;
+        body.set_linvel(narrow(&velocity.linear), true);
+        if rotation || body.is_kinematic() {
+            body.set_angvel(narrow(&velocity.angular), true);
+        }
         Ok(())
     }
 

@@ -2,6 +2,8 @@
 
 use lin_canny_rapier::single as engine;
 
+#[path = "bodies.rs"]
+mod bodies;
 #[path = "effects.rs"]
 mod effects;
 #[path = "piles.rs"]
