@@ -36,10 +36,9 @@
 //!   points, boxes and mass properties that do not scan the vertices, support faces spread over four
 //!   vertices that include the deepest one, exact point containment. It works under parry's own
 //!   dispatcher too: a coin laid flat on a half-space stays flat.
-//! * **The dispatcher** [`Certified`](crate::single::Certified) answers pairs of hulls, cuboids,
-//!   balls, capsules and their rounded and compound forms by [`lin_canny`], in `f64`, without an
-//!   absolute tolerance, and hands all other pairs to parry. Distances, tests and contacts of
-//!   cylinders and cones are answered as well; their manifolds are parry's.
+//! * **The dispatcher** [`Certified`](crate::single::Certified) answers pairs of convex shapes of
+//!   every kind, rounded, in compounds, or as the triangles of a mesh or height field, by
+//!   [`lin_canny`], in `f64`, without an absolute tolerance, and hands all other pairs to parry.
 //! * **The shape** [`MeshShape`](crate::single::MeshShape) is a mesh as the caller brought it, a
 //!   terrain of a million triangles or a tool: closed ones are solids, contacts are those of convex
 //!   patches, so that no edge inside a flat floor bears one.
@@ -50,29 +49,38 @@
 //!   contacts. Shapes whose bounding balls are farther apart than the prediction asks for have no
 //!   contact; others beyond the prediction keep one. Snapshots go on bit for bit, any number of
 //!   threads gives the same bits, and a
-//!   dropped pair leaves nothing behind. Only bodies made of cuboids, balls, capsules and plain
-//!   polyhedra are remembered, by their points: those in use, and some thousands that are not.
+//!   dropped pair leaves nothing behind. Only bodies made of cuboids, balls, capsules, triangles and
+//!   plain polyhedra are remembered, by their points: those in use, and some thousands that are not.
 //!
 //! # Which pairs are answered by whom
 //!
 //! | pair | distance, contact, test, closest points | manifold |
 //! |---|---|---|
-//! | a hull, cuboid, capsule, convex polyhedron or rounded one of these, and one of these | here | here |
+//! | a hull, cuboid, capsule, segment, triangle, convex polyhedron or rounded one of these, and one of these | here | here |
 //! | a ball, and any of the shapes above but a cuboid | here | here |
 //! | ball and cuboid | here | parry (closed form) |
 //! | two balls | parry (closed form) | parry (closed form) |
-//! | cylinder, cone, and any of the shapes above | here | parry |
-//! | half-space, and a hull, capsule, convex polyhedron or rounded one | parry | here |
+//! | cylinder or cone, rounded ones too, and any of the shapes above | here | here |
+//! | half-space, and a hull, capsule, segment, triangle, convex polyhedron or rounded one | parry | here |
+//! | half-space, and a cylinder or cone | parry | parry |
 //! | a `MeshShape`, and any of the shapes above but a half-space | here | here |
 //! | compounds | part by part | part by part, at once with a `MeshShape` |
-//! | triangles, meshes, height fields, voxels, custom shapes | parry | parry |
+//! | mesh or height field of parry, and any convex shape above but a half-space | parry | triangle by triangle, here |
+//! | two meshes or height fields, voxels, custom shapes | parry | parry |
 //!
 //! The closed forms of parry that are kept compare no length with an absolute number. Its other
-//! tolerances in `f32` are absolute, so **small parts on a mesh or height field of parry are not
-//! cured**, nor are the manifolds of small cylinders and cones on each other: make such floors
-//! `MeshShape`s (`MeshShape::try_from(&trimesh)`), hulls or cuboids and such parts hulls, or scale the
-//! scene. rapier's character controller asks parry's own dispatcher,
-//! whichever is set.
+//! tolerances in `f32` are absolute: distances and casts of small parts to a mesh of parry are not
+//! cured, and a `MeshShape` (`MeshShape::try_from(&trimesh)`) is. rapier's character controller asks
+//! parry's own dispatcher, whichever is set.
+//!
+//! # Triangles of surfaces
+//!
+//! An overlap with a triangle of a mesh or height field of parry is measured along the triangle's
+//! own normal where the contact lies in the triangle, as its least translation may lead out over an
+//! edge beyond which the surface goes on. Normals that the surface refuses
+//! (`TriMeshFlags::FIX_INTERNAL_EDGES`, `HeightFieldFlags`) bear no contact. **Without such flags
+//! edges inside a flat floor bear contacts**, as with parry: a body that slides may catch there. A
+//! `MeshShape` needs no flag.
 //!
 //! # Casts
 //!

@@ -395,7 +395,7 @@ where
                 contact_manifolds_composite_shape_shape(self, &pos12.inverse(), c, a, prediction, out, kept, true);
                 Ok(())
             }
-            _ if is_field(a) || is_field(b) => {
+            _ if is_field(a) != is_field(b) => {
                 let by = Self {
                     is_surface: true,
                     ..self.clone()

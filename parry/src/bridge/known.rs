@@ -13,6 +13,9 @@ use super::parry::math::Vector;
 /// Shapes that are remembered before any is forgotten.
 const LEAST: usize = 4096;
 
+/// Most points that make a key.
+const MOST_HASHED: usize = 8;
+
 /// Most keys of forgotten shapes that are kept over a sweep.
 const MOST_FORGOTTEN: usize = 16 * LEAST;
 
@@ -102,13 +105,20 @@ impl Table {
 
 /// Returns whether points are equal bit for bit.
 fn same(a: &[Vector], b: &[Vector]) -> bool {
-    let bits = |p: &Vector| p.to_array().map(|x| x.to_bits());
-    a.len() == b.len() && a.iter().zip(b).all(|(p, q)| bits(p) == bits(q))
+    // Without an early end: equal points are the rule, and lanes compare several at once.
+    let differ = |p: &Vector, q: &Vector| {
+        let ([a, b, c], [x, y, z]) = (p.to_array(), q.to_array());
+        (a.to_bits() ^ x.to_bits()) | (b.to_bits() ^ y.to_bits()) | (c.to_bits() ^ z.to_bits())
+    };
+    a.len() == b.len() && a.iter().zip(b).fold(0, |all, (p, q)| all | differ(p, q)) == 0
 }
 
+/// Returns a key of some of the points, as all of them are compared in any case.
 fn key(points: &[Vector]) -> u64 {
-    let mix = |hash: u64, x| (hash.rotate_left(5) ^ f64::from(x).to_bits()).wrapping_mul(0x517c_c1b7_2722_0a95);
-    points.iter().flat_map(|p| p.to_array()).fold(0, mix)
+    let mix = |hash: u64, x: u64| (hash.rotate_left(5) ^ x).wrapping_mul(0x517c_c1b7_2722_0a95);
+    let step = points.len().div_ceil(MOST_HASHED).max(1);
+    let some = points.iter().step_by(step).flat_map(|p| p.to_array());
+    some.map(|x| f64::from(x).to_bits()).fold(points.len() as u64, mix)
 }
 
 fn made(points: &[Vector]) -> Option<Hull> {

@@ -25,10 +25,10 @@ fn simulation(effects: Effects) -> Simulation {
 /// A block thrown flat onto the ground, and the ground.
 fn thrown(effects: Effects, height: f64, velocity: Velocity) -> (Simulation, BodyId) {
     let mut s = simulation(effects);
-    s.insert(&ground(), Body::fixed(Isometry3::translation(0.0, -1.0, 0.0)))
+    s.insert(ground(), Body::fixed(Isometry3::translation(0.0, -1.0, 0.0)))
         .expect("ground");
     let body = Body::moving(Isometry3::translation(0.0, height, 0.0), 1.0).velocity(velocity);
-    let id = s.insert(&block(), body).expect("a block");
+    let id = s.insert(block(), body).expect("a block");
     (s, id)
 }
 
@@ -79,10 +79,10 @@ fn what_is_observed_is_told_without_response() {
         ..Effects::none()
     };
     let mut s = Simulation::new(effects, settings).expect("consistent");
-    s.insert(&ground(), Body::fixed(Isometry3::translation(0.0, -1.0, 0.0)))
+    s.insert(ground(), Body::fixed(Isometry3::translation(0.0, -1.0, 0.0)))
         .expect("ground");
     let id = s
-        .insert(&block(), Body::moving(Isometry3::translation(0.0, 0.5, 0.0), 1.0))
+        .insert(block(), Body::moving(Isometry3::translation(0.0, 0.5, 0.0), 1.0))
         .expect("a block");
     let mut met = None;
     for step in 0..60 {
@@ -135,9 +135,9 @@ fn a_body_that_does_not_move_has_no_velocity() {
             let base = if response { Effects::response() } else { Effects::none() };
             let mut s = simulation(Effects { rotation, ..base });
             let free = Body::moving(Isometry3::translation(0.0, 9.0, 0.0), 1.0).velocity(velocity);
-            let moving = s.insert(&block(), free).expect("a block");
+            let moving = s.insert(block(), free).expect("a block");
             let still = Body::fixed(Isometry3::identity()).velocity(velocity);
-            let fixed = s.insert(&block(), still).expect("a block");
+            let fixed = s.insert(block(), still).expect("a block");
             for _ in 0..3 {
                 let told = |s: &Simulation, id| s.velocity(id).expect("a body");
                 let what = format!("response {response}, rotation {rotation}");
@@ -185,10 +185,10 @@ fn effects_left_out_leave_their_counters_at_zero() {
     // No rotation: a block dropped on an edge stays on it.
     let on_edge = |rotation| {
         let mut s = simulation(Effects { rotation, ..all });
-        s.insert(&ground(), Body::fixed(Isometry3::translation(0.0, -1.0, 0.0)))
+        s.insert(ground(), Body::fixed(Isometry3::translation(0.0, -1.0, 0.0)))
             .expect("ground");
         let pose = Isometry3::new(Vector3::y() * 0.5, Vector3::z() * 0.6);
-        let id = s.insert(&block(), Body::moving(pose, 1.0)).expect("a block");
+        let id = s.insert(block(), Body::moving(pose, 1.0)).expect("a block");
         run(&mut s, 120);
         s.pose(id).expect("a body").rotation.angle_to(&pose.rotation)
     };
@@ -246,7 +246,7 @@ fn continuous_motion_holds_fast_bodies() {
         s.insert(&wall, Body::fixed(Isometry3::identity())).expect("a wall");
         let pose = Isometry3::translation(-3.07, 0.0, 0.0);
         let body = Body::moving(pose, 1.0).velocity(Velocity::new(Vector3::x() * 120.0, Vector3::zeros()));
-        let id = s.insert(&block(), body).expect("a block");
+        let id = s.insert(block(), body).expect("a block");
         run(&mut s, 20);
         s.pose(id).expect("a body").translation.x > 0.0
     };
@@ -303,9 +303,9 @@ fn nonsense_is_refused_by_name() {
     for effects in [none, Effects::response()] {
         let (mut s, id) = thrown(effects, 1.0, Velocity::default());
         let body = Body::moving(Isometry3::translation(f64::NAN, 0.0, 0.0), 1.0);
-        assert!(matches!(s.insert(&block(), body), Err(SimulationError::Pose(_))));
+        assert!(matches!(s.insert(block(), body), Err(SimulationError::Pose(_))));
         let body = Body::moving(Isometry3::identity(), f64::INFINITY);
-        assert!(number(s.insert(&block(), body).err()));
+        assert!(number(s.insert(block(), body).err()));
         assert_eq!(s.remove(id), Ok(()));
         assert_eq!(s.remove(id), Err(SimulationError::NoBody { body: id }));
         assert_eq!((s.pose(id), s.velocity(id)), (None, None));
@@ -346,13 +346,13 @@ fn numbers_the_engine_does_not_have_are_refused() {
         let at = |x: f64| Body::moving(Isometry3::translation(x, 0.0, 0.0), 1.0);
         for velocity in [Velocity::new(DOWN * far, DOWN), Velocity::new(DOWN, DOWN * far)] {
             assert!(
-                is_number(s.insert(&block(), at(0.0).velocity(velocity)).err()),
+                is_number(s.insert(block(), at(0.0).velocity(velocity)).err()),
                 "velocity {far:e}"
             );
         }
         if far.is_finite() {
             // A place whose square is out of the range of f64 is no pose.
-            let refused = s.insert(&block(), at(far)).err();
+            let refused = s.insert(block(), at(far)).err();
             let is_pose = matches!(refused, Some(SimulationError::Pose(_)));
             assert!(is_number(refused) || is_pose, "position {far:e}");
         }
@@ -360,7 +360,7 @@ fn numbers_the_engine_does_not_have_are_refused() {
     for density in [1e-3 * least, 0.1 / most, 1e22, 1e30, 1e3 * most] {
         let mut s = simulation(response);
         let body = Body::moving(Isometry3::identity(), density);
-        assert!(is_number(s.insert(&block(), body).err()), "density {density:e}");
+        assert!(is_number(s.insert(block(), body).err()), "density {density:e}");
     }
 }
 
@@ -379,7 +379,7 @@ fn what_is_accepted_falls() {
         };
         let mut s = Simulation::new(effects, settings).expect("consistent");
         let id = s
-            .insert(&block(), Body::moving(Isometry3::identity(), density))
+            .insert(block(), Body::moving(Isometry3::identity(), density))
             .expect("a block");
         run(&mut s, 10);
         assert!(
@@ -395,7 +395,7 @@ fn what_is_accepted_falls() {
         };
         let mut s = Simulation::new(effects, settings).expect("consistent");
         let id = s
-            .insert(&block(), Body::moving(Isometry3::identity(), 1.0))
+            .insert(block(), Body::moving(Isometry3::identity(), 1.0))
             .expect("a block");
         run(&mut s, 1);
         assert!(height(&s, id) < 0.0, "step {time_step:e}");
