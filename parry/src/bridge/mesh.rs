@@ -166,8 +166,8 @@ fn composite(known: &Known, shape: &dyn Shape) -> Option<Composite> {
 /// let (ball, _) = geometry(&Ball::new(0.1)).unwrap();
 /// // The axis is y in parry and z in lin-canny.
 /// let above = lin_canny_parry::lin_canny::nalgebra::Isometry3::translation(0.0, 1.0, 0.0);
-/// let distance = PairTracker::new().distance(&can, &ball, &RelativePose::new(&at, &above)?);
-/// assert!((distance - 0.4).abs() < 1e-7);
+/// let gap = PairTracker::new().closest(&can, &ball, &RelativePose::new(&at, &above)?).distance;
+/// assert!((gap - 0.4).abs() < 1e-7);
 /// # Ok::<(), lin_canny_parry::lin_canny::PoseError>(())
 /// ```
 #[must_use]
