@@ -88,6 +88,7 @@ fn until_as_near(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> f
 /// Returns what the radius leaves of the square of the distance, the approach, the square of the
 /// velocity, and what stands under the root. Both sides are a little to the worse: more than what
 /// rounding takes of any term.
+#[inline(always)]
 pub(crate) fn flight_of_ball(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> [f64; 4] {
     let square = from.norm_squared();
     let above = square - (radius * radius + BALLS * (square + radius * radius));

@@ -295,6 +295,7 @@ impl<'a> PlaneSetting<'a> {
 
 /// Returns the first two derivatives of a direction that turns at the rate `spin`, as a body sees
 /// the direction that turns at the rate `w`.
+#[inline(always)]
 pub(crate) fn derivatives(n: &Vector3<f64>, spin: &Vector3<f64>, w: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let with_spin = spin.cross(n);
     [
@@ -304,6 +305,7 @@ pub(crate) fn derivatives(n: &Vector3<f64>, spin: &Vector3<f64>, w: &Vector3<f64
 }
 
 /// Returns `n(s) . (dc + dv s + da s^2 / 2)` and its first two derivatives.
+#[inline(always)]
 pub(crate) fn way_along(
     n: &Vector3<f64>,
     spin: &Vector3<f64>,
