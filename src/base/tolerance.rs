@@ -400,7 +400,8 @@ pub(crate) const ROUND_DOWN: f64 = 1.0 - 8.0 * UNIT;
 
 /// Factor that rounds up the largest distance of a vertex from a centre, and scales it: a
 /// difference or a quotient by a scale errs by UNIT, three squares, two sums and a root by 2.5, the
-/// scale and this product by one each. Sum: 5.5.
+/// scale and this product by one each. Sum: 5.5. The reach of a body in a scene, a distance of a
+/// centre and a radius, errs by 2.5, their sum and the product by one each. Sum: 4.5.
 pub(crate) const RADIUS_UP: f64 = 1.0 + 8.0 * UNIT;
 
 /// Factor that rounds down the distance of two boxes, below which no body in them is nearer: a

@@ -12,6 +12,13 @@ pub(super) fn bounds() -> Vec<Bound> {
     vec![
         whole("ROUND_UP", "roots", up(length(Factor::input))),
         whole("RADIUS_UP", "scene::ball::about_origin", up(scaled_length())),
+        // The distance of the centre, the sum with the radius, and the product.
+        whole(
+            "RADIUS_UP",
+            "scene::body::Solid::reach",
+            up(length(Factor::input) + Factor::input()),
+        )
+        .case("reach of a solid"),
         whole(
             "BOX_DISTANCE_DOWN",
             "broad::aabb::distance_squared",
