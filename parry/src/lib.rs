@@ -108,12 +108,13 @@
 //!   kept no face, and casts over more than 65,536 cells of a field. A prediction below zero asks for
 //!   overlaps at least as deep. Vertices of meshes are not looked at: they must be finite.
 //! * Serialized, a `Hull` is a parry `ConvexPolyhedron` with the vertices of the hull; read back,
-//!   the dispatcher makes a body of these vertices again, which costs a hash of all vertices in
-//!   each query ([`Hull::try_from`](crate::single::Hull) saves that). After reading a snapshot the
+//!   the dispatcher makes a body of these vertices again, which costs a comparison of all vertices
+//!   in each query ([`Hull::try_from`](crate::single::Hull) saves that). After reading a snapshot the
 //!   dispatcher must be set again: engines do not serialize it.
 //! * Cylinders and cones cost more than parry's: a pile of 180 of them takes two to three times as
-//!   long a step (0.86 and 0.31 ms at a metre, 0.85 and 0.37 at 2 cm, where parry's overlap by .6 of
-//!   their size and ours by .008). They are solved from scratch in each call.
+//!   long a step (0.86 and 0.31 ms at a metre, 0.85 and 0.36 at 2 cm, where parry's overlap by .6 of
+//!   their size and ours by .008; two cores of an AMD EPYC, 2026-11-24). They are solved from scratch
+//!   in each call.
 //! * A body on a `MeshShape` costs 10 to 25 microseconds a step, some ten times parry's mesh,
 //!   whatever the number of triangles (`terrain` of the examples of `lin-canny-rapier`). The engine
 //!   keeps a tracker for the pair, which saves time and nothing else.

@@ -60,8 +60,9 @@
 //! roundings of the format: `UNIT`, `UNIT_SINGLE` or the square of `UNIT`. `tests/proofs`
 //! compares all of it with the code, and proves the cases of underflow above, but for the quotient
 //! of a side's height and the comparisons of degree five of curved pairs, which are prose. So are
-//! two lemmas: what an error of a quaternion does to its matrix (step 1 of `CERTIFICATE`), and how
-//! the parts of a bound that are told "per" something add up.
+//! three lemmas: what an error of a quaternion does to its matrix (step 1 of `CERTIFICATE`), the
+//! roundings of its steps 5 and 6, which are added by hand, and how the parts of a bound that are
+//! told "per" something add up.
 //!
 #![doc = include_str!("tolerance/proved.md")]
 

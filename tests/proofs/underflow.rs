@@ -70,9 +70,8 @@ fn sides_of_faces_leave_room() {
     assert!(!side.lost().is_zero() && lost * half_least() < unit() * power(GRID + LEAST_LENGTH));
 }
 
-/// Case S: points and heights of patches and curved shapes, of weights down to `2^-40`, in pairs from `NEAR` on. What is
-/// lost of a number is relative to nothing, as it was multiplied by directions and factors up to one, and weights up to
-/// one.
+/// Case S: points and heights of patches and curved shapes, of weights down to `2^-40`, in pairs from `NEAR` on. All
+/// factors of a product that loses are at most one (directions, parameters, weights), so nothing that is lost grows.
 #[test]
 fn patches_leave_room() {
     let number = |c| Majorant::input(c, 0, &RBig::ZERO);

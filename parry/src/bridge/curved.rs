@@ -12,6 +12,9 @@ use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::Shape;
 use super::part::{self, Placed};
 
+/// Rounding of the gap between two balls, over the lengths that are summed: some tens of roundings.
+const BALLS: f64 = 512.0 * f64::EPSILON;
+
 /// Writes the contacts within the prediction. Returns false, with nothing written, unless both
 /// shapes are convex, one is a cylinder or cone, and the pose is finite.
 pub(super) fn write<M, C: Default + Copy>(
@@ -67,5 +70,5 @@ fn are_far((a, b): (&Placed, &Placed), at: &Isometry3<f64>, distance: f64) -> bo
     let (middle_a, middle_b) = (a.at * of_a, at * (b.at * of_b));
     let reach = radius_a + radius_b + distance;
     let sizes = middle_a.coords.norm() + middle_b.coords.norm() + at.translation.vector.norm() + reach;
-    (middle_b - middle_a).norm() - reach > 1e-13 * sizes
+    (middle_b - middle_a).norm() - reach > BALLS * sizes
 }

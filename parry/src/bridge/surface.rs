@@ -14,6 +14,10 @@ const MOST_BEYOND: Real = 5.0;
 /// Least cosine between directions that count as one.
 const SAME: Real = 0.9999;
 
+/// How far outside a triangle a contact may lie, over the reach of the pair: points of the engine are
+/// rounded, and of two neighbours both may take a contact on their common edge.
+const ASIDE: Real = 1e-4;
+
 /// The normals that a surface allows, of the first shape and of the second.
 pub(super) type Constraints<'a> = [Option<&'a dyn NormalConstraints>; 2];
 
@@ -150,7 +154,7 @@ impl Face {
         let [a, b, c] = self.triangle.vertices();
         let inside = |from: &Vector, to: &Vector| {
             let inward = self.own.cross((*to - *from).normalize_or_zero());
-            inward.dot(p - *from) >= -1e-4 * self.reach
+            inward.dot(p - *from) >= -ASIDE * self.reach
         };
         inside(a, b) && inside(b, c) && inside(c, a)
     }

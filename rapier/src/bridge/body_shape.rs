@@ -21,7 +21,7 @@ impl BodyShape {
         &self.0
     }
 
-    /// Returns a volume that is not zero, at density one; `None` for other shapes.
+    /// Returns the inverse of the mass at a density; `None` for a shape without a volume.
     pub(super) fn inverse_mass(&self, density: f64) -> Option<Real> {
         let is_solid = match self.0.as_shape::<Hull>() {
             Some(hull) => hull.body().volume() > 0.0,
