@@ -220,3 +220,33 @@ fn handlers_are_told_of_contacts() {
     (0..60).for_each(|_| s.step_with(&(), &begun).expect("a step"));
     assert_eq!(begun.0.into_inner(), 1);
 }
+
+/// Both engines: the deepest overlap is the one made deepest, and pairs of fixed bodies do not count.
+#[test]
+fn the_deepest_overlap_is_found() {
+    for effects in [Effects::none(), Effects::response()] {
+        let mut s = Simulation::new(effects, Settings::default()).expect("effects");
+        let ground = s.insert(floor(), Body::fixed(up(-1.0))).expect("a floor");
+        s.insert(floor(), Body::fixed(up(-1.5))).expect("another");
+        assert_eq!(s.deepest_overlap(), Ok(None));
+        for (k, (shape, height)) in shapes().into_iter().enumerate() {
+            let at = Isometry3::translation(3.0 * k as f64 - 9.0, height - 0.01, 0.0);
+            s.insert(shape, Body::moving(at, 1000.0)).expect("a body");
+        }
+        let at = Isometry3::translation(0.0, 0.17, 5.0);
+        let deep = s.insert(SharedShape::ball(0.2), Body::moving(at, 1.0)).expect("a ball");
+        let found = s.deepest_overlap().expect("poses").expect("an overlap");
+        assert!(
+            found.bodies == [ground, deep] || found.bodies == [deep, ground],
+            "{found:?}"
+        );
+        assert!(found.lower <= found.upper);
+        assert!(
+            (found.upper - 0.03).abs() < 1e-4 && (found.lower - 0.03).abs() < 1e-4,
+            "{found:?}"
+        );
+        s.remove(deep).expect("a ball");
+        let found = s.deepest_overlap().expect("poses").expect("an overlap");
+        assert!((found.upper - 0.01).abs() < 1e-3, "{found:?}");
+    }
+}
