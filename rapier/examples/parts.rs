@@ -1,6 +1,6 @@
 //! A tray of 150 small steel parts: what the shape cures, what the dispatcher, and that it takes both.
 //!
-//! `cargo run --release -p lin-canny-rapier --example parts -- [--csv FILE] [--out FILE.svg]`
+//! `cargo run --release -p lin-canny-rapier --example parts -- [--csv FILE] [--out FILE.svg] [--seeds N] [--unit M]`
 //!
 //! Nuts of 12 mm, pins of 3 cm and discs of 16 mm fall into a tray, a mesh of parry, for 8 s at 60 steps a second; rapier in `f32`. Rows:
 //! rapier as it comes; our dispatcher with parry's hulls; our hulls with parry's dispatcher; both; both, with the tray a `MeshShape`.
@@ -18,7 +18,7 @@ use clap::Parser;
 use common::picture::{BLUE, Drawn, GREY, ORANGE, Picture, View};
 use common::{Scene, layers, prism};
 use cpu_time::ThreadTime;
-use lab::command::{count, file, write};
+use lab::command::{count, file, number, write};
 use lab::progress::Progress;
 use lab::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::ConvexPolyhedron;
@@ -40,6 +40,19 @@ struct Options {
     /// Seeds by which the parts are turned
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = count(1))]
     seeds: usize,
+    /// rapier's length unit, in metres; its default is 1
+    #[arg(long, value_name = "M", default_value_t = SIZE, value_parser = unit)]
+    unit: f32,
+}
+
+/// Reads a length unit.
+fn unit(word: &str) -> Result<f32, String> {
+    let unit = number(1e-6)(word)?;
+    if unit <= 1e6 {
+        Ok(unit as f32)
+    } else {
+        Err("longer than 1e6".into())
+    }
 }
 
 const PARTS: usize = 150;
@@ -136,9 +149,9 @@ fn tray() -> (Vec<Vector>, Vec<[u32; 3]>) {
 }
 
 /// Returns parts over the tray.
-fn scene(way: Way, seed: u64) -> Scene {
+fn scene(way: Way, unit: f32, seed: u64) -> Scene {
     let dispatcher = Certified::default();
-    let mut world = certified_world(dispatcher, SIZE, STEP);
+    let mut world = certified_world(dispatcher, unit, STEP);
     world.gravity = Vector::Y * -9.81;
     if !way.dispatcher {
         world.narrow_phase = NarrowPhase::new();
@@ -212,11 +225,11 @@ fn fall(scene: &mut Scene, progress: &Progress) -> (usize, f64, Duration) {
     (lost, deepest, spent)
 }
 
-fn run_way(way: Way, seeds: usize, progress: &Progress) -> End {
-    let mut shown = scene(way, 0);
+fn run_way(way: Way, options: &Options, progress: &Progress) -> End {
+    let mut shown = scene(way, options.unit, 0);
     let (mut lost, mut deepest, mut spent) = fall(&mut shown, progress);
-    for seed in 1..seeds as u64 {
-        let (more, depth, time) = fall(&mut scene(way, seed), progress);
+    for seed in 1..options.seeds as u64 {
+        let (more, depth, time) = fall(&mut scene(way, options.unit, seed), progress);
         lost += more;
         deepest = deepest.max(depth);
         spent += time;
@@ -296,7 +309,7 @@ fn run(options: &Options) -> Result<(), String> {
     let mut ends = Vec::new();
     println!("{:<24}{:>6}{:>14}{:>10}", "way", "lost", "deepest, mm", "CPU, s");
     for way in WAYS {
-        let end = run_way(way, options.seeds, &progress);
+        let end = run_way(way, options, &progress);
         let mean = |x: f64| x / options.seeds as f64;
         let (lost, deep) = (mean(end.lost as f64), 1e3 * end.deepest);
         let seconds = mean(end.spent.as_secs_f64());

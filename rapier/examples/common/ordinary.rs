@@ -107,7 +107,7 @@ pub(crate) fn platforms(world: &mut PhysicsWorld, count: usize, rider: &SharedSh
     (0..count).map(one).collect()
 }
 
-/// Balls of restitution 0 to 1 that fall on a floor; returns them in order of restitution.
+/// Spinning balls of restitution 0 to 1 that are thrown on a floor; returns them in order of restitution.
 pub(crate) fn bounces(world: &mut PhysicsWorld, count: usize) -> Vec<RigidBodyHandle> {
     let ground = floor(world, count as Real);
     if let Some(ground) = world.colliders.get_mut(ground) {
@@ -116,7 +116,9 @@ pub(crate) fn bounces(world: &mut PhysicsWorld, count: usize) -> Vec<RigidBodyHa
     let one = |k: usize| {
         let at = Vector::new(k as Real - 0.5 * count as Real, 5.0, 0.0);
         let ball = ColliderBuilder::ball(0.3).restitution(k as Real / count.max(2) as Real);
-        world.insert(RigidBodyBuilder::dynamic().translation(at), ball).0
+        let body = RigidBodyBuilder::dynamic().translation(at);
+        let body = body.linvel(Vector::Z * 0.3).angvel(Vector::new(2.0, 1.0, -0.5));
+        world.insert(body, ball).0
     };
     (0..count).map(one).collect()
 }
