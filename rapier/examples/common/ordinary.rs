@@ -93,7 +93,7 @@ pub(crate) fn platforms(world: &mut PhysicsWorld, count: usize, rider: &SharedSh
     let one = |k: usize| {
         let at = Vector::new(0.0, 0.0, 4.0 * k as Real);
         let speed = 0.1 * (1 + k % 5) as Real;
-        let velocity = if k % 2 == 0 {
+        let velocity = if k.is_multiple_of(2) {
             Vector::X * speed
         } else {
             Vector::Y * speed

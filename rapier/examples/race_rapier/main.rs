@@ -57,7 +57,7 @@ fn race(Command { race, options }: &Command) -> Result<(), String> {
         Race::Scene => (scene::SCENES.map(|s| s.0).into(), |o| {
             scene::run(o, &[("rapier-collision", |crowd| Box::new(Pipeline::new(crowd)))])
         }),
-        Race::Scenes => (scenes::NAMES.into(), scenes::run),
+        Race::Scenes => (scenes::names(), scenes::run),
     };
     options.check(&scenes)?;
     options.save(&run(options))

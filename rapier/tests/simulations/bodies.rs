@@ -9,7 +9,7 @@ use super::engine::rapier::dynamics::{SoftBodySet, SoftBodyTearEvent};
 use super::engine::rapier::geometry::{CollisionEvent, ContactPair, SharedShape};
 use super::engine::rapier::math::{Pose, Real, Vector};
 use super::engine::rapier::pipeline::EventHandler;
-use super::engine::rapier::prelude::{ActiveEvents, ColliderSet, RigidBodySet};
+use super::engine::rapier::prelude::{ActiveEvents, ColliderHandle, ColliderSet, RigidBodySet};
 use super::engine::{BodyShape, MeshShape, Simulation};
 
 fn falling() -> Effects {
@@ -184,11 +184,11 @@ fn poses_and_velocities_are_set() {
     }
 }
 
-/// Counts what begins.
+/// What begins and ends, in order: whether it begins, and the two colliders.
 #[derive(Default)]
-struct Begun(std::sync::atomic::AtomicUsize);
+pub(super) struct Told(pub(super) std::sync::Mutex<Vec<(bool, ColliderHandle, ColliderHandle)>>);
 
-impl EventHandler for Begun {
+impl EventHandler for Told {
     fn handle_collision_event(
         &self,
         _: &RigidBodySet,
@@ -196,8 +196,8 @@ impl EventHandler for Begun {
         event: CollisionEvent,
         _: Option<&ContactPair>,
     ) {
-        let begun = usize::from(event.started());
-        self.0.fetch_add(begun, std::sync::atomic::Ordering::Relaxed);
+        let row = (event.started(), event.collider1(), event.collider2());
+        self.0.lock().expect("one thread").push(row);
     }
 
     fn handle_soft_body_tear_event(&self, _: &SoftBodySet, _: &SoftBodyTearEvent) {}
@@ -216,9 +216,10 @@ fn handlers_are_told_of_contacts() {
         .colliders
         .iter_mut()
         .for_each(|(_, collider)| collider.set_active_events(ActiveEvents::COLLISION_EVENTS));
-    let begun = Begun::default();
-    (0..60).for_each(|_| s.step_with(&(), &begun).expect("a step"));
-    assert_eq!(begun.0.into_inner(), 1);
+    let told = Told::default();
+    (0..60).for_each(|_| s.step_with(&(), &told).expect("a step"));
+    let told = told.0.into_inner().expect("one thread");
+    assert_eq!(told.iter().filter(|row| row.0).count(), 1);
 }
 
 /// Both engines: the deepest overlap is the one made deepest, and pairs of fixed bodies do not count.

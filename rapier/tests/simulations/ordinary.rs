@@ -3,6 +3,7 @@
 //! Balls beside balls and cuboids have parry's closed forms under either, so all bits are equal. Two cuboids have as many contacts
 //! as our manifold finds, which need not be parry's: there the outcome is compared.
 
+use super::bodies::Told;
 use super::engine::rapier::prelude::*;
 use super::engine::{Certified, certified_world};
 use super::stage;
@@ -72,27 +73,6 @@ fn balls_bounce_as_high_as_under_parry() {
 #[test]
 fn balls_ride_platforms_as_under_parry() {
     equal("platforms", 120, |w| stage::platforms(w, 10, &SharedShape::ball(0.35)));
-}
-
-/// Who enters and leaves a sensor, in order.
-#[derive(Default)]
-struct Told(std::sync::Mutex<Vec<(bool, ColliderHandle, ColliderHandle)>>);
-
-impl EventHandler for Told {
-    fn handle_collision_event(
-        &self,
-        _: &RigidBodySet,
-        _: &ColliderSet,
-        event: CollisionEvent,
-        _: Option<&ContactPair>,
-    ) {
-        let row = (event.started(), event.collider1(), event.collider2());
-        self.0.lock().expect("one thread").push(row);
-    }
-
-    fn handle_soft_body_tear_event(&self, _: &SoftBodySet, _: &SoftBodyTearEvent) {}
-
-    fn handle_contact_force_event(&self, _: Real, _: &RigidBodySet, _: &ColliderSet, _: &ContactPair, _: Real) {}
 }
 
 #[test]

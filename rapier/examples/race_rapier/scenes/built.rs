@@ -8,22 +8,6 @@ use super::Scene;
 use crate::common::{Engine, bin, layers, pebble, turn};
 use crate::ordinary;
 
-/// The scenes by name.
-pub(crate) const NAMES: [&str; 12] = [
-    "round-hulls",
-    "pile",
-    "many-hulls",
-    "compounds",
-    "continuous",
-    "distinct",
-    "planks",
-    "dominoes",
-    "bullets",
-    "sensors",
-    "platforms",
-    "restitution",
-];
-
 /// Points of a hull of a pile, and the names of its rows.
 const PILES: [(usize, &str, &str); 5] = [
     (8, "plain-8", "hull-8"),

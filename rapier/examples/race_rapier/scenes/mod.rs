@@ -17,8 +17,6 @@ use lab::progress::Progress;
 use lab::race::{Options, Rows};
 use lin_canny_rapier::single::rapier::pipeline::PhysicsWorld;
 
-pub(crate) use built::NAMES;
-
 use crate::common::Engine;
 
 /// Passes of an engine over a scene.
@@ -32,6 +30,13 @@ struct Scene {
     steps: usize,
     seeds: u64,
     build: Box<dyn Fn(Engine, u64) -> PhysicsWorld>,
+}
+
+/// Returns the names of the scenes.
+pub(crate) fn names() -> Vec<&'static str> {
+    let mut names: Vec<_> = built::scenes().iter().map(|scene| scene.name).collect();
+    names.dedup();
+    names
 }
 
 /// Sums the least time of every step of a seed, for each engine.
