@@ -3,7 +3,8 @@
 //! `cargo run --release -p lin-canny-rapier --example parts -- [--csv FILE] [--out FILE.svg] [--seeds N] [--unit M]`
 //!
 //! Nuts of 12 mm, pins of 3 cm and discs of 16 mm fall into a tray, a mesh of parry, for 8 s at 60 steps a second; rapier in `f32`. Rows:
-//! rapier as it comes; our dispatcher with parry's hulls; our hulls with parry's dispatcher; both; both, with the tray a `MeshShape`.
+//! rapier as it comes; our dispatcher with parry's hulls; our hulls with parry's dispatcher; both; both, with the tray a `MeshShape`; our dispatcher
+//! with parry's hulls, to which the mass properties of ours are given.
 //! Printed are the parts that left the tray (mean of several seeds), the deepest overlap within the last second (worst of the seeds, by
 //! certified distances at the poses, and below the floor) and the thread time of all steps (mean). The picture shows the first seed.
 
@@ -74,23 +75,53 @@ struct Way {
     hulls: bool,
     dispatcher: bool,
     tray: bool,
+    /// Whether parry's hulls have the mass properties of ours.
+    mass: bool,
 }
 
-const fn way(name: &'static str, hulls: bool, dispatcher: bool, tray: bool) -> Way {
+/// rapier as it comes.
+const PLAIN: Way = Way {
+    name: "rapier",
+    hulls: false,
+    dispatcher: false,
+    tray: false,
+    mass: false,
+};
+
+const DISPATCHER: Way = Way {
+    name: "dispatcher",
+    dispatcher: true,
+    ..PLAIN
+};
+
+const HULLS: Way = Way {
+    name: "hulls",
+    hulls: true,
+    ..PLAIN
+};
+
+const BOTH: Way = Way {
+    name: "both",
+    hulls: true,
+    dispatcher: true,
+    ..PLAIN
+};
+
+const WAYS: [Way; 6] = [
+    PLAIN,
+    DISPATCHER,
+    HULLS,
+    BOTH,
     Way {
-        name,
-        hulls,
-        dispatcher,
-        tray,
-    }
-}
-
-const WAYS: [Way; 5] = [
-    way("rapier", false, false, false),
-    way("dispatcher", false, true, false),
-    way("hulls", true, false, false),
-    way("both", true, true, false),
-    way("both, MeshShape tray", true, true, true),
+        name: "both, MeshShape tray",
+        tray: true,
+        ..BOTH
+    },
+    Way {
+        name: "dispatcher, our mass",
+        mass: true,
+        ..DISPATCHER
+    },
 ];
 
 /// Returns the vertices of a nut, a pin or a disc.
@@ -176,7 +207,11 @@ fn scene(way: Way, unit: f32, seed: u64) -> Scene {
             false => SharedShape::convex_hull(&start.points).expect("a hull"),
         };
         let body = RigidBodyBuilder::dynamic().pose(start.pose);
-        bodies.push(world.insert(body, ColliderBuilder::new(shape).density(STEEL)).0);
+        let collider = match way.mass {
+            true => ColliderBuilder::new(shape).mass_properties(hull.mass_properties_at(STEEL)),
+            false => ColliderBuilder::new(shape).density(STEEL),
+        };
+        bodies.push(world.insert(body, collider).0);
         hulls.push(hull);
     }
     Scene { world, bodies, hulls }
