@@ -28,7 +28,7 @@ pub enum SimulationError {
     },
     /// The default step, 1/60, is too long for bodies of the [`size`](crate::Settings::size) of the
     /// settings: one that is let go falls by more than an eighth of its size within it, and stacks
-    /// of such bodies sink into each other or fall. Set [`time_step`](crate::Settings::time_step).
+    /// of such bodies sink into each other or fall. Set [`time_step`](field@crate::Settings::time_step).
     #[error(
         "the default time step of 1/60 is too long for bodies of this size: set time_step, to at most {longest:.2e}"
     )]
