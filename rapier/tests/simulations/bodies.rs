@@ -251,3 +251,22 @@ fn the_deepest_overlap_is_found() {
         assert!((found.upper - 0.01).abs() < 1e-3, "{found:?}");
     }
 }
+
+/// A pose that is none gets an error, a shape without a geometry is left out.
+#[test]
+fn the_deepest_overlap_is_total() {
+    let mut s = Simulation::new(Effects::response(), Settings::default()).expect("effects");
+    let plane = SharedShape::halfspace(Vector::Y);
+    s.insert(plane, Body::fixed(up(0.0))).expect("a half-space");
+    let ball = s
+        .insert(SharedShape::ball(0.5), Body::moving(up(0.0), 1.0))
+        .expect("a ball");
+    assert_eq!(s.deepest_overlap(), Ok(None));
+    let handle = s.handle(ball).expect("response");
+    for x in [Real::NAN, Real::INFINITY, 1e38] {
+        let world = s.world_mut().expect("response");
+        let body = world.bodies.get_mut(handle).expect("a ball");
+        body.set_translation(Vector::new(x, 0.0, 0.0), false);
+        assert!(s.deepest_overlap().is_err(), "{x}");
+    }
+}
