@@ -9,7 +9,7 @@ use crate::{BodyId, SimulationError};
 const STILL: Group = Group::new(0).unwrap();
 const PUSHED: Group = Group::new(1).unwrap();
 
-/// Two bodies that share a point, and how deep they are in each other.
+/// Two solids that share a point, and how deep they are in each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Overlap {
@@ -17,7 +17,7 @@ pub struct Overlap {
     pub bodies: [BodyId; 2],
     /// No shorter translation of one body parts the two; zero if nothing is known.
     pub lower: f64,
-    /// A translation of this length parts the two.
+    /// A translation of this length parts the two: they share no inner point then.
     pub upper: f64,
 }
 
@@ -31,7 +31,7 @@ pub(crate) struct Member {
     pub(crate) is_pushed: bool,
 }
 
-/// Returns the overlap with the greatest upper bound; `None` if no two bodies share a point.
+/// Returns the overlap with the greatest upper bound; `None` if no two solids share a point.
 pub(crate) fn deepest(members: impl Iterator<Item = Member>) -> Result<Option<Overlap>, SimulationError> {
     let mut scene = Scene::new();
     let boxes = scene::Effects::none().boxes(true);
@@ -63,7 +63,7 @@ pub(crate) fn deepest(members: impl Iterator<Item = Member>) -> Result<Option<Ov
     Ok(deepest)
 }
 
-/// Returns the depth of a pair; `None` for a pair of surfaces that bound no solid.
+/// Returns the depth of a pair; `None` if one of the two is a mesh that is not closed.
 fn measured(scene: &Scene, pair: &ClosestPair) -> Option<Overlap> {
     let pose = RelativePose::new(scene.pose(pair.a)?, scene.pose(pair.b)?).ok()?;
     let found = PairTracker::new().penetration(scene.shape(pair.a)?, scene.shape(pair.b)?, &pose)?;

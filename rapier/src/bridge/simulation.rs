@@ -169,13 +169,14 @@ impl Simulation {
         }
     }
 
-    /// Returns the deepest overlap of two bodies at their present poses, measured by [`lin_canny`]
-    /// whichever engine and dispatcher moved them; `None` if no two bodies share a point. Pairs of
+    /// Returns the deepest overlap of two solids at their present poses, measured by [`lin_canny`]
+    /// whichever engine and dispatcher moved them; `None` if no two solids share a point. Pairs of
     /// which neither is dynamic do not count.
     ///
-    /// This is for judging a simulation, not for every step: a scene of all bodies is built, some
-    /// microseconds a body, and every overlap is measured in full. Shapes that [`lin_canny`] does not
-    /// have (half-spaces, voxels, custom shapes) are left out, and so are colliders added through
+    /// The call is for judging a simulation, not for every step: a scene of all bodies is built, some
+    /// microseconds a body, and every overlap is measured in full. **Left out** are meshes that are
+    /// not closed, as they have no inside (a terrain, an open tray), shapes that [`lin_canny`] does
+    /// not have (half-spaces, voxels, custom shapes), and colliders added through
     /// [`world_mut`](Self::world_mut).
     ///
     /// ```

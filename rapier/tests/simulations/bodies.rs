@@ -252,7 +252,7 @@ fn the_deepest_overlap_is_found() {
     }
 }
 
-/// A pose that is none gets an error, a shape without a geometry is left out.
+/// A pose that is none gets an error; shapes without an inside or a geometry are left out.
 #[test]
 fn the_deepest_overlap_is_total() {
     let mut s = Simulation::new(Effects::response(), Settings::default()).expect("effects");
@@ -261,6 +261,9 @@ fn the_deepest_overlap_is_total() {
     let ball = s
         .insert(SharedShape::ball(0.5), Body::moving(up(0.0), 1.0))
         .expect("a ball");
+    let corners = [Vector::X, Vector::Y, Vector::Z].map(|v| v * 9.0).to_vec();
+    let open = SharedShape::trimesh(corners, vec![[0, 1, 2]]).expect("a mesh");
+    s.insert(open, Body::fixed(up(-9.0))).expect("a triangle");
     assert_eq!(s.deepest_overlap(), Ok(None));
     let handle = s.handle(ball).expect("response");
     for x in [Real::NAN, Real::INFINITY, 1e38] {
