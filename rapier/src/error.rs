@@ -26,6 +26,16 @@ pub enum SimulationError {
         /// Name of the effect.
         effect: &'static str,
     },
+    /// The default step, 1/60, is too long for bodies of the [`size`](crate::Settings::size) of the
+    /// settings: one that is let go falls by more than an eighth of its size within it, and stacks
+    /// of such bodies sink into each other or fall. Set [`time_step`](field@crate::Settings::time_step).
+    #[error(
+        "the default time step of 1/60 is too long for bodies of this size: set time_step, to at most {longest:.2e}"
+    )]
+    LongStep {
+        /// The longest step in which such a body falls by no more than an eighth of its size.
+        longest: f64,
+    },
     /// [`Settings::observe`](crate::Settings::observe) together with response: with response,
     /// rapier's narrow phase has the contacts.
     #[error("a scene is observed without response only")]

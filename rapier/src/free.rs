@@ -5,6 +5,7 @@ use lin_canny::scene::{self, Group, Scene};
 use lin_canny::{Geometry, Velocity};
 
 use crate::effects::Movement;
+use crate::overlap::Member;
 use crate::{Body, BodyId, Effects, Report, Settings, SimulationError};
 
 const FIXED: Group = Group::new(0).unwrap();
@@ -56,7 +57,7 @@ impl Free {
             scene,
             bodies: Vec::new(),
             effects,
-            time_step: settings.time_step,
+            time_step: settings.time_step(),
             moved: 0,
         })
     }
@@ -158,6 +159,19 @@ impl Free {
 
     pub(crate) fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// Returns the bodies where they are.
+    pub(crate) fn members(&self) -> impl Iterator<Item = Member> + '_ {
+        self.bodies.iter().enumerate().filter_map(|(k, body)| {
+            let of = body.as_ref()?;
+            Some(Member {
+                body: BodyId(k as u32),
+                geometry: self.scene.shape(of.id)?.clone(),
+                pose: of.pose * of.at,
+                is_pushed: of.movement == Movement::Dynamic,
+            })
+        })
     }
 }
 

@@ -12,14 +12,15 @@
 //!
 //! let effects = Effects { gravity: Some(Vector3::y() * -9.81), friction: Some(0.5), ..Effects::response() };
 //! // A coin of 2 cm, laid on a table.
-//! let mut simulation = Simulation::new(effects, Settings { size: 0.02, ..Settings::default() })?;
+//! let settings = Settings { size: 0.02, time_step: Some(1.0 / 240.0), ..Settings::default() };
+//! let mut simulation = Simulation::new(effects, settings)?;
 //! let table = Hull::new(solids::cuboid(Vector3::new(1.0, 0.1, 1.0))?);
 //! simulation.insert(&table, Body::fixed(Isometry3::translation(0.0, -0.1, 0.0)))?;
 //! let coin = Hull::new(solids::prism(32, 0.001, 0.01)?);
 //! let lying = Isometry3::rotation(Vector3::x() * std::f64::consts::FRAC_PI_2);
 //! let pose = Isometry3::translation(0.0, 0.001, 0.0) * lying;
 //! let id = simulation.insert(&coin, Body::moving(pose, 8000.0))?;
-//! for _ in 0..60 {
+//! for _ in 0..240 {
 //!     simulation.step()?;
 //! }
 //! assert!(simulation.pose(id).unwrap().rotation.angle_to(&lying.rotation) < 0.01);
@@ -41,7 +42,8 @@
 //! and nothing pushes it) or dynamic. Friction and restitution are those of the effects unless the
 //! body has its own. Poses and velocities can be set between steps. With response,
 //! `Simulation::step_with` takes rapier's hooks and event handler, and `Simulation::world_mut` is the
-//! way to joints, forces and sensors; its page has a pendulum.
+//! way to joints, forces and sensors; its page has a pendulum. `Simulation::deepest_overlap` judges
+//! the contacts of either engine.
 //!
 //! # What each effect is in rapier, and what it costs
 //!
@@ -112,6 +114,7 @@
 mod effects;
 mod error;
 mod free;
+mod overlap;
 
 #[cfg(feature = "f64")]
 pub mod double;
@@ -121,3 +124,4 @@ pub mod single;
 pub use effects::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings};
 pub use error::SimulationError;
 pub use lin_canny_parry;
+pub use overlap::Overlap;

@@ -1,14 +1,22 @@
 //! The races of many bodies with rapier among the engines.
 //!
 //! ```text
-//! cargo run --release -p lin-canny-rapier --example race_rapier -- boxes|scene [--csv FILE] [--quick] [--only SCENE] [--upto N]
+//! cargo run --release -p lin-canny-rapier --example race_rapier -- boxes|scene|scenes [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 //!
-//! The races are those of the instrument `race`; `rapier` is the broad phase of rapier alone, `rapier-collision` its
-//! `CollisionPipeline`: events, contact manifolds within 0.02, approximate depth.
+//! `boxes` and `scene` are those of the instrument `race`; `rapier` is the broad phase of rapier alone, `rapier-collision` its
+//! `CollisionPipeline`: events, contact manifolds within 0.02, approximate depth. `scenes` steps whole worlds of rapier under parry's
+//! narrow phase and ours.
 
 mod broad;
+#[path = "../common/mod.rs"]
+mod common;
+#[path = "../common/ordinary.rs"]
+mod ordinary;
 mod pipeline;
+mod scenes;
+
+use lin_canny_rapier::single as engine;
 
 use broad::Broad;
 use clap::{Parser, ValueEnum};
@@ -17,7 +25,7 @@ use lab::race::{Options, Rows, boxes, scene};
 use pipeline::Pipeline;
 use std::process::ExitCode;
 
-/// Boxes of many bodies and whole scenes: ours and parry's parts against rapier
+/// Boxes of many bodies, collision detection of whole scenes, and whole steps: ours against parry's and rapier's
 #[derive(Parser)]
 struct Command {
     /// Which race
@@ -29,8 +37,12 @@ struct Command {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Race {
+    /// Broad phases
     Boxes,
+    /// Collision detection without dynamics
     Scene,
+    /// Whole steps of rapier under parry's narrow phase and under ours
+    Scenes,
 }
 
 fn main() -> ExitCode {
@@ -45,6 +57,7 @@ fn race(Command { race, options }: &Command) -> Result<(), String> {
         Race::Scene => (scene::SCENES.map(|s| s.0).into(), |o| {
             scene::run(o, &[("rapier-collision", |crowd| Box::new(Pipeline::new(crowd)))])
         }),
+        Race::Scenes => (scenes::names(), scenes::run),
     };
     options.check(&scenes)?;
     options.save(&run(options))

@@ -10,6 +10,7 @@ use super::rapier::pipeline::PhysicsWorld;
 use super::rapier::{self};
 use super::{BodyShape, Certified, engine};
 use crate::effects::Movement;
+use crate::overlap::Member;
 use crate::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings, SimulationError};
 
 /// Inverse mass up to which rapier takes a body for one that no force moves.
@@ -43,7 +44,7 @@ pub(super) struct World {
 
 impl World {
     pub(super) fn new(effects: Effects, settings: &Settings) -> Self {
-        let (size, step) = (settings.size as Real, settings.time_step as Real);
+        let (size, step) = (settings.size as Real, settings.time_step() as Real);
         let mut world = certified_world(Certified::default(), size, step);
         world.gravity = narrow(&effects.gravity.unwrap_or_else(Vector3::zeros));
         let parameters = &mut world.integration_parameters;
@@ -137,6 +138,21 @@ impl World {
     pub(super) fn velocity(&self, body: BodyId) -> Option<Velocity> {
         let body = self.body(body)?;
         Some(Velocity::new(wide(body.linvel()), wide(body.angvel())))
+    }
+
+    /// Returns the bodies where they are, those left out whose shapes [`lin_canny`] does not have.
+    pub(super) fn members(&self) -> impl Iterator<Item = Member> + '_ {
+        self.bodies.iter().enumerate().filter_map(|(k, handle)| {
+            let body = self.world.bodies.get((*handle)?)?;
+            let collider = self.world.colliders.get(*body.colliders().first()?)?;
+            let solid = BodyShape::from(collider.shared_shape()).solid()?;
+            Some(Member {
+                body: BodyId(k as u32),
+                geometry: solid.geometry,
+                pose: engine::isometry(body.position()) * solid.at,
+                is_pushed: body.is_dynamic(),
+            })
+        })
     }
 
     pub(super) fn report(&self) -> Report {

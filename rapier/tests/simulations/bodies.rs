@@ -9,7 +9,7 @@ use super::engine::rapier::dynamics::{SoftBodySet, SoftBodyTearEvent};
 use super::engine::rapier::geometry::{CollisionEvent, ContactPair, SharedShape};
 use super::engine::rapier::math::{Pose, Real, Vector};
 use super::engine::rapier::pipeline::EventHandler;
-use super::engine::rapier::prelude::{ActiveEvents, ColliderSet, RigidBodySet};
+use super::engine::rapier::prelude::{ActiveEvents, ColliderHandle, ColliderSet, RigidBodySet};
 use super::engine::{BodyShape, MeshShape, Simulation};
 
 fn falling() -> Effects {
@@ -184,11 +184,11 @@ fn poses_and_velocities_are_set() {
     }
 }
 
-/// Counts what begins.
+/// What begins and ends, in order: whether it begins, and the two colliders.
 #[derive(Default)]
-struct Begun(std::sync::atomic::AtomicUsize);
+pub(super) struct Told(pub(super) std::sync::Mutex<Vec<(bool, ColliderHandle, ColliderHandle)>>);
 
-impl EventHandler for Begun {
+impl EventHandler for Told {
     fn handle_collision_event(
         &self,
         _: &RigidBodySet,
@@ -196,8 +196,8 @@ impl EventHandler for Begun {
         event: CollisionEvent,
         _: Option<&ContactPair>,
     ) {
-        let begun = usize::from(event.started());
-        self.0.fetch_add(begun, std::sync::atomic::Ordering::Relaxed);
+        let row = (event.started(), event.collider1(), event.collider2());
+        self.0.lock().expect("one thread").push(row);
     }
 
     fn handle_soft_body_tear_event(&self, _: &SoftBodySet, _: &SoftBodyTearEvent) {}
@@ -216,7 +216,60 @@ fn handlers_are_told_of_contacts() {
         .colliders
         .iter_mut()
         .for_each(|(_, collider)| collider.set_active_events(ActiveEvents::COLLISION_EVENTS));
-    let begun = Begun::default();
-    (0..60).for_each(|_| s.step_with(&(), &begun).expect("a step"));
-    assert_eq!(begun.0.into_inner(), 1);
+    let told = Told::default();
+    (0..60).for_each(|_| s.step_with(&(), &told).expect("a step"));
+    let told = told.0.into_inner().expect("one thread");
+    assert_eq!(told.iter().filter(|row| row.0).count(), 1);
+}
+
+/// Both engines: the deepest overlap is the one made deepest, and pairs of fixed bodies do not count.
+#[test]
+fn the_deepest_overlap_is_found() {
+    for effects in [Effects::none(), Effects::response()] {
+        let mut s = Simulation::new(effects, Settings::default()).expect("effects");
+        let ground = s.insert(floor(), Body::fixed(up(-1.0))).expect("a floor");
+        s.insert(floor(), Body::fixed(up(-1.5))).expect("another");
+        assert_eq!(s.deepest_overlap(), Ok(None));
+        for (k, (shape, height)) in shapes().into_iter().enumerate() {
+            let at = Isometry3::translation(3.0 * k as f64 - 9.0, height - 0.01, 0.0);
+            s.insert(shape, Body::moving(at, 1000.0)).expect("a body");
+        }
+        let at = Isometry3::translation(0.0, 0.17, 5.0);
+        let deep = s.insert(SharedShape::ball(0.2), Body::moving(at, 1.0)).expect("a ball");
+        let found = s.deepest_overlap().expect("poses").expect("an overlap");
+        assert!(
+            found.bodies == [ground, deep] || found.bodies == [deep, ground],
+            "{found:?}"
+        );
+        assert!(found.lower <= found.upper);
+        assert!(
+            (found.upper - 0.03).abs() < 1e-4 && (found.lower - 0.03).abs() < 1e-4,
+            "{found:?}"
+        );
+        s.remove(deep).expect("a ball");
+        let found = s.deepest_overlap().expect("poses").expect("an overlap");
+        assert!((found.upper - 0.01).abs() < 1e-3, "{found:?}");
+    }
+}
+
+/// A pose that is none gets an error; shapes without an inside or a geometry are left out.
+#[test]
+fn the_deepest_overlap_is_total() {
+    let mut s = Simulation::new(Effects::response(), Settings::default()).expect("effects");
+    let plane = SharedShape::halfspace(Vector::Y);
+    s.insert(plane, Body::fixed(up(0.0))).expect("a half-space");
+    let ball = s
+        .insert(SharedShape::ball(0.5), Body::moving(up(0.0), 1.0))
+        .expect("a ball");
+    let corners = [Vector::X, Vector::Y, Vector::Z].map(|v| v * 9.0).to_vec();
+    let open = SharedShape::trimesh(corners, vec![[0, 1, 2]]).expect("a mesh");
+    s.insert(open, Body::fixed(up(-9.0))).expect("a triangle");
+    assert_eq!(s.deepest_overlap(), Ok(None));
+    let handle = s.handle(ball).expect("response");
+    for x in [Real::NAN, Real::INFINITY, 1e38] {
+        let world = s.world_mut().expect("response");
+        let body = world.bodies.get_mut(handle).expect("a ball");
+        body.set_translation(Vector::new(x, 0.0, 0.0), false);
+        assert!(s.deepest_overlap().is_err(), "{x}");
+    }
 }

@@ -6,7 +6,11 @@ use lin_canny_rapier::double as engine;
 mod bodies;
 #[path = "effects.rs"]
 mod effects;
+#[path = "ordinary.rs"]
+mod ordinary;
 #[path = "piles.rs"]
 mod piles;
+#[path = "../../examples/common/ordinary.rs"]
+mod stage;
 #[path = "terrain.rs"]
 mod terrain;

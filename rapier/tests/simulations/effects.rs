@@ -296,7 +296,7 @@ fn nonsense_is_refused_by_name() {
         ..Effects::response()
     })));
     let settings = Settings {
-        time_step: 0.0,
+        time_step: Some(0.0),
         ..Settings::default()
     };
     assert!(number(Simulation::new(none, settings).err()));
@@ -330,7 +330,7 @@ fn numbers_the_engine_does_not_have_are_refused() {
         f64::NAN,
     ] {
         assert!(is_number(new(response, Settings { size, ..default })), "size {size:e}");
-        let time_step = size;
+        let time_step = Some(size);
         assert!(
             is_number(new(response, Settings { time_step, ..default })),
             "step {size:e}"
@@ -375,6 +375,7 @@ fn what_is_accepted_falls() {
     for (size, density) in [(1.0, 1e-30), (1.0, 1e20), (1e-6, 1.0), (1e5, 1.0)] {
         let settings = Settings {
             size,
+            time_step: Some(1.0 / 60.0),
             ..Settings::default()
         };
         let mut s = Simulation::new(effects, settings).expect("consistent");
@@ -390,7 +391,7 @@ fn what_is_accepted_falls() {
     }
     for time_step in [200.0 * least.sqrt(), 1e-6, 1e-3, 0.1] {
         let settings = Settings {
-            time_step,
+            time_step: Some(time_step),
             ..Settings::default()
         };
         let mut s = Simulation::new(effects, settings).expect("consistent");
@@ -400,4 +401,40 @@ fn what_is_accepted_falls() {
         run(&mut s, 1);
         assert!(height(&s, id) < 0.0, "step {time_step:e}");
     }
+}
+
+/// The default step is for bodies of some centimetres; whoever names a step gets it.
+#[test]
+fn the_default_step_is_refused_for_small_bodies_that_fall() {
+    let falling = Effects {
+        gravity: Some(DOWN),
+        ..Effects::response()
+    };
+    let of = |size: f64| Settings {
+        size,
+        ..Settings::default()
+    };
+    let refused = |effects, settings| Simulation::new(effects, settings).err();
+    for (size, is_refused) in [(1.0, false), (0.022, false), (0.021, true), (0.002, true)] {
+        let Some(SimulationError::LongStep { longest }) = refused(falling, of(size)) else {
+            assert!(!is_refused, "{size}");
+            continue;
+        };
+        assert!(is_refused && longest < 1.0 / 60.0, "{size}");
+        assert!((0.5 * 9.81 * longest * longest - size / 16.0).abs() < 1e-12);
+        let time_step = Some(1.0 / 60.0);
+        assert_eq!(refused(falling, Settings { time_step, ..of(size) }), None);
+    }
+    // Nothing falls, or nothing rests on anything.
+    assert_eq!(refused(Effects::response(), of(0.002)), None);
+    assert_eq!(
+        refused(
+            Effects {
+                gravity: Some(DOWN),
+                ..Effects::none()
+            },
+            of(0.002)
+        ),
+        None
+    );
 }

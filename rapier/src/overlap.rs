@@ -1,0 +1,76 @@
+//! The deepest overlap of bodies at their poses, whichever engine moves them.
+
+use lin_canny::nalgebra::Isometry3;
+use lin_canny::scene::{self, ClosestPair, Group, Scene};
+use lin_canny::{Geometry, PairTracker, RelativePose};
+
+use crate::{BodyId, SimulationError};
+
+const STILL: Group = Group::new(0).unwrap();
+const PUSHED: Group = Group::new(1).unwrap();
+
+/// Two solids that share a point, and how deep they are in each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Overlap {
+    /// The two bodies.
+    pub bodies: [BodyId; 2],
+    /// No shorter translation of one body parts the two; zero if nothing is known.
+    pub lower: f64,
+    /// A translation of this length parts the two: they share no inner point then.
+    pub upper: f64,
+}
+
+/// A body at its place.
+pub(crate) struct Member {
+    pub(crate) body: BodyId,
+    pub(crate) geometry: Geometry,
+    /// Pose of the geometry in the world.
+    pub(crate) pose: Isometry3<f64>,
+    /// Whether the body is dynamic. Two that are not are no pair.
+    pub(crate) is_pushed: bool,
+}
+
+/// Returns the overlap with the greatest upper bound; `None` if no two solids share a point.
+pub(crate) fn deepest(members: impl Iterator<Item = Member>) -> Result<Option<Overlap>, SimulationError> {
+    let mut scene = Scene::new();
+    let boxes = scene::Effects::none().boxes(true);
+    scene.call_for(PUSHED, PUSHED, boxes)?;
+    scene.call_for(PUSHED, STILL, boxes)?;
+    for Member {
+        body,
+        geometry,
+        pose,
+        is_pushed,
+    } in members
+    {
+        let member = match is_pushed {
+            true => scene::Body::moving(geometry).group(PUSHED),
+            false => scene::Body::fixed(geometry).group(STILL),
+        };
+        scene.insert(member.user_data(body.index() as u64), pose)?;
+    }
+    scene.step();
+    let pairs = [PUSHED, STILL].map(|those| scene.pairs_within(PUSHED, those, 0.0));
+    let mut deepest: Option<Overlap> = None;
+    for list in pairs {
+        for overlap in list?.iter().filter_map(|pair| measured(&scene, pair)) {
+            if deepest.is_none_or(|found| overlap.upper > found.upper) {
+                deepest = Some(overlap);
+            }
+        }
+    }
+    Ok(deepest)
+}
+
+/// Returns the depth of a pair; `None` if one of the two is a mesh that is not closed.
+fn measured(scene: &Scene, pair: &ClosestPair) -> Option<Overlap> {
+    let pose = RelativePose::new(scene.pose(pair.a)?, scene.pose(pair.b)?).ok()?;
+    let found = PairTracker::new().penetration(scene.shape(pair.a)?, scene.shape(pair.b)?, &pose)?;
+    let body = |id| Some(BodyId(scene.user_data(id)? as u32));
+    Some(Overlap {
+        bodies: [body(pair.a)?, body(pair.b)?],
+        lower: found.lower,
+        upper: found.upper,
+    })
+}
