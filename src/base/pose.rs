@@ -166,6 +166,7 @@ impl PoseBits {
         (!self.is_unit()).then(|| (PARTS - 1, self.norm_squared()))
     }
 
+    #[inline(always)]
     pub(crate) fn isometry(&self) -> Isometry3<f64> {
         let [x, y, z, w] = self.q();
         let q = nalgebra::UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z));
@@ -244,6 +245,7 @@ impl RelativePose {
     }
 
     /// Returns the two original poses, bit for bit.
+    #[inline]
     #[must_use]
     pub fn poses(&self) -> (Isometry3<f64>, Isometry3<f64>) {
         (self.a.isometry(), self.b.isometry())

@@ -51,6 +51,7 @@ impl Outcome {
     /// Returns the witness points and the normal in the frame of the two poses that
     /// [`RelativePose::new`] was given. Points in the world carry the rounding of the world's
     /// coordinates; distance and bounds do not.
+    #[inline]
     #[must_use]
     pub fn in_world(&self, poses: &RelativePose) -> WorldWitnesses {
         let (a, b) = poses.poses();
