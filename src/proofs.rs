@@ -10,14 +10,22 @@ use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 use crate::base::motion::turn;
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::packed::{PackedRotation, PackedVec3};
+use crate::base::num::scalar::Scalar;
 use crate::base::num::{scalar, sign};
-use crate::base::pose::{self, RelativePose};
+use crate::base::pose::{self, Operand, RelativePose};
 use crate::base::tolerance;
 use crate::body::polyhedron::build::hull;
-use crate::body::polyhedron::{Plane, heights, query};
+use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair, Plane, VertexId, heights, query};
 use crate::composite::front;
 use crate::composite::meet::bounds;
 use crate::convex::depth::pyramid::PyramidSide;
+use crate::convex::minimum::gjk::{self, Minimum};
+use crate::convex::minimum::start::vertex_of;
+use crate::convex::walk;
+use crate::pair::certificate;
+use crate::pair::difference::support;
+use crate::pair::posed::PosedPair;
+use crate::pair::transform::Transform;
 use crate::pair::{draft, star};
 use crate::patch::{bezier, net, nurbs};
 use crate::time::separation::{balls, bernstein, plane, polyhedra};
@@ -174,6 +182,108 @@ pub fn front_entry(
     front::entry_at(poses, claim, centre, about)
 }
 
+/// Two bodies as placed, and where a walk ended: bounds before their error term, in A's stored unit.
+#[derive(Clone, Copy, Debug)]
+pub struct WalkEnd {
+    pub features: FeaturePair,
+    pub distance: f64,
+    pub lower: f64,
+    pub normal: Triple,
+    pub size: f64,
+    pub rotation: [Triple; 3],
+    pub translation: Triple,
+}
+
+/// Returns where a cold walk ended, if at closest features.
+pub fn walk_end(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<WalkEnd> {
+    let posed = PosedPair::new(a, b, pose).ok()?;
+    let first = FeaturePair::vertices(Operand::A, VertexId(0), VertexId(0));
+    let mut draft = draft::Draft::starting_at(first);
+    draft.features = walk::seed::cold(&posed, &mut draft.work);
+    let m = posed.rotation.matrix();
+    walk::walk::<true>(&posed, &mut draft).then(|| WalkEnd {
+        features: draft.features,
+        distance: draft.distance,
+        lower: draft.lower,
+        normal: draft.normal.into_inner().into(),
+        size: posed.size(),
+        rotation: [0, 1, 2].map(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]]),
+        translation: posed.translation.vector().into(),
+    })
+}
+
+/// Returns the radius of a body in its stored frame.
+pub fn stored_radius(body: &ConvexPolyhedron) -> f64 {
+    body.radius
+}
+
+/// Returns the distance of the supporting planes, the direction as divided by its length, and the
+/// support vertices.
+pub fn support_distance(
+    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+    pose: &RelativePose,
+    normal: Triple,
+) -> Option<(f64, Triple, [VertexId; 2])> {
+    let (posed, normal) = (PosedPair::new(a, b, pose).ok()?, Vector3::from(normal));
+    let distance = certificate::support_distance(&posed, &normal, VertexId(0), VertexId(0));
+    let n = normal / normal.norm_squared().sqrt();
+    let on_a = a.support_certified(&n, VertexId(0)).vertex;
+    let on_b = b.support_certified(&-posed.direction_in_b(&n), VertexId(0)).vertex;
+    Some((distance, n.into(), [on_a, on_b]))
+}
+
+/// The end of a solve for the least distance; numbers as high and low parts.
+#[derive(Clone, Debug)]
+pub struct MinimumEnd {
+    pub rotation: [[[f64; 2]; 3]; 3],
+    pub translation: [[f64; 2]; 3],
+    pub lower: [f64; 2],
+    pub direction: [[f64; 2]; 3],
+    /// The support along the direction.
+    pub support: [VertexId; 2],
+    pub distance: [f64; 2],
+    pub points: Vec<[VertexId; 2]>,
+    pub weights: Vec<[f64; 2]>,
+}
+
+/// Returns the end of a solve in f64, or in double-double, of bodies apart.
+pub fn minimum_end(
+    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+    pose: &RelativePose,
+    is_double_double: bool,
+) -> Option<MinimumEnd> {
+    let posed = PosedPair::new(a, b, pose).ok()?;
+    if is_double_double {
+        solved(&posed, &Transform::<DoubleDouble>::new(a, b, pose)?)
+    } else {
+        solved(&posed, &Transform::of(&posed))
+    }
+}
+
+fn solved<T: Scalar>(posed: &PosedPair, frame: &Transform<T>) -> Option<MinimumEnd> {
+    let parts = |x: T| [x.value(), (x - T::from(x.value())).value()];
+    let first = FeaturePair::vertices(Operand::A, VertexId(0), VertexId(0));
+    let Minimum::Outside {
+        simplex,
+        lower,
+        direction,
+    } = gjk::solve(posed, frame, vertex_of(posed, frame, first))
+    else {
+        return None;
+    };
+    let along = support(posed, frame, &direction.map(|x| -x), &simplex.points()[0]);
+    Some(MinimumEnd {
+        rotation: frame.matrix.map(|row| row.map(parts)),
+        translation: frame.translation.map(parts),
+        lower: parts(lower),
+        direction: direction.map(parts),
+        support: [along.a, along.b],
+        distance: parts(simplex.witness_distance()),
+        points: simplex.points().iter().map(|p| [p.a, p.b]).collect(),
+        weights: simplex.weights().iter().copied().map(parts).collect(),
+    })
+}
+
 fn double([hi, lo]: [f64; 2]) -> DoubleDouble {
     DoubleDouble { hi, lo }
 }
@@ -204,7 +314,7 @@ pub fn constants() -> Vec<(&'static str, f64)> {
         PLACED_CENTRE BERNSTEIN ROOT PATCH_POINT KNOTS RAISED NET NET_STEP NET_CUT COEFFICIENT SLAB_HEIGHT TILT
         NORMAL_ERROR BOX_TURNED DISPLACEMENT FLANK SLANT TURN PLANE BALLS RAY PLACED_BALL SHAPE_POINT CARRIED
         PARALLEL_AXES WAY ODOMETER TICK REGION PLATEAU CROSS_CANCELLED PLANE_OFFSET NEAR_PLANE BOX_EXTENT CURVATURE
-        TAYLOR SURFACE_POINT PATCH_SLOPE BENT);
+        TAYLOR SURFACE_POINT PATCH_SLOPE BENT DIFFERENCE ON_BOUNDARY);
     #[cfg(feature = "serde")]
     all.extend(by!(unit, NORMALISED));
     all.extend(by!(1.0, VOLUME CERTIFICATE LEAST_RISE LEAST_SQUARE));

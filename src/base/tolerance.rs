@@ -108,7 +108,8 @@ pub(crate) const NEAR: f64 = f64::from_bits((1023 - 300) << 52);
 /// Noise of a difference of two posed points, in units of the pair's size L: each coordinate of a
 /// posed point carries a few roundings of numbers up to L. A direction made from such a difference
 /// leaves a vertex or a plane only if the descent exceeds this noise; a smaller descent is left to
-/// the certificate. Not a matter of soundness.
+/// the certificate. The sign of a direction's weight over the plane of a face at an edge is certain
+/// above this times L and the edge: edge 1, cross product 2.5, dot product 3 and normal 1.1, 7.6.
 pub(crate) const DIFFERENCE: f64 = 8.0 * UNIT;
 
 /// Noise, times L, of a height along a direction of unit length that is not a difference of points
@@ -123,7 +124,8 @@ pub(crate) const DIRECTION: f64 = 16.0 * UNIT;
 pub(crate) const FOOT: f64 = 16.0 * UNIT;
 
 /// Witnesses closer than this times L are no ground for a direction; the more precise solvers take
-/// over. Not a matter of soundness.
+/// over. A vector from an edge has a part of at most 11 UNIT L along the edge, so less than its
+/// length, and is made right once more within the 9 UNIT that [`CERTIFICATE`] counts.
 pub(crate) const ON_BOUNDARY: f64 = 16.0 * UNIT;
 
 /// Two edges with a squared sine below this have their cross product orthogonalised once more
@@ -131,7 +133,8 @@ pub(crate) const ON_BOUNDARY: f64 = 16.0 * UNIT;
 pub(crate) const NEARLY_PARALLEL: f64 = 1.0 / 16.0;
 
 /// Two edges with a squared sine below this are taken as parallel: the cross product is rounding
-/// alone. Not a matter of soundness.
+/// alone. Above, the cross product's own error, 2.5 UNIT, is less than a sixth of its length, and it
+/// is made right to an edge within the 5 UNIT that [`CERTIFICATE`] counts.
 pub(crate) const PARALLEL: f64 = 256.0 * UNIT * UNIT;
 
 /// The walk's answer is accepted if witnesses and supporting planes agree within this times L: the
@@ -221,43 +224,35 @@ pub(crate) const SHIFT_DIRECTION: [f64; 3] = [0.613, -0.365, 0.677];
 pub(crate) const PLATEAU: f64 = 16.0 * UNIT;
 
 /// Error term of both bounds, in units of UNIT L, derived line by line (u = UNIT, norms are
-/// Euclidean, `t` the relative translation; a cross product errs by `2.5 u |a| |b|`, a product with
-/// a rotation matrix by `6 u`):
+/// Euclidean, `t` the relative translation; a cross product errs by `2.5 u |a| |b|`, a dot product
+/// by `3 u |a| |b|`, a product with a rotation matrix by `4.5 u`). A pose as computed displaces the
+/// bodies, 1 to 3, and the distance by no more; what is computed of bodies so placed, 4 to 6, comes
+/// on top. The sums over all feature pairs and solvers are in the table of the module, by machine.
 ///
-/// 1. The relative quaternion: four products a coordinate, error at most 4 u each, 8 u as a vector.
-///    Perpendicular to the quaternion such an error turns by twice as much; along the quaternion
-///    the error scales the difference of matrix and identity, a matrix of norm 2, by twice as much:
-///    together at most `8 u sqrt(4 + 16)`, 36 u. The squared norms of both poses err by 4 u each
-///    and scale this difference too: 16 u.
-/// 2. Its matrix: 5 u relative to the absolute sums of its entries, whose Frobenius norm is below
-///    3.8, and the last rounding of each entry: 19 u with the factor's own roundings, 3 u, counted
-///    in. With 1, a vertex of B is turned wrong by at most 71 u rB.
-/// 3. The relative translation: the difference of the translations, which turns with it, `u |t|`;
-///    the two cross products, `2.5 u` each, the product with the scalar part and the sum: 8.5 u of
-///    at most `|t|`, doubled by the factor; the factor `2 / |q|^2`, 4 u, and the product with it, 1
-///    u, of at most `2 |t|`; the last sum: together at most 31 u |t|.
-/// 4. A vertex of B in A's frame: 71 u rB + 31 u |t|, and 6 u rB for the product. A vertex of A in
-///    B's: 71 u and 6 u of `|t| + rA`, the difference from the translation and its own error, 32 u
-///    |t|: 77 u rA + 109 u |t|. Sums: u L.
-/// 5. A direction taken into the other frame: 6 u, which may put another vertex lowest: 12 u of
-///    that body's radius. Heights along a direction: 3 u of rA, rB and |t|, once more if the
-///    maximum of several is taken; the sums, 2 u L. Of two edges each extreme perpendicular to the
-///    other (`FLANK`): no direction is taken into another frame and no maximum of several, but `n`
-///    is off the right angle to the edges by `3.5 u / sine` on A, as the sine is at least 1/4 or
-///    the angle is made right (6 u), and by 6 u more on B, for the turned edge: 28 u of rA, 40 u of
-///    rB. Of an edge paired with a vertex, the direction is made right within 8 u: 17 u of its
-///    body's radius.
+/// 1. The relative quaternion: four products a coordinate, 5 u as a vector. Perpendicular to the
+///    quaternion such an error turns by twice as much; along the quaternion the error scales the
+///    difference of matrix and identity, a matrix of norm 2, by twice as much: together at most
+///    `5 u sqrt(4 + 16)`. The factor `2 (2 - |a|^2) (2 - |b|^2)` errs by 9 u, and counts twice.
+/// 2. Its matrix: 10.7 u. With 1, a vertex of B is turned wrong by at most 51 u rB.
+/// 3. The relative translation: the difference of the translations, `u |t|`; the two cross products
+///    and their sum, doubled by the factor; the factor, 4 u, and the product with it, of at most `2
+///    |t|`; the last sum: together at most 30.1 u |t|. In B's frame, A is displaced by 51 u of rA
+///    and |t|, and 30.1 u |t|.
+/// 4. A vertex in the other frame: 4.5 u of its distance from the other origin and one sum, or a
+///    difference before.
+/// 5. A height along a direction: 3 u of each length, sums one. A vertex is lowest along the
+///    direction as turned into its frame: 4.5 u of its radius, twice. Of two edges each extreme
+///    perpendicular to the other (`FLANK`): `n` is off the right angle to both as computed by 10 u,
+///    as the sine is at least 1/4, or is made right within less; this counts by twice the radius,
+///    and so do the edges' own errors, 1 u on A and 5.5 u on B. Of an edge paired with a vertex, the
+///    direction is made right within 9 u and the edge errs by 1: twice the radius as well.
 /// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of vertices whose weights sum
-///    to 1 within 4 u: 8 u of rA and of rB, in the upper bound instead of 5. The norm, or the norm
-///    of a normal: 3 u L.
+///    to 1 within 3 u. The norm, 2.5 u; the inverse of one and products with it, up to 8.5 u.
 ///
-/// Sum, with u L counted for every summand: at most 77 + 12 + 6 + 6 = 101 u for the radius of the
-/// body that is posed, 109 + 3 + 6 = 118 u for |t|, 40 u for the other radius; for two edges 77 +
-/// 40 + 3 + 6 = 126 u, 118 u and 68 u. Second-order terms are below 1 u. In double-double the sum
-/// holds with two matrices of 40 instead of a single matrix, 16 for their product, and 2 times 46
-/// for the translation with the origins of the bodies added to L; sums and products err by 10
-/// UNIT^2 at most, so all is below 100 [`UNIT_DOUBLE_DOUBLE`]. The largest violation ever seen of
-/// the bounds without their error term is 11 u L.
+/// Two edges are the worst pair, with 100.2 u L. In double-double the pose is a product of two
+/// matrices, whose entries err each, and the translation turns the origins of the bodies, which are
+/// added to L: 104.1 [`UNIT_DOUBLE_DOUBLE`]. Poses off unit length and the second order are counted
+/// in.
 pub(crate) const CERTIFICATE: f64 = 128.0;
 
 /// Error of the displacement of a body between two poses, in units of its radius `r`, of the

@@ -6,6 +6,7 @@
 #![cfg(feature = "proofs")]
 
 mod bounds;
+mod certificate;
 mod gappa;
 mod inputs;
 mod table;

@@ -126,6 +126,11 @@ impl Polynomial {
         self.terms().map(term).fold(RBig::ZERO, |s, x| s + x)
     }
 
+    /// The value of a polynomial without variables.
+    pub fn number(&self) -> RBig {
+        self.at(|letter| panic!("{letter} is not known"))
+    }
+
     /// The least `c` such that no coefficient of this exceeds `c` times that of `bound`; `None` if `bound` lacks a
     /// monomial.
     pub fn over(&self, bound: &Self) -> Option<RBig> {
@@ -133,5 +138,11 @@ impl Polynomial {
             let ratio = c / bound.0.get(m)?;
             Some(if ratio > most { ratio } else { most })
         })
+    }
+}
+
+impl From<RBig> for Polynomial {
+    fn from(value: RBig) -> Self {
+        Self::constant(value)
     }
 }

@@ -3,6 +3,7 @@
 use super::majorant::{DOUBLE, Majorant, rounding};
 use super::norm::length;
 use super::number::{self, Number};
+use super::polynomial::Polynomial;
 use dashu::rational::RBig;
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
@@ -91,40 +92,41 @@ impl<N: Number> Vectors for Coordinates<N> {
 }
 
 /// A number no larger than `most`, or a vector or a matrix no longer, and the largest error of what the code computes
-/// instead.
+/// instead. Both are numbers, or polynomials of lengths that are not known: a radius, a distance.
 #[derive(Clone, Debug)]
 struct Extent {
-    most: RBig,
-    error: RBig,
+    most: Polynomial,
+    error: Polynomial,
     precision: u32,
 }
 
 impl Extent {
     /// The sum of the most and the error.
-    fn reach(&self) -> RBig {
-        &self.most + &self.error
+    fn reach(&self) -> Polynomial {
+        self.most.plus(&self.error)
     }
 
-    /// The error of a product with another, before rounding: `d(ab) = a db + da b + da db`.
-    fn crossed(&self, other: &Self) -> RBig {
-        &self.most * &other.error + &self.error * &other.most + &self.error * &other.error
+    /// The error of a product with another, before rounding: `d(ab) = a db + da (b + db)`.
+    fn crossed(&self, other: &Self) -> Polynomial {
+        let first = self.most.times(&other.error);
+        first.plus(&self.error.times(&other.reach()))
     }
 
     fn product(&self, other: &Self, roundings: &RBig) -> Self {
-        let rounded = roundings * self.reach() * other.reach();
+        let rounded = self.reach().times(&other.reach()).scaled(roundings);
         Self {
-            most: &self.most * &other.most,
-            error: self.crossed(other) + rounded,
+            most: self.most.times(&other.most),
+            error: self.crossed(other).plus(&rounded),
             precision: self.precision.max(other.precision),
         }
     }
 
     fn beside(&self, other: &Self) -> Self {
         let precision = self.precision.max(other.precision);
-        let error = &self.error + &other.error;
-        let most = &self.most + &other.most;
+        let error = self.error.plus(&other.error);
+        let most = self.most.plus(&other.most);
         Self {
-            error: &error + rounding(precision) * (&most + &error),
+            error: error.plus(&most.plus(&error).scaled(&rounding(precision))),
             most,
             precision,
         }
@@ -143,28 +145,35 @@ macro_rules! bounded {
             }
 
             /// A size, and an error.
-            pub fn new(precision: u32, most: RBig, error: RBig) -> Self {
+            pub fn new(precision: u32, most: impl Into<Polynomial>, error: impl Into<Polynomial>) -> Self {
+                let (most, error) = (most.into(), error.into());
                 Self::of(Extent { most, error, precision })
             }
 
             /// An input of at most this size, in double precision, without an error.
-            pub fn input(most: RBig) -> Self {
+            pub fn input(most: impl Into<Polynomial>) -> Self {
                 Self::new(DOUBLE, most, RBig::ZERO)
             }
 
             /// The bound of the size.
-            pub fn most(self) -> &'static RBig {
-                &self.0.most
+            pub fn most(self) -> RBig {
+                self.0.most.number()
             }
 
             /// The bound of the error.
-            pub fn error(self) -> &'static RBig {
+            pub fn error(self) -> RBig {
+                self.0.error.number()
+            }
+
+            /// The bound of the error, by lengths that are not known.
+            pub fn error_by_lengths(self) -> &'static Polynomial {
                 &self.0.error
             }
 
             /// The same, of a size that is known better.
             #[must_use]
-            pub fn at_most(self, most: RBig) -> Self {
+            pub fn at_most(self, most: impl Into<Polynomial>) -> Self {
+                let most = most.into();
                 Self::of(Extent { most, ..self.0.clone() })
             }
         }
@@ -193,7 +202,7 @@ impl Within {
         let own = RBig::from(4) * &r;
         Self::of(Extent {
             most: v.0.most.clone(),
-            error: &v.0.error + own * v.0.reach(),
+            error: v.0.error.plus(&v.0.reach().scaled(&own)),
             precision: v.0.precision,
         })
     }
@@ -239,7 +248,7 @@ impl Number for Within {
 
     fn times_power(self, exponent: i32) -> Self {
         let by = super::majorant::power(i64::from(exponent));
-        Self::new(self.0.precision, self.most() * &by, self.error() * by)
+        Self::new(self.0.precision, self.0.most.scaled(&by), self.0.error.scaled(&by))
     }
 }
 
@@ -317,7 +326,7 @@ impl Vectors for Lengths {
         // Each row of one is turned by the other; three rows, by the Frobenius norm.
         let row = a.0.product(b.0, &of_product(a.0.precision.max(b.0.precision)));
         Turn::of(Extent {
-            error: super::bounds::root(3) * row.error,
+            error: row.error.scaled(&super::bounds::root(3)),
             ..row
         })
     }
@@ -326,8 +335,8 @@ impl Vectors for Lengths {
         // The absolute entries stretch by no more than the Frobenius norm.
         let most = super::bounds::root(3);
         let wide = Extent {
-            most: &most * &m.0.most,
-            error: &most * &m.0.error,
+            most: m.0.most.scaled(&most),
+            error: m.0.error.scaled(&most),
             precision: m.0.precision,
         };
         Arrow::of(wide.product(v.0, &of_product(m.0.precision.max(v.0.precision))))

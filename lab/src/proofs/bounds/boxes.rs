@@ -212,7 +212,7 @@ fn extent() -> RBig {
     let four = RBig::from(4);
     // A place is rounded once, and its difference from the centre once.
     let point = Arrow::new(DOUBLE, four.clone(), four * RBig::from(2) * rounding(DOUBLE));
-    Lengths::dot(dual, point).error().clone()
+    Lengths::dot(dual, point).error()
 }
 
 /// `I - sum of a a^T` for a normal of length one, an axis made perpendicular to it and divided by its length, and the cross
@@ -225,10 +225,10 @@ fn gram() -> RBig {
     // The axis before has a cosine of a tenth, see `FLAT` in `tree::fit`.
     let cosine = exact(0.1001);
     let height = Lengths::dot(n, n);
-    let part = Lengths::scaled(n, Within::new(DOUBLE, cosine.clone(), height.error().clone()));
+    let part = Lengths::scaled(n, Within::new(DOUBLE, cosine.clone(), height.error()));
     let off = part.error() + &u + &cosine * &unit_length;
     let off = (off / exact(0.994) + &u) * (RBig::ONE + unit_of(20));
-    let wide = Lengths::cross(n, n).error().clone();
+    let wide = Lengths::cross(n, n).error();
     let wide_length = RBig::from(2) * &unit_length + RBig::from(2) * &wide;
     let rows: [[RBig; 3]; 3] = [
         [unit_length.clone(), off.clone(), wide.clone()],

@@ -103,7 +103,7 @@ fn near_plane() -> RBig {
     let tilt = units(1.0625) * RBig::from(2);
     let n = Arrow::new(53, RBig::ONE + units(2.0), RBig::ZERO);
     let p = Arrow::new(53, RBig::ONE, RBig::ZERO);
-    let height = Lengths::dot(n, p).error().clone();
+    let height = Lengths::dot(n, p).error();
     RBig::from(2) * tilt + height + units(2.0) + RBig::from(2) * once() + power(-60)
 }
 

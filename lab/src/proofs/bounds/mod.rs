@@ -2,6 +2,7 @@
 
 mod bends;
 mod boxes;
+mod certificate;
 mod chains;
 mod double;
 mod motions;
@@ -92,6 +93,7 @@ pub fn all() -> Vec<Bound> {
     [
         signs::bounds(),
         poses::bounds(),
+        certificate::bounds(),
         places::bounds(),
         patches::bounds(),
         double::bounds(),

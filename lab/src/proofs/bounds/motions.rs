@@ -59,7 +59,7 @@ fn of_length() -> RBig {
 fn spun() -> RBig {
     let axis = arrow(one(), of_length() + once());
     let sine = within(one(), unit() + once());
-    let vector = Lengths::scaled(axis, sine).error().clone();
+    let vector = Lengths::scaled(axis, sine).error();
     let scalar = unit() + once();
     root_above(&(&vector * &vector + &scalar * &scalar))
 }
@@ -136,7 +136,7 @@ fn coefficients(sizes: &Sizes, [spin, rate]: [u32; 2]) -> RBig {
     let third = within(RBig::ONE / RBig::from(3), once());
     let c1 = (b0 + two * b1) * third;
     let c2 = (two * b1 + b2) * third;
-    let of = [b0, c1, c2, b2].map(|b| b.error().clone());
+    let of = [b0, c1, c2, b2].map(|b| b.error());
     of.into_iter().max().expect("four coefficients")
 }
 

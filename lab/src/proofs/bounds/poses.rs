@@ -6,7 +6,7 @@ use crate::proofs::kernels::poses;
 use crate::proofs::majorant::{DOUBLE, Majorant, SINGLE, power, rounding, unit};
 use crate::proofs::norm::length;
 use crate::proofs::number::{Number, Vector, cross, dot, named, sum};
-use crate::proofs::polynomial::{Polynomial, Symbol};
+use crate::proofs::polynomial::Polynomial;
 use crate::rational::exact;
 use dashu::rational::RBig;
 
@@ -25,9 +25,6 @@ fn size(vector: &[Majorant], lengths: &[(char, RBig)]) -> RBig {
 }
 
 pub(super) fn bounds() -> Vec<Bound> {
-    let per_radius = rotation() + product();
-    let per_distance = &per_radius + translation();
-    let support = "pair::certificate::support_distance";
     let whole = Bound::whole;
     let certificate = |error, kernel, part, allowed| whole("CERTIFICATE", kernel, error).part(part, allowed);
     vec![
@@ -38,8 +35,6 @@ pub(super) fn bounds() -> Vec<Bound> {
         certificate(rotation(), "pose::packed_rotation", "1 and 2, rotation", 71.0),
         certificate(translation(), "pose::rotated_to_a", "3, translation", 31.0),
         certificate(product(), "num::packed::combined", "4, product", 6.0),
-        whole("CERTIFICATE", support, per_radius + units(24.0)).case("per radius"),
-        whole("CERTIFICATE", support, per_distance + units(10.0)).case("per distance"),
         whole("BOX", "polyhedron::bounds", boxed()),
         whole("PLACED_PIVOT", "nalgebra turn", turned()).part("rounding", 24.0),
         // A quaternion off unit length by x in the square turns wrong by twice as much; twice, with one difference.
@@ -91,7 +86,11 @@ fn factor() -> RBig {
 /// The entries of the matrix of a unit quaternion for a given factor, times a unit vector. The Frobenius norm of the
 /// matrix is the root of three.
 pub(super) fn entries() -> RBig {
-    let rows = poses::matrix(exactly('q'), Majorant::exact(2.0));
+    entries_of(&poses::matrix(exactly('q'), Majorant::exact(2.0)))
+}
+
+/// Of one way to write them.
+pub(super) fn entries_of(rows: &[Vector<Majorant>; 3]) -> RBig {
     let turned = rows.map(|row| {
         (0..3u8).fold(Polynomial::default(), |total, k| {
             let v = Polynomial::variable('v', k);
@@ -100,17 +99,8 @@ pub(super) fn entries() -> RBig {
     });
     // The last roundings are relative to the entries: one matrix of nine, as a vector.
     let matrix = |row: &Polynomial, i: u8| {
-        ['i', 'j', 'k'].iter().fold(row.clone(), |p, c| {
-            p.with(*c, |k| {
-                Polynomial::term(
-                    vec![Symbol {
-                        letter: 'm',
-                        index: 3 * i + k,
-                    }],
-                    RBig::ONE,
-                )
-            })
-        })
+        let entry = |k| Polynomial::variable('m', 3 * i + k);
+        ['i', 'j', 'k'].iter().fold(row.clone(), |p, c| p.with(*c, entry))
     };
     let turned = [0, 1, 2].map(|i| matrix(&turned[i], i as u8));
     length(&turned.each_ref(), &[('m', root(3))])

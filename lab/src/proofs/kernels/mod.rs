@@ -1,6 +1,7 @@
 //! The kernels, in the crate's own order of operations.
 
 pub mod boxes;
+pub mod certificate;
 pub mod double;
 pub mod patches;
 pub mod places;
