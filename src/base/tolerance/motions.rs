@@ -80,6 +80,20 @@ pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;
 /// below 4 (1 + 8 + 3) + 2.
 pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 
+/// Error of the height of a vertex along an axis of a box that is fitted anew, in units of the
+/// farthest vertex's distance from the tree's origin: the place of the vertex is rounded, UNIT_SINGLE
+/// of it; a sum of three products of numbers of single precision errs by 3 UNIT_SINGLE of the sum of
+/// their absolute values, which is at most the product of the lengths; the axis is longer than one by
+/// 4 UNIT_SINGLE. The second order is covered by the rest, as are the centre, whose coordinates and
+/// heights are of double precision, and the sum with the slack.
+pub(crate) const REFIT_HEIGHT: f64 = 6.0 * UNIT_SINGLE;
+
+/// Largest deviation of the products of the axes of a box that is fitted anew from those of
+/// orthonormal vectors: axes are rounded once, or kept as the build left them, within 8 UNIT_SINGLE;
+/// the quotient by `1 - 24 UNIT_SINGLE` and roundings in double precision add far less than a
+/// hundredth.
+pub(crate) const BOX_SKEW: f64 = 9.0 * UNIT_SINGLE;
+
 /// Error of a gap of two boxes of a composite in f32, in units of their pair's size L: the reaches
 /// of both trees and the distance of their origins. With v = UNIT_SINGLE, `r` a box's reach, `h`
 /// its half extents (`|h| <= sqrt(3) r`):

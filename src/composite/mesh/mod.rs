@@ -11,19 +11,22 @@ mod pair;
 mod persist;
 mod report;
 pub(crate) mod tracker;
+mod vertices;
 mod weld;
 
+use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 pub use hull::HullFit;
 pub use inspect::MeshInspection;
-pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
+pub use report::{MeshError, MeshKind, MeshPart, MeshReport, VertexError};
 
 use crate::base::num::fingerprint::Fingerprint;
 use crate::body::polyhedron::obj::obj;
 use crate::composite::tree::Tree;
+use vertices::{Bending, Stiff};
 
 /// A body made of triangles: the mesh as the caller brought it, not a decomposition.
 ///
@@ -69,6 +72,10 @@ pub struct Mesh {
     /// Of vertices and triangles, by which a tracker recognises the mesh.
     pub(crate) fingerprint: Fingerprint,
     report: MeshReport,
+    /// Why the vertices cannot be replaced, if they cannot.
+    stiff: Option<Stiff>,
+    /// Of a mesh whose vertices have been replaced.
+    bending: Option<Box<Bending>>,
 }
 
 impl Mesh {

@@ -8,8 +8,10 @@ mod eigen;
 mod fit;
 pub(in crate::composite) mod height;
 pub(in crate::composite) mod maximum;
-pub(super) use fit::up;
+mod refit;
 mod split;
+pub(super) use fit::up;
+pub(super) use refit::{Paths, Refit};
 
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -126,6 +128,8 @@ pub(crate) struct Tree {
     pub(crate) exponent: i32,
     /// No corner of a box is farther than this from the tree's origin.
     pub(crate) reach: f32,
+    /// How far the points below the nodes have moved.
+    pub(crate) paths: Paths,
 }
 
 impl Tree {
