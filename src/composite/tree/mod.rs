@@ -177,6 +177,12 @@ impl Tree {
         }
     }
 
+    /// Returns whether points of the body have ever moved in its frame.
+    #[inline(always)]
+    pub(crate) fn bends(&self) -> bool {
+        self.paths.total > 0
+    }
+
     /// Returns the slab of a node or of its nearest ancestor that has one.
     pub(crate) fn slab(&self, node: u32) -> Option<&Slab> {
         self.slabs.get(*self.nearest.get(node as usize)? as usize)
