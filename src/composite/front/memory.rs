@@ -216,8 +216,7 @@ impl FrontMemory {
         let (single, trees, front) = (&search.frame.single, (search.a, search.b), &mut self.front);
         let mut left = 0;
         for first in (0..self.failed.len()).step_by(WIDTH) {
-            let batch: [EntryId; WIDTH] =
-                core::array::from_fn(|k| self.failed[(first + k).min(self.failed.len() - 1)]);
+            let batch: [EntryId; WIDTH] = core::array::from_fn(|k| self.failed[(first + k).min(self.failed.len() - 1)]);
             let count = WIDTH.min(self.failed.len() - first);
             let normals = batch.map(|at| front.normal(single, at));
             let found = along(single, trees, &batch.map(|at| front.pair(at)), &normals);

@@ -111,8 +111,10 @@ impl Front {
     }
 
     pub(in crate::composite) fn heap_bytes(&self) -> usize {
-        let of =
-            |h: &FrontHalf| h.blocks.capacity() * size_of::<FrontBlock>() + (h.pairs.capacity() + h.paths.capacity()) * size_of::<NodePair>();
+        let of = |h: &FrontHalf| {
+            h.blocks.capacity() * size_of::<FrontBlock>()
+                + (h.pairs.capacity() + h.paths.capacity()) * size_of::<NodePair>()
+        };
         self.halves.iter().map(of).sum()
     }
 
@@ -250,7 +252,8 @@ impl Front {
     /// Spoils an entry, so that a test can see it found.
     #[cfg(test)]
     pub(in crate::composite) fn corrupt(&mut self, place: EntryId, by: f32) {
-        self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers[BASE][place.at as usize % WIDTH] += by;
+        self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers[BASE][place.at as usize % WIDTH] +=
+            by;
     }
 
     /// Returns the place of an entry by its number.

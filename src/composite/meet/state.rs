@@ -177,7 +177,8 @@ impl TreeState {
         self.fingerprints = now;
         self.free = None;
         let moves = TreeMoves::new(a.side(), b.side());
-        let have_moved = (before[0] == now[0] || a.came_from(before[0])) && (before[1] == now[1] || b.came_from(before[1]));
+        let have_moved =
+            (before[0] == now[0] || a.came_from(before[0])) && (before[1] == now[1] || b.came_from(before[1]));
         if have_moved {
             self.kept.follow(&moves);
             return Recognised::Moved;

@@ -68,7 +68,7 @@ impl From<Stopped> for MeshError {
 
 /// Reason why the vertices of a mesh cannot be replaced. Vertices are named by their numbers in
 /// [`Mesh::vertices`](super::Mesh::vertices), lengths are in the caller's unit.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VertexError {
     /// Another number of vertices than the mesh has.

@@ -145,11 +145,7 @@ impl Mesh {
     #[doc(alias = "deform")]
     #[doc(alias = "refit")]
     pub fn set_vertices(&mut self, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
-        let (given, count) = (vertices.len(), self.vertex_count());
-        if given != count {
-            return Err(VertexError::Count { given, count });
-        }
-        self.set_vertices_from(0, vertices)
+        self.move_all(vertices).map(|_| ())
     }
 
     /// Replaces the vertices from number `first` on, as [`set_vertices`](Self::set_vertices) does:
@@ -160,6 +156,20 @@ impl Mesh {
     /// As [`set_vertices`](Self::set_vertices); a vertex that does not exist instead of another
     /// number of vertices.
     pub fn set_vertices_from(&mut self, first: usize, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
+        self.move_vertices(first, vertices).map(|_| ())
+    }
+
+    /// Replaces all vertices; returns an upper bound of how far any point of the mesh has moved, in
+    /// the caller's unit.
+    pub(crate) fn move_all(&mut self, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
+        let (given, count) = (vertices.len(), self.vertex_count());
+        if given != count {
+            return Err(VertexError::Count { given, count });
+        }
+        self.move_vertices(0, vertices)
+    }
+
+    fn move_vertices(&mut self, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
         let count = self.vertex_count();
         if first.checked_add(vertices.len()).is_none_or(|end| end > count) {
             return Err(VertexError::Missing {
@@ -229,7 +239,7 @@ impl Mesh {
     }
 
     /// Takes vertices that exist and are finite.
-    fn replace(&mut self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
+    fn replace(&mut self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
         let replaced = &bending.order[first..first + vertices.len()];
         let (next, stored) = (&mut bending.next, power_of_two(-self.exponent));
         next.clone_from(&self.points);
@@ -249,8 +259,11 @@ impl Mesh {
         let units = Units::of(&((high - low) * self.unit()));
         let is_near = self.steps(bending, &low, &high) && units.exponent == self.exponent;
         if is_near && bending.steps.iter().all(|s| *s == 0) {
-            return Ok(());
+            return Ok(0.0);
         }
+        let square = |(p, q): (&Vector3<f64>, &Vector3<f64>)| (q - p).norm_squared();
+        let moved = self.points.iter().zip(&bending.next).map(square).fold(0.0, f64::max);
+        let moved = sqrt(moved) * (1.0 + 8.0 * UNIT) * self.unit();
         let before = self.fingerprint;
         self.fingerprint = Bending::fingerprint(before, first, vertices);
         self.take_points(bending, &units);
@@ -265,7 +278,7 @@ impl Mesh {
         }
         self.tree
             .refit(&mut bending.refit, &self.points, &self.triangles, &bending.steps);
-        Ok(())
+        Ok(moved)
     }
 
     /// Finds how far each vertex moves to its next place. Returns whether the next places, between
