@@ -7,7 +7,9 @@ use lab::soups::{self, Soup};
 use lab::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape, VertexError};
+use lin_canny::{
+    Class, Composite, ConvexPolyhedron, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape, VertexError,
+};
 
 /// A sheet of n by n squares about the origin, of side 2.
 fn sheet(n: u32) -> Soup {
@@ -77,6 +79,20 @@ fn motion(frames: usize, seed: u64) -> Vec<Pose> {
 /// The same body as a mesh built anew; `None` if nothing of it has an area.
 fn anew(soup: &Soup) -> Option<Mesh> {
     Mesh::new(&vertices(soup), &soup.triangles).ok()
+}
+
+/// Triangles without area as the segments and points that they are.
+fn lines(soup: &Soup, triangles: impl Iterator<Item = u32>) -> Vec<Geometry> {
+    let line = |t: u32| {
+        let corners = soup.corners(t as usize);
+        let lengths = [0, 1, 2].map(|k| norm(sub(corners[k], corners[(k + 1) % 3])));
+        let longest = (0..3).max_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap();
+        let [from, to] = [longest, (longest + 1) % 3].map(|k| Point3::from(corners[k]));
+        ConvexPolyhedron::segment(from, to)
+            .or_else(|_| ConvexPolyhedron::point(from))
+            .unwrap()
+    };
+    triangles.map(|t| Geometry::from(line(t))).collect()
 }
 
 fn bodies() -> [Soup; 4] {
@@ -206,7 +222,7 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
         box_of(0.6).into(),
         Composite::new(vec![piece(-0.4), piece(0.4)]).unwrap().into(),
     ];
-    let mut tally = [0; 2];
+    let (mut tally, mut segments) = ([0; 2], 0);
     for (way, name) in WAYS.iter().enumerate().filter(|w| *w.1 != "shift") {
         for (k, rest) in bodies().iter().enumerate() {
             let mut m = mesh(rest);
@@ -217,18 +233,30 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
                 let Some(fresh) = anew(&now).filter(|f| f.kind() == m.kind()) else {
                     continue;
                 };
+                let fresh_body = Geometry::from(fresh.clone());
                 for (other, warm) in others.iter().zip(&mut warm) {
                     let pose = relative(pose);
                     let found = warm.closest(&m, other, &pose);
-                    let truth = PairTracker::new().closest(&fresh, other, &pose);
-                    assert_eq!(found.class, truth.class, "{name} {k} {frame} {found:?} {truth:?}");
-                    tally[usize::from(found.class == Class::Separated)] += 1;
-                    let apart = (found.distance - truth.distance).abs();
-                    assert!(apart < 1e-12, "{name} {k} {frame} {found:?} {truth:?}");
+                    // What a build drops is measured as what it is.
+                    let left = lines(&now, fresh.report().degenerate.iter().copied());
+                    let ask = |body: &Geometry| PairTracker::new().closest(body, other, &pose);
+                    let each = left.iter().chain([&fresh_body]).map(ask);
+                    let truth = each.min_by(|p, q| p.distance.total_cmp(&q.distance)).unwrap();
+                    let is_apart = truth.class == Class::Separated;
                     assert_eq!(
-                        warm.intersects(&m, other, &pose).is_yes(),
-                        PairTracker::new().intersects(&fresh, other, &pose).is_yes()
+                        found.class == Class::Separated,
+                        is_apart,
+                        "{name} {k} {frame} {found:?} {truth:?}"
                     );
+                    assert!(
+                        left.len() > 0 || found.class == truth.class,
+                        "{name} {k} {frame} {found:?} {truth:?}"
+                    );
+                    tally[usize::from(is_apart)] += 1;
+                    segments += left.len();
+                    let apart = (found.distance - truth.distance.max(0.0)).abs();
+                    assert!(apart < 1e-12, "{name} {k} {frame} {found:?} {truth:?}");
+                    assert_eq!(warm.intersects(&m, other, &pose).is_yes(), !is_apart);
                     let near = found.distance + 0.01;
                     assert_eq!(warm.within(&m, other, &pose, near).is_yes(), truth.distance <= near);
                     assert!(warm.lower_bound(&m, other, &pose) <= truth.upper + 1e-12);
@@ -236,7 +264,7 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
             }
         }
     }
-    assert!(tally.iter().all(|t| *t > 200), "{tally:?}");
+    assert!(tally.iter().all(|t| *t > 100) && segments > 100, "{tally:?} {segments}");
 }
 
 #[test]

@@ -238,3 +238,7 @@ pub(crate) const STATES: usize = 16;
 /// diagonal between one and two when it is made. Two bits of single precision are lost at most.
 pub(crate) const GROWN: f64 = 4.0;
 pub(crate) const SHRUNK: f64 = 0.5;
+
+/// Nodes of up to so many vertices are fitted to them side by side, one vertex of each of eight
+/// nodes at a time, larger ones eight vertices at a time. Not measured.
+pub(crate) const SMALL_NODE: usize = 32;

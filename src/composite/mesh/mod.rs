@@ -32,9 +32,9 @@ use vertices::{Bending, Stiff};
 
 /// A body made of triangles: the mesh as the caller brought it, not a decomposition.
 ///
-/// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). Immutable, `Send + Sync`,
-/// cheap to share by reference or `Arc`. Coordinates are those of the caller, in the body's own
-/// frame, in any unit; triangles run counter-clockwise seen from outside.
+/// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). `Send + Sync`, cheap to
+/// share by reference or `Arc`; immutable but for [`set_vertices`](Self::set_vertices), by which it
+/// bends. Coordinates are those of the caller, in the body's own frame, in any unit; triangles run counter-clockwise seen from outside.
 ///
 /// ```
 /// use lin_canny::nalgebra::Point3;

@@ -5,6 +5,7 @@
 //! first cost pairs in proportion to size over gap, the second its logarithm.
 
 mod eigen;
+mod eight;
 mod fit;
 pub(in crate::composite) mod height;
 pub(in crate::composite) mod maximum;

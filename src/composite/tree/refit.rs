@@ -11,15 +11,12 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
-use wide::{f32x4, f32x8};
 
-use super::{Below, OrientedBox, Tree, up};
+use super::eight::{Below8, EightAtRest, LANES, NARROW, Places};
+use super::{Below, Tree, up};
 use crate::base::num::scalar::sqrt;
-use crate::base::pose::rotation_matrix;
-use crate::base::tolerance::{BOX_EXTENT, BOX_SKEW, REFIT_HEIGHT, UNIT};
-
-/// Square of the least sine of the angle of two sides of three vertices that have a frame.
-const NARROW: f64 = 1.0 / (1u64 << 40) as f64;
+use crate::base::tolerance::{BOX_EXTENT, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
+use crate::base::tuning::composite::SMALL_NODE;
 
 /// One length of the tree in units of a path.
 const PATH_UNITS: f64 = (1u32 << 24) as f64;
@@ -63,27 +60,42 @@ impl Paths {
 }
 
 /// A node as it was when the tree was made.
-#[derive(Clone, Debug)]
 struct NodeAtRest {
+    number: u32,
     /// The vertices that triangles below the node use first: from one number to the next.
     own: [u32; 2],
-    /// Where the list of its other vertices begins.
-    others: u32,
-    /// Three vertices far from each other.
+    /// All others.
+    others: Vec<u32>,
     three: [u32; 3],
     /// The rotation from the frame of the three to the axes.
     rotation: [f32; 4],
 }
 
+impl NodeAtRest {
+    fn count(&self) -> usize {
+        (self.own[1] - self.own[0]) as usize + self.others.len()
+    }
+
+    /// Returns the vertices of a round: the last one again beyond the last.
+    fn vertex(&self, round: usize) -> u32 {
+        let own = (self.own[1] - self.own[0]) as usize;
+        let round = round.min(self.count() - 1);
+        if round < own {
+            self.own[0] + round as u32
+        } else {
+            self.others[round - own]
+        }
+    }
+}
+
 /// What fits the boxes of a tree to other places of the same vertices.
 #[derive(Clone, Debug)]
 pub(crate) struct Refit {
-    /// By node, and one more at the end.
-    nodes: Arc<[NodeAtRest]>,
+    eights: Arc<[EightAtRest]>,
+    /// Vertices of small nodes by rounds, and those of large ones.
+    rounds: Arc<[[u32; LANES]]>,
     others: Arc<[u32]>,
-    /// Places in the tree's coordinates in single precision, by vertex and by coordinate.
-    rows: Vec<f32x4>,
-    columns: [Vec<f32>; 3],
+    places: Places,
     /// The longest step of a vertex below each node.
     steps: Vec<u32>,
 }
@@ -97,60 +109,41 @@ impl Refit {
             most = item.iter().fold(most, |m, &v| m.max(v + 1));
             before.push(most);
         }
-        let (mut nodes, mut others) = (Vec::with_capacity(tree.len() + 1), Vec::new());
-        for (node, (first, last)) in tree.ranges().into_iter().enumerate() {
+        let at_rest = |(node, (first, last)): (usize, (usize, usize))| {
             let own = [before[first], before[last]];
-            let begin = others.len();
-            others.extend(items[first..last].iter().flatten().filter(|v| **v < own[0]));
-            let mut list = others.split_off(begin);
-            list.sort_unstable();
-            list.dedup();
-            others.append(&mut list);
-            let three = far_apart(points, &items[first..last]);
+            let items = &items[first..last];
+            let mut others: Vec<u32> = items.iter().flatten().copied().filter(|v| *v < own[0]).collect();
+            others.sort_unstable();
+            others.dedup();
+            let three = far_apart(points, items);
             let axes = [0, 1].map(|k| tree.boxes[node].axis(k));
             let turned = frame_of(three.map(|v| points[v as usize])).and_then(|frame| rotation_of(&frame, axes));
-            nodes.push(NodeAtRest {
+            NodeAtRest {
+                number: node as u32,
                 own,
-                others: begin as u32,
+                others,
                 three,
                 rotation: turned.unwrap_or_default(),
-            });
-        }
-        nodes.push(NodeAtRest {
-            own: [0; 2],
-            others: others.len() as u32,
-            three: [0; 3],
-            rotation: [0.0; 4],
+            }
+        };
+        let mut nodes: Vec<NodeAtRest> = tree.ranges().into_iter().enumerate().map(at_rest).collect();
+        // Nodes of like numbers of vertices side by side, else in the order of the tree.
+        nodes.sort_by_key(|n| {
+            if n.count() > SMALL_NODE {
+                usize::MAX
+            } else {
+                n.count().div_ceil(2)
+            }
         });
+        let mut refit = Lists::default();
+        nodes.chunks(LANES).for_each(|eight| refit.push(eight));
         Self {
-            nodes: nodes.into(),
-            others: others.into(),
-            rows: Vec::new(),
-            columns: Default::default(),
+            eights: refit.eights.into(),
+            rounds: refit.rounds.into(),
+            others: refit.others.into(),
+            places: Places::default(),
             steps: Vec::new(),
         }
-    }
-
-    fn others(&self, node: usize) -> &[u32] {
-        &self.others[self.nodes[node].others as usize..self.nodes[node + 1].others as usize]
-    }
-
-    /// Takes the places of the vertices; returns an upper bound of their distances from the tree's
-    /// origin.
-    fn take(&mut self, points: &[Vector3<f64>], centre: &Vector3<f64>, scale: f64) -> f64 {
-        self.rows.clear();
-        self.columns.iter_mut().for_each(Vec::clear);
-        let mut farthest = 0.0f64;
-        for p in points {
-            let place = (p - centre) * scale;
-            farthest = farthest.max(place.norm_squared());
-            let [x, y, z] = [place.x as f32, place.y as f32, place.z as f32];
-            self.rows.push(f32x4::new([x, y, z, 0.0]));
-            for (column, x) in self.columns.iter_mut().zip([x, y, z]) {
-                column.push(x);
-            }
-        }
-        sqrt(farthest) * (1.0 + 8.0 * UNIT)
     }
 
     /// Sets the longest step of every node, by the steps of the vertices.
@@ -167,70 +160,40 @@ impl Refit {
             };
         }
     }
+}
 
-    /// Returns the axes of a node; `None` if its three vertices have no frame now.
-    fn axes(&self, node: usize) -> Option<[Vector3<f64>; 3]> {
-        let at_rest = &self.nodes[node];
-        let q = at_rest.rotation.map(f64::from);
-        let square = q.iter().map(|x| x * x).sum::<f64>();
-        let place = |v: u32| {
-            let [x, y, z, _] = self.rows[v as usize].to_array().map(f64::from);
-            Vector3::new(x, y, z)
-        };
-        let frame = frame_of(at_rest.three.map(place)).filter(|_| square > 0.5)?;
-        let axes = frame * rotation_matrix(&q, 2.0 / square);
-        Some([0, 1, 2].map(|k| axes.column(k).into_owned()))
-    }
+/// What a [`Refit`] keeps of its nodes, while it is made.
+#[derive(Default)]
+struct Lists {
+    eights: Vec<EightAtRest>,
+    rounds: Vec<[u32; LANES]>,
+    others: Vec<u32>,
+}
 
-    /// Returns the least and greatest heights of the vertices of a node along three axes as stored.
-    fn heights(&self, node: usize, b: &OrientedBox) -> ([f32; 3], [f32; 3]) {
-        let at_rest = &self.nodes[node];
-        let own = at_rest.own[0] as usize..at_rest.own[1] as usize;
-        let [r0, r1, r2, _] = b.rows;
-        let axes = [[r0[0], r0[1], r0[2]], [r0[3], r1[0], r1[1]], [r1[2], r1[3], r2[0]]];
-        let (low, high, rest) = self.heights_of_eights(own, &axes);
-        let column = |k: usize| f32x4::new([axes[0][k], axes[1][k], axes[2][k], 0.0]);
-        let (x, y, z) = (column(0), column(1), column(2));
-        let mut low = f32x4::new([low[0], low[1], low[2], 0.0]);
-        let mut high = f32x4::new([high[0], high[1], high[2], 0.0]);
-        let mut take = |row: &f32x4| {
-            let [a, b, c, _] = row.to_array();
-            let h = x * f32x4::splat(a) + y * f32x4::splat(b) + z * f32x4::splat(c);
-            (low, high) = (low.fast_min(h), high.fast_max(h));
+impl Lists {
+    /// Adds up to eight nodes; the last one stands in the lanes that are left.
+    fn push(&mut self, nodes: &[NodeAtRest]) {
+        let node = |lane: usize| &nodes[lane.min(nodes.len() - 1)];
+        let most = nodes.iter().map(NodeAtRest::count).max().unwrap_or(0);
+        let below = if most > SMALL_NODE {
+            Below8::Ranges(core::array::from_fn(|lane| {
+                let from = self.others.len() as u32;
+                self.others.extend(&node(lane).others);
+                let [first, last] = node(lane).own;
+                [first, last, from, self.others.len() as u32]
+            }))
+        } else {
+            let first = self.rounds.len() as u32;
+            let round = |k: usize| core::array::from_fn(|lane| node(lane).vertex(k));
+            self.rounds.extend((0..most).map(round));
+            Below8::Rounds(first, self.rounds.len() as u32)
         };
-        self.rows[rest].iter().for_each(&mut take);
-        self.others(node).iter().for_each(|&v| take(&self.rows[v as usize]));
-        let three = |v: f32x4| {
-            let [a, b, c, _] = v.to_array();
-            [a, b, c]
-        };
-        (three(low), three(high))
-    }
-
-    /// Heights of consecutive vertices, eight at once; and the vertices that are left.
-    #[inline(always)]
-    fn heights_of_eights(
-        &self,
-        own: core::ops::Range<usize>,
-        axes: &[[f32; 3]; 3],
-    ) -> ([f32; 3], [f32; 3], core::ops::Range<usize>) {
-        let eights = own.len() / 8;
-        let rest = own.start + 8 * eights..own.end;
-        if eights == 0 {
-            return ([f32::MAX; 3], [-f32::MAX; 3], rest);
-        }
-        let [xs, ys, zs] = [0, 1, 2].map(|k| self.columns[k][own.start..rest.start].as_chunks::<8>().0);
-        let (mut low, mut high) = ([f32x8::splat(f32::MAX); 3], [f32x8::splat(-f32::MAX); 3]);
-        for ((x, y), z) in xs.iter().zip(ys).zip(zs) {
-            let (x, y, z) = (f32x8::new(*x), f32x8::new(*y), f32x8::new(*z));
-            for k in 0..3 {
-                let h = x * f32x8::splat(axes[k][0]) + y * f32x8::splat(axes[k][1]) + z * f32x8::splat(axes[k][2]);
-                (low[k], high[k]) = (low[k].fast_min(h), high[k].fast_max(h));
-            }
-        }
-        let least = low.map(|v| v.to_array().into_iter().fold(f32::MAX, f32::min));
-        let most = high.map(|v| v.to_array().into_iter().fold(-f32::MAX, f32::max));
-        (least, most, rest)
+        self.eights.push(EightAtRest {
+            nodes: core::array::from_fn(|lane| node(lane).number),
+            three: [0, 1, 2].map(|k| core::array::from_fn(|lane| node(lane).three[k])),
+            rotation: [0, 1, 2, 3].map(|k| core::array::from_fn(|lane| node(lane).rotation[k])),
+            below,
+        });
     }
 }
 
@@ -239,6 +202,7 @@ impl Tree {
     /// now: all nodes must be fitted then.
     pub(crate) fn centre_on(&mut self, low: &Vector3<f64>, high: &Vector3<f64>) {
         (self.centre, self.exponent) = Self::place_of(low, high);
+        self.reach = 0.0;
     }
 
     /// Fits the boxes to other places of the vertices, in stored coordinates; `steps` bounds how
@@ -246,60 +210,26 @@ impl Tree {
     pub(crate) fn refit(&mut self, refit: &mut Refit, points: &[Vector3<f64>], items: &[[u32; 3]], steps: &[u32]) {
         let scale = crate::body::polyhedron::power_of_two(-self.exponent);
         let farthest = points.iter().fold(self.centre.amax(), |m, p| m.max(p.amax()));
-        let far = refit.take(points, &self.centre, scale);
-        let slack = BOX_EXTENT * (1.0 + far + farthest * scale) + REFIT_HEIGHT * far;
+        let far = refit.places.take(points, &self.centre, scale);
+        let slack = up(BOX_EXTENT * (1.0 + far + farthest * scale) + REFIT_HEIGHT * far);
         refit.spread_steps(self, steps, items);
         (self.slabs, self.nearest) = (Vec::new(), Vec::new());
         self.paths.of_node.resize(self.links.len(), 0);
         self.paths.total += u64::from(refit.steps[0]);
-        let mut reach = 0.0f64;
-        for node in 0..self.links.len() {
-            let b = &mut self.boxes[node];
-            if refit.steps[node] > 0 {
-                if let Some(axes) = refit.axes(node) {
-                    b.set_axes(&axes);
-                }
-                let (low, high) = refit.heights(node, b);
-                b.enclose(low.map(f64::from), high.map(f64::from), slack);
-                let path = &mut self.paths.of_node[node];
-                *path = path.wrapping_add(refit.steps[node]);
-            }
-            reach = reach.max(sqrt(b.centre().norm_squared()) + f64::from(b.radius()));
+        for (path, step) in self.paths.of_node.iter_mut().zip(&refit.steps) {
+            *path = path.wrapping_add(*step);
         }
-        self.reach = up(reach * (1.0 + 8.0 * UNIT));
-    }
-}
-
-impl OrientedBox {
-    /// Sets centre, half extents and radius, the longest side first, so that the box holds all
-    /// points whose heights along the axes as stored are at least `low` and at most `high`, up to
-    /// `slack`.
-    ///
-    /// Heights `h` about the centre are the coordinates `s` of a point, `p = sum of s_k axis_k`, up
-    /// to the products of the axes: `h = G s` with the matrix G of products, which is the unit
-    /// matrix up to `e = 8 UNIT_SINGLE` in every place. So `|s_k - h_k| <= e sum |s_j|`, and `sum
-    /// |s_j| <= sum |h_j| / (1 - 3 e)`.
-    fn enclose(&mut self, low: [f64; 3], high: [f64; 3], slack: f64) {
-        let mut order = [0, 1, 2];
-        let side = |k: usize| high[k] - low[k];
-        order.sort_by(|&i, &j| side(j).total_cmp(&side(i)));
-        let axes = order.map(|k| self.axis(k));
-        self.set_axes(&axes);
-        let (low, high) = (order.map(|k| low[k]), order.map(|k| high[k]));
-        let centre = (0..3).fold(Vector3::zeros(), |c, k| c + axes[k] * (0.5 * (low[k] + high[k])));
-        let stored = [centre.x as f32, centre.y as f32, centre.z as f32];
-        let centre = Vector3::from(stored.map(f64::from));
-        let reach: [f64; 3] = core::array::from_fn(|k| {
-            let at = axes[k].dot(&centre);
-            (high[k] - at).max(at - low[k]) + slack
-        });
-        let skew = BOX_SKEW * (reach[0] + reach[1] + reach[2]);
-        let half = reach.map(|h| up(h + skew));
-        let square: f64 = half.iter().map(|h| f64::from(*h) * f64::from(*h)).sum();
-        self.rows[2][1..].copy_from_slice(&stored);
-        self.rows[3][..3].copy_from_slice(&half);
-        // `|p|^2 = s . G s <= (1 + 3 e) |s|^2`.
-        self.rows[3][3] = up(sqrt(square) * (1.0 + 3.0 * BOX_SKEW));
+        let (mut reach, mut is_whole) = (0.0f32, true);
+        for eight in refit.eights.iter() {
+            if eight.nodes.iter().all(|node| refit.steps[*node as usize] == 0) {
+                is_whole = false;
+                continue;
+            }
+            let lists = (&refit.rounds[..], &refit.others[..]);
+            reach = reach.max(eight.fit(&refit.places, lists, slack, &mut self.boxes));
+        }
+        let reach = up(f64::from(reach) * (1.0 + 8.0 * UNIT_SINGLE));
+        self.reach = if is_whole { reach } else { reach.max(self.reach) };
     }
 }
 
