@@ -42,7 +42,7 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
         if frame % 7 != 3 {
             scene.set_vertices(bodies[0], &vertices(&now)).unwrap();
         }
-        if frame % 20 == 19 {
+        if frame % 20 == 14 {
             scene = read_back(&scene);
         }
         scene.step();
