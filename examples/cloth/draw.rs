@@ -8,7 +8,10 @@ use lin_canny_record::BodyPicture;
 
 const WIDTH: f64 = 330.0;
 const HEIGHT: f64 = 330.0;
-const SCALE: f64 = 150.0;
+const SCALE: f64 = 125.0;
+
+/// The facets of the body are drawn as if they were farther by this: they are chords of the ball, larger than squares.
+const BEHIND: f64 = 0.08;
 
 /// Panels side by side.
 pub(crate) struct Picture {
@@ -36,7 +39,8 @@ impl Picture {
         let mut all: Vec<Drawn> = Vec::new();
         for (corners, normal) in BodyPicture::of(body).triangles {
             if normal.dot(&toward()) > 0.0 {
-                all.push(polygon(&corners, normal, left, [150.0, 165.0, 185.0]));
+                let (depth, corners, colour) = polygon(&corners, normal, left, [150.0, 165.0, 185.0]);
+                all.push((depth - BEHIND, corners, colour));
             }
         }
         let at = |i: usize, j: usize| sheet[i * (squares + 1) + j];
