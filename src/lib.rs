@@ -347,7 +347,7 @@ pub use composite::contact::{ContactPatches, PatchContact, PatchContacts};
 #[cfg(feature = "meshes")]
 pub use composite::decomposition::{Decomposition, DecompositionFit};
 #[cfg(feature = "meshes")]
-pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport};
+pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
 #[cfg(feature = "meshes")]
 pub use composite::penetration::PenetrationBounds;
 #[cfg(feature = "meshes")]

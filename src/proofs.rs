@@ -331,7 +331,7 @@ pub fn constants() -> Vec<(&'static str, f64)> {
         ("INNER", tolerance::INNER),
     ];
     all.extend(lowered.map(|(name, factor)| (name, (1.0 - factor) / unit)));
-    all.extend(by!(tolerance::UNIT_SINGLE, BOX_SCANNED BOXES));
+    all.extend(by!(tolerance::UNIT_SINGLE, BOX_SCANNED BOXES REFIT_HEIGHT BOX_SKEW));
     let columns = [
         ("COLUMN_SUM", tolerance::COLUMN_SUM),
         ("COLUMN_MOVE", tolerance::COLUMN_MOVE - 1.0),

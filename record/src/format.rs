@@ -55,6 +55,10 @@ pub struct Frame {
     /// Bodies whose poses changed since the frame before, with the new poses.
     #[serde(with = "poses::many", skip_serializing_if = "Vec::is_empty")]
     pub poses: Vec<(u32, Isometry3<f64>)>,
+    /// Meshes whose vertices changed since the frame before, with the new vertices in the order of
+    /// their numbers, in the body's frame.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub vertices: Vec<(u32, Vec<Point3<f64>>)>,
     /// Bodies that are not shown from this frame on.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub gone: Vec<u32>,

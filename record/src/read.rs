@@ -5,9 +5,10 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use lin_canny::Geometry;
-use lin_canny::nalgebra::Isometry3;
+use lin_canny::nalgebra::{Isometry3, Point3};
 
 use crate::format::{BodyLine, FORMAT, Frame, Header, Line, VERSION};
+use crate::write::vertices_of;
 
 /// What is wrong with a recording, and in which line, counted from 1.
 #[derive(Debug, thiserror::Error)]
@@ -52,6 +53,14 @@ pub enum ReadError {
         number: u32,
         /// How many there are.
         count: usize,
+    },
+    /// A frame has vertices of a body that is no mesh, or another number of them.
+    #[error("line {line}: the vertices of body {body} are not those of its mesh")]
+    Vertices {
+        /// The line.
+        line: usize,
+        /// The body.
+        body: u32,
     },
 }
 
@@ -113,6 +122,13 @@ impl Recording {
                 for number in numbers.chain(pairs).chain(casts) {
                     known(line, "body", number, self.bodies.len())?;
                 }
+                for (body, vertices) in &frame.vertices {
+                    known(line, "body", *body, self.bodies.len())?;
+                    let geometry = &self.geometries[self.bodies[*body as usize].geometry as usize];
+                    if vertices_of(geometry) != Some(vertices.len()) {
+                        return Err(ReadError::Vertices { line, body: *body });
+                    }
+                }
                 self.frames.push(frame.into_owned());
             }
         }
@@ -152,9 +168,20 @@ pub struct Cursor {
     next: usize,
     /// The pose of each body; `None` while the body is not shown.
     pub poses: Vec<Option<Isometry3<f64>>>,
+    /// By body, the frame and the number there of its last vertices.
+    bent: Vec<Option<(usize, usize)>>,
 }
 
 impl Cursor {
+    /// Returns the vertices of a mesh that has bent until this frame, in the order of
+    /// [`Mesh::vertices`](lin_canny::Mesh::vertices); `None` for a body that is as its geometry.
+    #[must_use]
+    pub fn vertices<'r>(&self, recording: &'r Recording, body: u32) -> Option<&'r [Point3<f64>]> {
+        let (frame, at) = (*self.bent.get(body as usize)?)?;
+        let (_, vertices) = recording.frames.get(frame)?.vertices.get(at)?;
+        Some(vertices)
+    }
+
     /// Goes to a frame; past the last one, to the last.
     pub fn go(&mut self, recording: &Recording, frame: usize) {
         if frame + 1 < self.next {
@@ -162,6 +189,7 @@ impl Cursor {
         }
         if self.next == 0 {
             self.poses = vec![None; recording.bodies.len()];
+            self.bent = vec![None; recording.bodies.len()];
         }
         for (k, at) in recording.frames.iter().enumerate().take(frame + 1).skip(self.next) {
             for (pose, body) in self.poses.iter_mut().zip(&recording.bodies) {
@@ -171,6 +199,9 @@ impl Cursor {
             }
             for (body, pose) in &at.poses {
                 self.poses[*body as usize] = Some(*pose);
+            }
+            for (number, (body, _)) in at.vertices.iter().enumerate() {
+                self.bent[*body as usize] = Some((k, number));
             }
             for body in &at.gone {
                 self.poses[*body as usize] = None;

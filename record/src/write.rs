@@ -30,6 +30,20 @@ pub enum WriteError {
         /// How many bodies were recorded.
         count: usize,
     },
+    /// Vertices of a body that is no mesh.
+    #[error("body {body} is no mesh")]
+    NotAMesh {
+        /// The body.
+        body: u32,
+    },
+    /// Another number of vertices than the mesh has, or a vertex that is not finite.
+    #[error("body {body} takes {count} vertices, each finite")]
+    Vertices {
+        /// The body.
+        body: u32,
+        /// The vertices of the mesh.
+        count: usize,
+    },
     /// A pose that is not finite, or whose rotation is no unit quaternion.
     #[error("the pose {0:?} is no translation and unit quaternion")]
     Pose([f64; 7]),
@@ -41,6 +55,7 @@ pub struct Recorder<W: Write> {
     to: W,
     geometries: Vec<Geometry>,
     poses: Vec<Option<Isometry3<f64>>>,
+    geometry_of: Vec<u32>,
     pub(crate) frame: Frame,
     pub(crate) of_scene: BTreeMap<BodyId, u32>,
 }
@@ -65,6 +80,7 @@ impl<W: Write> Recorder<W> {
             to,
             geometries: Vec::new(),
             poses: Vec::new(),
+            geometry_of: Vec::new(),
             frame: Frame::default(),
             of_scene: BTreeMap::new(),
         };
@@ -98,6 +114,7 @@ impl<W: Write> Recorder<W> {
             since: 0,
         }))?;
         self.poses.push(Some(*pose));
+        self.geometry_of.push(index as u32);
         Ok(self.poses.len() as u32 - 1)
     }
 
@@ -113,6 +130,24 @@ impl<W: Write> Recorder<W> {
             *last = Some(*pose);
             self.frame.poses.push((body, *pose));
         }
+        Ok(())
+    }
+
+    /// Sets the vertices of a mesh from this frame on, in the order of
+    /// [`Mesh::vertices`](lin_canny::Mesh::vertices).
+    ///
+    /// # Errors
+    /// An unknown body, another number of vertices than the mesh has, or a vertex that is not finite.
+    pub fn vertices(&mut self, body: u32, vertices: &[Point3<f64>]) -> Result<(), WriteError> {
+        self.known(body)?;
+        let geometry = &self.geometries[self.geometry_of[body as usize] as usize];
+        let count = vertices_of(geometry).ok_or(WriteError::NotAMesh { body })?;
+        let is_finite = vertices.iter().all(|p| p.iter().all(|x| x.is_finite()));
+        if vertices.len() != count || !is_finite {
+            return Err(WriteError::Vertices { body, count });
+        }
+        self.frame.vertices.retain(|(known, _)| *known != body);
+        self.frame.vertices.push((body, vertices.to_vec()));
         Ok(())
     }
 
@@ -263,5 +298,13 @@ fn is_same(a: &Geometry, b: &Geometry) -> bool {
         (Geometry::Mesh(a), Geometry::Mesh(b)) => Arc::ptr_eq(a, b),
         (Geometry::Surface(a), Geometry::Surface(b)) => Arc::ptr_eq(a, b),
         _ => false,
+    }
+}
+
+/// Returns the number of vertices of a mesh.
+pub(crate) fn vertices_of(geometry: &Geometry) -> Option<usize> {
+    match geometry {
+        Geometry::Mesh(mesh) => Some(mesh.vertex_count()),
+        _ => None,
     }
 }

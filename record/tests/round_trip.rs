@@ -147,3 +147,52 @@ fn a_recorder_refuses_what_a_reader_would() {
     let wrong = recorder.pose(1, &Isometry3::identity());
     assert!(matches!(wrong, Err(WriteError::Body { number: 1, count: 1 })));
 }
+
+#[test]
+fn vertices_of_meshes_that_bend_are_read_back() {
+    let die = solids::cuboid(Vector3::new(1.0, 1.0, 1.0)).unwrap();
+    let mesh = lin_canny::Mesh::from_convex(&die).unwrap();
+    let rest = mesh.vertices();
+    let mut file = Vec::new();
+    let mut recorder = Recorder::new(&mut file, "a soft die").unwrap();
+    let soft = recorder
+        .body("soft", &Geometry::from(mesh), &Isometry3::identity())
+        .unwrap();
+    let hard = recorder
+        .body("hard", &Geometry::from(die), &Isometry3::identity())
+        .unwrap();
+    let bent = |k: u32| rest.iter().map(|p| p * (1.0 + 0.1 * f64::from(k))).collect::<Vec<_>>();
+    for k in 0..4 {
+        if k != 2 {
+            recorder.vertices(soft, &bent(k)).unwrap();
+        }
+        recorder.end_frame().unwrap();
+    }
+    assert!(matches!(
+        recorder.vertices(hard, &rest),
+        Err(WriteError::NotAMesh { body: 1 })
+    ));
+    assert!(matches!(
+        recorder.vertices(soft, &rest[1..]),
+        Err(WriteError::Vertices { body: 0, count: 8 })
+    ));
+    let mut wrong = rest.clone();
+    wrong[3].x = f64::NAN;
+    assert!(recorder.vertices(soft, &wrong).is_err());
+    recorder.finish().unwrap();
+
+    let recording = Recording::read(file.as_slice()).unwrap();
+    let mut cursor = Cursor::default();
+    for (frame, then) in [(0, 0), (1, 1), (2, 1), (3, 3), (1, 1)] {
+        cursor.go(&recording, frame);
+        assert_eq!(cursor.vertices(&recording, soft), Some(&bent(then)[..]));
+        assert_eq!(cursor.vertices(&recording, hard), None);
+    }
+    let text = String::from_utf8(file).unwrap();
+    let fewer = text.replacen("[[0,[[", "[[1,[[", 1);
+    assert_ne!(fewer, text);
+    assert!(matches!(
+        Recording::read(fewer.as_bytes()),
+        Err(ReadError::Vertices { body: 1, .. })
+    ));
+}

@@ -5,7 +5,6 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::greater;
 use crate::base::tuning::composite::MIDDLES;
-use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
 use crate::composite::meet::frame::TreeSide;
 use crate::composite::mesh::Mesh;
@@ -32,6 +31,10 @@ pub(crate) trait Parted {
 
     /// Returns the number by which a tracker recognises the body.
     fn fingerprint(&self) -> Fingerprint;
+
+    /// Returns whether the body has had a fingerprint before, and since then the paths of its tree
+    /// tell how far its points have moved.
+    fn came_from(&self, earlier: Fingerprint) -> bool;
 
     /// Returns one stored unit in the caller's.
     fn stored_unit(&self) -> f64;
@@ -92,6 +95,10 @@ impl Parted for Mesh {
         self.fingerprint
     }
 
+    fn came_from(&self, earlier: Fingerprint) -> bool {
+        Mesh::came_from(self, earlier)
+    }
+
     fn stored_unit(&self) -> f64 {
         self.unit()
     }
@@ -115,9 +122,7 @@ impl Parted for Mesh {
     }
 
     fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
-        let corners: [Point3<f64>; 3] = self.corners(item).map(|p| self.given(&p));
-        let polygon = ConvexPolyhedron::polygon(&corners).ok()?;
-        Some((Shape::from(polygon), Isometry3::identity()))
+        Some((Shape::from(self.polygon(item)?), Isometry3::identity()))
     }
 
     fn is_solid(&self) -> bool {
@@ -172,6 +177,7 @@ impl Parted for PartsRef<'_> {
     forward! {
         fn side(&self) -> TreeSide<'_>;
         fn fingerprint(&self) -> Fingerprint;
+        fn came_from(&self, earlier: Fingerprint) -> bool;
         fn stored_unit(&self) -> f64;
         fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
         fn is_in_place(&self) -> bool;

@@ -22,7 +22,7 @@ pub(super) struct FoundContacts {
 
 impl FoundContacts {
     /// Returns the contacts of two bodies at a pose; `None` if one of both can have none. The
-    /// patches of bodies without are made here, once.
+    /// patches of bodies without are made here, once, and again for a mesh that has bent.
     pub(super) fn find(
         &mut self,
         bodies: BodyShapes<'_>,
@@ -31,7 +31,8 @@ impl FoundContacts {
         options: &ManifoldOptions,
     ) -> Option<&[PatchContacts]> {
         for (k, own) in [bodies.0, bodies.1].into_iter().enumerate() {
-            if patches[k].is_none() && self.stand_ins[k].is_none() {
+            let is_known = |known: &ContactPatches| own.mesh().is_none_or(|mesh| known.are_of(mesh));
+            if patches[k].is_none() && !self.stand_ins[k].as_ref().is_some_and(is_known) {
                 self.stand_ins[k] = patches_of(own);
             }
         }

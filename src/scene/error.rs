@@ -3,6 +3,8 @@
 use super::{BodyId, Group};
 use crate::base::pose::PoseError;
 use crate::broad::BroadPhaseError;
+#[cfg(feature = "meshes")]
+use crate::composite::mesh::VertexError;
 use crate::pair_tracker::geometry::ShapeKind;
 use crate::pair_tracker::ray::RayError;
 
@@ -39,6 +41,21 @@ pub enum SceneError {
     TooLarge {
         /// The distance of the farthest vertex.
         reach: f64,
+    },
+    /// The body is no mesh: only these have vertices that can be replaced.
+    #[error("{body} is no mesh")]
+    NotAMesh {
+        /// The body.
+        body: BodyId,
+    },
+    /// The vertices of a mesh are refused.
+    #[cfg(feature = "meshes")]
+    #[error("the vertices of {body} are refused: {error}")]
+    Vertices {
+        /// The body.
+        body: BodyId,
+        /// Why.
+        error: VertexError,
     },
     /// A distance called for is NaN or negative, or beyond 1e37 and not infinite; or `within` is
     /// infinite.

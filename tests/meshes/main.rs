@@ -1,6 +1,7 @@
 //! Promise: queries of meshes equal brute force over all pairs of triangles, whatever the tracker has seen before.
 
 mod ahead;
+mod bending;
 mod bumps;
 mod contacts;
 mod contain;

@@ -1,5 +1,7 @@
 //! Promise: a scene says of its bodies what brute force over all pairs says, on every frame.
 
+#[cfg(feature = "meshes")]
+mod bending;
 mod calls;
 mod effects;
 mod lattice;

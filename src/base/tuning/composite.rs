@@ -228,3 +228,17 @@ pub(crate) const NEARLY: f64 = 1.0 / 64.0;
 /// By which factor a translation that should part two bodies is longer: rounding shall not keep
 /// them in contact.
 pub(crate) const BEYOND: f64 = 1.0 + 1.0 / 1_073_741_824.0;
+
+/// The last states of a mesh whose vertices are replaced by which a tracker recognises the mesh: a
+/// tracker that has missed more replacements begins anew. Not measured.
+pub(crate) const STATES: usize = 16;
+
+/// A tree gets another origin and unit if a vertex is farther from the origin than this along an
+/// axis, or half the diagonal of the box shorter than this, in units of the tree; a tree has a half
+/// diagonal between one and two when it is made. Two bits of single precision are lost at most.
+pub(crate) const GROWN: f64 = 4.0;
+pub(crate) const SHRUNK: f64 = 0.5;
+
+/// Nodes of up to so many vertices are fitted to them side by side, one vertex of each of eight
+/// nodes at a time, larger ones eight vertices at a time. Not measured.
+pub(crate) const SMALL_NODE: usize = 32;

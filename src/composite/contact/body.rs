@@ -24,6 +24,11 @@ use crate::composite::pieces::Composite;
 #[derive(Clone, Debug)]
 pub struct ContactPatches(PatchedBody, Fingerprint);
 
+/// Returns the fingerprint of the patches of a mesh, by a tolerance in stored units.
+fn of_mesh(mesh: &Mesh, tolerance: f64) -> Fingerprint {
+    mesh.fingerprint.with(*b"patches ", tolerance)
+}
+
 #[derive(Clone, Debug)]
 enum PatchedBody {
     Surface(Arc<PatchedMesh>),
@@ -48,11 +53,16 @@ impl ContactPatches {
     pub fn of_mesh_within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
         let mesh: Arc<Mesh> = mesh.into();
         let stored = tolerance.max(0.0) / mesh.unit();
-        let fingerprint = mesh.fingerprint.with(*b"patches ", stored);
+        let fingerprint = of_mesh(&mesh, stored);
         Self(
             PatchedBody::Surface(Arc::new(PatchedMesh::new(mesh, stored))),
             fingerprint,
         )
+    }
+
+    /// Returns whether these are the patches of a mesh as it is, without a tolerance.
+    pub(crate) fn are_of(&self, mesh: &Mesh) -> bool {
+        self.1 == of_mesh(mesh, 0.0)
     }
 
     /// Returns the pieces of a body as its patches. Where pieces meet or overlap, only the outside

@@ -2,13 +2,13 @@
 //! vertices below the entry's nodes, and checks that the front covers all pairs.
 
 use alloc::collections::BTreeMap;
+use alloc::vec::Vec;
 
 use nalgebra::Vector3;
 
 use crate::base::num::scalar::sqrt;
 use crate::composite::front::{Front, NodePair};
 use crate::composite::meet::frame::TreeFrame;
-use crate::composite::meet::search::split_pair;
 use crate::composite::mesh::Mesh;
 
 /// What is wrong with a front.
@@ -51,24 +51,30 @@ pub(in crate::composite) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &Tre
     if let Some(fault) = fault {
         return Err(fault);
     }
-    let mut stack = alloc::vec![[0, 0]];
-    let mut seen = 0;
-    while let Some(pair) = stack.pop() {
-        if entries.contains_key(&pair) {
-            seen += 1;
-            continue;
-        }
-        match split_pair((&a.tree, &b.tree), frame, pair) {
-            Some(two) => stack.extend(two),
-            None => return Err(FrontFault::Cover { pair }),
+    covers_once(&entries, a, b)
+}
+
+/// Checks that every pair of triangles lies under exactly one entry: no two entries have a pair in
+/// common, and together they have all. Which of two boxes is split first is of no matter, as boxes
+/// of a mesh that bends change their order of size.
+fn covers_once(entries: &BTreeMap<NodePair, ()>, a: &Mesh, b: &Mesh) -> Result<(), FrontFault> {
+    let ranges = |&pair: &NodePair| (pair, a.tree.range(pair[0]), b.tree.range(pair[1]));
+    let mut all: Vec<_> = entries.keys().map(ranges).collect();
+    all.sort_unstable_by_key(|(_, of_a, _)| *of_a);
+    let meet = |x: &(u32, u32), y: &(u32, u32)| x.0 < y.1 && y.0 < x.1;
+    let mut pairs = 0;
+    for (k, (pair, of_a, of_b)) in all.iter().enumerate() {
+        pairs += u64::from(of_a.1 - of_a.0) * u64::from(of_b.1 - of_b.0);
+        let later = all[k + 1..].iter().take_while(|e| e.1.0 < of_a.1);
+        if later.clone().any(|e| meet(&e.1, of_a) && meet(&e.2, of_b)) {
+            return Err(FrontFault::Cover { pair: *pair });
         }
     }
-    let first = entries.keys().next().copied().unwrap_or_default();
-    if seen == entries.len() {
-        Ok(())
-    } else {
-        Err(FrontFault::Cover { pair: first })
+    if pairs == a.triangle_count() as u64 * b.triangle_count() as u64 {
+        return Ok(());
     }
+    let pair = all.first().map_or([0, 0], |e| e.0);
+    Err(FrontFault::Cover { pair })
 }
 
 /// Returns the gap of all vertices below two nodes along a direction that is nearly unit. A claim
@@ -81,9 +87,7 @@ fn true_gap(a: &Mesh, b: &Mesh, frame: &TreeFrame, [x, y]: NodePair, n: &Vector3
     let n = n / length;
     let corners = |mesh: &Mesh, node: u32| {
         let (first, last) = mesh.tree.range(node);
-        (first..last)
-            .flat_map(|t| mesh.corners(t))
-            .collect::<alloc::vec::Vec<_>>()
+        (first..last).flat_map(|t| mesh.corners(t)).collect::<Vec<_>>()
     };
     let high = corners(a, x).iter().map(|p| n.dot(p)).fold(f64::NEG_INFINITY, f64::max);
     let low = corners(b, y)
@@ -96,8 +100,6 @@ fn true_gap(a: &Mesh, b: &Mesh, frame: &TreeFrame, [x, y]: NodePair, n: &Vector3
 #[cfg(test)]
 mod tests {
     extern crate std;
-    use std::vec::Vec;
-
     use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
     use super::*;

@@ -8,7 +8,8 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR, STALE};
 use crate::composite::front::worth::FrontWorth;
 use crate::composite::front::{EntryId, Front, NodePair};
-use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::bounds::{WIDTH, along};
+use crate::composite::meet::frame::{TreeFrame, TreeMoves};
 use crate::composite::meet::search::{Judge, TreeSearch};
 use crate::composite::work::MeshWork;
 
@@ -26,6 +27,13 @@ pub(in crate::composite) struct FrontMemory {
     distance: f64,
     #[cfg_attr(feature = "serde", serde(skip))]
     pose: Option<(Matrix3<f64>, Vector3<f64>)>,
+    /// How far points of the bodies have moved in their own frames since the last answer, in A's
+    /// stored units.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    bent: f64,
+    /// The sums of all such moves that the front has taken.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    taken: [u64; 2],
     #[cfg_attr(feature = "serde", serde(skip))]
     worth: FrontWorth,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -36,6 +44,29 @@ pub(in crate::composite) struct FrontMemory {
 }
 
 impl FrontMemory {
+    /// Returns an empty memory for two bodies.
+    pub(in crate::composite) fn of_bodies(moves: &TreeMoves) -> Self {
+        Self {
+            taken: moves.totals(),
+            ..Self::default()
+        }
+    }
+
+    /// Takes from every claim of the front how far points have moved since it was last taken.
+    pub(in crate::composite) fn follow(&mut self, moves: &TreeMoves) {
+        match moves.since(self.taken) {
+            Some(length) => {
+                self.front.follow(moves);
+                self.bent += length;
+            }
+            None => {
+                self.front.clear();
+                self.bent = f64::INFINITY;
+            }
+        }
+        self.taken = moves.totals();
+    }
+
     pub(in crate::composite) fn heap_bytes(&self) -> usize {
         self.front.heap_bytes()
             + self.stack.capacity() * size_of::<NodePair>()
@@ -46,6 +77,7 @@ impl FrontMemory {
     pub(in crate::composite) fn closest<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         let motion = self.motion(search.frame);
         self.pose = Some((search.frame.rotation, search.frame.translation));
+        self.bent = 0.0;
         if motion < JUMP {
             for pair in self.last.into_iter().flatten() {
                 search.measure(pair);
@@ -110,11 +142,11 @@ impl FrontMemory {
     }
 
     /// Returns how far the pose is from that of the last query: the norm of the difference of
-    /// rotations, the shift as a part of L.
+    /// rotations, the shift as a part of L, and so the moves of points in the bodies' frames.
     fn motion(&self, frame: &TreeFrame) -> f64 {
         self.pose.as_ref().map_or(f64::INFINITY, |(r, t)| {
             let turn = sqrt(0.5 * (frame.rotation - r).norm_squared());
-            turn + sqrt((frame.translation - t).norm_squared()) / frame.size
+            turn + (sqrt((frame.translation - t).norm_squared()) + self.bent) / frame.size
         })
     }
 
@@ -171,8 +203,35 @@ impl FrontMemory {
         self.failed.clear();
         let (failed, level) = (&mut self.failed, search.frame.single_up(search.level()));
         self.front.test(&search.frame.single, level, |place| failed.push(place));
+        if self.front.has_moved() {
+            self.hold_by_boxes(search, level);
+        }
         search.work.entries += self.front.len() as u64;
         search.work.failed += self.failed.len() as u64;
+    }
+
+    /// Proves entries that failed by the boxes as they are, along the direction that they have: for
+    /// bodies that bend, whose claims lose the paths of all points, in whatever direction.
+    fn hold_by_boxes<J: Judge>(&mut self, search: &mut TreeSearch<J>, level: f32) {
+        let (single, trees, front) = (&search.frame.single, (search.a, search.b), &mut self.front);
+        let mut left = 0;
+        for first in (0..self.failed.len()).step_by(WIDTH) {
+            let batch: [EntryId; WIDTH] = core::array::from_fn(|k| self.failed[(first + k).min(self.failed.len() - 1)]);
+            let count = WIDTH.min(self.failed.len() - first);
+            let normals = batch.map(|at| front.normal(single, at));
+            let found = along(single, trees, &batch.map(|at| front.pair(at)), &normals);
+            search.work.bounds += count as u64;
+            for k in 0..count {
+                let proven = found.gap[k] - single.error;
+                if proven >= level {
+                    front.set(single, trees, batch[k], found.normal[k], proven);
+                } else {
+                    self.failed[left] = batch[k];
+                    left += 1;
+                }
+            }
+        }
+        self.failed.truncate(left);
     }
 
     /// Gives the entries that failed new directions, or splits them.

@@ -30,14 +30,17 @@ use wide::f32x8;
 
 use crate::base::tuning::composite::MOST_ENTRIES;
 use crate::composite::meet::bounds::WIDTH;
-use crate::composite::meet::frame::{Single, Way};
-use crate::composite::tree::{OrientedBox, Tree};
+use crate::composite::meet::frame::{Single, TreeMoves, Way};
+use crate::composite::tree::{OrientedBox, Paths, Tree};
 
 /// A node of A and a node of B.
 pub(in crate::composite) type NodePair = [u32; 2];
 
 /// The numbers of an entry.
 const NUMBERS: usize = 14;
+
+/// The place of the base among them.
+const BASE: usize = 10;
 
 /// Eight entries by component: n, m, c, the radius, the base, u.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,6 +55,9 @@ struct FrontBlock {
 struct FrontHalf {
     blocks: Vec<FrontBlock>,
     pairs: Vec<NodePair>,
+    /// The paths of both nodes that are counted in the bases, zero for entries beyond the last:
+    /// empty for bodies that do not bend.
+    paths: Vec<[u32; 2]>,
 }
 
 /// The place of an entry: the half, and the number there.
@@ -77,6 +83,7 @@ impl Front {
         for half in &mut self.halves {
             half.blocks.clear();
             half.pairs.clear();
+            half.paths.clear();
         }
         (self.error, self.cut) = (0.0, 0);
     }
@@ -104,14 +111,42 @@ impl Front {
     }
 
     pub(in crate::composite) fn heap_bytes(&self) -> usize {
-        let of =
-            |h: &FrontHalf| h.blocks.capacity() * size_of::<FrontBlock>() + h.pairs.capacity() * size_of::<NodePair>();
+        let of = |h: &FrontHalf| {
+            h.blocks.capacity() * size_of::<FrontBlock>()
+                + (h.pairs.capacity() + h.paths.capacity()) * size_of::<NodePair>()
+        };
         self.halves.iter().map(of).sum()
     }
 
     /// Takes the error of a pose. Must be called before entries are tested or made.
     pub(in crate::composite) fn meet(&mut self, frame: &Single) {
         self.error = self.error.max(frame.error);
+    }
+
+    /// Returns whether points below entries may have moved since they were made.
+    pub(in crate::composite) fn has_moved(&self) -> bool {
+        self.halves.iter().any(|h| !h.paths.is_empty())
+    }
+
+    /// Lowers the base of every entry by how far points below both of its nodes have moved since
+    /// their paths were last counted: heights along a unit direction change by no more. The
+    /// direction may be longer than one by some UNIT_SINGLE, which
+    /// [`BOXES`](crate::tolerance::BOXES) has room for: an entry that loses more than L fails.
+    pub(in crate::composite) fn follow(&mut self, moves: &TreeMoves) {
+        let (a, b) = moves.trees;
+        for half in &mut self.halves {
+            half.paths.resize(half.pairs.len(), [0; 2]);
+            for (k, (pair, counted)) in half.pairs.iter().zip(&mut half.paths).enumerate() {
+                let now = [a.paths.of(pair[0]), b.paths.of(pair[1])];
+                if now == *counted {
+                    continue;
+                }
+                let length = |k: usize| Paths::length(now[k].wrapping_sub(counted[k])) * moves.scales[k];
+                let base = &mut half.blocks[k / WIDTH].numbers[BASE][k % WIDTH];
+                *base = (*base - (length(0) + length(1)).next_up()).next_down();
+                *counted = now;
+            }
+        }
     }
 
     /// Calls `failed` with the place of every entry that is not proven to be at least `distance`
@@ -189,6 +224,10 @@ impl Front {
         let (m, base) = claim(way, n, [cx, cy, cz], gap);
         let values = [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base, ux, uy, uz];
         entries.blocks[place.at as usize / WIDTH].set(place.at as usize % WIDTH, values);
+        if a.bends() || b.bends() {
+            entries.paths.resize(entries.pairs.len(), [0; 2]);
+            entries.paths[place.at as usize] = [a.paths.of(x), b.paths.of(y)];
+        }
     }
 
     /// Removes an entry; the last one of the half takes its place.
@@ -196,6 +235,10 @@ impl Front {
         let (entries, k) = (&mut self.halves[place.half as usize], place.at as usize);
         let last = entries.pairs.len() - 1;
         entries.pairs.swap_remove(k);
+        if !entries.paths.is_empty() {
+            entries.paths.resize(last + 1, [0; 2]);
+            entries.paths.swap_remove(k);
+        }
         for c in 0..NUMBERS {
             let moved = entries.blocks[last / WIDTH].numbers[c][last % WIDTH];
             entries.blocks[k / WIDTH].numbers[c][k % WIDTH] = moved;
@@ -209,7 +252,8 @@ impl Front {
     /// Spoils an entry, so that a test can see it found.
     #[cfg(test)]
     pub(in crate::composite) fn corrupt(&mut self, place: EntryId, by: f32) {
-        self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers[10][place.at as usize % WIDTH] += by;
+        self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers[BASE][place.at as usize % WIDTH] +=
+            by;
     }
 
     /// Returns the place of an entry by its number.

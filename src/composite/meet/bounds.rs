@@ -163,6 +163,15 @@ struct BestGaps {
 }
 
 impl BestGaps {
+    #[inline(always)]
+    fn gaps(self) -> BoxGaps {
+        let [x, y, z] = self.normal.map(|n| n.to_array());
+        BoxGaps {
+            gap: self.gap.to_array(),
+            normal: core::array::from_fn(|k| [x[k], y[k], z[k]]),
+        }
+    }
+
     /// Takes the gaps along directions `c` of any length, where they are greater and positive:
     /// boxes that overlap are looked at in the order of the other directions. `d` is the difference
     /// of the centres, `reaches` are half extents and axes of both boxes.
@@ -193,34 +202,69 @@ pub(in crate::composite) fn bounds(
     aim: &BoundAim,
 ) -> BoxGaps {
     debug_assert!(pairs.len() <= WIDTH, "{} pairs", pairs.len());
-    let mut found = BoxGaps::NONE;
     let Some(last) = pairs.len().checked_sub(1).filter(|_| frame.error.is_finite()) else {
-        return found;
+        return BoxGaps::NONE;
     };
     // The last pair again in the lanes that are left.
     let at: [NodePair; WIDTH] = core::array::from_fn(|k| pairs[k.min(last)]);
     let of_a = at.map(|[x, _]| &a.boxes[x as usize]);
     let of_b = at.map(|[_, y]| &b.boxes[y as usize]);
-    let best = bound_eight(frame, (of_a, of_b), aim);
-    found.gap = best.gap.to_array();
-    let [x, y, z] = best.normal.map(|n| n.to_array());
-    found.normal = core::array::from_fn(|k| [x[k], y[k], z[k]]);
-    found
+    bound_eight(frame, (of_a, of_b), aim).gaps()
+}
+
+/// Eight pairs of boxes in A's frame: the axes of B's boxes there, and the differences of the
+/// centres.
+struct EightPairs {
+    a: EightBoxes,
+    b: EightBoxes,
+    axes: [[f32x8; 3]; 3],
+    d: [f32x8; 3],
+}
+
+impl EightPairs {
+    #[inline(always)]
+    fn new(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WIDTH])) -> Self {
+        let (a, b) = (EightBoxes::new(a, frame.scale_a), EightBoxes::new(b, frame.scale_b));
+        let r = &frame.ways[0].rotation.map(f32x8::splat);
+        let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];
+        let at = turned(r, b.centre);
+        let t = frame.ways[0].translation.map(f32x8::splat);
+        let d = [
+            at[0] + t[0] - a.centre[0],
+            at[1] + t[1] - a.centre[1],
+            at[2] + t[2] - a.centre[2],
+        ];
+        Self { a, b, axes, d }
+    }
+}
+
+/// Returns the gaps of eight pairs of nodes, each along a direction of its own in A's frame, and
+/// the directions as unit vectors from A to B.
+pub(in crate::composite) fn along(
+    frame: &Single,
+    (a, b): (&Tree, &Tree),
+    pairs: &[NodePair; WIDTH],
+    directions: &[[f32; 3]; WIDTH],
+) -> BoxGaps {
+    let boxes = (
+        pairs.map(|[x, _]| &a.boxes[x as usize]),
+        pairs.map(|[_, y]| &b.boxes[y as usize]),
+    );
+    let EightPairs { a, b, axes, d } = EightPairs::new(frame, boxes);
+    let mut best = BestGaps {
+        gap: f32x8::splat(-f32::MAX),
+        normal: [f32x8::splat(0.0); 3],
+    };
+    let component = |k: usize| f32x8::new(directions.map(|n| n[k]));
+    let direction = [component(0), component(1), component(2)];
+    best.offer(direction, d, ((&a.half, &a.axes), (&b.half, &axes)));
+    best.gaps()
 }
 
 /// Returns the best gap of each of eight pairs, and its direction.
 #[inline(never)]
 fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WIDTH]), aim: &BoundAim) -> BestGaps {
-    let (a, b) = (EightBoxes::new(a, frame.scale_a), EightBoxes::new(b, frame.scale_b));
-    let r = &frame.ways[0].rotation.map(f32x8::splat);
-    let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];
-    let at = turned(r, b.centre);
-    let t = frame.ways[0].translation.map(f32x8::splat);
-    let d = [
-        at[0] + t[0] - a.centre[0],
-        at[1] + t[1] - a.centre[1],
-        at[2] + t[2] - a.centre[2],
-    ];
+    let EightPairs { a, b, axes, d } = EightPairs::new(frame, (a, b));
     let row = |k: usize| {
         [
             dot(a.axes[k], axes[0]),

@@ -7,7 +7,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
 use crate::body::polyhedron::power_of_two;
-use crate::composite::tree::{Tree, up};
+use crate::composite::tree::{Paths, Tree, up};
 
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]
@@ -99,7 +99,7 @@ impl TreeFrame {
     /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the
     /// range of f64.
     pub(in crate::composite) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
-        let scale = power_of_two((b.exponent - a.exponent).clamp(-1000, 1000));
+        let scale = ratio(a, b);
         let rotation = pose.rotation();
         let translation = pose.translation() * power_of_two(-a.exponent);
         let size = a.radius + scale * b.radius + sqrt(translation.norm_squared());
@@ -147,9 +147,7 @@ impl Single {
         rotation: &Matrix3<f64>,
         size: f64,
     ) -> Self {
-        let (of_a, of_b) = (a.tree.unit(), b.tree.unit() * scale);
-        let unit = of_a.max(of_b);
-        let (scale_a, scale_b) = ((of_a / unit) as f32, (of_b / unit) as f32);
+        let (unit, [scale_a, scale_b]) = units_of(a, b, scale);
         let shift = (matrix * b.tree.centre + translation - a.tree.centre) / unit;
         let reach = a.tree.reach * scale_a + b.tree.reach * scale_b + sqrt(shift.norm_squared()) as f32;
         // The second: the shift's own error where bodies are far from their origins, and scales
@@ -167,6 +165,53 @@ impl Single {
             error: if reach < SINGLE_MOST { error } else { f32::INFINITY },
         }
     }
+}
+
+/// Returns the unit of single precision in A's stored units, and the units of both trees in it.
+fn units_of(a: TreeSide, b: TreeSide, scale: f64) -> (f64, [f32; 2]) {
+    let (of_a, of_b) = (a.tree.unit(), b.tree.unit() * scale);
+    let unit = of_a.max(of_b);
+    (unit, [(of_a / unit) as f32, (of_b / unit) as f32])
+}
+
+/// How far the points of two bodies have moved in their own frames, by the paths of their trees.
+pub(in crate::composite) struct TreeMoves<'a> {
+    pub(in crate::composite) trees: (&'a Tree, &'a Tree),
+    /// The units of both trees in that of single precision.
+    pub(in crate::composite) scales: [f32; 2],
+    /// The units of both trees in A's stored units.
+    units: [f64; 2],
+}
+
+impl<'a> TreeMoves<'a> {
+    pub(in crate::composite) fn new(a: TreeSide<'a>, b: TreeSide<'a>) -> Self {
+        let scale = ratio(a, b);
+        Self {
+            trees: (a.tree, b.tree),
+            scales: units_of(a, b, scale).1,
+            units: [a.tree.unit(), b.tree.unit() * scale],
+        }
+    }
+
+    /// Returns the sums of the longest moves of all points.
+    pub(in crate::composite) fn totals(&self) -> [u64; 2] {
+        [self.trees.0.paths.total, self.trees.1.paths.total]
+    }
+
+    /// Returns how far points of both bodies may have moved since the sums were others, in A's
+    /// stored units, up to rounding; `None` if too far for the paths of nodes to tell.
+    pub(in crate::composite) fn since(&self, before: [u64; 2]) -> Option<f64> {
+        let [a, b] = self.totals();
+        let least = |now: u64, then: u64| u32::try_from(now.checked_sub(then)?).ok();
+        let (a, b) = (least(a, before[0])?, least(b, before[1])?);
+        let length = |units| f64::from(Paths::length(units));
+        Some(length(a) * self.units[0] + length(b) * self.units[1])
+    }
+}
+
+/// Returns one unit of B's stored frame in A's.
+fn ratio(a: TreeSide, b: TreeSide) -> f64 {
+    power_of_two((b.exponent - a.exponent).clamp(-1000, 1000))
 }
 
 /// Returns the distance of two bodies' origins in the caller's unit, by how much the distance of

@@ -100,7 +100,7 @@ fn is_parted(corners: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64
 }
 
 /// +1 if the segment leaves through a triangle, -1 if it enters, 0 if it misses; `None` if it meets
-/// an edge or the plane at an end.
+/// an edge or the plane at an end. A triangle whose corners are on a line is missed.
 pub(in crate::composite) fn crossing(
     [a, b, c]: &triangle::Triangle,
     from: &Vector3<f64>,
@@ -116,6 +116,10 @@ pub(in crate::composite) fn crossing(
     }
     let ends = [sign::side(a, b, c, from), sign::side(a, b, c, to)];
     if ends[0] * ends[1] > 0.0 || ends[0] > 0.0 && ends[1] > 0.0 || ends[0] < 0.0 && ends[1] < 0.0 {
+        return Some(0);
+    }
+    if ends == [0.0; 2] && sign::projection(a, b, c).is_none() {
+        // Without area: what it might close, its neighbours close along the same line.
         return Some(0);
     }
     let doubtful = turns.iter().chain(&ends).any(|x| *x == 0.0);

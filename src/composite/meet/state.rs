@@ -8,7 +8,7 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};
 use crate::composite::front::NodePair;
 use crate::composite::front::memory::FrontMemory;
-use crate::composite::meet::frame::{TreeFrame, TreeSide};
+use crate::composite::meet::frame::{TreeFrame, TreeMoves, TreeSide};
 use crate::composite::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::composite::meet::shared::Touching;
 use crate::composite::parts::Parted;
@@ -26,6 +26,17 @@ pub(in crate::composite) struct TreeState {
     /// Last proof that the bodies do not contain each other: clearance and B's pose.
     #[cfg_attr(feature = "serde", serde(skip))]
     free: Option<(f64, BallAtPose)>,
+}
+
+/// What a state was before a query.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::composite) enum Recognised {
+    /// Of these bodies as they are.
+    Same,
+    /// Of these bodies, of which some points have moved since.
+    Moved,
+    /// Of other bodies.
+    Other,
 }
 
 /// Two bodies at a pose.
@@ -157,16 +168,25 @@ fn probes<A: Parted>(body: &A, part: usize) -> impl Iterator<Item = Vector3<f64>
 }
 
 impl TreeState {
-    /// Forgets the state of other bodies; returns whether anything was forgotten.
-    pub(in crate::composite) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> bool {
-        let fingerprints = [a.fingerprint(), b.fingerprint()];
-        let is_new = self.fingerprints != fingerprints;
-        if is_new {
-            let work = self.kept.work;
-            *self = Self::default();
-            (self.fingerprints, self.kept.work) = (fingerprints, work);
+    /// Forgets the state of other bodies, and what moved points make untrue.
+    pub(in crate::composite) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> Recognised {
+        let (before, now) = (self.fingerprints, [a.fingerprint(), b.fingerprint()]);
+        if before == now {
+            return Recognised::Same;
         }
-        is_new
+        self.fingerprints = now;
+        self.free = None;
+        let moves = TreeMoves::new(a.side(), b.side());
+        let have_moved =
+            (before[0] == now[0] || a.came_from(before[0])) && (before[1] == now[1] || b.came_from(before[1]));
+        if have_moved {
+            self.kept.follow(&moves);
+            return Recognised::Moved;
+        }
+        let work = self.kept.work;
+        self.kept = FrontMemory::of_bodies(&moves);
+        self.kept.work = work;
+        Recognised::Other
     }
 
     /// Returns the closest points, by the front if there is one.

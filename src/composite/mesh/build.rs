@@ -6,6 +6,7 @@ use core::ops::ControlFlow;
 use nalgebra::{Point3, Vector3};
 
 use super::edges::Edges;
+use super::vertices::Stiff;
 use super::weld::{MOST, Welded, stir, weld};
 use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
 use crate::base::notice::log;
@@ -90,6 +91,8 @@ struct Sieved {
     kept: Vec<[u32; 3]>,
     source: Vec<u32>,
     degenerate: Vec<u32>,
+    /// The first of these with three different corners, on a line.
+    collinear: Option<u32>,
     repeated: Vec<(u32, u32)>,
 }
 
@@ -99,13 +102,17 @@ fn sieve(welded: &Welded, triangles: &[[u32; 3]]) -> Sieved {
         kept: Vec::with_capacity(triangles.len()),
         source: Vec::with_capacity(triangles.len()),
         degenerate: Vec::new(),
+        collinear: None,
         repeated: Vec::new(),
     };
     for (k, t) in (0u32..).zip(triangles) {
         let t = t.map(|v| welded.same_as[v as usize]);
         let corners = t.map(|v| &welded.points[v as usize]);
-        if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] || is_collinear(corners) {
+        if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
             sieved.degenerate.push(k);
+        } else if is_collinear(corners) {
+            sieved.degenerate.push(k);
+            sieved.collinear = sieved.collinear.or(Some(k));
         } else {
             sieved.kept.push(t);
             sieved.source.push(k);
@@ -164,6 +171,7 @@ fn without_repeated(every: &Sieved) -> Sieved {
         kept: stay().map(|k| every.kept[k]).collect(),
         source: stay().map(|k| every.source[k]).collect(),
         degenerate: every.degenerate.clone(),
+        collinear: every.collinear,
         repeated,
     }
 }
@@ -180,16 +188,14 @@ fn assemble(
     parts
         .iter_mut()
         .for_each(|p| p.triangle = sieved.source[p.triangle as usize]);
-    watch.stage("tree", Some(sieved.kept.len()))?;
-    let (mut tree, order) = Tree::split(&welded.points, &sieved.kept, LEAF, watch);
-    watch.stage("boxes", Some(tree.len()))?;
-    let mut ordered = Ordered::new(welded.points.len());
-    ordered.triangles = order
-        .iter()
-        .map(|&k| sieved.kept[k as usize].map(|v| ordered.vertex(v)))
-        .collect();
-    let points: Vec<_> = ordered.source.iter().map(|&v| welded.points[v as usize]).collect();
-    tree.fit(&points, &ordered.triangles, 0.0, watch);
+    let InTreeOrder {
+        tree,
+        points,
+        triangles,
+        order,
+        source,
+        number,
+    } = InTreeOrder::new(&welded.points, &sieved.kept, watch)?;
     watch.check()?;
     let (low, high) = bounding_box(&points);
     let unit = crate::body::polyhedron::power_of_two(welded.exponent);
@@ -218,14 +224,19 @@ fn assemble(
             parts,
             flushed_coordinates: welded.flushed,
         },
-        fingerprint: fingerprint(&points, &ordered.triangles, welded.exponent),
+        stiff: match sieved.collinear {
+            Some(triangle) => Some(Stiff::Dropped { triangle }),
+            None => found.closed_along_lines.then_some(Stiff::ClosedAlongLines),
+        },
+        bending: None,
+        fingerprint: fingerprint(&points, &triangles, welded.exponent),
         part_vertices: part_vertices
             .into_iter()
-            .map(|four| four.map(|v| ordered.number[v as usize]))
+            .map(|four| four.map(|v| number[v as usize]))
             .collect(),
         source_triangles: order.iter().map(|&k| sieved.source[k as usize]).collect(),
-        source_points: ordered.source,
-        triangles: ordered.triangles,
+        source_points: source,
+        triangles,
         exponent: welded.exponent,
         radius: sqrt(square) * (1.0 + 4.0 * UNIT),
         points,
@@ -235,21 +246,39 @@ fn assemble(
     })
 }
 
-/// Vertices in the order in which triangles use them.
-struct Ordered {
-    triangles: Vec<[u32; 3]>,
-    /// The new number of each welded point.
-    number: Vec<u32>,
-    source: Vec<u32>,
+/// A tree over triangles, these in the order of its leaves, and the points in the order in which
+/// the triangles use them.
+pub(super) struct InTreeOrder {
+    pub(super) tree: Tree,
+    pub(super) points: Vec<Vector3<f64>>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// The number that each triangle and each point had.
+    pub(super) order: Vec<u32>,
+    pub(super) source: Vec<u32>,
+    /// The new number of each point.
+    pub(super) number: Vec<u32>,
 }
 
-impl Ordered {
-    fn new(points: usize) -> Self {
-        Self {
-            triangles: Vec::new(),
-            number: vec![u32::MAX; points],
+impl InTreeOrder {
+    pub(super) fn new(points: &[Vector3<f64>], given: &[[u32; 3]], watch: &mut Watch<'_>) -> Result<Self, Stopped> {
+        watch.stage("tree", Some(given.len()))?;
+        let (tree, order) = Tree::split(points, given, LEAF, watch);
+        watch.stage("boxes", Some(tree.len()))?;
+        let mut new = Self {
+            tree,
+            points: Vec::new(),
+            triangles: Vec::with_capacity(given.len()),
+            order,
             source: Vec::new(),
+            number: vec![u32::MAX; points.len()],
+        };
+        for k in 0..new.order.len() {
+            let corners = given[new.order[k] as usize].map(|v| new.vertex(v));
+            new.triangles.push(corners);
         }
+        new.points = new.source.iter().map(|&v| points[v as usize]).collect();
+        new.tree.fit(&new.points, &new.triangles, 0.0, watch);
+        Ok(new)
     }
 
     fn vertex(&mut self, v: u32) -> u32 {

@@ -17,6 +17,8 @@ pub(super) struct Edges {
     /// Whether along every line as many edges of triangles run one way as the other, all along the
     /// line: then every point off the surface has a winding number.
     pub(super) closed: bool,
+    /// Whether edges that are not between two triangles close the surface along a line.
+    pub(super) closed_along_lines: bool,
 }
 
 /// Sorts the edges of all triangles and judges each.
@@ -44,6 +46,7 @@ pub(super) fn judge(points: &[Vector3<f64>], triangles: &[[u32; 3]]) -> Edges {
         }
     }
     edges.closed = cancels(points, &uneven);
+    edges.closed_along_lines = edges.closed && !uneven.is_empty();
     edges
 }
 

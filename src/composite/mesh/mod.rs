@@ -11,25 +11,30 @@ mod pair;
 mod persist;
 mod report;
 pub(crate) mod tracker;
+mod vertices;
 mod weld;
 
+use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 pub use hull::HullFit;
 pub use inspect::MeshInspection;
-pub use report::{MeshError, MeshKind, MeshPart, MeshReport};
+pub use report::{MeshError, MeshKind, MeshPart, MeshReport, VertexError};
 
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::sign;
+use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::polyhedron::obj::obj;
 use crate::composite::tree::Tree;
+use vertices::{Bending, Stiff};
 
 /// A body made of triangles: the mesh as the caller brought it, not a decomposition.
 ///
-/// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). Immutable, `Send + Sync`,
-/// cheap to share by reference or `Arc`. Coordinates are those of the caller, in the body's own
-/// frame, in any unit; triangles run counter-clockwise seen from outside.
+/// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). `Send + Sync`, cheap to
+/// share by reference or `Arc`; immutable but for [`set_vertices`](Self::set_vertices), by which it
+/// bends. Coordinates are those of the caller, in the body's own frame, in any unit; triangles run counter-clockwise seen from outside.
 ///
 /// ```
 /// use lin_canny::nalgebra::Point3;
@@ -69,6 +74,10 @@ pub struct Mesh {
     /// Of vertices and triangles, by which a tracker recognises the mesh.
     pub(crate) fingerprint: Fingerprint,
     report: MeshReport,
+    /// Why the vertices cannot be replaced, if they cannot.
+    stiff: Option<Stiff>,
+    /// Of a mesh whose vertices have been replaced.
+    bending: Option<Box<Bending>>,
 }
 
 impl Mesh {
@@ -183,4 +192,30 @@ impl Mesh {
             self.points[c as usize],
         ]
     }
+
+    /// Returns a triangle as a convex body in the caller's units: a segment or a point if it has no
+    /// area; `None` if it is too small beside the mesh to be a body of its own.
+    pub(crate) fn polygon(&self, triangle: u32) -> Option<ConvexPolyhedron> {
+        let corners: [Point3<f64>; 3] = self.corners(triangle).map(|p| self.given(&p));
+        ConvexPolyhedron::polygon(&corners).ok().or_else(|| line(&corners))
+    }
+}
+
+/// Returns the segment or the point that three points on a line span.
+#[cold]
+fn line([a, b, c]: &[Point3<f64>; 3]) -> Option<ConvexPolyhedron> {
+    if sign::projection(&a.coords, &b.coords, &c.coords).is_some() {
+        return None;
+    }
+    // The ends are apart along the axis of the longest side.
+    let sides = [b - a, c - b, a - c];
+    let axis = sides.map(|s| s.iamax()).into_iter().max_by(|&i, &j| {
+        let longest = |k: usize| sides.iter().fold(0.0f64, |m, s| m.max(s[k].abs()));
+        longest(i).total_cmp(&longest(j))
+    })?;
+    let mut ends = [*a, *b, *c];
+    ends.sort_by(|p, q| p[axis].total_cmp(&q[axis]));
+    ConvexPolyhedron::segment(ends[0], ends[2])
+        .or_else(|_| ConvexPolyhedron::point(*a))
+        .ok()
 }

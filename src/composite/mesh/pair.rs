@@ -1,6 +1,6 @@
 //! Two meshes at a pose: the questions that a search asks about triangles.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 use crate::base::num::scalar::{lesser, sqrt};
 use crate::base::tuning::composite::SHARP;
@@ -59,11 +59,7 @@ impl<'a> TriangleJudge<'a> {
     }
 
     fn polygons(&self, [i, j]: NodePair) -> Option<(ConvexPolyhedron, ConvexPolyhedron)> {
-        let polygon = |mesh: &Mesh, t: u32| {
-            let corners: [Point3<f64>; 3] = mesh.corners(t).map(|p| mesh.given(&p));
-            ConvexPolyhedron::polygon(&corners).ok()
-        };
-        Some((polygon(self.posed.a, i)?, polygon(self.posed.b, j)?))
+        Some((self.posed.a.polygon(i)?, self.posed.b.polygon(j)?))
     }
 
     /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,

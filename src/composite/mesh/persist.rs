@@ -1,12 +1,14 @@
 //! Meshes in files (feature `serde`): vertices, triangles and names are written in the caller's
 //! order, all else is built again, so that a hostile file does no harm and the mesh comes back bit
-//! for bit.
+//! for bit. Of a mesh whose vertices were replaced, the vertices are written as built and as they
+//! are.
 
 use alloc::vec::Vec;
 use nalgebra::Point3;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::vertices::by_source;
 use super::{Mesh, MeshError, MeshReport};
 
 #[derive(Serialize, Deserialize)]
@@ -17,23 +19,24 @@ struct StoredMesh {
     source_points: Vec<u32>,
     source_triangles: Vec<u32>,
     report: MeshReport,
-}
-
-/// Numbers `0..names.len()` by rising name.
-fn by_name(names: &[u32]) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..names.len() as u32).collect();
-    order.sort_unstable_by_key(|&k| names[k as usize]);
-    order
+    /// The places of the vertices, if they were replaced after the build.
+    #[serde(default)]
+    now: Vec<[f64; 3]>,
 }
 
 impl Serialize for Mesh {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (points, triangles) = (by_name(&self.source_points), by_name(&self.source_triangles));
+        let (points, triangles) = (by_source(&self.source_points), by_source(&self.source_triangles));
         let mut number = points.clone();
         (0u32..).zip(&points).for_each(|(k, &v)| number[v as usize] = k);
-        let place = |&v: &u32| self.given(&self.points[v as usize]).into();
+        let now: Vec<[f64; 3]> = self.vertices().into_iter().map(Into::into).collect();
+        let (built, now) = match &self.bending {
+            Some(bending) => (bending.built.iter().map(|p| (*p).into()).collect(), now),
+            None => (now, Vec::new()),
+        };
         StoredMesh {
-            points: points.iter().map(place).collect(),
+            points: built,
+            now,
             triangles: triangles
                 .iter()
                 .map(|&t| self.triangles[t as usize].map(|v| number[v as usize]))
@@ -70,5 +73,11 @@ fn restore(stored: StoredMesh) -> Result<Mesh, MeshError> {
         .for_each(|t| *t = stored.source_triangles[*t as usize]);
     let kind = mesh.report.kind;
     mesh.report = MeshReport { kind, ..stored.report };
+    if !stored.now.is_empty() {
+        let now: Vec<Point3<f64>> = stored.now.into_iter().map(Point3::from).collect();
+        mesh.set_vertices(&now).map_err(|_| MeshError::Damaged {
+            what: "the places of the vertices are not those of this mesh",
+        })?;
+    }
     Ok(mesh)
 }

@@ -66,6 +66,51 @@ impl From<Stopped> for MeshError {
     }
 }
 
+/// Reason why the vertices of a mesh cannot be replaced. Vertices are named by their numbers in
+/// [`Mesh::vertices`](super::Mesh::vertices), lengths are in the caller's unit.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum VertexError {
+    /// Another number of vertices than the mesh has.
+    #[error("{given} vertices were given for the {count} of the mesh")]
+    Count {
+        /// Vertices given.
+        given: usize,
+        /// Vertices of the mesh, without points that were welded or are not used.
+        count: usize,
+    },
+    /// A vertex that does not exist.
+    #[error("vertex {index} does not exist: the mesh has {count}")]
+    Missing {
+        /// The first such vertex.
+        index: usize,
+        /// Vertices of the mesh.
+        count: usize,
+    },
+    /// A coordinate is infinite or not a number.
+    #[error("vertex {index} has a coordinate that is not finite")]
+    NotFinite {
+        /// The first such vertex.
+        index: usize,
+    },
+    /// The longest side of the bounding box would be below 1e-100 or above 1e100, or a coordinate
+    /// above 1e116.
+    #[error("the extent {extent:e} lies outside 1e-100..1e100, or a coordinate is above 1e116")]
+    OutOfRange {
+        /// The longest side of the bounding box, or the coordinate.
+        extent: f64,
+    },
+    /// The build has dropped a triangle whose corners were on a line: it might have an area now.
+    #[error("triangle {triangle} was dropped when the mesh was built: its corners were on a line")]
+    Dropped {
+        /// The first such triangle, by the caller's index.
+        triangle: u32,
+    },
+    /// Edges that lie on others along a line close the mesh: the surface might open there.
+    #[error("the mesh is closed only along lines, where an edge faces two shorter ones")]
+    ClosedAlongLines,
+}
+
 /// Whether a mesh bounds a volume.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -40,19 +40,17 @@ pub(super) fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Weld
     if far || !triangles.is_empty() && !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
         return Err(MeshError::OutOfRange { extent });
     }
-    let size = exponent_of(sqrt((sides * 0.5).norm_squared()));
-    let window = 2 * EXPONENT_FREE;
-    let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
-    let (scale, flush) = (power_of_two(-exponent), power_of_two(size - exponent - FLUSH_EXPONENT));
+    let units = Units::of(&sides);
+    let scale = power_of_two(-units.exponent);
     let mut flushed = 0;
     let points: Vec<Vector3<f64>> = given
         .iter()
         .zip(&is_used)
         .map(|(p, is_used)| {
             (p.coords * scale).map(|x| {
-                let vanishes = x.abs() < flush;
-                flushed += usize::from(*is_used && vanishes && x != 0.0);
-                if vanishes { 0.0 } else { x }
+                let kept = units.flushed(x);
+                flushed += usize::from(*is_used && kept != x);
+                kept
             })
         })
         .collect();
@@ -60,9 +58,35 @@ pub(super) fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Weld
     Ok(Welded {
         points,
         same_as,
-        exponent,
+        exponent: units.exponent,
         flushed,
     })
+}
+
+/// The unit of stored coordinates, and the coordinates that count as zero.
+#[derive(Clone, Copy)]
+pub(super) struct Units {
+    /// Stored lengths times `2^exponent` are the caller's.
+    pub(super) exponent: i32,
+    flush: f64,
+}
+
+impl Units {
+    /// Returns the units of a mesh by the sides of its bounding box.
+    pub(super) fn of(sides: &Vector3<f64>) -> Self {
+        let size = exponent_of(sqrt((sides * 0.5).norm_squared()));
+        let window = 2 * EXPONENT_FREE;
+        let exponent = (size + EXPONENT_FREE).div_euclid(window) * window;
+        Self {
+            exponent,
+            flush: power_of_two(size - exponent - FLUSH_EXPONENT),
+        }
+    }
+
+    /// Returns a stored coordinate, or zero in the place of one that is too small.
+    pub(super) fn flushed(&self, x: f64) -> f64 {
+        if x.abs() < self.flush { 0.0 } else { x }
+    }
 }
 
 /// For each point the first with the same coordinates. Points are sorted by a mix of their bits, so

@@ -291,6 +291,10 @@ impl Parted for Composite {
         self.fingerprint
     }
 
+    fn came_from(&self, _: Fingerprint) -> bool {
+        false
+    }
+
     fn stored_unit(&self) -> f64 {
         self.unit()
     }

@@ -9,7 +9,7 @@ use crate::base::tuning::composite::TRACKERS;
 use crate::body::polyhedron::FeaturePair;
 use crate::composite::front::NodePair;
 use crate::composite::front::memory::FrontMemory;
-use crate::composite::meet::state::{PosedTrees, TreeAnswer, TreeState};
+use crate::composite::meet::state::{PosedTrees, Recognised, TreeAnswer, TreeState};
 use crate::composite::parts::Parted;
 use crate::composite::work::MeshWork;
 use crate::pair::spot::{Answer, Spot};
@@ -115,7 +115,8 @@ impl CompositeTracker {
     }
 
     fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) {
-        if self.state.recognise(a, b) {
+        // The parts near each other are copies.
+        if self.state.recognise(a, b) != Recognised::Same {
             self.near.clear();
         }
     }

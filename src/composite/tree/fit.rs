@@ -100,7 +100,7 @@ impl Tree {
     }
 
     /// First and last triangle of every node. Children have higher numbers than their parents.
-    fn ranges(&self) -> Vec<(usize, usize)> {
+    pub(super) fn ranges(&self) -> Vec<(usize, usize)> {
         let mut ranges = vec![(0, 0); self.links.len()];
         for node in (0..self.links.len()).rev() {
             ranges[node] = match self.below(node as u32) {

@@ -5,11 +5,14 @@
 //! first cost pairs in proportion to size over gap, the second its logarithm.
 
 mod eigen;
+mod eight;
 mod fit;
 pub(in crate::composite) mod height;
 pub(in crate::composite) mod maximum;
-pub(super) use fit::up;
+mod refit;
 mod split;
+pub(super) use fit::up;
+pub(super) use refit::{Paths, Refit};
 
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -126,6 +129,8 @@ pub(crate) struct Tree {
     pub(crate) exponent: i32,
     /// No corner of a box is farther than this from the tree's origin.
     pub(crate) reach: f32,
+    /// How far the points below the nodes have moved.
+    pub(crate) paths: Paths,
 }
 
 impl Tree {
@@ -171,6 +176,12 @@ impl Tree {
                 Below::Leaf(last, count) => break (first, last + count),
             }
         }
+    }
+
+    /// Returns whether points of the body have ever moved in its frame.
+    #[inline(always)]
+    pub(crate) fn bends(&self) -> bool {
+        self.paths.total > 0
     }
 
     /// Returns the slab of a node or of its nearest ancestor that has one.

@@ -38,10 +38,7 @@ impl Tree {
     ) -> (Self, Vec<u32>) {
         let used = given.iter().flat_map(|i| i.as_ref()).map(|&v| &points[v as usize]);
         let (low, high) = bounding_box(used);
-        let centre = low * 0.5 + high * 0.5;
-        // No smaller than the rounding of the place.
-        let place = low.amax().max(high.amax()) * UNIT;
-        let exponent = exponent_of(sqrt(((high - low) * 0.5).norm_squared()).max(place));
+        let (centre, exponent) = Self::place_of(&low, &high);
         let mut splitter = Splitter {
             points,
             given,
@@ -63,6 +60,14 @@ impl Tree {
         splitter.tree.boxes.shrink_to_fit();
         splitter.tree.links.shrink_to_fit();
         (splitter.tree, order)
+    }
+
+    /// Returns the origin and the exponent of the unit of a tree over points between two corners.
+    pub(super) fn place_of(low: &Vector3<f64>, high: &Vector3<f64>) -> (Vector3<f64>, i32) {
+        // No smaller than the rounding of the place.
+        let place = low.amax().max(high.amax()) * UNIT;
+        let size = sqrt(((high - low) * 0.5).norm_squared()).max(place);
+        (low * 0.5 + high * 0.5, exponent_of(size))
     }
 }
 

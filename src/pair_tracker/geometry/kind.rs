@@ -12,7 +12,8 @@ pub(super) trait OfKind {
     /// Returns the kind of the geometry.
     fn kind(&self) -> ShapeKind;
 
-    /// Returns the hash by which kept state recognises the geometry.
+    /// Returns the hash by which kept state recognises the geometry: one for all places of the
+    /// vertices of a mesh.
     fn fingerprint(&self) -> Fingerprint;
 
     /// Returns a ball that contains the geometry, in its frame: centre and radius.

@@ -143,7 +143,8 @@ impl<'a> GeometryRef<'a> {
         }
     }
 
-    /// Returns the hash by which kept state recognises the geometry.
+    /// Returns the hash by which kept state recognises the geometry: one for all places of the
+    /// vertices of a mesh.
     #[inline]
     pub(crate) fn fingerprint(self) -> Fingerprint {
         match_kind!(Lent, self.0, body => OfKind::fingerprint(body.get()))

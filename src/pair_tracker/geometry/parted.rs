@@ -36,7 +36,7 @@ impl OfKind for Mesh {
     }
 
     fn fingerprint(&self) -> Fingerprint {
-        self.fingerprint
+        self.lineage()
     }
 
     fn bounding_ball(&self) -> (Point3<f64>, f64) {

@@ -4,6 +4,7 @@
 //! cargo run --release -p lab --bin race -- pairs [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 
+mod bending;
 mod cad;
 mod contact;
 mod curved;

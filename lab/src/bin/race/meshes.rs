@@ -24,16 +24,18 @@ use parry3d_f64::query;
 use parry3d_f64::shape::{Compound, SharedShape, TriMesh};
 use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 
-use crate::cad;
+use crate::{bending, cad};
 use lab::race::{Options, Rows, median};
 
-pub(crate) const SCENES: [&str; 10] = [
+pub(crate) const SCENES: [&str; 12] = [
     "tracked-0.5",
     "tracked-0.02",
     "random",
     "flush",
     "box-over",
     "pieces",
+    "bending",
+    "bending-tracked",
     "crossing-shafts",
     "shaft-in-bore",
     "link-over-tray",
@@ -382,7 +384,7 @@ pub(crate) fn run(o: &Options) -> Rows {
     }
     let plain = SCENES
         .into_iter()
-        .filter(|s| *s != "pieces" && !cad::SCENES.contains(s));
+        .filter(|s| !["pieces", "bending", "bending-tracked"].contains(s) && !cad::SCENES.contains(s));
     for scene in plain.filter(|s| o.wants(s)) {
         for n in o.sizes([1_280, 20_480, 102_400]) {
             for r in races(scene, n, frames) {
@@ -390,6 +392,7 @@ pub(crate) fn run(o: &Options) -> Rows {
             }
         }
     }
+    bending::run(o.sizes([20_480, 102_400]), |scene| o.wants(scene), &mut csv);
     cad::run(o, frames, &mut csv);
     csv
 }

@@ -25,6 +25,8 @@ pub(super) fn bounds() -> Vec<Bound> {
         single("front, segments", "front::FrontBlock::gaps", worst(front_of_segments)),
         Bound::single("BOXES", "tree::OrientedBox::rod", around()).part("about a segment", 32.0),
         Bound::whole("BOX_EXTENT", "tree::fit::store_extents", extent()),
+        Bound::single("REFIT_HEIGHT", "tree::eight::FittedEight::new", refit_height()),
+        Bound::single("BOX_SKEW", "tree::eight::FittedEight::new", skew()),
         Bound::whole("SLAB_HEIGHT", "tree::fit::flat_axes", gram())
             .sum("a point of three heights", &[(2.0, "SLAB_HEIGHT")]),
     ]
@@ -213,6 +215,14 @@ fn extent() -> RBig {
     // A place is rounded once, and its difference from the centre once.
     let point = Arrow::new(DOUBLE, four.clone(), four * RBig::from(2) * rounding(DOUBLE));
     Lengths::dot(dual, point).error()
+}
+
+/// The height of a place of length one that is rounded once over a centre up to `sqrt 3` as far.
+fn refit_height() -> RBig {
+    let axis = single(RBig::ONE + longer(), RBig::ZERO);
+    let vertex = Lengths::dot(axis, single(RBig::ONE, v()));
+    let centre = Lengths::dot(axis, single(root(3) * (RBig::ONE + power(-10)), RBig::ZERO));
+    (vertex - centre).error().clone()
 }
 
 /// `I - sum of a a^T` for a normal of length one, an axis made perpendicular to it and divided by its length, and the cross

@@ -1,0 +1,314 @@
+//! Vertices of a mesh, and their replacement: meshes that bend.
+//!
+//! Triangles, their order in the tree and whether the mesh is closed stay; points, boxes, the
+//! bounding box and the fingerprint change. The fingerprint is that of the whole history, since
+//! the boxes of a node are those of a history; a tracker recognises its own state of the mesh among
+//! the last ones, and knows by the paths of the nodes how far the points have moved since.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+use nalgebra::{Point3, Vector3};
+
+use super::build::InTreeOrder;
+use super::weld::Units;
+use super::{Mesh, VertexError};
+use crate::base::notice::progress::Watch;
+use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN, PLACE_MAX, UNIT};
+use crate::base::tuning::composite::{GROWN, SHRUNK, STATES};
+use crate::body::polyhedron::{bounding_box, power_of_two};
+use crate::composite::tree::{Paths, Refit};
+
+/// Why the vertices of a mesh cannot be replaced: its triangles would not be the same body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Stiff {
+    /// A triangle was dropped because its corners were on a line, and might have an area now.
+    Dropped { triangle: u32 },
+    /// Edges that lie on others along a line close the mesh, and might part.
+    ClosedAlongLines,
+}
+
+/// What a mesh keeps once its vertices have been replaced.
+#[derive(Clone, Debug)]
+pub(super) struct Bending {
+    /// The vertex of each number.
+    order: Vec<u32>,
+    /// The vertices as built, by number.
+    pub(super) built: Vec<Point3<f64>>,
+    refit: Refit,
+    /// Of the mesh as built.
+    lineage: Fingerprint,
+    /// Of the mesh before its last replacements.
+    past: [Fingerprint; STATES],
+    replacements: usize,
+    /// Buffers: the next points, and how far each vertex moves.
+    next: Vec<Vector3<f64>>,
+    steps: Vec<u32>,
+}
+
+/// Returns the vertices by their number, if these are the caller's indices of them.
+pub(super) fn by_source(sources: &[u32]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..sources.len() as u32).collect();
+    order.sort_unstable_by_key(|&k| sources[k as usize]);
+    order
+}
+
+impl Bending {
+    fn new(mesh: &Mesh) -> Self {
+        let order = by_source(&mesh.source_points);
+        Self {
+            built: order.iter().map(|&v| mesh.given(&mesh.points[v as usize])).collect(),
+            order,
+            refit: Refit::new(&mesh.tree, &mesh.points, &mesh.triangles),
+            lineage: mesh.fingerprint,
+            past: [mesh.fingerprint; STATES],
+            replacements: 0,
+            next: Vec::new(),
+            steps: Vec::new(),
+        }
+    }
+
+    /// Returns the fingerprint of a mesh some vertices of which are replaced.
+    fn fingerprint(before: Fingerprint, first: usize, vertices: &[Point3<f64>]) -> Fingerprint {
+        let mut all = Fingerprinter::new(*b"vertices");
+        all.fingerprint(before);
+        all.word(first as u64);
+        all.word(vertices.len() as u64);
+        vertices.iter().for_each(|p| all.vector(&p.coords));
+        all.end()
+    }
+}
+
+impl Mesh {
+    /// Returns the vertices in the order of their numbers: that of the points of which the mesh was
+    /// built, without points that were welded to an earlier one and points that no triangle uses.
+    /// If there were none of these, the numbers are the caller's indices.
+    #[must_use]
+    pub fn vertices(&self) -> Vec<Point3<f64>> {
+        let order = by_source(&self.source_points);
+        order.iter().map(|&v| self.given(&self.points[v as usize])).collect()
+    }
+
+    /// Returns the caller's index of every vertex in the order of the vertices' numbers, the lowest
+    /// among equal points.
+    #[must_use]
+    pub fn vertex_sources(&self) -> Vec<u32> {
+        let mut sources = self.source_points.clone();
+        sources.sort_unstable();
+        sources
+    }
+
+    /// Replaces all vertices, in the order of [`vertices`](Self::vertices): the mesh bends.
+    ///
+    /// The triangles stay, and so does the [`kind`](Self::kind): a closed mesh remains closed
+    /// whatever its vertices do, and points with a winding number other than zero are inside.
+    /// Vertices may come to equal places and triangles lose their area; what is left of a triangle,
+    /// a segment or a point, is measured. Welded points remain one vertex. Answers are as those of
+    /// a mesh built anew; a tracker of the mesh goes on from where it was, and so does one of a mesh
+    /// whose last few replacements it has not seen. The [report](Self::report) remains that of the
+    /// build.
+    ///
+    /// The tree is fitted to the vertices, not made anew: if the mesh is folded so that other parts
+    /// are near each other, queries take up to three times as long, and [`rebuild`](Self::rebuild)
+    /// makes another tree. If a mesh has moved, grown or shrunk by twice its size and more, trackers
+    /// begin anew. The first call makes what later ones need, some 50 bytes a triangle.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::Vector3;
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::{Mesh, PairTracker, RelativePose};
+    ///
+    /// let mut ball = Mesh::from_convex(&solids::icosahedron(1.0)?)?;
+    /// let floor = solids::cuboid(Vector3::new(4.0, 4.0, 1.0))?;
+    /// let at = nalgebra::Isometry3::translation(0.0, 0.0, -3.0);
+    /// let pose = RelativePose::from_isometry(&at)?;
+    /// let rest = ball.vertices();
+    /// let lowest = rest.iter().fold(0.0, |low: f64, p| low.min(p.z));
+    /// let mut tracker = PairTracker::new();
+    /// for frame in 1..10 {
+    ///     let scale = 1.0 + 0.1 * f64::from(frame);
+    ///     let stretch = |p: &nalgebra::Point3<f64>| nalgebra::Point3::new(p.x, p.y, p.z * scale);
+    ///     ball.set_vertices(&rest.iter().map(stretch).collect::<Vec<_>>())?;
+    ///     let found = tracker.closest(&ball, &floor, &pose);
+    ///     assert!((found.distance - (2.0 + lowest * scale)).abs() < 1e-14);
+    /// }
+    /// # use lin_canny::nalgebra;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Another number of vertices, a coordinate that is not finite, an extent or a coordinate out
+    /// of the range of meshes; a mesh of which the build dropped a triangle whose three corners were
+    /// on a line, or that is closed only along lines. The mesh is then as before.
+    #[doc(alias = "deform")]
+    #[doc(alias = "refit")]
+    pub fn set_vertices(&mut self, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
+        self.move_all(vertices).map(|_| ())
+    }
+
+    /// Replaces the vertices from number `first` on, as [`set_vertices`](Self::set_vertices) does:
+    /// only the boxes about them are fitted anew.
+    ///
+    /// # Errors
+    ///
+    /// As [`set_vertices`](Self::set_vertices); a vertex that does not exist instead of another
+    /// number of vertices.
+    pub fn set_vertices_from(&mut self, first: usize, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
+        self.move_vertices(first, vertices).map(|_| ())
+    }
+
+    /// Replaces all vertices; returns an upper bound of how far any point of the mesh has moved, in
+    /// the caller's unit.
+    pub(crate) fn move_all(&mut self, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
+        let (given, count) = (vertices.len(), self.vertex_count());
+        if given != count {
+            return Err(VertexError::Count { given, count });
+        }
+        self.move_vertices(0, vertices)
+    }
+
+    fn move_vertices(&mut self, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
+        let count = self.vertex_count();
+        if first.checked_add(vertices.len()).is_none_or(|end| end > count) {
+            return Err(VertexError::Missing {
+                index: first.max(count),
+                count,
+            });
+        }
+        if let Some(k) = vertices.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(VertexError::NotFinite { index: first + k });
+        }
+        match self.stiff {
+            Some(Stiff::Dropped { triangle }) => return Err(VertexError::Dropped { triangle }),
+            Some(Stiff::ClosedAlongLines) => return Err(VertexError::ClosedAlongLines),
+            None => {}
+        }
+        let mut bending = match self.bending.take() {
+            Some(bending) => bending,
+            None => Box::new(Bending::new(self)),
+        };
+        let result = self.replace(&mut bending, first, vertices);
+        self.bending = Some(bending);
+        result
+    }
+
+    /// Makes the tree of the mesh anew, for vertices that were replaced: in the time of a build.
+    /// Trackers begin anew. Does nothing for a mesh whose vertices never were.
+    pub fn rebuild(&mut self) {
+        let Some(bending) = self.bending.take() else { return };
+        // A build that is not watched is not stopped.
+        let Ok(new) = InTreeOrder::new(&self.points, &self.triangles, &mut Watch::none()) else {
+            self.bending = Some(bending);
+            return;
+        };
+        let InTreeOrder {
+            tree,
+            points,
+            triangles,
+            order,
+            source,
+            number,
+        } = new;
+        self.source_triangles = order.iter().map(|&k| self.source_triangles[k as usize]).collect();
+        self.source_points = source.iter().map(|&v| self.source_points[v as usize]).collect();
+        self.part_vertices
+            .iter_mut()
+            .flatten()
+            .for_each(|v| *v = number[*v as usize]);
+        (self.tree, self.points, self.triangles) = (tree, points, triangles);
+        self.fingerprint = self.fingerprint.with(*b"new tree", 0.0);
+        let Bending { built, lineage, .. } = *bending;
+        self.bending = Some(Box::new(Bending {
+            built,
+            lineage,
+            ..Bending::new(self)
+        }));
+    }
+
+    /// Returns the fingerprint of the mesh as built: one for all places of its vertices.
+    pub(crate) fn lineage(&self) -> Fingerprint {
+        self.bending.as_ref().map_or(self.fingerprint, |b| b.lineage)
+    }
+
+    /// Returns whether the mesh has had a fingerprint before, one of the last few, and since then
+    /// the paths of its tree tell how far its points have moved.
+    pub(crate) fn came_from(&self, earlier: Fingerprint) -> bool {
+        self.bending.as_ref().is_some_and(|b| b.past.contains(&earlier))
+    }
+
+    /// Takes vertices that exist and are finite.
+    fn replace(&mut self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
+        let replaced = &bending.order[first..first + vertices.len()];
+        let (next, stored) = (&mut bending.next, power_of_two(-self.exponent));
+        next.clone_from(&self.points);
+        for (&v, p) in replaced.iter().zip(vertices) {
+            if p.coords.amax() > PLACE_MAX {
+                return Err(VertexError::OutOfRange {
+                    extent: p.coords.amax(),
+                });
+            }
+            next[v as usize] = p.coords * stored;
+        }
+        let (low, high) = bounding_box(next.iter());
+        let extent = (high - low).max() * self.unit();
+        if !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
+            return Err(VertexError::OutOfRange { extent });
+        }
+        let units = Units::of(&((high - low) * self.unit()));
+        let is_near = self.steps(bending, &low, &high) && units.exponent == self.exponent;
+        if is_near && bending.steps.iter().all(|s| *s == 0) {
+            return Ok(0.0);
+        }
+        let square = |(p, q): (&Vector3<f64>, &Vector3<f64>)| (q - p).norm_squared();
+        let moved = self.points.iter().zip(&bending.next).map(square).fold(0.0, f64::max);
+        let moved = sqrt(moved) * (1.0 + 8.0 * UNIT) * self.unit();
+        let before = self.fingerprint;
+        self.fingerprint = Bending::fingerprint(before, first, vertices);
+        self.take_points(bending, &units);
+        if is_near {
+            bending.past[bending.replacements % STATES] = before;
+            bending.replacements += 1;
+        } else {
+            bending.past.fill(self.fingerprint);
+            bending.steps.clear();
+            bending.steps.resize(self.points.len(), 1);
+            self.tree.centre_on(&self.low, &self.high);
+        }
+        self.tree
+            .refit(&mut bending.refit, &self.points, &self.triangles, &bending.steps);
+        Ok(moved)
+    }
+
+    /// Finds how far each vertex moves to its next place. Returns whether the next places, between
+    /// two corners, are near enough to the tree's origin, and far enough apart, for the unit of the
+    /// tree.
+    fn steps(&self, bending: &mut Bending, low: &Vector3<f64>, high: &Vector3<f64>) -> bool {
+        let scale = 1.0 / self.tree.unit();
+        bending.steps.clear();
+        for (p, q) in self.points.iter().zip(&bending.next) {
+            let Some(step) = Paths::units(sqrt((q - p).norm_squared()) * scale) else {
+                return false;
+            };
+            bending.steps.push(step);
+        }
+        let farthest = (low - self.tree.centre).abs().sup(&(high - self.tree.centre).abs());
+        let half = sqrt(((high - low) * 0.5).norm_squared()) * scale;
+        farthest.amax() * scale < GROWN && half > SHRUNK
+    }
+
+    /// Makes the next points those of the mesh.
+    fn take_points(&mut self, bending: &mut Bending, units: &Units) {
+        core::mem::swap(&mut self.points, &mut bending.next);
+        let ratio = power_of_two((self.exponent - units.exponent).clamp(-1000, 1000));
+        let mut square = 0.0f64;
+        for p in &mut self.points {
+            *p = p.map(|x| units.flushed(x * ratio));
+            square = square.max(p.norm_squared());
+        }
+        self.exponent = units.exponent;
+        self.radius = sqrt(square) * (1.0 + 4.0 * UNIT);
+        (self.low, self.high) = bounding_box(&self.points);
+    }
+}
