@@ -182,7 +182,8 @@ pub fn front_entry(
     front::entry_at(poses, claim, centre, about)
 }
 
-/// Two bodies as placed, and where a walk ended: bounds before their error term, in A's stored unit.
+/// Two bodies as placed, and where a walk ended: bounds before their error term, in A's stored
+/// unit.
 #[derive(Clone, Copy, Debug)]
 pub struct WalkEnd {
     pub features: FeaturePair,

@@ -59,10 +59,14 @@
 //! derivation, allows, and the largest error that a search of some seconds finds. All are in
 //! roundings of the format: `UNIT`, `UNIT_SINGLE` or the square of `UNIT`. `tests/proofs`
 //! compares all of it with the code, and proves the cases of underflow above, but for the quotient
-//! of a side's height and the comparisons of degree five of curved pairs, which are prose. So are
-//! three lemmas: what an error of a quaternion does to its matrix (step 1 of `CERTIFICATE`), the
-//! roundings of its steps 5 and 6, which are added by hand, and how the parts of a bound that are
-//! told "per" something add up.
+//! of a side's height and the comparisons of degree five of curved pairs, which are prose. Rows of
+//! `CERTIFICATE` by feature pair are those of polyhedra, in the frame of one body: displaced
+//! bodies and what is computed of them, as a polynomial of both radii and the distance, which is
+//! compared with their sum, so that how the parts add up is proved too. What an error of a
+//! quaternion does to its matrix is proved by identities of polynomials (`lemmas`). The parts of
+//! `DISPLACEMENT` told "per" a length, and those of `BOXES` and `PLANE`, are each proved for one
+//! length alone, as they are linear in all; this is prose. A row that is a sum of others may have
+//! no error found, as the parts have theirs.
 //!
 #![doc = include_str!("tolerance/proved.md")]
 
@@ -133,8 +137,8 @@ pub(crate) const ON_BOUNDARY: f64 = 16.0 * UNIT;
 pub(crate) const NEARLY_PARALLEL: f64 = 1.0 / 16.0;
 
 /// Two edges with a squared sine below this are taken as parallel: the cross product is rounding
-/// alone. Above, the cross product's own error, 2.5 UNIT, is less than a sixth of its length, and it
-/// is made right to an edge within the 5 UNIT that [`CERTIFICATE`] counts.
+/// alone. Above, the cross product's own error, 2.5 UNIT, is less than a sixth of its length, and
+/// it is made right to an edge within the 10 UNIT that [`CERTIFICATE`] counts.
 pub(crate) const PARALLEL: f64 = 256.0 * UNIT * UNIT;
 
 /// The walk's answer is accepted if witnesses and supporting planes agree within this times L: the
@@ -233,7 +237,8 @@ pub(crate) const PLATEAU: f64 = 16.0 * UNIT;
 ///    quaternion such an error turns by twice as much; along the quaternion the error scales the
 ///    difference of matrix and identity, a matrix of norm 2, by twice as much: together at most
 ///    `5 u sqrt(4 + 16)`. The factor `2 (2 - |a|^2) (2 - |b|^2)` errs by 9 u, and counts twice.
-/// 2. Its matrix: 10.7 u. With 1, a vertex of B is turned wrong by at most 51 u rB.
+/// 2. Its matrix: 10.7 u. With 1, a vertex of B is turned wrong by at most 51 u rB. (Other
+///    constants that rest on these steps count 71 for it, 31 for step 3 and 6 for a product.)
 /// 3. The relative translation: the difference of the translations, `u |t|`; the two cross products
 ///    and their sum, doubled by the factor; the factor, 4 u, and the product with it, of at most `2
 ///    |t|`; the last sum: together at most 30.1 u |t|. In B's frame, A is displaced by 51 u of rA
@@ -242,10 +247,10 @@ pub(crate) const PLATEAU: f64 = 16.0 * UNIT;
 ///    difference before.
 /// 5. A height along a direction: 3 u of each length, sums one. A vertex is lowest along the
 ///    direction as turned into its frame: 4.5 u of its radius, twice. Of two edges each extreme
-///    perpendicular to the other (`FLANK`): `n` is off the right angle to both as computed by 10 u,
-///    as the sine is at least 1/4, or is made right within less; this counts by twice the radius,
-///    and so do the edges' own errors, 1 u on A and 5.5 u on B. Of an edge paired with a vertex, the
-///    direction is made right within 9 u and the edge errs by 1: twice the radius as well.
+///    perpendicular to the other (`FLANK`): `n` is off the right angle to both as computed by 10
+///    u, as the sine is at least 1/4, or is made right within less; this counts by twice the
+///    radius, and so do the edges' own errors, 1 u on A and 5.5 u on B. Of an edge paired with a
+///    vertex, the direction is made right within 9 u and the edge errs by 1: twice the radius.
 /// 6. The witnesses, made as `p + s u` with `s` in 0..1, or as a sum of vertices whose weights sum
 ///    to 1 within 3 u. The norm, 2.5 u; the inverse of one and products with it, up to 8.5 u.
 ///

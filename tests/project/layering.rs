@@ -461,6 +461,8 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "motion",
             "polyhedron",
             "pair",
+            "walk",
+            "minimum",
             "depth",
             "separation",
             "composite",

@@ -5,7 +5,7 @@ use lab::proofs::kernels::certificate::{self, Placing};
 use lab::proofs::kernels::double::Twice;
 use lab::proofs::kernels::signs;
 use lab::proofs::number::{Number, Vector, cross, dot, one_norm, scaled};
-use lab::proofs::vectors::{Coordinates, Vectors};
+use lab::proofs::vectors::Coordinates;
 use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::proofs::{self, WalkEnd};

@@ -9,6 +9,7 @@ mod bounds;
 mod certificate;
 mod gappa;
 mod inputs;
+mod lemmas;
 mod table;
 mod transcribed;
 mod underflow;
