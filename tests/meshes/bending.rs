@@ -249,7 +249,7 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
                         "{name} {k} {frame} {found:?} {truth:?}"
                     );
                     assert!(
-                        left.len() > 0 || found.class == truth.class,
+                        !left.is_empty() || found.class == truth.class,
                         "{name} {k} {frame} {found:?} {truth:?}"
                     );
                     tally[usize::from(is_apart)] += 1;
