@@ -1,13 +1,9 @@
 //! The bodies of a scene: shapes, poses, groups, and everything about a body that the stages of a
 //! step read, table by table.
 
-#[cfg(feature = "meshes")]
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use nalgebra::Isometry3;
-#[cfg(feature = "meshes")]
-use nalgebra::Point3;
 
 use super::ball::Ball;
 use super::budget::Travel;
@@ -318,7 +314,7 @@ impl BodyTable {
     }
 
     /// Notes that the motion of a body changes in the step being prepared.
-    fn disturb(&mut self, i: usize) {
+    pub(super) fn disturb(&mut self, i: usize) {
         if let Some(moving) = self.moving.get_mut(i) {
             moving.disturb(self.step, self.ticks.is_pending);
         }
@@ -338,41 +334,6 @@ impl BodyTable {
         self.shift(i, (pose, ball), way);
     }
 
-    /// Replaces the vertices of a mesh: to the stages of a step that is a motion of all its points.
-    #[cfg(feature = "meshes")]
-    pub(super) fn bend(&mut self, i: usize, id: BodyId, vertices: &[Point3<f64>]) -> Result<(), SceneError> {
-        let Some(solid) = &mut self.solids[i] else {
-            return Err(SceneError::StaleBody { body: id });
-        };
-        let Geometry::Mesh(mesh) = &mut solid.shape else {
-            return Err(SceneError::NotAMesh { body: id });
-        };
-        // A ball about the box reaches no farther than thrice the largest coordinate.
-        let reach = vertices.iter().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
-        if reach.is_finite() && reach > SCENE_REACH / 4.0 {
-            return Err(SceneError::TooLarge { reach });
-        }
-        // Patches share the mesh: without them it is not copied.
-        let patches = solid.patches.take();
-        let moved = match Arc::make_mut(mesh).move_all(vertices) {
-            Ok(moved) if moved > 0.0 => moved,
-            other => {
-                solid.patches = patches;
-                return other
-                    .map(|_| ())
-                    .map_err(|error| SceneError::Vertices { body: id, error });
-            }
-        };
-        solid.ball = Ball::about(&solid.shape);
-        let pose = self.poses[i];
-        let ball = solid.ball.at(&pose);
-        let way = moved + solid.ball.error(&pose.translation.vector);
-        self.disturb(i);
-        self.keep_start(i);
-        self.shift(i, (&pose, ball), way);
-        Ok(())
-    }
-
     /// Moves a body by a tick.
     pub(super) fn advance(&mut self, i: usize, pose: &Isometry3<f64>, sweep: Option<Sweep>) {
         let Some(solid) = &self.solids[i] else { return };
@@ -387,7 +348,7 @@ impl BodyTable {
     }
 
     /// Notes the pose of a body that is moved after the tick of the step and not by the tick.
-    fn keep_start(&mut self, i: usize) {
+    pub(super) fn keep_start(&mut self, i: usize) {
         if self.ticks.is_swept && self.sweeps.get(i).is_none_or(Option::is_none) {
             self.keep_sweep(i, self.sweep(i));
         }
@@ -403,7 +364,7 @@ impl BodyTable {
 
     /// Puts a body and its ball at a pose, `way` being an upper bound of the displacement.
     #[inline]
-    fn shift(&mut self, i: usize, (pose, ball): (&Isometry3<f64>, Ball), way: f64) {
+    pub(super) fn shift(&mut self, i: usize, (pose, ball): (&Isometry3<f64>, Ball), way: f64) {
         self.travels[i].add(way, self.step);
         self.balls[i] = ball;
         self.poses[i] = *pose;

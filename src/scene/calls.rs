@@ -3,8 +3,6 @@
 use alloc::vec::Vec;
 
 use nalgebra::Isometry3;
-#[cfg(feature = "meshes")]
-use nalgebra::Point3;
 
 use super::body::{BodySolid, BodyTable, box_of, checked};
 use super::effects::{GROUPS, Table};
@@ -175,26 +173,6 @@ impl Scene {
         let i = self.bodies.index_of(id)?;
         checked(&pose, Some(id))?;
         self.bodies.place(i, &pose);
-        Ok(())
-    }
-
-    /// Replaces all vertices of a body that is a mesh, as
-    /// [`Mesh::set_vertices`](crate::Mesh::set_vertices): all effects see the mesh as it is then.
-    /// Until the next step all answers remain those of the last step.
-    ///
-    /// A mesh that other bodies share is copied first, so that only this body bends. The patches
-    /// from which contacts are computed are made anew in the next step, in a time that grows with
-    /// the mesh. A tick sees the vertices as they are set before it, not where they will be.
-    ///
-    /// # Errors
-    /// If the id is stale, the body no mesh, or the vertices are refused; the body keeps its
-    /// vertices.
-    #[cfg(feature = "meshes")]
-    #[doc(alias = "deform")]
-    pub fn set_vertices(&mut self, id: BodyId, vertices: &[Point3<f64>]) -> Result<(), SceneError> {
-        let i = self.bodies.index_of(id)?;
-        self.bodies.bend(i, id, vertices)?;
-        self.changed = true;
         Ok(())
     }
 

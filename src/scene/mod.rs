@@ -171,6 +171,8 @@ mod snapshot;
 mod step;
 mod stored_answer;
 mod velocity;
+#[cfg(feature = "meshes")]
+mod vertices;
 
 use alloc::vec::Vec;
 

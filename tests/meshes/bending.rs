@@ -249,7 +249,7 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
                         "{name} {k} {frame} {found:?} {truth:?}"
                     );
                     assert!(
-                        left.len() > 0 || found.class == truth.class,
+                        !left.is_empty() || found.class == truth.class,
                         "{name} {k} {frame} {found:?} {truth:?}"
                     );
                     tally[usize::from(is_apart)] += 1;
@@ -422,4 +422,31 @@ fn vertices_are_numbered_as_the_points_given() {
     assert!(sources.is_sorted() && sources.len() == rest.points.len());
     let named: Vec<_> = sources.iter().map(|&k| Point3::from(soup.points[k as usize])).collect();
     assert_eq!(n.vertices(), named);
+}
+
+/// A triangle that has become a point closes nothing, and opens nothing.
+#[test]
+fn what_is_inside_a_body_with_points_for_triangles_is_inside() {
+    let rest = soups::rock(1, 3);
+    let small = mesh(&soups::plate(1, [0.01, 0.01, 0.01]));
+    let mut rng = Rng::new(17);
+    let mut inside = 0;
+    for k in 0..rest.triangles.len() {
+        let mut m = mesh(&rest);
+        let mut now = rest.clone();
+        let corners = rest.triangles[k];
+        let middle = [0, 1, 2].map(|i| corners.iter().map(|v| rest.points[*v as usize][i]).sum::<f64>() / 3.0);
+        corners.iter().for_each(|v| now.points[*v as usize] = middle);
+        m.set_vertices(&vertices(&now)).unwrap();
+        for _ in 0..20 {
+            // Below the point, where the segments to the outside pass.
+            let t = [0, 1, 2].map(|i| 0.9 * middle[i] + 0.04 * rng.range(-1.0, 1.0));
+            let pose = Pose::shift(t);
+            let class = PairTracker::new().closest(&m, &small, &relative(&pose)).class;
+            let truth = anew(&now).map(|fresh| PairTracker::new().closest(&fresh, &small, &relative(&pose)).class);
+            assert_eq!(Some(class), truth, "{k}");
+            inside += usize::from(class == Class::Overlapping);
+        }
+    }
+    assert!(inside > 1000, "{inside}");
 }

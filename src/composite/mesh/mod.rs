@@ -34,7 +34,8 @@ use vertices::{Bending, Stiff};
 ///
 /// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). `Send + Sync`, cheap to
 /// share by reference or `Arc`; immutable but for [`set_vertices`](Self::set_vertices), by which it
-/// bends. Coordinates are those of the caller, in the body's own frame, in any unit; triangles run counter-clockwise seen from outside.
+/// bends. Coordinates are those of the caller, in the body's own frame, in any unit; triangles run
+/// counter-clockwise seen from outside.
 ///
 /// ```
 /// use lin_canny::nalgebra::Point3;

@@ -105,43 +105,46 @@ impl Mesh {
     /// whatever its vertices do, and points with a winding number other than zero are inside.
     /// Vertices may come to equal places and triangles lose their area; what is left of a triangle,
     /// a segment or a point, is measured. Welded points remain one vertex. Answers are as those of
-    /// a mesh built anew; a tracker of the mesh goes on from where it was, and so does one of a mesh
-    /// whose last few replacements it has not seen. The [report](Self::report) remains that of the
-    /// build.
+    /// a mesh built anew; a tracker of the mesh goes on from where it was, and so does one of a
+    /// mesh whose last few replacements it has not seen. The [report](Self::report) remains that of
+    /// the build.
     ///
     /// The tree is fitted to the vertices, not made anew: if the mesh is folded so that other parts
-    /// are near each other, queries take up to three times as long, and [`rebuild`](Self::rebuild)
-    /// makes another tree. If a mesh has moved, grown or shrunk by twice its size and more, trackers
-    /// begin anew. The first call makes what later ones need, some 50 bytes a triangle.
+    /// are near each other, queries take longer until [`rebuild`](Self::rebuild) makes another
+    /// tree; so do flush contacts of large flat parts, which only a new tree proves at once. If a
+    /// mesh has moved, grown or shrunk by twice its size and more, trackers begin anew. The first
+    /// call makes what later ones need.
     ///
     /// ```
-    /// use lin_canny::nalgebra::Vector3;
+    /// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
     /// use lin_canny::polyhedron::solids;
     /// use lin_canny::{Mesh, PairTracker, RelativePose};
     ///
     /// let mut ball = Mesh::from_convex(&solids::icosahedron(1.0)?)?;
     /// let floor = solids::cuboid(Vector3::new(4.0, 4.0, 1.0))?;
-    /// let at = nalgebra::Isometry3::translation(0.0, 0.0, -3.0);
+    /// let at = Isometry3::translation(0.0, 0.0, -3.0);
     /// let pose = RelativePose::from_isometry(&at)?;
     /// let rest = ball.vertices();
-    /// let lowest = rest.iter().fold(0.0, |low: f64, p| low.min(p.z));
+    /// let lowest = rest.iter().fold(0.0, |z: f64, p| z.min(p.z));
     /// let mut tracker = PairTracker::new();
     /// for frame in 1..10 {
-    ///     let scale = 1.0 + 0.1 * f64::from(frame);
-    ///     let stretch = |p: &nalgebra::Point3<f64>| nalgebra::Point3::new(p.x, p.y, p.z * scale);
-    ///     ball.set_vertices(&rest.iter().map(stretch).collect::<Vec<_>>())?;
+    ///     let long = 1.0 + 0.1 * f64::from(frame);
+    ///     let now: Vec<_> = rest
+    ///         .iter()
+    ///         .map(|p| Point3::new(p.x, p.y, p.z * long))
+    ///         .collect();
+    ///     ball.set_vertices(&now)?;
     ///     let found = tracker.closest(&ball, &floor, &pose);
-    ///     assert!((found.distance - (2.0 + lowest * scale)).abs() < 1e-14);
+    ///     assert!((found.distance - (2.0 + lowest * long)).abs() < 1e-14);
     /// }
-    /// # use lin_canny::nalgebra;
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
     ///
     /// Another number of vertices, a coordinate that is not finite, an extent or a coordinate out
-    /// of the range of meshes; a mesh of which the build dropped a triangle whose three corners were
-    /// on a line, or that is closed only along lines. The mesh is then as before.
+    /// of the range of meshes; a mesh of which the build dropped a triangle whose three corners
+    /// were on a line, or that is closed only along lines. The mesh is then as before.
     #[doc(alias = "deform")]
     #[doc(alias = "refit")]
     pub fn set_vertices(&mut self, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
