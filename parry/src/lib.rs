@@ -111,10 +111,10 @@
 //!   the dispatcher makes a body of these vertices again, which costs a comparison of all vertices
 //!   in each query ([`Hull::try_from`](crate::single::Hull) saves that). After reading a snapshot the
 //!   dispatcher must be set again: engines do not serialize it.
-//! * Cylinders and cones cost more than parry's: a pile of 180 of them takes two to three times as
-//!   long a step (0.86 and 0.31 ms at a metre, 0.85 and 0.36 at 2 cm, where parry's overlap by .6 of
-//!   their size and ours by .008; two cores of an AMD EPYC, 2026-11-24). They are solved from scratch
-//!   in each call.
+//! * Cylinders and cones cost more than parry's: a step of a pile of 180 takes 1.4 and 1.5 times as
+//!   long at a metre (two cores of an AMD EPYC with other work on them, 2026-11-24). At 2 cm parry's
+//!   overlap by .6 of their size and ours by .008. Of two that are near and do not touch, the kept
+//!   contact is that of a plane between them, which need not be the nearest points.
 //! * A body on a `MeshShape` costs 10 to 25 microseconds a step, some ten times parry's mesh,
 //!   whatever the number of triangles (`terrain` of the examples of `lin-canny-rapier`). The engine
 //!   keeps a tracker for the pair, which saves time and nothing else.

@@ -10,6 +10,8 @@ mod curved;
 mod decomposition;
 #[path = "bridge/dispatcher.rs"]
 mod dispatcher;
+#[path = "bridge/far.rs"]
+mod far;
 #[path = "bridge/guard.rs"]
 mod guard;
 #[path = "bridge/half_space.rs"]

@@ -3,6 +3,8 @@
 
 use alloc::boxed::Box;
 
+use nalgebra::Vector3;
+
 use super::mixed::MixedTracker;
 use super::over::{Kinds, OverTime};
 use super::pair::{Asked, BallPair, measured};
@@ -196,6 +198,14 @@ impl AnyTracker {
     #[cfg(feature = "meshes")]
     pub(super) fn of_pieces(bodies: BodyShapes<'_>) -> Self {
         Self::Mixed(MixedTracker::of_pieces(bodies))
+    }
+
+    /// Starts the next query of two convex bodies of which one is curved along a direction from A to
+    /// B.
+    pub(super) fn begin_along(&mut self, n: &Vector3<f64>) {
+        if let Self::Mixed(tracker) = self {
+            tracker.begin_along(n);
+        }
     }
 
     /// Takes the recorded start of a query of two convex bodies.

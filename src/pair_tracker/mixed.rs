@@ -6,7 +6,7 @@ use core::any::Any;
 #[cfg(feature = "serde")]
 use core::mem::discriminant;
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 #[cfg(feature = "meshes")]
 use super::contacts::FoundContacts;
@@ -104,6 +104,13 @@ impl MixedTracker {
     #[cfg(feature = "meshes")]
     pub(super) fn of_pieces(bodies: BodyShapes<'_>) -> Self {
         Self::from(super::parted::of_pieces(bodies))
+    }
+
+    /// Starts the next query of two convex bodies along a direction from A to B.
+    pub(super) fn begin_along(&mut self, n: &Vector3<f64>) {
+        if let Some(tracked) = self.shapes_mut() {
+            tracked.tracker = ShapeTracker::along(n);
+        }
     }
 
     /// Takes the recorded start of a query of two convex bodies.

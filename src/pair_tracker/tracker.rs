@@ -5,6 +5,8 @@ use alloc::boxed::Box;
 
 #[cfg(feature = "meshes")]
 use super::contacts::ConvexContacts;
+use nalgebra::{Unit, Vector3};
+
 use super::engine::AnyTracker;
 use super::over::OverTime;
 use super::pair::Asked;
@@ -112,6 +114,41 @@ impl PairTracker {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// Returns a tracker whose first query of two convex geometries, of which one is a cylinder,
+    /// cone, ellipsoid or superquadric, starts along a direction from A to B, in the frame of A: for
+    /// callers who keep the normal of the last answer in state of their own, and no tracker. Other
+    /// pairs begin without a start. What the start may change is what the state of a tracker may
+    /// change: a wrong direction costs time and never a bound.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::{PairTracker, RelativePose, Shape};
+    ///
+    /// let (floor, can) = (Shape::cuboid(Vector3::new(5.0, 5.0, 1.0))?, Shape::cylinder(0.5, 0.25)?);
+    /// let tilted = Isometry3::rotation(Vector3::x() * 0.3);
+    /// let pose = |x| {
+    ///     RelativePose::from_isometry(&(Isometry3::translation(x, 0.0, 1.6) * tilted))
+    /// };
+    /// let before = PairTracker::new().closest(&floor, &can, &pose(0.0)?);
+    ///
+    /// // In the next frame, from what the caller kept:
+    /// let mut pair = PairTracker::starting_along(&before.normal, &floor, &can);
+    /// let now = pair.closest(&floor, &can, &pose(0.01)?);
+    /// assert!((now.distance - before.distance).abs() < 1e-12);
+    /// assert!(now.work.steps < before.work.steps);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn starting_along<'g>(
+        normal: &Unit<Vector3<f64>>,
+        a: impl Into<GeometryRef<'g>>,
+        b: impl Into<GeometryRef<'g>>,
+    ) -> Self {
+        let mut tracker = Self::new();
+        tracker.of(a.into(), b.into()).tracker.begin_along(normal);
+        tracker
     }
 
     /// Returns the state of a pair, kept if the pair was asked last.

@@ -1,22 +1,24 @@
 //! Manifolds of cylinders and cones, rounded ones too, with every convex shape.
+//!
+//! Most pairs of an engine are near and do not touch: of these the plane along the normal that the
+//! engine kept is tried first. The solver starts along that normal.
 
-use lin_canny::nalgebra::Isometry3;
+use lin_canny::nalgebra::{Unit, Vector3};
 use lin_canny::{ContactPoint, Manifold, ManifoldOptions, PairTracker, RelativePose};
 
 use super::dispatcher::ContactOptions;
+use super::far::Planes;
 use super::known::Known;
 use super::manifold::{exchange, packed};
-use super::number::{isometry, narrow};
+use super::number::{isometry, narrow, wide};
 use super::parry::math::{Pose, Real};
 use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::Shape;
 use super::part::{self, Placed};
 
-/// Rounding of the gap between two balls, over the lengths that are summed: some tens of roundings.
-const BALLS: f64 = 512.0 * f64::EPSILON;
-
-/// Writes the contacts within the prediction. Returns false, with nothing written, unless both
-/// shapes are convex, one is a cylinder or cone, and the pose is finite.
+/// Writes the contacts within the prediction, or one beyond it: the points that are farthest along
+/// the normal, as far apart as a plane proves the shapes to be. Returns false, with nothing written,
+/// unless both shapes are convex, one is a cylinder or cone, and the pose is finite.
 pub(super) fn write<M, C: Default + Copy>(
     known: &Known,
     pos12: &Pose,
@@ -28,22 +30,29 @@ pub(super) fn write<M, C: Default + Copy>(
     if !(part::is_curved(a) || part::is_curved(b)) {
         return false;
     }
+    let reach = prediction * options.reach;
+    let planes = Planes::new(pos12, (a, b));
+    if let Some(planes) = &planes
+        && !out.points.is_empty()
+        && planes.write_beyond(reach, out)
+    {
+        return true;
+    }
     let turned = isometry(pos12);
     let Some((of_a, of_b)) = part::both(known, a, b).filter(|(x, y)| x.is_convex() && y.is_convex()) else {
         return false;
     };
-    let reach = f64::from(prediction) * f64::from(options.reach);
-    if are_far((&of_a, &of_b), &turned, reach) {
-        out.clear();
-        return true;
-    }
     let Ok(at) = RelativePose::new(&of_a.at, &(turned * of_b.at)) else {
         return false;
     };
-    let mut chosen = ManifoldOptions::within(reach);
+    let mut chosen = ManifoldOptions::within(f64::from(reach));
     (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
     let mut manifold = Manifold::new();
-    let asked = PairTracker::new().manifold(&of_a.shape, &of_b.shape, &at, &chosen, &mut manifold);
+    let mut tracker = match hint(out, &of_a) {
+        Some(normal) => PairTracker::starting_along(&normal, &of_a.shape, &of_b.shape),
+        None => PairTracker::new(),
+    };
+    let asked = tracker.manifold(&of_a.shape, &of_b.shape, &at, &chosen, &mut manifold);
     if asked.is_err() {
         return false;
     }
@@ -59,16 +68,18 @@ pub(super) fn write<M, C: Default + Copy>(
             contact.separation as Real,
         )
     };
-    exchange(out, |points| points.extend(manifold.points().iter().map(tracked)));
+    let (n1, n2) = (out.local_n1, out.local_n2);
+    exchange(out, |points| {
+        points.extend(manifold.points().iter().map(tracked));
+        if points.is_empty() {
+            points.extend(planes.map(|planes| planes.contact(n1, n2, manifold.lower() as Real)));
+        }
+    });
     true
 }
 
-/// Returns whether the bounding balls of two shapes are farther apart than a distance, by more than
-/// rounding.
-fn are_far((a, b): (&Placed, &Placed), at: &Isometry3<f64>, distance: f64) -> bool {
-    let ((of_a, radius_a), (of_b, radius_b)) = (a.shape.bounding_ball(), b.shape.bounding_ball());
-    let (middle_a, middle_b) = (a.at * of_a, at * (b.at * of_b));
-    let reach = radius_a + radius_b + distance;
-    let sizes = middle_a.coords.norm() + middle_b.coords.norm() + at.translation.vector.norm() + reach;
-    (middle_b - middle_a).norm() - reach > BALLS * sizes
+/// Returns the normal of the contacts that were kept, in the frame of the shape of [`lin_canny`].
+fn hint<M, C>(kept: &ContactManifold<M, C>, a: &Placed) -> Option<Unit<Vector3<f64>>> {
+    kept.points.first()?;
+    Unit::try_new(a.at.rotation.inverse_transform_vector(&wide(kept.local_n1)), 0.5)
 }

@@ -7,10 +7,11 @@ use lin_canny::{Class, Outcome, PairTracker, RelativePose};
 
 use super::cast::{self, Flown};
 use super::curved;
+use super::far::are_far;
 use super::guard::{self, Turning, margin, parrys};
 use super::half_space;
 use super::known::Known;
-use super::manifold::{PosedPair, is_far};
+use super::manifold::PosedPair;
 use super::mesh;
 use super::number::{isometry, narrow};
 use super::parry::math::{Pose, Real, Vector};
@@ -117,8 +118,12 @@ impl Certified {
         out: &mut ContactManifold<M, C>,
     ) -> bool {
         let (known, options) = (&*self.known, &self.options);
+        if are_far(pos12, (a, b), prediction * options.reach) {
+            out.clear();
+            return true;
+        }
         if let Some(pair) = part::pair(known, a, b) {
-            if is_far(&pair, pos12, prediction * options.reach) {
+            if pair.0.is_far(&pair.1, pos12, prediction * options.reach) {
                 out.clear();
                 return true;
             }

@@ -13,22 +13,6 @@ use super::part::Part;
 /// Most points that are copied to be matched; other engines may have left more.
 const MOST_KEPT: usize = 8;
 
-/// Rounding of the gap between two balls at a pose of the engine, over the lengths that are summed:
-/// a normalized rotation, a turned centre, two sums of vectors, a length and three sums take fewer
-/// roundings than this.
-const BALLS: Real = 64.0 * Real::EPSILON;
-
-/// Returns whether the bounding balls of two parts are farther apart than a distance, by more than
-/// rounding: two cache lines instead of a query. False for a pose that is no pose.
-pub(super) fn is_far((a, b): &(Part, Part), pos12: &Pose, distance: Real) -> bool {
-    let (of_a, of_b) = (a.core.ball, b.core.ball);
-    let turn = pos12.rotation.normalize();
-    let between = (pos12.translation + turn * of_b.center - of_a.center).length();
-    let reach = of_a.radius + of_b.radius + (a.radius + b.radius) as Real + distance;
-    let rounding = pos12.translation.length() + of_a.center.length() + of_b.center.length() + reach;
-    between - reach > BALLS * rounding
-}
-
 /// Writes contacts over those of a manifold, and hands the data of equal features on.
 pub(super) fn exchange<M, C: Default + Copy>(
     out: &mut ContactManifold<M, C>,

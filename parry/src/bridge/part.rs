@@ -6,10 +6,12 @@ use std::sync::Arc;
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Geometry, Shape};
 
+use super::far::are_balls_far;
 use super::hull::{Hull, corners};
 use super::known::Known;
 use super::mesh::mesh;
-use super::parry::math::{Real, Vector};
+use super::parry::bounding_volume::BoundingSphere;
+use super::parry::math::{Pose, Real, Vector};
 use super::parry::shape;
 
 /// A rounded polyhedron, polygon, segment or point: all points at most `radius` from the core.
@@ -129,6 +131,15 @@ pub(super) struct Placed {
 impl Part<'_> {
     pub(super) fn body(&self) -> &ConvexPolyhedron {
         &self.core.body
+    }
+
+    /// Returns whether balls about two parts are farther apart than a distance.
+    pub(super) fn is_far(&self, other: &Part, pos12: &Pose, distance: Real) -> bool {
+        let ball = |part: &Part| {
+            let BoundingSphere { center, radius } = part.core.ball;
+            BoundingSphere::new(center, radius + part.radius as Real)
+        };
+        are_balls_far(pos12, (&ball(self), &ball(other)), distance)
     }
 
     fn placed(&self) -> Option<Placed> {

@@ -5,6 +5,8 @@ mod face;
 mod manifold;
 mod round;
 
+use nalgebra::Vector3;
+
 use crate::base::pose::RelativePose;
 use crate::body::shape::{Core, Shape};
 use crate::convex::replay::Replay;
@@ -30,6 +32,15 @@ impl ShapeTracker {
     #[must_use]
     pub(crate) fn new() -> Self {
         Self::default()
+    }
+
+    /// Returns a tracker whose first query of two shapes of which one is curved starts along a
+    /// direction from A to B, in the frame of A.
+    pub(crate) fn along(n: &Vector3<f64>) -> Self {
+        Self {
+            curved: smooth::WarmStart::along(n),
+            ..Self::default()
+        }
     }
 
     /// Returns the closest points of two shapes, their signed distance and its bounds, as told at

@@ -23,6 +23,10 @@ const CUTS: u32 = 6;
 /// direction is below this: a heuristic.
 const NEAR_AXIS: f64 = 1.0 / 64.0;
 
+/// A run for a depth ends after two steps whose squares are below this: what they gain is rounding,
+/// and the second knows the branches that the first came upon. A heuristic.
+const SETTLED: f64 = 1.0 / (1u64 << 62) as f64;
+
 /// End of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum RunEnd {
@@ -100,7 +104,7 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
         let mut centre = self.evaluate(n, set.branches(), [0; 2]);
         let share = T::from(1.0) / T::from(centre.len as f64);
         centre.weights = [share; MOST];
-        let (mut flush, mut kept_back) = (Flush::new(), None);
+        let (mut flush, mut kept_back, mut was_small) = (Flush::new(), None, false);
         let slack = T::from(AGREE_CURVED / 4.0 * self.posed.size);
         let last = self.best.evaluations + STEPS;
         while self.best.evaluations < last {
@@ -117,6 +121,11 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
                     (centre.pieces(), &centre.weights),
                     self.best,
                 );
+                let is_small = (step[0] * step[0] + step[1] * step[1]).value() < SETTLED;
+                if is_small && was_small {
+                    return RunEnd::Open;
+                }
+                was_small = is_small;
             } else if self.seems_inside(&centre, &step) {
                 return RunEnd::Inside;
             }

@@ -1,7 +1,7 @@
 //! Best bounds of a solve so far, and the points and directions that attain them.
 
-use super::posed::{DifferencePoint, PosedCores, Toward};
-use crate::base::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
+use super::posed::{DifferencePoint, PosedCores, Toward, add};
+use crate::base::num::scalar::{Scalar, Vec3, dot, neg, root, scaled, sub};
 use crate::base::tolerance::{AGREE_CURVED, ASIDE, UNIT};
 use crate::body::polyhedron::VertexId;
 use crate::body::shape::Support;
@@ -12,6 +12,10 @@ use crate::pair::transform::ErrorScale;
 /// Most pieces that hold the closest points: one for a vertex of the difference, two for an edge,
 /// three for a face.
 const KEPT: usize = 3;
+
+/// Branches along directions that are turned by this belong to a start of which the direction alone
+/// is known: a heuristic.
+const TILT: f64 = 1.0 / 32.0;
 
 /// Branches of the pieces that hold the closest points.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -26,6 +30,31 @@ pub(crate) struct BranchSet {
 impl BranchSet {
     pub(super) fn branches(&self) -> &[[u32; 2]] {
         &self.of[..usize::from(self.len).min(KEPT)]
+    }
+
+    /// Returns the branches, or if none are known those of the supports along a direction and about
+    /// it: too many branches cost a step each, and one too few a solver.
+    #[inline(always)]
+    pub(super) fn or_about<A: Support, B: Support>(self, posed: &PosedCores<A, B, f64>, n: Vec3<f64>) -> Self {
+        if self.is_empty() { Self::about(posed, n) } else { self }
+    }
+
+    #[inline(never)]
+    fn about<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, n: Vec3<f64>) -> Self {
+        let toward = posed.toward(n);
+        let first = posed.support(&toward, [0; 2]).of;
+        let mut parts = first.map(EqualBranches::only);
+        for tilt in toward.tangents.iter().flat_map(|t| [*t, neg(t)]) {
+            let near = posed.toward(add(&n, &scaled(&tilt, TILT)));
+            let of = posed.support(&near, first).of;
+            parts[0].add(of[0]);
+            parts[1].add(of[1]);
+        }
+        Self::of_parts(&parts)
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.len == 0
     }
 
     /// Returns the pair of branches to begin with.

@@ -35,7 +35,7 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
         if let Some((n, set)) = start {
             match warm::track(posed, n, &set, best) {
                 Err(RunEnd::Closed) => return Ended::Closed,
-                Err(RunEnd::Inside) if closed.is_none() && deep(&ProvenBounds { set, ..*best }, None) => {
+                Err(RunEnd::Inside) if closed.is_none() && deep(&ProvenBounds { n, set, ..*best }, None) => {
                     return Ended::Deep;
                 }
                 _ => {}

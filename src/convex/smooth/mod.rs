@@ -62,6 +62,7 @@ pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, memory: &mut Warm
         return ordered(a, b, pose, memory);
     }
     let pose = pose.swapped();
+    memory.swap(&pose);
     let mut outcome = ordered(b, a, &pose, memory);
     outcome.features = outcome.features.swapped();
     core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);

@@ -38,6 +38,25 @@ pub(crate) struct WarmStart {
 }
 
 impl WarmStart {
+    /// Returns a start along a direction from A to B, in the frame of A, of which no branches are
+    /// known: the supports along it stand for them.
+    pub(crate) fn along(n: &Vector3<f64>) -> Self {
+        Self {
+            start: Some(((*n).into(), BranchSet::default())),
+            ..Self::default()
+        }
+    }
+
+    /// Turns a direction without branches into that of the cores in the other order.
+    #[inline(always)]
+    pub(super) fn swap(&mut self, swapped: &RelativePose) {
+        if let Some((n, set)) = &mut self.start
+            && set.is_empty()
+        {
+            *n = (-(swapped.rotation() * Vector3::from(*n))).into();
+        }
+    }
+
     /// Returns a direction to begin with, of a length close to one, and branches. A deserialized
     /// state may contain no direction.
     fn start(&self) -> Option<(Vec3<f64>, BranchSet)> {
@@ -171,7 +190,8 @@ pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
     };
     let mut best = ProvenBounds::new();
     let (mut solver, mut set) = (Solver::Walk, None);
-    let ended = separate(&posed, memory.start(), &mut best, &mut solver, |known, corners| {
+    let start = memory.start().map(|(n, set)| (n, set.or_about(&posed, n)));
+    let ended = separate(&posed, start, &mut best, &mut solver, |known, corners| {
         let proven = deepen(&posed, known, corners, &mut outcome);
         set = proven.or(set);
         proven.is_some()
