@@ -230,15 +230,16 @@ pub(crate) const NEARLY: f64 = 1.0 / 64.0;
 pub(crate) const BEYOND: f64 = 1.0 + 1.0 / 1_073_741_824.0;
 
 /// Least width of an interval of time in which a first contact of vertices on straight paths is
-/// looked for before exact arithmetic decides.
+/// looked for before exact arithmetic decides. Not measured.
 pub(crate) const PATH_WIDTH: f64 = 1.0 / (1u64 << 20) as f64;
 
 /// Most intervals of time tried for one pair of a vertex and a face or of two edges.
+/// Not measured.
 pub(crate) const PATH_INTERVALS: u32 = 128;
 
 /// Most intervals of time tried for a pair of triangles as a whole, before its vertices, edges and
-/// faces are tried pair by pair.
+/// faces are tried pair by pair. Not measured.
 pub(crate) const TRIANGLE_INTERVALS: u32 = 12;
 
-/// Most rounds in which the interval about the zero of a volume is narrowed.
+/// Most rounds in which the interval about the zero of a volume is narrowed. Not measured.
 pub(crate) const PATH_ROUNDS: u32 = 32;

@@ -43,9 +43,9 @@
 //! faces and edges may be degenerate. [`Impact::Miss`]: no contact from time zero to time one.
 //! [`Impact::Hit`]: no contact up to `safe`, and a contact after `safe` and not after `hit`. Unlike
 //! solid bodies, surfaces may have passed through each other at `hit`. [`Impact::Start`]: in
-//! contact at time zero, touching included. [`Impact::Near`] is returned without the feature
-//! `exact` alone, and [`Impact::Unknown`] if exact arithmetic reaches its limit of 65,536 halvings,
-//! which took no more than some hundred in tests.
+//! contact at time zero, touching included.
+//! [`Impact::Near`] is returned without the feature `exact` alone, and [`Impact::Unknown`] if exact
+//! arithmetic reaches its limit of 65,536 halvings, which no test has met.
 //!
 //! # When not to use it
 //!
