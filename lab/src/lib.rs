@@ -22,6 +22,7 @@
 //! | [`nets`] | control points of curved surfaces |
 //! | [`soups`], [`turned`], [`brute`] | meshes that are not convex, some as CAD has them, and their naive oracle |
 //! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
+//! | [`paths`] | the naive oracle of vertices on straight paths, and queries that are hard on purpose |
 //! | [`curved`] | the judge of curved pairs: the duality gap in double-double |
 //! | [`brute_hull`] | exact faces of a few points |
 //! | [`bound`] | exact checks of an answer for bodies of any size |
@@ -60,6 +61,7 @@ pub mod nets;
 pub mod pairs;
 pub mod parry;
 pub mod parry_f32;
+pub mod paths;
 pub mod plot;
 pub mod pose;
 pub mod progress;

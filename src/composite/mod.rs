@@ -7,8 +7,8 @@
 //! a pose: the bounds of eight pairs of boxes at once, the search down both trees, triangles,
 //! winding numbers, and the queries), `front` (the proof of the last answer, kept from frame to
 //! frame), `contact` (manifolds of convex patches), `penetration` (bounds of the depth),
-//! `decomposition` (pieces in the place of a mesh), `separation` (pairs over time) and `work`
-//! (counters).
+//! `decomposition` (pieces in the place of a mesh), `separation` (pairs over time), [`continuous`]
+//! (first contacts of vertices on straight paths) and `work` (counters).
 //!
 //! # The proof
 //!
@@ -31,6 +31,7 @@
 //!    numbers.
 
 pub(crate) mod contact;
+pub mod continuous;
 pub(crate) mod decomposition;
 pub(crate) mod front;
 pub(crate) mod meet;

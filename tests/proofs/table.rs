@@ -57,6 +57,7 @@ const LIMITS: &[&str] = &[
     "PARALLEL",
     "PATCH_LIMIT",
     "PATCH_MAX",
+    "PATH_DIRECTION",
     "PLACE_MAX",
     "PLANARITY",
     "POSE_UNIT",
@@ -74,7 +75,7 @@ const LIMITS: &[&str] = &[
 ];
 
 /// Constants whose derivation is prose alone.
-const PROSE: &[&str] = &[];
+const PROSE: &[&str] = &["PATH_AREA", "PATH_GAP", "PATH_VOLUME"];
 
 /// Constants whose bound is a matter of underflow, see `underflow`.
 const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];

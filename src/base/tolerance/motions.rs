@@ -159,3 +159,30 @@ pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 /// 31 (see [`CERTIFICATE`](super::CERTIFICATE)), and by 4 of the direction; products, the
 /// difference and the vector's length by the rest.
 pub(crate) const RAY: f64 = 64.0 * UNIT;
+
+/// Doubt of the gap of two sets of vertices on straight paths along a direction `n`, in units of
+/// the sum of the magnitudes of n's coordinates, with coordinates below one (`continuous::paths`).
+/// A coordinate at an instant errs by 3.5 UNIT: the difference from the first vertex by one, the
+/// share of the time by a half, two products and their sum by two. A height adds 3 for product and
+/// sums, as every term passes three roundings; two heights 13, their difference, up to two, 2 more,
+/// and the product with the sum of magnitudes 3 of itself. Directions whose sum is below
+/// [`PATH_DIRECTION`] are not used, so that underflow of products does not count.
+pub(crate) const PATH_GAP: f64 = 24.0 * UNIT;
+
+/// Least sum of the magnitudes of a direction that is used on straight paths, `2^-200`; the inverse
+/// is the largest.
+pub(crate) const PATH_DIRECTION: f64 = f64::from_bits((1023 - 200) << 52);
+
+/// Doubt of six times the volume of four vertices on straight paths, coordinates below one, one
+/// vertex the origin, and of the Bernstein coefficients of that cubic: six products of three
+/// coordinates, each coordinate off by 4 UNIT (see [`PATH_GAP`]), 72 UNIT; a term passes two
+/// products, a difference and two sums, 30 UNIT; the sum of three such volumes and their division
+/// by three add 3 UNIT of six, 18. Sum: 120.
+pub(crate) const PATH_VOLUME: f64 = 160.0 * UNIT;
+
+/// Doubt of the Bernstein coefficients of `(u x v) . n`, with u and v differences of two vertices
+/// on straight paths, coordinates below one, in units of the sum of the magnitudes of n's
+/// coordinates: a difference, up to two, errs by 8 UNIT (see [`PATH_GAP`]) and its rounding by 2; a
+/// product of two by 40 UNIT and 4; the difference of two products by 88 and 8; the mean of two
+/// such by 8 more; products with n and sums by three roundings of eight, 24. Sum: 128.
+pub(crate) const PATH_AREA: f64 = 160.0 * UNIT;

@@ -242,3 +242,18 @@ pub(crate) const SHRUNK: f64 = 0.5;
 /// Nodes of up to so many vertices are fitted to them side by side, one vertex of each of eight
 /// nodes at a time, larger ones eight vertices at a time. Not measured.
 pub(crate) const SMALL_NODE: usize = 32;
+
+/// Least width of an interval of time in which a first contact of vertices on straight paths is
+/// looked for before exact arithmetic decides. Not measured.
+pub(crate) const PATH_WIDTH: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Most intervals of time tried for one pair of a vertex and a face or of two edges.
+/// Not measured.
+pub(crate) const PATH_INTERVALS: u32 = 128;
+
+/// Most intervals of time tried for a pair of triangles as a whole, before its vertices, edges and
+/// faces are tried pair by pair. Not measured.
+pub(crate) const TRIANGLE_INTERVALS: u32 = 12;
+
+/// Most rounds in which the interval about the zero of a volume is narrowed. Not measured.
+pub(crate) const PATH_ROUNDS: u32 = 32;

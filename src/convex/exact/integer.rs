@@ -9,10 +9,10 @@ use nalgebra::Vector3;
 use crate::body::polyhedron::{odd_part, power_of_two};
 
 /// Vector of three integers.
-pub(super) type Big3 = [IBig; 3];
+pub(crate) type Big3 = [IBig; 3];
 
 /// Returns `x / 2^e`; no bit of `x` may be lower than `2^e`.
-pub(super) fn integer(x: f64, e: i32) -> IBig {
+pub(crate) fn integer(x: f64, e: i32) -> IBig {
     if x == 0.0 {
         return IBig::ZERO;
     }
@@ -20,11 +20,11 @@ pub(super) fn integer(x: f64, e: i32) -> IBig {
     IBig::from(m) << (own - e) as usize
 }
 
-pub(super) fn dot(a: &Big3, b: &Big3) -> IBig {
+pub(crate) fn dot(a: &Big3, b: &Big3) -> IBig {
     &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
 }
 
-pub(super) fn cross(a: &Big3, b: &Big3) -> Big3 {
+pub(crate) fn cross(a: &Big3, b: &Big3) -> Big3 {
     [
         &a[1] * &b[2] - &a[2] * &b[1],
         &a[2] * &b[0] - &a[0] * &b[2],
@@ -32,7 +32,7 @@ pub(super) fn cross(a: &Big3, b: &Big3) -> Big3 {
     ]
 }
 
-pub(super) fn sub(a: &Big3, b: &Big3) -> Big3 {
+pub(crate) fn sub(a: &Big3, b: &Big3) -> Big3 {
     [&a[0] - &b[0], &a[1] - &b[1], &a[2] - &b[2]]
 }
 
@@ -44,7 +44,7 @@ pub(super) fn is_zero(a: &Big3) -> bool {
     a.iter().all(IBig::is_zero)
 }
 
-pub(super) fn sign(x: &IBig) -> i32 {
+pub(crate) fn sign(x: &IBig) -> i32 {
     match x.cmp(&IBig::ZERO) {
         Ordering::Less => -1,
         Ordering::Equal => 0,

@@ -8,7 +8,7 @@
 //! vertices are compared exactly only if f64 is not certain of a sign.
 
 mod depth;
-mod integer;
+pub(crate) mod integer;
 mod origin;
 mod simplex;
 

@@ -162,6 +162,14 @@ pub enum ImpactError {
         /// The number.
         value: f64,
     },
+    /// A vertex with a coordinate that is not finite or too large.
+    #[error("vertex {index} has a coordinate of {value}")]
+    Vertex {
+        /// The number of the vertex, in the order given.
+        index: usize,
+        /// The coordinate.
+        value: f64,
+    },
     /// A motion left the range of poses.
     #[error(transparent)]
     Pose(#[from] PoseError),

@@ -1,0 +1,162 @@
+//! The search for the first contact: halves of the time that no direction proves, a proof of the
+//! crossing, and what is left for exact arithmetic.
+
+use super::paths::{FourVertices, Parts, Places, VertexPaths, is_parted, volume_sign, volumes};
+use crate::base::tuning::composite::{PATH_INTERVALS, PATH_ROUNDS, PATH_WIDTH};
+
+/// Least width of a bracket: some roundings of times near one.
+pub(super) const LEAST_WIDTH: f64 = 4.0 * f64::EPSILON;
+
+/// What floating point proves of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum FirstContact {
+    /// Apart from time zero to the end of the time searched.
+    Miss,
+    /// In contact at time zero.
+    Start,
+    /// Apart until `safe`; the first contact is not after `hit`.
+    Hit { safe: f64, hit: f64 },
+    /// Apart until `safe`, zero for nothing; nothing is known of later instants.
+    Open { safe: f64 },
+}
+
+/// The work of a search.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SearchWork {
+    /// Intervals of time tried.
+    pub(super) intervals: u32,
+    /// Crossings that were tried to be proven, and exact decisions.
+    pub(super) proofs: u32,
+}
+
+/// Returns the first contact of a vertex and a face or of two edges in the time until `until`, in
+/// a bracket at most `width` wide if rounding allows.
+pub(super) fn first_contact<const A: usize, const B: usize>(
+    paths: &VertexPaths<A, B>,
+    (until, width): (f64, f64),
+    work: &mut SearchWork,
+) -> FirstContact
+where
+    Places<A, B>: FourVertices,
+{
+    search(paths, until, PATH_INTERVALS, work, |[s, e], [x, y], work| {
+        work.proofs += 1;
+        let [n, _] = paths.at(0.5 * (s + e)).normals();
+        if !Places::is_over([x, y], &n) {
+            return None;
+        }
+        let volumes = volumes(x, y);
+        let signs = volumes.map(volume_sign);
+        // Two coefficients that may turn back may belong to three contacts.
+        let is_single = signs[1] == signs[0] || signs[2] == signs[3];
+        (signs[0] * signs[3] == -1 && (is_single || e - s <= width.max(PATH_WIDTH))).then(|| {
+            let [safe, hit] = if is_single {
+                narrow(paths, [s, e], volumes, width.max(LEAST_WIDTH))
+            } else {
+                [s, e]
+            };
+            FirstContact::Hit { safe, hit }
+        })
+    })
+}
+
+/// Halves the time until a direction parts the pair in every part, or `settle` gives an answer for
+/// a part.
+pub(super) fn search<const A: usize, const B: usize>(
+    paths: &VertexPaths<A, B>,
+    until: f64,
+    limit: u32,
+    work: &mut SearchWork,
+    mut settle: impl FnMut([f64; 2], [&Places<A, B>; 2], &mut SearchWork) -> Option<FirstContact>,
+) -> FirstContact
+where
+    Places<A, B>: Parts,
+{
+    let (mut safe, mut tried) = (0.0, 0);
+    // The ends of the intervals that follow, the next one last.
+    let mut ends = [until; 64];
+    let mut count = 1;
+    let mut x = paths.at(0.0);
+    while count > 0 {
+        let end = ends[count - 1];
+        let y = paths.at(end);
+        tried += 1;
+        work.intervals += 1;
+        if is_free(paths, [safe, end], [&x, &y]) {
+            (safe, x) = (end, y);
+            count -= 1;
+            continue;
+        }
+        if let Some(found) = settle([safe, end], [&x, &y], work) {
+            return found;
+        }
+        let middle = 0.5 * (safe + end);
+        if end - safe <= PATH_WIDTH || tried >= limit || count == ends.len() {
+            return FirstContact::Open { safe };
+        }
+        ends[count] = middle;
+        count += 1;
+    }
+    FirstContact::Miss
+}
+
+/// Returns whether a direction proves the pair apart between two instants, or the four vertices
+/// are never in one plane.
+fn is_free<const A: usize, const B: usize>(
+    paths: &VertexPaths<A, B>,
+    [s, e]: [f64; 2],
+    both: [&Places<A, B>; 2],
+) -> bool
+where
+    Places<A, B>: Parts,
+{
+    let middle = paths.at(0.5 * (s + e));
+    is_parted(both, &middle.toward())
+        || is_parted(both, &both[0].toward())
+        || is_parted(both, &both[1].toward())
+        || middle.normals().iter().any(|n| is_parted(both, n))
+        || Places::is_never_flat(both)
+}
+
+/// Narrows an interval in which the volume has a single zero, and the parts meet at that instant
+/// alone: by secants, a side step on either side of each.
+fn narrow<const A: usize, const B: usize>(
+    paths: &VertexPaths<A, B>,
+    [mut low, mut high]: [f64; 2],
+    [mut at_low, _, _, mut at_high]: [f64; 4],
+    width: f64,
+) -> [f64; 2]
+where
+    Places<A, B>: FourVertices,
+{
+    let first = volume_sign(at_low);
+    let mut side = 0.375 * width;
+    for round in 0..PATH_ROUNDS {
+        if high - low <= width {
+            break;
+        }
+        let root = if round % 4 == 3 {
+            0.5 * (low + high)
+        } else {
+            low + (high - low) * (at_low / (at_low - at_high))
+        };
+        let before = [low, high];
+        for time in [root - side, root + side] {
+            if !(low < time && time < high) {
+                continue;
+            }
+            let x = paths.at(time);
+            let volume = Places::volume([&x, &x, &x]);
+            let sign = volume_sign(volume);
+            if sign == first {
+                (low, at_low) = (time, volume);
+            } else if sign == -first {
+                (high, at_high) = (time, volume);
+            }
+        }
+        if before == [low, high] {
+            side *= 8.0;
+        }
+    }
+    [low, high]
+}
