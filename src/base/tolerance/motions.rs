@@ -89,9 +89,9 @@ pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 pub(crate) const REFIT_HEIGHT: f64 = 16.0 * UNIT_SINGLE;
 
 /// Largest deviation of the products of the axes of a box that is fitted anew from those of
-/// orthonormal vectors: axes are rounded once, or kept as the build left them, within 8 UNIT_SINGLE;
-/// the quotient by `1 - 24 UNIT_SINGLE` and roundings in double precision add far less than a
-/// hundredth.
+/// orthonormal vectors: axes are rounded once, or kept as the build left them, within 8
+/// UNIT_SINGLE; the quotient by `1 - 24 UNIT_SINGLE` and roundings in double precision add far less
+/// than a hundredth.
 pub(crate) const BOX_SKEW: f64 = 9.0 * UNIT_SINGLE;
 
 /// Error of a gap of two boxes of a composite in f32, in units of their pair's size L: the reaches
