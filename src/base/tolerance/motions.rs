@@ -80,18 +80,18 @@ pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;
 /// below 4 (1 + 8 + 3) + 2.
 pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
 
-/// Error of the height of a vertex over the centre of a box that is fitted anew, along an axis of the
-/// box, in units of the farthest vertex's distance from the tree's origin, with v = UNIT_SINGLE: the
-/// place of the vertex is rounded, v of it; a sum of three products errs by 3 v of the product of the
-/// lengths, and the axis is longer than one by 2 v. The centre, which three heights put together, is
-/// at most sqrt 3 as far, and exact as stored: its height errs by 3 sqrt 3 v; the difference of both
-/// by 1 + sqrt 3. Sum: below 12 v.
+/// Error of the height of a vertex over the centre of a box that is fitted anew, along an axis of
+/// the box, in units of the farthest vertex's distance from the tree's origin, with v =
+/// UNIT_SINGLE: the place of the vertex is rounded, v of it; a sum of three products errs by 3 v of
+/// the product of the lengths, and the axis is longer than one by 2 v. The centre, which three
+/// heights put together, is at most sqrt 3 as far, and exact as stored: its height errs by 3 sqrt 3
+/// v; the difference of both by 1 + sqrt 3. Sum: below 12 v.
 pub(crate) const REFIT_HEIGHT: f64 = 16.0 * UNIT_SINGLE;
 
 /// Largest deviation of the products of the axes of a box that is fitted anew from those of
-/// orthonormal vectors: axes are rounded once, or kept as the build left them, within 8 UNIT_SINGLE;
-/// the quotient by `1 - 24 UNIT_SINGLE` and roundings in double precision add far less than a
-/// hundredth.
+/// orthonormal vectors: axes are rounded once, or kept as the build left them, within 8
+/// UNIT_SINGLE; the quotient by `1 - 24 UNIT_SINGLE` and roundings in double precision add far less
+/// than a hundredth.
 pub(crate) const BOX_SKEW: f64 = 9.0 * UNIT_SINGLE;
 
 /// Error of a gap of two boxes of a composite in f32, in units of their pair's size L: the reaches
