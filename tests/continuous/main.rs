@@ -124,3 +124,41 @@ fn two_triangles_meet_when_exact_arithmetic_says() {
     let truth = |p: &[Path]| paths::triangles(p[..3].try_into().unwrap(), p[3..].try_into().unwrap());
     run("triangles", (3, 3), count() / 10, ask, truth);
 }
+
+#[test]
+fn coordinates_that_are_no_numbers_are_refused_by_the_vertex() {
+    let at = |x: f64, y: f64| continuous::Path::new(Point3::new(x, y, 0.0), Point3::new(x, y, 1.0));
+    let paths = [at(0., 0.), at(1., 0.), at(0., 1.), at(2., 2.), at(3., 2.), at(2., 3.)];
+    let tolerance = Tolerance::Time(WIDTH);
+    for k in 0..6 {
+        for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, 2e301] {
+            for end in [false, true] {
+                let mut p = paths;
+                let place = if end { &mut p[k].end } else { &mut p[k].begin };
+                place[k % 3] = bad;
+                let refused = |cast: Result<Cast, ImpactError>, index: usize| match cast {
+                    Err(ImpactError::Vertex { index: named, value }) => {
+                        assert!(
+                            named == index && (value == bad || value.is_nan()),
+                            "{named} {value} {index} {bad}"
+                        );
+                    }
+                    other => panic!("{other:?} {index} {bad}"),
+                };
+                let [a, b, c, d, e, f] = p;
+                refused(continuous::triangles(&[a, b, c], &[d, e, f], tolerance), k);
+                if k < 4 {
+                    refused(continuous::vertex_face(&a, &[b, c, d], tolerance), k);
+                    refused(continuous::edge_edge(&[a, b], &[c, d], tolerance), k);
+                }
+            }
+        }
+    }
+    let [a, b, c, d, ..] = paths;
+    for bad in [f64::NAN, -1.0, f64::INFINITY] {
+        assert!(
+            continuous::vertex_face(&a, &[b, c, d], Tolerance::Time(bad)).is_err(),
+            "{bad}"
+        );
+    }
+}

@@ -98,16 +98,18 @@ pub fn vertex_face(vertex: &Path, face: &[Path; 3], tolerance: Tolerance) -> Res
 
 /// Returns the first contact of two edges.
 ///
-/// # Errors If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not
-/// finite. Vertices are numbered as given, those of A first.
+/// # Errors
+/// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
+/// Vertices are numbered as given, those of A first.
 pub fn edge_edge(a: &[Path; 2], b: &[Path; 2], tolerance: Tolerance) -> Result<Cast, ImpactError> {
     cast(a, b, tolerance, pair::edge_edge)
 }
 
 /// Returns the first contact of two triangles: of any of their points.
 ///
-/// # Errors If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not
-/// finite. Vertices are numbered as given, those of A first.
+/// # Errors
+/// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
+/// Vertices are numbered as given, those of A first.
 pub fn triangles(a: &[Path; 3], b: &[Path; 3], tolerance: Tolerance) -> Result<Cast, ImpactError> {
     cast(a, b, tolerance, pair::triangles)
 }
