@@ -86,7 +86,7 @@ impl Twice {
     #[must_use]
     pub fn root(self) -> Self {
         let root = self.0[0].sqrt();
-        if root.is_nan() || root <= 0.0 {
+        if root == 0.0 {
             return Self([0.0; 2]);
         }
         let near = Self([root, 0.0]);
