@@ -16,6 +16,7 @@ use crate::base::pose::{self, Operand, RelativePose};
 use crate::base::tolerance;
 use crate::body::polyhedron::build::hull;
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair, Plane, VertexId, heights, query};
+use crate::composite::continuous::paths;
 use crate::composite::front;
 use crate::composite::meet::bounds;
 use crate::convex::depth::pyramid::PyramidSide;
@@ -68,6 +69,27 @@ pub fn scaled_down(x: f64, unit: f64) -> f64 {
 
 pub fn volume(a: Triple, b: Triple, c: Triple) -> f64 {
     scalar::dot(&a, &scalar::cross(&b, &c))
+}
+
+pub fn place(ends: [Triple; 2], time: f64) -> Triple {
+    paths::place(&ends.map(Vector3::from), time).into()
+}
+
+pub fn path_volume(a: Triple, b: Triple, c: Triple) -> f64 {
+    let [a, b, c] = [a, b, c].map(Vector3::from);
+    paths::determinant([&a, &b, &c])
+}
+
+pub fn third(volumes: Triple) -> f64 {
+    paths::third(volumes)
+}
+
+/// Returns the coefficients of an area along a direction, and the height of the first place over the second.
+pub fn path_areas(at: [[Triple; 3]; 2], n: Triple) -> [f64; 4] {
+    let at = at.map(|places| places.map(Vector3::from));
+    let n = Vector3::from(n);
+    let [x, y, z] = paths::areas(at.each_ref().map(|places| places.each_ref())).map(|area| area.dot(&n));
+    [x, y, z, n.dot(&at[0][0]) - n.dot(&at[0][1])]
 }
 
 pub fn pyramid_side(from: Triple, to: Triple, apex: Triple) -> [f64; 5] {
@@ -315,7 +337,8 @@ pub fn constants() -> Vec<(&'static str, f64)> {
         PLACED_CENTRE BERNSTEIN ROOT PATCH_POINT KNOTS RAISED NET NET_STEP NET_CUT COEFFICIENT SLAB_HEIGHT TILT
         NORMAL_ERROR BOX_TURNED DISPLACEMENT FLANK SLANT TURN PLANE BALLS RAY PLACED_BALL SHAPE_POINT CARRIED
         PARALLEL_AXES WAY ODOMETER TICK REGION PLATEAU CROSS_CANCELLED PLANE_OFFSET NEAR_PLANE BOX_EXTENT CURVATURE
-        TAYLOR SURFACE_POINT PATCH_SLOPE BENT DIFFERENCE ON_BOUNDARY);
+        TAYLOR SURFACE_POINT PATCH_SLOPE BENT DIFFERENCE ON_BOUNDARY PATH_GAP
+        PATH_VOLUME PATH_AREA);
     #[cfg(feature = "serde")]
     all.extend(by!(unit, NORMALISED));
     all.extend(by!(1.0, VOLUME CERTIFICATE LEAST_RISE LEAST_SQUARE));

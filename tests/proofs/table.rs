@@ -75,7 +75,7 @@ const LIMITS: &[&str] = &[
 ];
 
 /// Constants whose derivation is prose alone.
-const PROSE: &[&str] = &["PATH_AREA", "PATH_GAP", "PATH_VOLUME"];
+const PROSE: &[&str] = &[];
 
 /// Constants whose bound is a matter of underflow, see `underflow`.
 const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];

@@ -2,7 +2,7 @@
 
 use super::inputs::Inputs;
 use lab::proofs::kernels::signs::TwoPlanes;
-use lab::proofs::kernels::{double, patches, places, poses, signs};
+use lab::proofs::kernels::{double, patches, paths, places, poses, signs};
 use lab::proofs::number::{self, Vector, sub};
 use lin_canny::proofs;
 
@@ -253,6 +253,30 @@ fn numbers_of_twice_the_precision() {
             ]
             .concat(),
             [double::add(a, b), double::mul(a, b), quotients].concat(),
+        ]
+    });
+}
+
+#[test]
+fn vertices_on_straight_paths() {
+    agree("paths", |inputs| {
+        let [a, b, c, d, e, f, n]: [Vector<f64>; 7] = [0; 7].map(|_| inputs.numbers());
+        let time = inputs.between(0.0, 1.0);
+        let at = [[a, b, c], [d, e, f]];
+        let place = std::array::from_fn(|k| paths::place([a[k], b[k]], [1.0 - time, time]));
+        let ours = [
+            paths::volume([a, b, c]),
+            paths::thrice(d) / 3.0,
+            paths::end(at[0], n),
+            paths::middle(at, n),
+            paths::end(at[1], n),
+            paths::gap(n, [a, b]),
+        ];
+        let of_crate = [proofs::path_volume(a, b, c), proofs::third(d)];
+        let join = |place: Vector<f64>, first: &[f64], rest: &[f64]| [&place[..], first, rest].concat();
+        [
+            join(proofs::place([a, b], time), &of_crate, &proofs::path_areas(at, n)),
+            join(place, &ours[..2], &ours[2..]),
         ]
     });
 }

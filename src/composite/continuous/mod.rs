@@ -66,7 +66,7 @@
 #[cfg(feature = "exact")]
 mod exact;
 mod pair;
-mod paths;
+pub(crate) mod paths;
 mod search;
 
 pub use paths::Path;

@@ -73,12 +73,17 @@ impl<const A: usize, const B: usize> VertexPaths<A, B> {
     /// Returns the places at a time, each coordinate off by at most 4 UNIT.
     #[inline(always)]
     pub(super) fn at(&self, time: f64) -> Places<A, B> {
-        let place = |[x, y]: &[Vector3<f64>; 2]| x * (1.0 - time) + y * time;
         Places {
-            a: self.a.each_ref().map(place),
-            b: self.b.each_ref().map(place),
+            a: self.a.each_ref().map(|ends| place(ends, time)),
+            b: self.b.each_ref().map(|ends| place(ends, time)),
         }
     }
+}
+
+/// Returns the place at a time of a vertex with these ends.
+#[inline(always)]
+pub(crate) fn place([begin, end]: &[Vector3<f64>; 2], time: f64) -> Vector3<f64> {
+    begin * (1.0 - time) + end * time
 }
 
 /// Returns the sum of the magnitudes of a direction's coordinates; zero if it is no direction to
@@ -155,14 +160,20 @@ fn certain(x: f64, doubt: f64) -> i32 {
 /// two, else zero: the product is a quadratic in time, of one sign if its Bernstein coefficients
 /// are.
 fn turn(at: [[&Vector3<f64>; 3]; 2], n: &Vector3<f64>, doubt: f64) -> i32 {
-    let [[a, b], [c, d]] = at.map(|[i, j, k]| [j - i, k - i]);
-    let middle = (a.cross(&d) + c.cross(&b)) * 0.5;
-    let [first, second, third] = [a.cross(&b), middle, c.cross(&d)].map(|area| certain(area.dot(n), doubt));
+    let [first, second, third] = areas(at).map(|area| certain(area.dot(n), doubt));
     if first == second && second == third { first } else { 0 }
 }
 
+/// Returns the Bernstein coefficients of `(j - i) x (k - i)` between two instants.
 #[inline(always)]
-fn determinant([a, b, c]: [&Vector3<f64>; 3]) -> f64 {
+pub(crate) fn areas(at: [[&Vector3<f64>; 3]; 2]) -> [Vector3<f64>; 3] {
+    let [[a, b], [c, d]] = at.map(|[i, j, k]| [j - i, k - i]);
+    let middle = (a.cross(&d) + c.cross(&b)) * 0.5;
+    [a.cross(&b), middle, c.cross(&d)]
+}
+
+#[inline(always)]
+pub(crate) fn determinant([a, b, c]: [&Vector3<f64>; 3]) -> f64 {
     a.cross(b).dot(c)
 }
 
@@ -257,10 +268,16 @@ pub(super) fn volumes<P: FourVertices>(x: &P, y: &P) -> [f64; 4] {
     let v = |by: [&P; 3]| P::volume(by);
     [
         v([x, x, x]),
-        (v([y, x, x]) + v([x, y, x]) + v([x, x, y])) / 3.0,
-        (v([x, y, y]) + v([y, x, y]) + v([y, y, x])) / 3.0,
+        third([v([y, x, x]), v([x, y, x]), v([x, x, y])]),
+        third([v([x, y, y]), v([y, x, y]), v([y, y, x])]),
         v([y, y, y]),
     ]
+}
+
+/// Returns the mean of three numbers.
+#[inline(always)]
+pub(crate) fn third([x, y, z]: [f64; 3]) -> f64 {
+    (x + y + z) / 3.0
 }
 
 /// Returns the sign of a volume beyond doubt, else zero.

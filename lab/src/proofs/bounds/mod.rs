@@ -7,6 +7,7 @@ mod chains;
 mod double;
 mod motions;
 mod patches;
+mod paths;
 mod places;
 mod poses;
 mod roots;
@@ -96,6 +97,7 @@ pub fn all() -> Vec<Bound> {
         certificate::bounds(),
         places::bounds(),
         patches::bounds(),
+        paths::bounds(),
         double::bounds(),
         roots::bounds(),
         chains::bounds(),

@@ -4,6 +4,7 @@ pub mod boxes;
 pub mod certificate;
 pub mod double;
 pub mod patches;
+pub mod paths;
 pub mod places;
 pub mod planes;
 pub mod poses;
