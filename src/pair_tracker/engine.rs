@@ -200,7 +200,7 @@ impl AnyTracker {
         Self::Mixed(MixedTracker::of_pieces(bodies))
     }
 
-    /// Starts the next query of two convex bodies of which one is curved along a direction from A to
+    /// Starts the next query of two convex bodies, one of them curved, along a direction from A to
     /// B.
     pub(super) fn begin_along(&mut self, n: &Vector3<f64>) {
         if let Self::Mixed(tracker) = self {

@@ -117,7 +117,7 @@ impl PairTracker {
     }
 
     /// Returns a tracker whose first query of two convex geometries, of which one is a cylinder,
-    /// cone, ellipsoid or superquadric, starts along a direction from A to B, in the frame of A: for
+    /// cone, ellipsoid or superquadric, starts along a direction from A to B in the frame of A: for
     /// callers who keep the normal of the last answer in state of their own, and no tracker. Other
     /// pairs begin without a start. What the start may change is what the state of a tracker may
     /// change: a wrong direction costs time and never a bound.
@@ -126,7 +126,8 @@ impl PairTracker {
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::{PairTracker, RelativePose, Shape};
     ///
-    /// let (floor, can) = (Shape::cuboid(Vector3::new(5.0, 5.0, 1.0))?, Shape::cylinder(0.5, 0.25)?);
+    /// let floor = Shape::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
+    /// let can = Shape::cylinder(0.5, 0.25)?;
     /// let tilted = Isometry3::rotation(Vector3::x() * 0.3);
     /// let pose = |x| {
     ///     RelativePose::from_isometry(&(Isometry3::translation(x, 0.0, 1.6) * tilted))

@@ -29,7 +29,9 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
         return contacts;
     }
     let (axes, distance) = axes_of(query, outcome);
-    // The witnesses of an overlap known to an interval may be less deep than the outcome.
+    // The witnesses of an overlap known to an interval may be less deep than the outcome. Deeper
+    // than the proven bound they are by the error of their places alone.
+    let distance = distance.max(outcome.lower);
     contacts.points[0].separation = distance;
     let previous = before.features();
     let patch = |side: usize, closest, previous| {

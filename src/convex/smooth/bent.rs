@@ -25,7 +25,7 @@ const NEAR_AXIS: f64 = 1.0 / 64.0;
 
 /// A run for a depth ends after two steps whose squares are below this: what they gain is rounding,
 /// and the second knows the branches that the first came upon. A heuristic.
-const SETTLED: f64 = 1.0 / (1u64 << 62) as f64;
+const SETTLED: f64 = 4.0 * UNIT * UNIT;
 
 /// End of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
