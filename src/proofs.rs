@@ -84,7 +84,8 @@ pub fn third(volumes: Triple) -> f64 {
     paths::third(volumes)
 }
 
-/// Returns the coefficients of an area along a direction, and the height of the first place over the second.
+/// Returns the coefficients of an area along a direction, and the height of the first place over
+/// the second.
 pub fn path_areas(at: [[Triple; 3]; 2], n: Triple) -> [f64; 4] {
     let at = at.map(|places| places.map(Vector3::from));
     let n = Vector3::from(n);

@@ -13,9 +13,12 @@
 //!
 //! let rest = |p: [f64; 3]| Path::new(Point3::from(p), Point3::from(p));
 //! let face = [rest([0., 0., 0.]), rest([1., 0., 0.]), rest([0., 1., 0.])];
-//! let falling = Path::new(Point3::new(0.2, 0.2, 0.25), Point3::new(0.2, 0.2, -0.75));
+//! let (above, below) = (Point3::new(0.2, 0.2, 0.25), Point3::new(0.2, 0.2, -0.75));
+//! let falling = Path::new(above, below);
 //! let cast = continuous::vertex_face(&falling, &face, Tolerance::Time(1e-9))?;
-//! let Impact::Hit { safe, hit, .. } = cast.impact else { panic!("it falls through") };
+//! let Impact::Hit { safe, hit, .. } = cast.impact else {
+//!     panic!("it falls through")
+//! };
 //! assert!(safe < 0.25 && 0.25 <= hit && hit - safe <= 1e-9);
 //! # Ok::<(), lin_canny::impact::ImpactError>(())
 //! ```
@@ -80,7 +83,7 @@ use crate::pair::outcome::Class;
 use crate::time::impact::{Cast, Impact, ImpactError, Tolerance};
 use crate::time::separation::{Measure, Tangent};
 
-use paths::{Parts, Places, VertexPaths};
+use paths::{Parts, VertexPaths, VertexPlaces};
 use search::{FirstContact, SearchWork};
 
 /// Largest coordinate of a vertex, `2^1000`.
@@ -122,7 +125,7 @@ fn cast<const A: usize, const B: usize>(
     contact: fn(&[Path; A], &[Path; B], f64, &mut SearchWork) -> FirstContact,
 ) -> Result<Cast, ImpactError>
 where
-    Places<A, B>: Parts,
+    VertexPlaces<A, B>: Parts,
 {
     check(a.iter().chain(b))?;
     let mut work = SearchWork::default();
@@ -183,7 +186,7 @@ fn width<'a>(paths: impl Iterator<Item = &'a Path>, tolerance: Tolerance) -> Res
 /// Returns the closest points of two parts at a time, in the coordinates given.
 fn measure<const A: usize, const B: usize>(a: &[Path; A], b: &[Path; B], time: f64, class: Class) -> Measure
 where
-    Places<A, B>: Parts,
+    VertexPlaces<A, B>: Parts,
 {
     let origin = a[0].at(time).coords;
     let mut measure = Measure {

@@ -42,7 +42,7 @@ pub(super) struct VertexPaths<const A: usize, const B: usize> {
 }
 
 /// The vertices at an instant.
-pub(super) struct Places<const A: usize, const B: usize> {
+pub(super) struct VertexPlaces<const A: usize, const B: usize> {
     pub(super) a: [Vector3<f64>; A],
     pub(super) b: [Vector3<f64>; B],
 }
@@ -72,8 +72,8 @@ impl<const A: usize, const B: usize> VertexPaths<A, B> {
 
     /// Returns the places at a time, each coordinate off by at most 4 UNIT.
     #[inline(always)]
-    pub(super) fn at(&self, time: f64) -> Places<A, B> {
-        Places {
+    pub(super) fn at(&self, time: f64) -> VertexPlaces<A, B> {
+        VertexPlaces {
             a: self.a.each_ref().map(|ends| place(ends, time)),
             b: self.b.each_ref().map(|ends| place(ends, time)),
         }
@@ -99,7 +99,7 @@ fn size(n: &Vector3<f64>) -> f64 {
     }
 }
 
-impl<const A: usize, const B: usize> Places<A, B> {
+impl<const A: usize, const B: usize> VertexPlaces<A, B> {
     /// Returns a lower bound of how far B is above A along a direction, in lengths of the
     /// direction.
     #[inline(always)]
@@ -118,7 +118,7 @@ impl<const A: usize, const B: usize> Places<A, B> {
 /// Returns whether a direction parts A and B at two instants, and so at all instants between: the
 /// heights of vertices on straight paths are linear in time.
 #[inline(always)]
-pub(super) fn is_parted<const A: usize, const B: usize>(both: [&Places<A, B>; 2], n: &Vector3<f64>) -> bool {
+pub(super) fn is_parted<const A: usize, const B: usize>(both: [&VertexPlaces<A, B>; 2], n: &Vector3<f64>) -> bool {
     size(n) > 0.0 && both.iter().all(|x| x.gap(n) > 0.0)
 }
 
@@ -184,7 +184,7 @@ fn turned(n: Vector3<f64>, way: &Vector3<f64>) -> Vector3<f64> {
 }
 
 /// A vertex and a face.
-impl Parts for Places<1, 3> {
+impl Parts for VertexPlaces<1, 3> {
     fn toward(&self) -> Vector3<f64> {
         triangle::foot_of(&self.a[0], &self.b).1 - self.a[0]
     }
@@ -199,7 +199,7 @@ impl Parts for Places<1, 3> {
     }
 }
 
-impl FourVertices for Places<1, 3> {
+impl FourVertices for VertexPlaces<1, 3> {
     #[inline(always)]
     fn volume([x, y, z]: [&Self; 3]) -> f64 {
         // The vertex is the origin.
@@ -215,7 +215,7 @@ impl FourVertices for Places<1, 3> {
 }
 
 /// Two edges.
-impl Parts for Places<2, 2> {
+impl Parts for VertexPlaces<2, 2> {
     fn toward(&self) -> Vector3<f64> {
         between_edges(&self.a, &self.b)
     }
@@ -230,7 +230,7 @@ impl Parts for Places<2, 2> {
     }
 }
 
-impl FourVertices for Places<2, 2> {
+impl FourVertices for VertexPlaces<2, 2> {
     #[inline(always)]
     fn volume([x, y, z]: [&Self; 3]) -> f64 {
         // The first end of A is the origin.
@@ -246,7 +246,7 @@ impl FourVertices for Places<2, 2> {
 }
 
 /// Two triangles.
-impl Parts for Places<3, 3> {
+impl Parts for VertexPlaces<3, 3> {
     fn toward(&self) -> Vector3<f64> {
         let closest = triangle::closest(&self.a, &self.b);
         closest.on_q - closest.on_p

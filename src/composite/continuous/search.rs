@@ -1,7 +1,7 @@
 //! The search for the first contact: halves of the time that no direction proves, a proof of the
 //! crossing, and what is left for exact arithmetic.
 
-use super::paths::{FourVertices, Parts, Places, VertexPaths, is_parted, volume_sign, volumes};
+use super::paths::{FourVertices, Parts, VertexPaths, VertexPlaces, is_parted, volume_sign, volumes};
 use crate::base::tuning::composite::{PATH_INTERVALS, PATH_ROUNDS, PATH_WIDTH};
 
 /// Least width of a bracket: some roundings of times near one.
@@ -37,12 +37,12 @@ pub(super) fn first_contact<const A: usize, const B: usize>(
     work: &mut SearchWork,
 ) -> FirstContact
 where
-    Places<A, B>: FourVertices,
+    VertexPlaces<A, B>: FourVertices,
 {
     search(paths, until, PATH_INTERVALS, work, |[s, e], [x, y], work| {
         work.proofs += 1;
         let [n, _] = paths.at(0.5 * (s + e)).normals();
-        if !Places::is_over([x, y], &n) {
+        if !VertexPlaces::is_over([x, y], &n) {
             return None;
         }
         let volumes = volumes(x, y);
@@ -67,10 +67,10 @@ pub(super) fn search<const A: usize, const B: usize>(
     until: f64,
     limit: u32,
     work: &mut SearchWork,
-    mut settle: impl FnMut([f64; 2], [&Places<A, B>; 2], &mut SearchWork) -> Option<FirstContact>,
+    mut settle: impl FnMut([f64; 2], [&VertexPlaces<A, B>; 2], &mut SearchWork) -> Option<FirstContact>,
 ) -> FirstContact
 where
-    Places<A, B>: Parts,
+    VertexPlaces<A, B>: Parts,
 {
     let (mut safe, mut tried) = (0.0, 0);
     // The ends of the intervals that follow, the next one last.
@@ -105,17 +105,17 @@ where
 fn is_free<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
     [s, e]: [f64; 2],
-    both: [&Places<A, B>; 2],
+    both: [&VertexPlaces<A, B>; 2],
 ) -> bool
 where
-    Places<A, B>: Parts,
+    VertexPlaces<A, B>: Parts,
 {
     let middle = paths.at(0.5 * (s + e));
     is_parted(both, &middle.toward())
         || is_parted(both, &both[0].toward())
         || is_parted(both, &both[1].toward())
         || middle.normals().iter().any(|n| is_parted(both, n))
-        || Places::is_never_flat(both)
+        || VertexPlaces::is_never_flat(both)
 }
 
 /// Narrows an interval in which the volume has a single zero, and the parts meet at that instant
@@ -127,7 +127,7 @@ fn narrow<const A: usize, const B: usize>(
     width: f64,
 ) -> [f64; 2]
 where
-    Places<A, B>: FourVertices,
+    VertexPlaces<A, B>: FourVertices,
 {
     let first = volume_sign(at_low);
     let mut side = 0.375 * width;
@@ -146,7 +146,7 @@ where
                 continue;
             }
             let x = paths.at(time);
-            let volume = Places::volume([&x, &x, &x]);
+            let volume = VertexPlaces::volume([&x, &x, &x]);
             let sign = volume_sign(volume);
             if sign == first {
                 (low, at_low) = (time, volume);

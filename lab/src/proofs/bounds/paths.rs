@@ -60,7 +60,11 @@ fn direction() -> Vector<Majorant> {
 /// The difference of two heights is compared with the doubt, which is exact.
 fn gap() -> Bound {
     let gap = paths::gap(direction(), [place('p'), place('q')]);
-    Bound::whole("PATH_GAP", "continuous::paths::Places::gap", per_direction(gap.error()))
+    Bound::whole(
+        "PATH_GAP",
+        "continuous::paths::VertexPlaces::gap",
+        per_direction(gap.error()),
+    )
 }
 
 /// A coefficient between the ends: three volumes, each at most six, their sum, and its third.

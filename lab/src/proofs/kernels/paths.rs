@@ -7,7 +7,7 @@ pub fn place<N: Number>([begin, end]: [N; 2], shares: [N; 2]) -> N {
     begin * shares[0] + end * shares[1]
 }
 
-/// `continuous::paths::Places::gap`, before the doubt is taken off: how far one place is above another.
+/// `continuous::paths::VertexPlaces::gap`, before the doubt is taken off: how far one place is above another.
 pub fn gap<N: Number>(n: Vector<N>, [low, high]: [Vector<N>; 2]) -> N {
     dot(n, low) - dot(n, high)
 }
