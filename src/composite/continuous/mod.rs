@@ -13,8 +13,8 @@
 //!
 //! let rest = |p: [f64; 3]| Path::new(Point3::from(p), Point3::from(p));
 //! let face = [rest([0., 0., 0.]), rest([1., 0., 0.]), rest([0., 1., 0.])];
-//! let (above, below) = (Point3::new(0.2, 0.2, 0.25), Point3::new(0.2, 0.2, -0.75));
-//! let falling = Path::new(above, below);
+//! let above = Point3::new(0.2, 0.2, 0.25);
+//! let falling = Path::new(above, Point3::new(0.2, 0.2, -0.75));
 //! let cast = continuous::vertex_face(&falling, &face, Tolerance::Time(1e-9))?;
 //! let Impact::Hit { safe, hit, .. } = cast.impact else {
 //!     panic!("it falls through")
