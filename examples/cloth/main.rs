@@ -11,9 +11,13 @@
 mod draw;
 
 use std::error::Error;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
+use clap::Parser;
 use draw::Picture;
+use lab::command::{file, write};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
@@ -204,7 +208,19 @@ fn body() -> Result<Composite, Box<dyn Error>> {
     Ok(Composite::new(vec![block, ball])?)
 }
 
-fn main() -> Result<(), Box<dyn Error>> {
+/// A sheet of cloth falls over a ball on a box: a mesh whose vertices are replaced in every substep
+#[derive(Parser)]
+struct Options {
+    /// Where to draw
+    #[arg(long, value_name = "FILE.svg", default_value = "target/cloth.svg", value_parser = file("svg"))]
+    out: PathBuf,
+}
+
+fn main() -> ExitCode {
+    lab::command::main(|o: &Options| run(&o.out))
+}
+
+fn run(out: &Path) -> Result<(), Box<dyn Error>> {
     let body = Geometry::from(body()?);
     let mut cloth = Cloth::new()?;
     let mut picture = Picture::new(DRAWN.len());
@@ -238,7 +254,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         100.0 * work.failed as f64 / work.entries.max(1) as f64,
         work.entries
     );
-    std::fs::create_dir_all("target")?;
-    std::fs::write("target/cloth.svg", picture.finish())?;
+    write(out, &picture.finish())?;
     Ok(())
 }
