@@ -483,3 +483,9 @@ pub(crate) const SPECK: f64 = 1.0 / (1u64 << 60) as f64;
 /// Pairs of a size from this, `2^-200`, to its inverse are solved in the caller's unit; all further
 /// pairs in their own unit.
 pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 200) << 52);
+
+/// TODO
+pub(crate) const CLOSED_FORM: f64 = 512.0;
+
+/// TODO
+pub(crate) const CLEARLY: f64 = 256.0 * UNIT;

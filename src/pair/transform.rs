@@ -93,6 +93,35 @@ impl Transform<DoubleDouble> {
     }
 }
 
+/// The rotations of a pose in double-double, for a few points and vectors: a [`Transform`] pays from
+/// six on.
+pub(crate) struct Turned {
+    pose: RelativePose,
+    a_from_world: Rotation,
+    world_from_b: Rotation,
+}
+
+impl Turned {
+    pub(crate) fn new(pose: RelativePose) -> Self {
+        Self {
+            pose,
+            a_from_world: transposed(&rotation(&pose.a.q())),
+            world_from_b: rotation(&pose.b.q()),
+        }
+    }
+
+    /// Returns the vector from a point of A to a point of B, in A's frame, of bodies that are stored
+    /// as given. `None` as for [`Transform::new`].
+    pub(crate) fn between(&self, p: &Vector3<f64>, q: &Vector3<f64>) -> Option<[DoubleDouble; 3]> {
+        Transform::shift_by((&self.a_from_world, &self.world_from_b), (p, 0), q, &self.pose)
+    }
+
+    /// Maps a vector from B's frame to A's.
+    pub(crate) fn vector(&self, v: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
+        apply(&self.a_from_world, &apply(&self.world_from_b, v))
+    }
+}
+
 impl<T: Scalar> Transform<T> {
     /// Maps a stored point of B to A's stored frame.
     #[inline(always)]

@@ -57,7 +57,7 @@ fn ends(body: &ConvexPolyhedron, edge: EdgeId, x: &Vector3<f64>) -> [VertexId; 2
 
 /// Returns three vertices of a face around `x`: the first vertex, and the ends of the edge by which
 /// the ray from the first vertex through `x` leaves the face.
-fn triangle(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>) -> [VertexId; 3] {
+pub(crate) fn triangle(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>) -> [VertexId; 3] {
     let t = &body.topology;
     let first = t.from(t.rim_half_edge(face));
     let origin = body.points[first.index()];

@@ -10,6 +10,7 @@ use crate::convex::minimum::gjk::{Minimum, solve};
 use crate::convex::minimum::start::{about_witnesses, vertex_of};
 use crate::convex::minimum::witnesses::{features, witnesses};
 use crate::convex::solve::certified_walk;
+use crate::convex::solve::closed_form::closed_form;
 use crate::convex::walk::seed;
 use crate::pair::answer::{is_proven, round_outward, set_overlapping, set_undecided, unit};
 use crate::pair::draft::Draft;
@@ -96,6 +97,14 @@ pub(crate) fn sharpen(posed: &PosedPair, draft: &mut Draft) {
     }
     draft.work.double_doubles += 1;
     draft.solver = Solver::DoubleDouble;
+    if let Some(form) = closed_form(posed, draft) {
+        let d = form.distance.value();
+        if form.error <= 0.25 * (d - d.next_down()) {
+            draft.normal = unit(&form.normal);
+            (draft.distance, draft.lower, draft.upper) = (d, d.next_down(), d.next_up());
+            return;
+        }
+    }
     if let Some(frame) = Transform::<DoubleDouble>::new(posed.a, posed.b, posed.pose) {
         let minimum = solve(posed, &frame, about_witnesses(posed, &frame, draft));
         if let Minimum::Outside { simplex, lower, .. } = &minimum {

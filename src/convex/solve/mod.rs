@@ -13,6 +13,8 @@
 //! of the Minkowski difference around the origin. If the bounds straddle zero, the pair goes to the
 //! next finer arithmetic.
 
+#[cfg(feature = "exact")]
+mod closed_form;
 pub(crate) mod ladder;
 #[cfg(test)]
 mod mutation;

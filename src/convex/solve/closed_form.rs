@@ -1,0 +1,182 @@
+//! The distance of two features in closed form, in double-double: for pairs whose closest features
+//! are beyond doubt.
+//!
+//! ```text
+//!   vertex, vertex   |w|                 w  from a vertex of the one feature to one of the other
+//!   vertex, edge     |w x u| / |u|       u, v  edges
+//!   vertex, face     |w . n| / |n|       n = u x v of two edges of a triangle of the face
+//!   edge, edge       |w . n| / |n|       n = u x v of the two edges
+//! ```
+//!
+//! Signs in f64 decide that the features are the closest: the closest points of their lines and
+//! planes lie within both features, and every vertex adjacent to a feature falls behind the plane
+//! through the feature perpendicular to the direction between the bodies. As a body is convex, the
+//! whole body is then behind that plane; behind the plane of a face it is anyway, as faces are
+//! exactly plane. All signs allow for what rounding does to the direction and to the relative
+//! rotation; a pair with a sign in doubt has to be solved.
+
+use nalgebra::Vector3;
+
+use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::scalar::{Scalar, Vec3, cross, dot, root, sqrt};
+use crate::base::pose::Operand;
+use crate::base::tolerance::{CLEARLY, CLOSED_FORM};
+use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
+use crate::convex::minimum::start::triangle;
+use crate::pair::draft::Draft;
+use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
+use crate::pair::transform::Turned;
+
+/// Most edges of a vertex that are tested; a pair with more is solved.
+const FAN: usize = 32;
+
+/// The distance of two features that are the closest, proven.
+pub(crate) struct ClosedForm {
+    pub(crate) distance: DoubleDouble,
+    /// Bound of the error of the distance.
+    pub(crate) error: f64,
+    /// Direction from A to B in A's stored frame, of any length.
+    pub(crate) normal: Vector3<f64>,
+}
+
+/// Returns the distance of the features of a draft, if they are the closest ones beyond doubt and
+/// both bodies are stored as given.
+pub(crate) fn closed_form(posed: &PosedPair, draft: &Draft) -> Option<ClosedForm> {
+    if !(posed.a.is_unscaled && posed.b.is_unscaled) {
+        return None;
+    }
+    let (x, y) = (&draft.point_on_a.coords, &draft.point_on_b.coords);
+    match (draft.features.a, draft.features.b) {
+        (Feature::Vertex(a), Feature::Vertex(b)) => vertices(posed, &BFirst(posed), b, a),
+        (Feature::Edge(e), Feature::Vertex(b)) => vertex_edge(posed, &BFirst(posed), b, e),
+        (Feature::Vertex(a), Feature::Edge(e)) => vertex_edge(posed, &AFirst(posed), a, e),
+        (Feature::Face(f), Feature::Vertex(b)) => vertex_face(posed, &BFirst(posed), b, f, x),
+        (Feature::Vertex(a), Feature::Face(f)) => vertex_face(posed, &AFirst(posed), a, f, y),
+        (Feature::Edge(e), Feature::Edge(g)) => edges(posed, &BFirst(posed), g, e),
+        _ => None,
+    }
+}
+
+/// Two vertices.
+fn vertices<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, v: VertexId) -> Option<ClosedForm> {
+    let w = turned::<P>(posed).between(at(pair.second(), v), at(pair.first(), p))?;
+    let n = rounded(&w);
+    let is_proven = stands(pair.second(), &[v], &n, n.norm()) && stands_first(pair, &[p], &n, n.norm());
+    is_proven.then(|| finish(pair, root(dot(&w, &w)), 1.0, &n))
+}
+
+/// A vertex over an edge.
+fn vertex_edge<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, edge: EdgeId) -> Option<ClosedForm> {
+    let (body, [v, head]) = (pair.second(), ends(pair.second(), edge));
+    let w = turned::<P>(posed).between(at(body, v), at(pair.first(), p))?;
+    let u = side(body, v, head);
+    let (w_near, u_near) = (rounded(&w), rounded(&u));
+    let (along, squared) = (w_near.dot(&u_near), u_near.norm_squared());
+    let doubt = CLEARLY * sqrt(squared) * w_near.norm();
+    if !(along > doubt && squared - along > doubt) {
+        return None;
+    }
+    let n = w_near - u_near * (along / squared);
+    let is_proven =
+        stands(body, &[v, head], &n, w_near.norm()) && stands_first(pair, &[p], &n, w_near.norm());
+    let area = cross(&w, &u);
+    is_proven.then(|| finish(pair, root(dot(&area, &area) / dot(&u, &u)), 1.0, &n))
+}
+
+/// A vertex over a face; `x` is the witness on the face.
+fn vertex_face<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, face: FaceId, x: &Vector3<f64>) -> Option<ClosedForm> {
+    let body = pair.second();
+    let [v, q, r] = triangle(body, face, x);
+    let w = turned::<P>(posed).between(at(body, v), at(pair.first(), p))?;
+    let (e, f) = (side(body, v, q), side(body, v, r));
+    let n = cross(&e, &f);
+    let height = dot(&w, &n);
+    let [w_near, e_near, f_near, n_near] = [&w, &e, &f, &n].map(rounded);
+    let (lengths, normal) = (e_near.norm() * f_near.norm(), n_near.norm());
+    let doubt = CLEARLY * normal * w_near.norm();
+    let (beside_f, beside_e) = (n_near.dot(&w_near.cross(&f_near)), n_near.dot(&e_near.cross(&w_near)));
+    let inside = beside_f > doubt * f_near.norm()
+        && beside_e > doubt * e_near.norm()
+        && normal * normal - beside_f - beside_e > doubt * (e_near.norm() + f_near.norm());
+    // Out of the face, to the vertex: the loop of a face turns counter-clockwise.
+    let is_proven = inside
+        && height.value() > 0.0
+        && stands_first(pair, &[p], &n_near, normal);
+    is_proven.then(|| finish(pair, height / root(dot(&n, &n)), lengths / normal, &n_near))
+}
+
+/// Two edges.
+fn edges<P: OrderedPair>(posed: &PosedPair, pair: &P, first: EdgeId, second: EdgeId) -> Option<ClosedForm> {
+    let ([p, p_head], [v, v_head]) = (ends(pair.first(), first), ends(pair.second(), second));
+    let turned = turned::<P>(posed);
+    let w = turned.between(at(pair.second(), v), at(pair.first(), p))?;
+    let u = side(pair.second(), v, v_head);
+    let g = turned.vector(&side(pair.first(), p, p_head));
+    let n = cross(&u, &g);
+    let height = dot(&w, &n);
+    let [w_near, u_near, g_near, n_near] = [&w, &u, &g, &n].map(rounded);
+    let n_near = if height.value() < 0.0 { -n_near } else { n_near };
+    let (lengths, normal) = (u_near.norm() * g_near.norm(), n_near.norm());
+    let doubt = CLEARLY * normal * w_near.norm();
+    let turn = u_near.cross(&g_near);
+    let (on_u, on_g) = (turn.dot(&w_near.cross(&g_near)), turn.dot(&w_near.cross(&u_near)));
+    let squared = normal * normal;
+    let within = |part: f64, length: f64| part > doubt * length && squared - part > doubt * length;
+    let is_proven = within(on_u, g_near.norm())
+        && within(on_g, u_near.norm())
+        && stands(pair.second(), &[v, v_head], &n_near, normal)
+        && stands_first(pair, &[p, p_head], &n_near, normal);
+    let height = if height.value() < 0.0 { -height } else { height };
+    is_proven.then(|| finish(pair, height / root(dot(&n, &n)), lengths / normal, &n_near))
+}
+
+fn finish<P: OrderedPair>(pair: &P, distance: DoubleDouble, stretch: f64, n: &Vector3<f64>) -> ClosedForm {
+    ClosedForm {
+        distance,
+        error: CLOSED_FORM * DoubleDouble::UNIT * pair.size() * stretch,
+        normal: pair.normal(n),
+    }
+}
+
+/// Returns the rotations of the pose: of `first` as B, of `second` as A.
+fn turned<P: OrderedPair>(posed: &PosedPair) -> Turned {
+    Turned::new(if P::FIRST == Operand::A { posed.pose.swapped() } else { *posed.pose })
+}
+
+fn at(body: &ConvexPolyhedron, v: VertexId) -> &Vector3<f64> {
+    &body.points[v.index()]
+}
+
+/// Returns the vector between two vertices.
+fn side(body: &ConvexPolyhedron, from: VertexId, to: VertexId) -> Vec3<DoubleDouble> {
+    let (p, q) = (at(body, from), at(body, to));
+    [0, 1, 2].map(|k| DoubleDouble::sum(q[k], -p[k]))
+}
+
+fn ends(body: &ConvexPolyhedron, edge: EdgeId) -> [VertexId; 2] {
+    let (t, h) = (&body.topology, edge.half_edge());
+    [t.from(h), t.half_edge(h).to]
+}
+
+fn rounded(v: &Vec3<DoubleDouble>) -> Vector3<f64> {
+    Vector3::new(v[0].hi, v[1].hi, v[2].hi)
+}
+
+/// Returns whether every vertex adjacent to the given ones, which are level, clearly falls along
+/// `n`, known to a part of `scale`.
+fn stands(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>, scale: f64) -> bool {
+    level.iter().all(|&v| {
+        let mut falls = body.topology.fan(v).len() <= FAN;
+        body.topology.each_leaving(v, |_, to| {
+            let e = at(body, to) - at(body, v);
+            falls &= level.contains(&to) || n.dot(&e) < -CLEARLY * scale * e.abs().sum();
+        });
+        falls
+    })
+}
+
+/// Returns the same of the vertices of `first`, along the direction opposite to `n` of the frame of
+/// `second`.
+fn stands_first<P: OrderedPair>(pair: &P, level: &[VertexId], n: &Vector3<f64>, scale: f64) -> bool {
+    stands(pair.first(), level, &-pair.direction_in_first(n), scale)
+}
