@@ -59,9 +59,9 @@ impl Transform<DoubleDouble> {
     pub(crate) fn between(a: (&Vector3<f64>, i32), b: (&Vector3<f64>, i32), pose: &RelativePose) -> Option<Self> {
         let (a_from_world, world_from_b) = (transposed(&rotation(&pose.a.q())), rotation(&pose.b.q()));
         let translation = Self::shift_by((&a_from_world, &world_from_b), a, b.0, pose)?;
-        let scale = DoubleDouble::from(power_of_two(b.1 - a.1));
+        let scale = power_of_two(b.1 - a.1);
         let columns: [[DoubleDouble; 3]; 3] =
-            core::array::from_fn(|c| apply(&a_from_world, &core::array::from_fn(|r| world_from_b[r][c] * scale)));
+            core::array::from_fn(|c| apply(&a_from_world, &core::array::from_fn(|r| world_from_b[r][c].scaled(scale))));
         Some(Self {
             matrix: transposed(&columns),
             translation,
@@ -76,7 +76,7 @@ impl Transform<DoubleDouble> {
 
     /// Returns [`shift`](Self::shift), given the rotations of the pose.
     fn shift_by(
-        (a_from_world, world_from_b): (&Rotation, &Rotation),
+        rotations: (&Rotation, &Rotation),
         a: (&Vector3<f64>, i32),
         b: &Vector3<f64>,
         pose: &RelativePose,
@@ -85,35 +85,37 @@ impl Transform<DoubleDouble> {
         if pose.translation().amax() > FAR * power_of_two(a.1) {
             return None;
         }
-        let at_b = turned(&pose.b.q(), world_from_b, &b.map(DoubleDouble::from).into());
-        let offset = core::array::from_fn(|k| at_b[k] + DoubleDouble::sum(pose.b.t()[k], -pose.a.t()[k]));
-        let in_a = turned(&pose.a.q(), a_from_world, &offset);
-        let unit = DoubleDouble::from(power_of_two(-a.1));
-        Some(core::array::from_fn(|k| (in_a[k] - DoubleDouble::from(a.0[k])) * unit))
+        let apart = apart(pose, 1.0);
+        let place = placed(rotations, pose, (a.0, b), &apart);
+        Some(place.map(|x| x.scaled(power_of_two(-a.1))))
     }
 }
 
-/// The rotations of a pose in double-double, for a few points and vectors: a [`Transform`] pays from
-/// six on.
+/// The rotations of a pose in double-double, for a point or two, where a whole [`Transform`] does
+/// not pay. Both bodies are stored in one unit, about their own origins.
 pub(crate) struct Turned {
     pose: RelativePose,
     a_from_world: Rotation,
     world_from_b: Rotation,
+    /// Difference of the translations, in stored units.
+    apart: [DoubleDouble; 3],
 }
 
 impl Turned {
-    pub(crate) fn new(pose: RelativePose) -> Self {
+    /// The stored unit of both bodies is two to the `exponent`.
+    pub(crate) fn new(pose: RelativePose, exponent: i32) -> Self {
         Self {
-            pose,
             a_from_world: transposed(&rotation(&pose.a.q())),
             world_from_b: rotation(&pose.b.q()),
+            apart: apart(&pose, power_of_two(-exponent)),
+            pose,
         }
     }
 
-    /// Returns the vector from a point of A to a point of B, in A's frame, of bodies that are stored
-    /// as given. `None` as for [`Transform::new`].
-    pub(crate) fn between(&self, p: &Vector3<f64>, q: &Vector3<f64>) -> Option<[DoubleDouble; 3]> {
-        Transform::shift_by((&self.a_from_world, &self.world_from_b), (p, 0), q, &self.pose)
+    /// Returns the vector from a stored point of A to one of B, in A's frame.
+    pub(crate) fn between(&self, p: &Vector3<f64>, q: &Vector3<f64>) -> [DoubleDouble; 3] {
+        let rotations = (&self.a_from_world, &self.world_from_b);
+        placed(rotations, &self.pose, (p, q), &self.apart)
     }
 
     /// Maps a vector from B's frame to A's.
@@ -144,6 +146,26 @@ impl<T: Scalar> Transform<T> {
     }
 }
 
+/// Returns the difference of the translations times a power of two.
+fn apart(pose: &RelativePose, by: f64) -> [DoubleDouble; 3] {
+    let (a, b) = (pose.a.t(), pose.b.t());
+    core::array::from_fn(|k| DoubleDouble::sum(b[k], -a[k]).scaled(by))
+}
+
+/// Returns the vector from a point of A to a point of B in A's frame, for the difference of the
+/// translations.
+fn placed(
+    (a_from_world, world_from_b): (&Rotation, &Rotation),
+    pose: &RelativePose,
+    (p, q): (&Vector3<f64>, &Vector3<f64>),
+    apart: &[DoubleDouble; 3],
+) -> [DoubleDouble; 3] {
+    let at_b = turned(&pose.b.q(), world_from_b, &q.map(DoubleDouble::from).into());
+    let offset = core::array::from_fn(|k| at_b[k] + apart[k]);
+    let in_a = turned(&pose.a.q(), a_from_world, &offset);
+    core::array::from_fn(|k| in_a[k] - DoubleDouble::from(p[k]))
+}
+
 /// Returns a vector turned by the rotation of a quaternion: the vector itself if the quaternion is
 /// real.
 fn turned(q: &[f64; 4], rotation: &Rotation, v: &[DoubleDouble; 3]) -> [DoubleDouble; 3] {
@@ -155,14 +177,16 @@ fn turned(q: &[f64; 4], rotation: &Rotation, v: &[DoubleDouble; 3]) -> [DoubleDo
 
 /// Returns the rotation matrix of the quaternion `q`, divided by `|q|^2`.
 fn rotation(q: &[f64; 4]) -> Rotation {
-    let [x, y, z, w] = q.map(DoubleDouble::from);
-    let two = DoubleDouble::from(2.0);
+    let [x, y, z, w] = *q;
+    let [xx, yy, zz, ww] = q.map(|c| DoubleDouble::product(c, c));
+    let [xy, xz, yz] = [(x, y), (x, z), (y, z)].map(|(a, b)| DoubleDouble::product(a, b));
+    let [wx, wy, wz] = [x, y, z].map(|c| DoubleDouble::product(w, c));
     let one = DoubleDouble::from(1.0);
-    let s = two / (x * x + y * y + z * z + w * w);
+    let s = DoubleDouble::from(2.0) / (xx + yy + zz + ww);
     [
-        [one - (y * y + z * z) * s, (x * y - w * z) * s, (x * z + w * y) * s],
-        [(x * y + w * z) * s, one - (x * x + z * z) * s, (y * z - w * x) * s],
-        [(x * z - w * y) * s, (y * z + w * x) * s, one - (x * x + y * y) * s],
+        [one - (yy + zz) * s, (xy - wz) * s, (xz + wy) * s],
+        [(xy + wz) * s, one - (xx + zz) * s, (yz - wx) * s],
+        [(xz - wy) * s, (yz + wx) * s, one - (xx + yy) * s],
     ]
 }
 

@@ -64,6 +64,15 @@ impl DoubleDouble {
         let (hi, lo) = two_product(a, b);
         Self { hi, lo }
     }
+
+    /// Returns the number times a power of two: exact, as long as no part leaves the range.
+    #[inline]
+    pub(crate) fn scaled(self, power: f64) -> Self {
+        Self {
+            hi: self.hi * power,
+            lo: self.lo * power,
+        }
+    }
 }
 
 impl From<f64> for DoubleDouble {

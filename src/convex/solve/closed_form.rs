@@ -39,10 +39,11 @@ pub(crate) struct ClosedForm {
     pub(crate) normal: Vector3<f64>,
 }
 
-/// Returns the distance of the features of a draft, if they are the closest ones beyond doubt and
-/// both bodies are stored as given.
+/// Returns the distance of the features of a draft, if they are the closest ones beyond doubt, of
+/// bodies that are stored in one unit and about their own origins.
 pub(crate) fn closed_form(posed: &PosedPair, draft: &Draft) -> Option<ClosedForm> {
-    if !(posed.a.is_unscaled && posed.b.is_unscaled) {
+    let is_centred = |body: &ConvexPolyhedron| body.origin == Vector3::zeros();
+    if !(posed.same_scale() && is_centred(posed.a) && is_centred(posed.b)) {
         return None;
     }
     let (x, y) = (&draft.point_on_a.coords, &draft.point_on_b.coords);
@@ -59,7 +60,7 @@ pub(crate) fn closed_form(posed: &PosedPair, draft: &Draft) -> Option<ClosedForm
 
 /// Two vertices.
 fn vertices<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, v: VertexId) -> Option<ClosedForm> {
-    let w = turned::<P>(posed).between(at(pair.second(), v), at(pair.first(), p))?;
+    let w = turned::<P>(posed).between(at(pair.second(), v), at(pair.first(), p));
     let n = rounded(&w);
     let is_proven = stands(pair.second(), &[v], &n, n.norm()) && stands_first(pair, &[p], &n, n.norm());
     is_proven.then(|| finish(pair, root(dot(&w, &w)), 1.0, &n))
@@ -68,7 +69,7 @@ fn vertices<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, v: VertexI
 /// A vertex over an edge.
 fn vertex_edge<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, edge: EdgeId) -> Option<ClosedForm> {
     let (body, [v, head]) = (pair.second(), ends(pair.second(), edge));
-    let w = turned::<P>(posed).between(at(body, v), at(pair.first(), p))?;
+    let w = turned::<P>(posed).between(at(body, v), at(pair.first(), p));
     let u = side(body, v, head);
     let (w_near, u_near) = (rounded(&w), rounded(&u));
     let (along, squared) = (w_near.dot(&u_near), u_near.norm_squared());
@@ -87,7 +88,7 @@ fn vertex_edge<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, edge: E
 fn vertex_face<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, face: FaceId, x: &Vector3<f64>) -> Option<ClosedForm> {
     let body = pair.second();
     let [v, q, r] = triangle(body, face, x);
-    let w = turned::<P>(posed).between(at(body, v), at(pair.first(), p))?;
+    let w = turned::<P>(posed).between(at(body, v), at(pair.first(), p));
     let (e, f) = (side(body, v, q), side(body, v, r));
     let n = cross(&e, &f);
     let height = dot(&w, &n);
@@ -109,7 +110,7 @@ fn vertex_face<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, face: F
 fn edges<P: OrderedPair>(posed: &PosedPair, pair: &P, first: EdgeId, second: EdgeId) -> Option<ClosedForm> {
     let ([p, p_head], [v, v_head]) = (ends(pair.first(), first), ends(pair.second(), second));
     let turned = turned::<P>(posed);
-    let w = turned.between(at(pair.second(), v), at(pair.first(), p))?;
+    let w = turned.between(at(pair.second(), v), at(pair.first(), p));
     let u = side(pair.second(), v, v_head);
     let g = turned.vector(&side(pair.first(), p, p_head));
     let n = cross(&u, &g);
@@ -140,7 +141,9 @@ fn finish<P: OrderedPair>(pair: &P, distance: DoubleDouble, stretch: f64, n: &Ve
 
 /// Returns the rotations of the pose: of `first` as B, of `second` as A.
 fn turned<P: OrderedPair>(posed: &PosedPair) -> Turned {
-    Turned::new(if P::FIRST == Operand::A { posed.pose.swapped() } else { *posed.pose })
+    let is_swapped = P::FIRST == Operand::A;
+    let pose = if is_swapped { posed.pose.swapped() } else { *posed.pose };
+    Turned::new(pose, posed.a.exponent)
 }
 
 fn at(body: &ConvexPolyhedron, v: VertexId) -> &Vector3<f64> {
