@@ -3,7 +3,11 @@
 //! Inputs are whole numbers of 53 bits, as multiples of 2^-52: changes of any size, down to the last bit, keep what
 //! makes the error larger. Errors are told in the unit of the bound, as [`bounds`](super::bounds) tells them.
 
+mod certificate;
+mod chains;
 mod composed;
+mod faces;
+mod placed;
 mod single;
 
 use super::kernels::double::{self, ErrorFree};
@@ -19,6 +23,8 @@ pub struct Climb {
     /// The part of its derivation, as in [`bounds`](super::bounds).
     pub part: &'static str,
     inputs: usize,
+    /// Tries that one input is worth.
+    cost: u64,
     error: fn(&[f64]) -> f64,
 }
 
@@ -26,7 +32,15 @@ const UNIT: f64 = f64::EPSILON / 2.0;
 
 /// All kernels that are climbed.
 pub fn all() -> impl Iterator<Item = &'static Climb> {
-    ALL.iter().chain(composed::ALL).chain(single::ALL)
+    let others = [
+        certificate::ALL,
+        chains::ALL,
+        composed::ALL,
+        faces::ALL,
+        placed::ALL,
+        single::ALL,
+    ];
+    ALL.iter().chain(others.into_iter().flatten())
 }
 
 const ALL: &[Climb] = &[
@@ -53,10 +67,16 @@ const ALL: &[Climb] = &[
 ];
 
 const fn climb(constant: &'static str, part: &'static str, inputs: usize, error: fn(&[f64]) -> f64) -> Climb {
+    rare(constant, part, inputs, 1, error)
+}
+
+/// A kernel that is dear.
+const fn rare(constant: &'static str, part: &'static str, inputs: usize, cost: u64, error: fn(&[f64]) -> f64) -> Climb {
     Climb {
         constant,
         part,
         inputs,
+        cost,
         error,
     }
 }
@@ -68,7 +88,7 @@ impl Climb {
         let mut best = (0.0, vec![0.0; self.inputs]);
         let mut at = (f64::NEG_INFINITY, Vec::new());
         let mut stale = 0;
-        for _ in 0..tries {
+        for _ in 0..tries.div_ceil(self.cost) {
             if stale > 400 || at.1.is_empty() {
                 at = (f64::NEG_INFINITY, (0..self.inputs).map(|_| any(&mut rng)).collect());
                 stale = 0;
@@ -130,6 +150,15 @@ fn off<const K: usize>(v: [Traced; K]) -> f64 {
 fn unit<const K: usize>(x: &[f64]) -> [f64; K] {
     let norm = x[..K].iter().map(|x| x * x).sum::<f64>().sqrt();
     std::array::from_fn(|k| x[k] / norm)
+}
+
+/// A true number as the code holds it: rounded once.
+fn held(x: Traced) -> Traced {
+    let value = x.truth();
+    Traced {
+        value,
+        error: (x.value - value) + x.error,
+    }
 }
 
 fn edge_sign(x: &[f64]) -> f64 {

@@ -8,6 +8,7 @@
 //! | [`Majorant`] | a bound of its rounding and of what underflow takes, for all inputs |
 //! | [`Reach`] | the largest number and the finest grid on the way |
 //! | [`Traced`] | the rounding of one input, for the search of large ones |
+//! | [`measured::TracedTwice`] | the same in twice the precision |
 //! | [`vectors::Within`], [`vectors::Arrow`] | the same as a majorant for numbers and vectors of known sizes |
 //! | [`Factor`] | the same as a majorant for chains of positive numbers, with quotients and roots |
 //!
@@ -21,6 +22,7 @@ pub mod climb;
 pub mod factor;
 pub mod kernels;
 pub mod majorant;
+pub mod measured;
 pub mod norm;
 pub mod number;
 pub mod polynomial;

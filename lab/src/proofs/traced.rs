@@ -54,11 +54,6 @@ impl Traced {
             error: if value == 0.0 { 0.0 } else { residual / (2.0 * value) },
         }
     }
-
-    /// The true number taken for the input of what follows.
-    pub fn settled(self) -> Self {
-        Self::input(self.truth())
-    }
 }
 
 /// The rounded sum and its error.

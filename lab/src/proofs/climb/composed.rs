@@ -37,6 +37,8 @@ pub(super) const ALL: &[Climb] = &[
     climb("NET", "", 2, homogeneous),
     climb("CURVATURE", "", 4, curvature),
     climb("TAYLOR", "", 10, taylor),
+    climb("PATCH_SLOPE", "", 34, patch_slope),
+    climb("BENT", "", 78, bent),
 ];
 
 fn inputs<const K: usize>(x: &[f64]) -> [Traced; K] {
@@ -142,7 +144,7 @@ fn way(x: &[f64]) -> f64 {
     relative(turn + root_of_squares::<3>(inputs(&x[12..])))
 }
 
-/// `c^2 / (n . s)`, with the support point of products of the code'"'"'s own.
+/// `c^2 / (n . s)`, with the support point of products of the code's own.
 fn inner_ball(x: &[f64]) -> f64 {
     let [axes, n, c] = [x, &x[3..], &x[6..]].map(|x| inputs::<3>(x).map(Number::abs));
     let scaled = [0, 1, 2].map(|k| axes[k] * n[k]);
@@ -298,4 +300,61 @@ fn taylor(x: &[f64]) -> f64 {
     let value = patches::end(points.clone(), s, t);
     let slope = patches::first(points, s, t) * Traced::exact(4.0);
     (value.error.abs() + slope.error.abs()) / (25.0 * most) / UNIT
+}
+
+/// A first derivative of degrees three and three, over its bound.
+fn patch_slope(x: &[f64]) -> f64 {
+    let weights: Vec<Traced> = x[16..32].iter().map(|w| Traced::input(0.5 + 0.25 * w.abs())).collect();
+    let points: Vec<Traced> = x[..16]
+        .iter()
+        .zip(&weights)
+        .map(|(p, w)| Traced::input(*p) * *w)
+        .collect();
+    let [u, v] = [32, 33].map(|k| Traced::input(0.5 * x[k].abs()));
+    let ends = |t| (Traced::exact(1.0) - t, t);
+    let along_u = |net: &[Traced]| {
+        let (s, t) = ends(v);
+        let row = |i: usize| patches::end(net[4 * i..][..4].to_vec(), s, t);
+        let rows: Vec<Traced> = (0..4).map(row).collect();
+        let (s, t) = ends(u);
+        let slope = patches::first(rows.clone(), s, t) * Traced::exact(3.0);
+        (patches::end(rows, s, t), slope)
+    };
+    let ((above, above_u), (below, below_u)) = (along_u(&points), along_u(&weights));
+    let slope = (above_u - above.over(below) * below_u).over(below);
+    let reach = x[..16].iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    let ratio = |of: fn(f64, f64) -> f64| weights.iter().map(|w| w.value).reduce(of).expect("sixteen");
+    slope.error.abs() / (18.0 * reach * ratio(f64::max) / ratio(f64::min)) / UNIT
+}
+
+/// The coefficient in the middle of a height above a bowl, degrees three and three: control points, weights, point of
+/// contact, normal, and a form whose gradient is at most one.
+fn bent(x: &[f64]) -> f64 {
+    let (n, at) = (direction::<3>(&x[64..]), inputs::<3>(&x[67..]));
+    let e = divided(cross(n, inputs(&x[70..]))).map(|x| Traced::input(x.value));
+    let f = cross(n, e).map(|x| Traced::input(x.value));
+    let size = |v: &[f64]| v[..3].iter().map(|x| x * x).sum::<f64>().sqrt();
+    let reach = (0..16).map(|k| size(&x[3 * k..])).fold(0.0, f64::max) + size(&x[67..]);
+    let form = [73, 74, 75].map(|k| Traced::input(0.25 * x[k] / reach));
+    let half = Traced::exact(0.5);
+    let binomial = [1.0, 3.0, 3.0, 1.0];
+    let rows: Vec<[Traced; 6]> = (0..16)
+        .map(|k| {
+            let w = Traced::input(0.5 + 0.25 * x[48 + k].abs());
+            let point = inputs::<3>(&x[3 * k..]).map(|p| p * w);
+            let place = sub(point, scaled(at, w));
+            let (s, t) = (dot(e, place), dot(f, place));
+            let scale = Traced::exact(binomial[k / 4] * binomial[k % 4]);
+            let images = [form[0] * s + form[1] * t, form[1] * s + form[2] * t].map(|x| half * x);
+            [dot(n, place), s, t, images[0], images[1], w].map(|x| scale * x)
+        })
+        .collect();
+    // The middle of degrees six and six lies between the third and the fourth of each row: (3, 3).
+    let pairs = (0..16).map(|k| (&rows[k], &rows[15 - k]));
+    let none = [Traced::exact(0.0); 2];
+    let [above, below] = pairs.fold(none, |[above, below], (i, j)| {
+        let height = i[0] * j[5] + i[1] * j[3] + i[2] * j[4];
+        [above + height, below + i[5] * j[5]]
+    });
+    above.over(below).error.abs() / reach / UNIT
 }

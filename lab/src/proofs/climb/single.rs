@@ -1,9 +1,11 @@
-//! Kernels of single precision, beside the same in double precision.
+//! Boxes and fronts: kernels of single precision beside the same in double precision, and axes.
 
 use super::{Climb, climb, unit};
 use crate::proofs::kernels::boxes::{self, Oriented};
 use crate::proofs::kernels::poses;
-use crate::proofs::number::{Number, dot};
+use crate::proofs::measured::Measured;
+use crate::proofs::number::{Number, Vector, cross, dot, scaled, sub, sum};
+use crate::proofs::traced::Traced;
 use crate::proofs::vectors::{Coordinates, Vectors};
 
 const UNIT_SINGLE: f64 = f32::EPSILON as f64 / 2.0;
@@ -15,6 +17,12 @@ pub(super) const ALL: &[Climb] = &[
     climb("BOXES", "excess of B", 27, excess_of_b),
     climb("BOXES", "direction", 30, direction),
     climb("BOXES", "front", 20, front),
+    climb("BOXES", "front, segments", 24, front_of_segments),
+    climb("BOXES", "about a segment", 6, around),
+    climb("BOX_EXTENT", "", 13, extent),
+    climb("REFIT_HEIGHT", "", 10, refit_height),
+    climb("BOX_SKEW", "", 4, skew),
+    climb("SLAB_HEIGHT", "a point of three heights", 9, of_three_heights),
 ];
 
 /// A number of the code, and of what it stands for, from the same number of single precision.
@@ -91,13 +99,14 @@ fn scanned(x: &[f64]) -> f64 {
     (single - dot([x[0], x[1], x[2]], [x[3], x[4], x[5]])).abs() / terms / UNIT_SINGLE
 }
 
+/// Along the computed line of the centres, exact as such.
 fn by_centres(x: &[f64]) -> f64 {
-    fn of<N: Held>(x: &[f64]) -> f64 {
-        let ([a, b], posed) = posed::<N>(x);
-        boxes::by_centres::<Coordinates<N>>(posed.between, posed.along, [a.half, b.half]).double()
-    }
-    let (_, truth) = posed::<f64>(x);
-    over(x, of::<f32>(x), of::<f64>(x)) / size(&truth.between)
+    let ([a, b], posed_) = posed::<f32>(x);
+    let single = boxes::by_centres::<Coordinates<f32>>(posed_.between, posed_.along, [a.half, b.half]);
+    let n = posed_.between.map(f32::double);
+    let ([a, b], posed) = posed::<f64>(x);
+    let double = boxes::along::<Coordinates<f64>>(n, posed.between, [a.half, b.half], [a.axes, posed.axes_b]);
+    over(x, single.double(), double) / size(&n)
 }
 
 /// Along the excess vector of double precision, of length one, so that all but it is rounded.
@@ -155,4 +164,80 @@ fn front(x: &[f64]) -> f64 {
     }
     let most = size(&x[4..]).max(size(&x[11..])) + size(&x[17..]);
     (of::<f32>(x) - of::<f64>(x)).abs() / most / UNIT_SINGLE
+}
+
+/// The same with a ball about a segment, of an axis and half its length.
+fn front_of_segments(x: &[f64]) -> f64 {
+    fn of<N: Held>(x: &[f64], root: fn(N) -> N) -> f64 {
+        let pose = |k: usize| (rotation::<N>(&x[7 * k..]), [4, 5, 6].map(|i| N::exact(x[7 * k + i])));
+        let (n, centre) = (vector(&unit::<3>(&x[14..])), vector(&x[17..]));
+        let (m, base) = boxes::entry::<Coordinates<N>>(pose(0), n, centre, N::exact(0.0));
+        let (turn, gap) = boxes::carried::<Coordinates<N>>(pose(1), [n, m], centre, base);
+        let rod = scaled(vector(&unit::<3>(&x[20..])), N::held(x[23]));
+        let radius = N::held(x[23] / 3.0).abs();
+        (gap - radius * root(dot(turn, turn)) - dot(turn, rod).abs()).double()
+    }
+    let most = size(&x[4..]).max(size(&x[11..])) + size(&x[17..]) + 2.0 * x[23].abs();
+    (of::<f32>(x, f32::sqrt) - of::<f64>(x, f64::sqrt)).abs() / most / UNIT_SINGLE
+}
+
+/// A corner of a box against the radius about its longest axis.
+fn around(x: &[f64]) -> f64 {
+    let [_, wide, deep] = axes::<f64>(x);
+    let [h, k] = [x[4], x[5]].map(|x| f32::held(x));
+    let corner = sum(scaled(wide, h.double()), scaled(deep, k.double()));
+    let square = h * h + k * k;
+    let radius = f32::held(square.double().sqrt()).double();
+    (size(&corner) - radius) / radius / UNIT_SINGLE
+}
+
+/// A coordinate along a dual axis of axes as stored, of a point up to four from the centre.
+fn extent(x: &[f64]) -> f64 {
+    let [a, b, c] = axes::<f64>(x).map(|axis| axis.map(Traced::input));
+    let across = cross(b, c);
+    let volume = dot(a, across);
+    let point = sub(
+        sub(Traced::vector(&x[4..]), Traced::vector(&x[7..])),
+        Traced::vector(&x[10..]),
+    );
+    let height = dot(across.map(|x| x.over(volume)), point);
+    let most = [4, 7, 10].map(|k| size(&x[k..])).into_iter().fold(0.0, f64::max);
+    height.error.abs() * 4.0 / most.max(size(&point.map(Traced::truth))) / f64::EPSILON * 2.0
+}
+
+fn refit_height(x: &[f64]) -> f64 {
+    let [axis, ..] = axes::<f32>(x);
+    let centre = vector::<f32>(&x[7..]);
+    let single = dot(axis, vector::<f32>(&x[4..])) - dot(axis, centre);
+    let [axis, centre] = [axis, centre].map(|v| v.map(f32::double));
+    let double = dot(axis, [x[4], x[5], x[6]]) - dot(axis, centre);
+    let most = size(&x[4..]).max(size(&x[7..]) / 3f64.sqrt());
+    (single.double() - double).abs() / most / UNIT_SINGLE
+}
+
+/// By how much the products of axes as stored differ from those of orthonormal ones.
+fn skew(x: &[f64]) -> f64 {
+    let axes = axes::<f64>(x);
+    let off = |i: usize, j: usize| (dot(axes[i], axes[j]) - f64::from(u8::from(i == j))).abs();
+    let all = (0..9).map(|k| off(k / 3, k % 3));
+    all.fold(0.0, f64::max) / UNIT_SINGLE
+}
+
+/// A point that is put together from its heights along a normal, an axis made perpendicular to it, and the third.
+fn of_three_heights(x: &[f64]) -> f64 {
+    let point: Vector<Traced> = Traced::vector(&x[6..]);
+    let divided = |v: Vector<Traced>| v.map(|c| c.over(Traced::length(v)).computed());
+    let n = divided(Traced::vector(x));
+    let mut v: Vector<Traced> = Traced::vector(&x[3..]);
+    // An axis with a cosine of less than a tenth.
+    let tilt = dot(n, v).value;
+    v = sub(v, scaled(n, Traced::input(tilt))).map(Measured::computed);
+    let lean = Traced::input(0.0995 * Traced::length(v).value * tilt.clamp(-1.0, 1.0));
+    v = sum(v, scaled(n, lean)).map(Measured::computed);
+    let long = divided(sub(v, scaled(n, dot(n, v))).map(Measured::computed));
+    let wide = cross(n, long).map(Measured::computed);
+    let parts = [n, long, wide].map(|axis| scaled(axis, dot(axis, point)));
+    let whole = sum(sum(parts[0], parts[1]), parts[2]);
+    let off = [0, 1, 2].map(|k| point[k].above(whole[k]));
+    size(&off) / size(&x[6..]) / f64::EPSILON * 2.0
 }
