@@ -22,6 +22,7 @@ use crate::composite::meet::bounds;
 use crate::convex::depth::pyramid::PyramidSide;
 use crate::convex::minimum::gjk::{self, Minimum};
 use crate::convex::minimum::start::vertex_of;
+use crate::convex::solve::closed_form;
 use crate::convex::walk;
 use crate::pair::certificate;
 use crate::pair::difference::support;
@@ -327,6 +328,30 @@ pub fn double_quotient(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     [hi, lo]
 }
 
+/// The distance of two features in closed form.
+pub struct FeatureDistance {
+    pub distance: [f64; 2],
+    pub error: f64,
+}
+
+/// Returns the distance of two features, if they are the closest ones beyond doubt, for points of
+/// the bodies close to the closest points.
+pub fn closed_form(
+    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+    pose: &RelativePose,
+    features: FeaturePair,
+    (x, y): (Triple, Triple),
+) -> Option<FeatureDistance> {
+    let posed = PosedPair::new(a, b, pose).ok()?;
+    let mut draft = draft::Draft::starting_at(features);
+    (draft.point_on_a, draft.point_on_b) = (x.into(), y.into());
+    let form = closed_form::closed_form(&posed, &draft)?;
+    Some(FeatureDistance {
+        distance: [form.distance.hi, form.distance.lo],
+        error: form.error,
+    })
+}
+
 /// Returns the constants of `tolerance` by name, each in the roundings that the constant counts.
 pub fn constants() -> Vec<(&'static str, f64)> {
     macro_rules! by {
@@ -339,10 +364,10 @@ pub fn constants() -> Vec<(&'static str, f64)> {
         NORMAL_ERROR BOX_TURNED DISPLACEMENT FLANK SLANT TURN PLANE BALLS RAY PLACED_BALL SHAPE_POINT CARRIED
         PARALLEL_AXES WAY ODOMETER TICK REGION PLATEAU CROSS_CANCELLED PLANE_OFFSET NEAR_PLANE BOX_EXTENT CURVATURE
         TAYLOR SURFACE_POINT PATCH_SLOPE BENT DIFFERENCE ON_BOUNDARY PATH_GAP
-        PATH_VOLUME PATH_AREA);
+        PATH_VOLUME PATH_AREA CLEARLY);
     #[cfg(feature = "serde")]
     all.extend(by!(unit, NORMALISED));
-    all.extend(by!(1.0, VOLUME CERTIFICATE LEAST_RISE LEAST_SQUARE));
+    all.extend(by!(1.0, VOLUME CERTIFICATE CLOSED_FORM LEAST_RISE LEAST_SQUARE));
     all.extend(by!(unit * unit, UNIT_DOUBLE_DOUBLE));
     let raised = [
         ("ROUND_UP", tolerance::ROUND_UP),

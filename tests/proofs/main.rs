@@ -7,6 +7,7 @@
 
 mod bounds;
 mod certificate;
+mod closed_form;
 mod gappa;
 mod inputs;
 mod lemmas;

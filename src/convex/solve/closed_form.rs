@@ -116,18 +116,17 @@ fn edges<P: OrderedPair>(posed: &PosedPair, pair: &P, first: EdgeId, second: Edg
     let n = cross(&u, &g);
     let height = dot(&w, &n);
     let [w_near, u_near, g_near, n_near] = [&w, &u, &g, &n].map(rounded);
-    let n_near = if height.value() < 0.0 { -n_near } else { n_near };
     let (lengths, normal) = (u_near.norm() * g_near.norm(), n_near.norm());
     let doubt = CLEARLY * normal * w_near.norm();
-    let turn = u_near.cross(&g_near);
-    let (on_u, on_g) = (turn.dot(&w_near.cross(&g_near)), turn.dot(&w_near.cross(&u_near)));
+    let (on_u, on_g) = (n_near.dot(&w_near.cross(&g_near)), n_near.dot(&w_near.cross(&u_near)));
     let squared = normal * normal;
     let within = |part: f64, length: f64| part > doubt * length && squared - part > doubt * length;
+    let is_below = height.value() < 0.0;
+    let (height, n_near) = if is_below { (-height, -n_near) } else { (height, n_near) };
     let is_proven = within(on_u, g_near.norm())
         && within(on_g, u_near.norm())
         && stands(pair.second(), &[v, v_head], &n_near, normal)
         && stands_first(pair, &[p, p_head], &n_near, normal);
-    let height = if height.value() < 0.0 { -height } else { height };
     is_proven.then(|| finish(pair, height / root(dot(&n, &n)), lengths / normal, &n_near))
 }
 

@@ -14,7 +14,7 @@
 //! next finer arithmetic.
 
 #[cfg(feature = "exact")]
-mod closed_form;
+pub(crate) mod closed_form;
 pub(crate) mod ladder;
 #[cfg(test)]
 mod mutation;

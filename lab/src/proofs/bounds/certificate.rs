@@ -50,7 +50,7 @@ fn variable(letter: char) -> Polynomial {
 }
 
 /// Relative error of a length: three squares, two sums, the root.
-fn of_length(precision: u32) -> RBig {
+pub(super) fn of_length(precision: u32) -> RBig {
     let r = rounding(precision);
     // Half of three roundings, and one; in double-double the root is a quotient, a sum and less than one more.
     let root = if precision == DOUBLE { 1 } else { 3 };
@@ -396,7 +396,7 @@ fn weights() -> RBig {
 
 /// The matrix of a quaternion in double-double. Its factor errs by four products and three sums, of which each square
 /// passes four, and by a quotient.
-fn turn_of_twice() -> Turn {
+pub(super) fn turn_of_twice() -> Turn {
     let exactly: [Majorant; 4] = std::array::from_fn(|k| Majorant::input_in(TWICE, 'q', k as u8, &RBig::ZERO));
     let rows = certificate::rotation(exactly, Majorant::exact(2.0));
     let factor = RBig::from(5) * rounding(TWICE) * (RBig::ONE + power(-40));

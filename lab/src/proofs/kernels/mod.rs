@@ -2,6 +2,7 @@
 
 pub mod boxes;
 pub mod certificate;
+pub mod closed_form;
 pub mod double;
 pub mod patches;
 pub mod paths;

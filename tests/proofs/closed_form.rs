@@ -1,0 +1,158 @@
+//! Distances of features in closed form: bit for bit those of the transcription, and of no pair of features but the
+//! closest.
+
+use lab::exact;
+use lab::motion::{self, Frame};
+use lab::pose::radius;
+use lab::proofs::kernels::double::Twice;
+use lab::proofs::kernels::{certificate, closed_form};
+use lab::proofs::number::{Number, Vector, cross, dot, sub};
+use lab::proofs::vectors::Coordinates;
+use lab::rng::Rng;
+use lab::shapes::{self, Shape};
+use lab::{Body, Class, Pose, support};
+use lin_canny::proofs::{self, FeatureDistance};
+use lin_canny::{ConvexPolyhedron, Feature, FeaturePair, RelativePose, Tracker, VertexId};
+
+type Double = Coordinates<Twice>;
+
+fn features(body: &ConvexPolyhedron) -> Vec<Feature> {
+    let vertices = body.vertices().map(Feature::Vertex);
+    vertices
+        .chain(body.edges().map(Feature::Edge))
+        .chain(body.faces().map(Feature::Face))
+        .collect()
+}
+
+fn asked(
+    bodies: (&ConvexPolyhedron, &ConvexPolyhedron),
+    pose: &RelativePose,
+    [a, b]: [Feature; 2],
+) -> Option<FeatureDistance> {
+    let at = Tracker::new().closest(bodies.0, bodies.1, pose);
+    let points = (at.point_on_a.coords.into(), at.point_on_b.coords.into());
+    proofs::closed_form(bodies, pose, FeaturePair { a, b }, points)
+}
+
+/// The vertices of a feature, of a face the first three.
+fn corners(body: &ConvexPolyhedron, feature: Feature) -> Vec<Vector<Twice>> {
+    let ids: Vec<VertexId> = match feature {
+        Feature::Vertex(v) => vec![v],
+        Feature::Edge(e) => body.edge_vertices(e).expect("an edge").to_vec(),
+        Feature::Face(f) => body.face_vertices(f).take(3).collect(),
+    };
+    let at = |v: VertexId| <[f64; 3]>::from(body.vertex(v).expect("a vertex").coords).map(Twice::exact);
+    ids.into_iter().map(at).collect()
+}
+
+/// The distance of two features, the one on the second body the greater: a face before an edge before a vertex.
+fn transcribed(pose: &RelativePose, [low, high]: [&[Vector<Twice>]; 2]) -> Twice {
+    let (p, q) = pose.poses();
+    // The frame is that of the greater feature.
+    let rotations = [&p, &q].map(|pose| {
+        let c = pose.rotation.coords;
+        let [x, y, z, w] = [c.x, c.y, c.z, c.w].map(Twice::exact);
+        let s = Twice::exact(2.0).over(x * x + y * y + z * z + w * w);
+        certificate::rotation([x, y, z, w], s)
+    });
+    let apart = [0, 1, 2].map(|k| {
+        let (high, low) = lab::proofs::traced::two_sum(q.translation.vector[k], -p.translation.vector[k]);
+        Twice([high, low])
+    });
+    let w = certificate::shift::<Double>(rotations, [high[0], low[0]], apart);
+    let sides = |at: &[Vector<Twice>]| [sub(at[1], at[0]), sub(at[at.len() - 1], at[0])];
+    let over = |edges: [Vector<Twice>; 2]| {
+        let (n, height) = closed_form::height::<Double>(w, edges);
+        let height = if height.0[0] < 0.0 { -height } else { height };
+        height.over(dot(n, n).root())
+    };
+    match (low.len(), high.len()) {
+        (1, 1) => dot(w, w).root(),
+        (1, 2) => {
+            let [u, _] = sides(high);
+            let area = cross(w, u);
+            dot(area, area).over(dot(u, u)).root()
+        }
+        (1, _) => over(sides(high)),
+        _ => over([sides(high)[0], closed_form::turned::<Double>(rotations, sides(low)[0])]),
+    }
+}
+
+fn kind(feature: Feature) -> usize {
+    match feature {
+        Feature::Vertex(_) => 0,
+        Feature::Edge(_) => 1,
+        Feature::Face(_) => 2,
+    }
+}
+
+/// Asks of all pairs of features, and returns of which kinds a pair was proven.
+fn judge(shapes: [&Shape; 2], frame: &Frame) -> Option<[usize; 2]> {
+    let bodies = shapes.map(support::body);
+    let pose = support::relative(frame);
+    let truth = exact::solve(Body::from(shapes[0]), &frame.a, Body::from(shapes[1]), &frame.b);
+    if truth.class != Class::Separated {
+        return None;
+    }
+    let mut proven = None;
+    for a in features(&bodies[0]) {
+        for b in features(&bodies[1]) {
+            let Some(told) = asked((&bodies[0], &bodies[1]), &pose, [a, b]) else { continue };
+            let (d, s) = (told.distance[0], truth.distance);
+            let what = format!("{a:?} {b:?}: {d:e} is not {s:e}, {shapes:?} {frame:?}");
+            assert!((d - s).abs() <= told.error + (s.next_up() - s), "{what}");
+            assert!(proven.is_none(), "two pairs of features are the closest: {what}");
+            proven = Some([kind(a), kind(b)]);
+            if shapes.iter().all(|s| s.faces.iter().all(|f| f.len() == 3)) {
+                let at = [corners(&bodies[0], a), corners(&bodies[1], b)];
+                let ours = if kind(a) < kind(b) {
+                    transcribed(&pose.swapped(), [&at[0], &at[1]])
+                } else {
+                    transcribed(&pose, [&at[1], &at[0]])
+                };
+                assert_eq!(ours, Twice(told.distance), "{what}");
+            }
+        }
+    }
+    proven
+}
+
+/// Half turns and whole translations: many pairs of features are equally near.
+fn lattice_frame(rng: &mut Rng) -> Frame {
+    let mut pose = |apart: f64| {
+        let axis = rng.below(4);
+        Pose {
+            q: std::array::from_fn(|k| f64::from(u8::from(k == axis))),
+            t: [0, 1, 2].map(|_| (apart * rng.range(-1.0, 1.0)).round()),
+        }
+    };
+    Frame {
+        a: pose(2.0),
+        b: pose(9.0),
+    }
+}
+
+#[test]
+fn what_is_proven_is_the_closest() {
+    let mut rng = Rng::new(61);
+    let mut found = [[0; 3]; 3];
+    for k in 0..400 {
+        let mut make = || match k % 3 {
+            0 => shapes::sphere(&mut rng, 4).solved(),
+            1 => shapes::sphere(&mut rng, 7).solved(),
+            _ => shapes::lattice(&mut rng, 8, 3).solved(),
+        };
+        let (a, b) = (make(), make());
+        let radii = (radius(&a.points), radius(&b.points));
+        for mut frame in motion::random_poses(&mut rng, 4, radii, (0.7, 1.6), 1.0) {
+            if k % 6 == 5 {
+                frame = lattice_frame(&mut rng);
+            }
+            if let Some([i, j]) = judge([&a, &b], &frame) {
+                found[i][j] += 1;
+            }
+        }
+    }
+    let kinds = [(0, 0), (0, 1), (1, 0), (0, 2), (2, 0), (1, 1)];
+    assert!(kinds.iter().all(|(i, j)| found[*i][*j] > 20), "{found:?}");
+}
