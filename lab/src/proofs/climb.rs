@@ -5,6 +5,7 @@
 
 mod certificate;
 mod chains;
+mod closed_form;
 mod composed;
 mod faces;
 mod placed;
@@ -35,6 +36,7 @@ pub fn all() -> impl Iterator<Item = &'static Climb> {
     let others = [
         certificate::ALL,
         chains::ALL,
+        closed_form::ALL,
         composed::ALL,
         faces::ALL,
         placed::ALL,

@@ -64,7 +64,7 @@ fn entries(x: &[f64]) -> f64 {
 }
 
 /// The relative pose, as computed and true.
-fn posed(x: &[f64]) -> Posed {
+pub(super) fn posed(x: &[f64]) -> Posed {
     let (a, b): ([f64; 4], [f64; 4]) = (unit(x), unit(&x[4..]));
     let (a, b) = (Traced::vector(&a), Traced::vector(&b));
     let (na, nb) = (poses::squared_norm(a), poses::squared_norm(b));
@@ -92,7 +92,7 @@ fn posed_twice(x: &[f64]) -> Placing<Coordinates<TracedTwice>> {
     }
 }
 
-fn size(v: &[f64]) -> f64 {
+pub(super) fn size(v: &[f64]) -> f64 {
     v[..3].iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
