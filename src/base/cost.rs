@@ -30,8 +30,9 @@
 //! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three
 //!   nanoseconds more than the walk alone.
 //! * **The last bit is expensive**: [`closest_exact`](crate::Tracker) takes microseconds, in this
-//!   table some hundred times a certified answer. Since this record it has become 1.6 to 7 times as
-//!   fast: 17 to 44 times a certified answer (`BENCHMARKS.md`).
+//!   table some hundred times a certified answer. Since this record it has become faster: some ten
+//!   times a certified answer if the closest features are beyond doubt, some forty times if not
+//!   (`BENCHMARKS.md`).
 //!
 //! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its
 //! spread (parry's `distance` caches nothing between frames):

@@ -242,7 +242,7 @@ fn race(scene: &'static str, shape: &'static str, n: usize, pairs: &[Pair], quic
     // A slow engine gets fewer frames a pass, never fewer than one motion of it needs to warm up.
     let share = |e: Engine| match e {
         Engine::ParryDistance => (40_000 / n).clamp(16, frames),
-        Engine::Exact => frames.min(200),
+        Engine::Exact => frames.min(4000),
         _ => frames,
     };
     let rounds = if quick { 3 } else { 9 };
@@ -362,7 +362,14 @@ pub(crate) fn run(o: &Options) -> Rows {
                 }
             }
             (false, true) => 250,
-            (false, false) => 2000,
+            // So many that branch predictors learn no frame by heart.
+            (false, false) => {
+                if n < 2048 {
+                    20_000
+                } else {
+                    6000
+                }
+            }
         };
         let count = if cold { 256 } else { 1 };
         let pairs: Vec<Pair> = (0..count)
