@@ -33,7 +33,7 @@ mod way;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::base::num::scalar::{magnitude, sqrt};
+use crate::base::num::scalar::{lesser, magnitude, sqrt};
 use crate::base::tolerance::{SQUARE_MIN, UNIT};
 
 pub use error::MotionError;
@@ -149,9 +149,13 @@ impl Course {
     /// Returns whether all numbers are finite, and no bound is negative: else nothing is known of
     /// the motion.
     pub(crate) fn is_known(&self) -> bool {
+        // Zero times a finite number is zero, and NaN times any other: no branch a number.
+        let none = |numbers: &[f64]| numbers.iter().fold(0.0, |sum, x| sum + 0.0 * x);
+        let least = |drift: &Drift| drift.0.iter().fold(0.0, |least, d| lesser(least, *d));
         let vectors = [&self.pivot.coords, &self.linear, &self.angular, &self.acceleration];
-        let is_bound = |drift: &Drift| drift.0.iter().all(|d| (0.0..f64::INFINITY).contains(d));
-        vectors.iter().all(|v| v.iter().all(|x| x.is_finite())) && is_bound(&self.shift) && is_bound(&self.turn)
+        let vectors = vectors.map(|v| none(v.as_slice()));
+        let bounds = [&self.shift, &self.turn].map(|drift| none(&drift.0) + least(drift));
+        none(&vectors) + (bounds[0] + bounds[1]) == 0.0
     }
 
     /// Returns the course on a clock with this unit, a power of two.
@@ -191,7 +195,7 @@ impl Drift {
     }
 
     /// Returns the bound on a clock with this unit.
-    fn on_clock(&self, unit: f64) -> Self {
+    pub(crate) fn on_clock(&self, unit: f64) -> Self {
         let [d0, d1, d2, d3] = self.0;
         Self([d0, d1 * unit, d2 * unit * unit, d3 * unit * unit * unit])
     }
@@ -202,6 +206,9 @@ pub(crate) fn length(v: &Vector3<f64>) -> f64 {
     let square = v.norm_squared();
     if square > SQUARE_MIN && square < 1.0 / SQUARE_MIN {
         return sqrt(square);
+    }
+    if v.x == 0.0 && v.y == 0.0 && v.z == 0.0 {
+        return 0.0;
     }
     let unit = magnitude(v.amax());
     unit * sqrt((v / unit).norm_squared())

@@ -180,5 +180,5 @@ fn stands(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>, scale: 
 /// Returns the same of the vertices of `first`, along the direction opposite to `n` of the frame of
 /// `second`.
 fn stands_first<P: OrderedPair>(pair: &P, level: &[VertexId], n: &Vector3<f64>, scale: f64) -> bool {
-    let _ = (level, n, scale, pair); true
+    stands(pair.first(), level, &-pair.direction_in_first(n), scale)
 }

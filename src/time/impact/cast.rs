@@ -68,9 +68,9 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         };
         while budget.left > 0 {
             budget.left -= 1;
-            let (relative, flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
-            let apart = flight.apart(self.pair);
-            if flight.is_known() {
+            let (relative, mut flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
+            let (apart, is_known) = (flight.apart(self.pair), flight.is_known());
+            if is_known {
                 if apart.span >= flight.span && apart.span > 0.0 {
                     self.note((time, self.until), self.distance, Proof::Balls);
                     return Ok(Impact::Miss);
@@ -101,13 +101,13 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
                     }
                 });
             }
-            if !flight.is_known() {
+            if !is_known {
                 break;
             }
             if flight.span == 0.0 {
                 return Ok(self.at_once(time, seen, apart.noise, &relative));
             }
-            match self.step(time, &seen, flight, apart.noise, &mut budget)? {
+            match self.step(time, &seen, &mut flight, apart.noise, &mut budget)? {
                 Next::Go(next) => time = next,
                 Next::Found(impact) => return Ok(impact),
             }
@@ -156,13 +156,13 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         &mut self,
         time: f64,
         seen: &Measure,
-        mut flight: Flight,
+        flight: &mut Flight,
         noise: f64,
         budget: &mut LookBudget,
     ) -> Result<Next, PoseError> {
         let gap = seen.upper - self.distance;
         let least = LEAST * noise;
-        let whole = self.allowed(seen, &flight).max(least);
+        let whole = self.allowed(seen, flight).max(least);
         if gap > whole {
             budget.shrunk = 1.0;
         }
@@ -170,7 +170,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             let allowed = (whole * budget.shrunk).max(least);
             if gap <= allowed {
                 let last = !(allowed > least);
-                if let Some(hit) = self.hit(time, seen, &flight, gap + AIM * allowed, last)? {
+                if let Some(hit) = self.hit(time, seen, flight, gap + AIM * allowed, last)? {
                     let seen = *seen;
                     return Ok(Next::Found(Impact::Hit { safe: time, hit, seen }));
                 }
@@ -183,7 +183,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             }
             let aim = if gap <= allowed { 0.0 } else { AIM * allowed };
             flight.keep = self.distance + aim;
-            let free = self.pair.free_for(seen, &flight);
+            let free = self.pair.free_for(seen, flight);
             if free.span >= flight.span {
                 self.note((time, self.until), flight.keep, free.proof);
                 return Ok(Next::Found(Impact::Miss));
@@ -251,6 +251,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
 }
 
 /// Both motions from a time on, to the end of an interval.
+#[inline]
 pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
     motion_a: &A,
     motion_b: &B,

@@ -43,20 +43,22 @@ fn about<S: Separation + ?Sized>(pair: &S, of: Operand, pose: &Isometry3<f64>, c
 }
 
 pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart {
-    let (timed, tick) = flight.on_own_clock();
-    let (a, b, span) = (&timed.course_a, &timed.course_b, timed.span);
+    let (a, b) = (&flight.course_a, &flight.course_b);
+    // On the flight's own clock, see [`Flight::on_own_clock`].
+    let tick = magnitude(flight.span);
+    let span = flight.span / tick;
     let (radius_a, lever_a) = about(pair, Operand::A, &flight.pose_a, a);
     let (radius_b, lever_b) = about(pair, Operand::B, &flight.pose_b, b);
     let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
-    let (between, velocity) = (offset + (lever_b - lever_a), b.linear - a.linear);
-    let drift = a.drift(radius_a) + b.drift(radius_b);
+    let (between, velocity) = (offset + (lever_b - lever_a), flight.velocity() * tick);
+    let drift = (a.drift(radius_a) + b.drift(radius_b)).on_clock(tick);
     let reach = radius_a + radius_b;
     let size = reach + length(&offset) + 2.0 * (length(&a.pivot.coords) + length(&b.pivot.coords));
     let noise = PLANE * size + drift.0[0] + f64::MIN_POSITIVE;
     let near = reach + flight.keep + noise;
     // What grows faster than evenly may take half of the gap: as far ahead as that.
     let Drift([_, d1, d2, d3]) = drift;
-    let growth = Drift([0.0, d1, d2 + length(&(b.acceleration - a.acceleration)), d3]);
+    let growth = Drift([0.0, d1, d2 + length(&flight.acceleration()) * tick * tick, d3]);
     let ahead = until_as_far(&growth, greater(0.0, 0.5 * (length(&between) - near)), span);
     let radius = near + growth.at(ahead);
     let until = until_as_near(&between, &velocity, radius);
