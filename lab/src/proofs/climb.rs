@@ -6,6 +6,7 @@
 mod certificate;
 mod chains;
 mod composed;
+mod curved;
 mod faces;
 mod placed;
 mod single;
@@ -36,6 +37,7 @@ pub fn all() -> impl Iterator<Item = &'static Climb> {
         certificate::ALL,
         chains::ALL,
         composed::ALL,
+        curved::ALL,
         faces::ALL,
         placed::ALL,
         single::ALL,

@@ -4,6 +4,7 @@ mod bends;
 mod boxes;
 mod certificate;
 mod chains;
+mod curved;
 mod double;
 mod motions;
 mod patches;
@@ -95,6 +96,7 @@ pub fn all() -> Vec<Bound> {
         signs::bounds(),
         poses::bounds(),
         certificate::bounds(),
+        curved::bounds(),
         places::bounds(),
         patches::bounds(),
         paths::bounds(),

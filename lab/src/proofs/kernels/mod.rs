@@ -2,6 +2,7 @@
 
 pub mod boxes;
 pub mod certificate;
+pub mod curved;
 pub mod double;
 pub mod patches;
 pub mod paths;
