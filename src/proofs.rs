@@ -22,11 +22,12 @@ use crate::composite::front;
 use crate::composite::meet::bounds;
 use crate::convex::depth::pyramid::PyramidSide;
 use crate::convex::minimum::gjk::{self, Minimum};
+use crate::convex::minimum::simplex::Simplex;
 use crate::convex::minimum::start::vertex_of;
 use crate::convex::smooth;
 use crate::convex::walk;
 use crate::pair::certificate;
-use crate::pair::difference::support;
+use crate::pair::difference::{MinkowskiPoint, support};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::pair::{draft, star};
@@ -71,6 +72,19 @@ pub fn scaled_down(x: f64, unit: f64) -> f64 {
 
 pub fn volume(a: Triple, b: Triple, c: Triple) -> f64 {
     scalar::dot(&a, &scalar::cross(&b, &c))
+}
+
+/// Returns the weights of the corners of a triangle, its direction and the squared distance of the
+/// origin; `None` if the origin is nearest to an edge.
+pub fn triangle(corners: [Triple; 3]) -> Option<(Triple, Triple, f64)> {
+    let corner = |w: Triple| MinkowskiPoint {
+        a: VertexId(0),
+        b: VertexId(0),
+        w,
+    };
+    let simplex = Simplex::triangle(corners.map(corner));
+    let weights = simplex.weights().try_into().ok()?;
+    Some((weights, simplex.direction(), simplex.squared_distance()))
 }
 
 pub fn place(ends: [Triple; 2], time: f64) -> Triple {
@@ -353,6 +367,17 @@ pub fn double_product(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 pub fn double_quotient(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     let DoubleDouble { hi, lo } = double(a) / double(b);
     [hi, lo]
+}
+
+/// Returns limits of lengths and directions by name: powers of two.
+pub fn limits() -> [(&'static str, f64); 5] {
+    [
+        ("FAR", tolerance::FAR),
+        ("NEAR", tolerance::NEAR),
+        ("SMALL_PAIR", tolerance::SMALL_PAIR),
+        ("PATCH_MAX", tolerance::PATCH_MAX),
+        ("PATH_DIRECTION", tolerance::PATH_DIRECTION),
+    ]
 }
 
 /// Returns the constants of `tolerance` by name, each in the roundings that the constant counts.

@@ -7,9 +7,12 @@
 
 mod bounds;
 mod certificate;
+mod curved;
+mod directions;
 mod gappa;
 mod inputs;
 mod lemmas;
+mod range;
 mod table;
 mod transcribed;
 mod underflow;
