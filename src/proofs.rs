@@ -16,16 +16,19 @@ use crate::base::pose::{self, Operand, RelativePose};
 use crate::base::tolerance;
 use crate::body::polyhedron::build::hull;
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair, Plane, VertexId, heights, query};
+use crate::body::shape::{Core, Shape};
 use crate::composite::continuous::paths;
 use crate::composite::front;
 use crate::composite::meet::bounds;
 use crate::convex::depth::pyramid::PyramidSide;
 use crate::convex::minimum::gjk::{self, Minimum};
+use crate::convex::minimum::simplex::Simplex;
 use crate::convex::minimum::start::vertex_of;
 use crate::convex::solve::closed_form;
+use crate::convex::smooth;
 use crate::convex::walk;
 use crate::pair::certificate;
-use crate::pair::difference::support;
+use crate::pair::difference::{MinkowskiPoint, support};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::pair::{draft, star};
@@ -70,6 +73,19 @@ pub fn scaled_down(x: f64, unit: f64) -> f64 {
 
 pub fn volume(a: Triple, b: Triple, c: Triple) -> f64 {
     scalar::dot(&a, &scalar::cross(&b, &c))
+}
+
+/// Returns the weights of the corners of a triangle, its direction and the squared distance of the
+/// origin; `None` if the origin is nearest to an edge.
+pub fn triangle(corners: [Triple; 3]) -> Option<(Triple, Triple, f64)> {
+    let corner = |w: Triple| MinkowskiPoint {
+        a: VertexId(0),
+        b: VertexId(0),
+        w,
+    };
+    let simplex = Simplex::triangle(corners.map(corner));
+    let weights = simplex.weights().try_into().ok()?;
+    Some((weights, simplex.direction(), simplex.squared_distance()))
 }
 
 pub fn place(ends: [Triple; 2], time: f64) -> Triple {
@@ -126,9 +142,14 @@ fn isometry([x, y, z, w]: [f64; 4], t: Triple) -> Isometry3<f64> {
 /// Returns the rows of the rotation, and the translation; `None` for poses that are refused.
 pub fn relative_pose(a: ([f64; 4], Triple), b: ([f64; 4], Triple)) -> Option<([Triple; 3], Triple)> {
     let both = RelativePose::new(&isometry(a.0, a.1), &isometry(b.0, b.1)).ok()?;
-    let m = both.rotation();
+    Some(placing(&both))
+}
+
+/// Returns the rows of the rotation, and the translation.
+pub fn placing(pose: &RelativePose) -> ([Triple; 3], Triple) {
+    let m = pose.rotation();
     let rows = [0, 1, 2].map(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]]);
-    Some((rows, both.translation().into()))
+    (rows, pose.translation().into())
 }
 
 pub fn rotation_matrix(q: [f64; 4], s: f64) -> [Triple; 3] {
@@ -309,6 +330,27 @@ fn solved<T: Scalar>(posed: &PosedPair, frame: &Transform<T>) -> Option<MinimumE
     })
 }
 
+/// What two directions tell of an ellipsoid and of a cylinder or cone at a pose: each divided by its
+/// length, the height and the distance of its support points; and the distance of a mixture.
+pub type CurvedEnd = ([(Triple, f64, f64); 2], f64);
+
+/// Returns what two directions tell of two curved shapes.
+pub fn curved_end(
+    (a, b): (&Shape, &Shape),
+    pose: &RelativePose,
+    directions: [Triple; 2],
+    weights: [f64; 2],
+) -> Option<CurvedEnd> {
+    let (matrix, translation) = placing(pose);
+    let frame = Transform { matrix, translation };
+    match (a.core(), b.core()) {
+        (Core::Ellipsoid(a), Core::Cylinder(b)) => smooth::bounds_along((a, b), frame, directions, weights),
+        (Core::Ellipsoid(a), Core::Cone(b)) => smooth::bounds_along((a, b), frame, directions, weights),
+        (Core::Ellipsoid(a), Core::Ellipsoid(b)) => smooth::bounds_along((a, b), frame, directions, weights),
+        _ => None,
+    }
+}
+
 fn double([hi, lo]: [f64; 2]) -> DoubleDouble {
     DoubleDouble { hi, lo }
 }
@@ -350,6 +392,17 @@ pub fn closed_form(
         distance: [form.distance.hi, form.distance.lo],
         error: form.error,
     })
+}
+
+/// Returns limits of lengths and directions by name: powers of two.
+pub fn limits() -> [(&'static str, f64); 5] {
+    [
+        ("FAR", tolerance::FAR),
+        ("NEAR", tolerance::NEAR),
+        ("SMALL_PAIR", tolerance::SMALL_PAIR),
+        ("PATCH_MAX", tolerance::PATCH_MAX),
+        ("PATH_DIRECTION", tolerance::PATH_DIRECTION),
+    ]
 }
 
 /// Returns the constants of `tolerance` by name, each in the roundings that the constant counts.

@@ -40,10 +40,12 @@
 //! | `STEEPER` | 5: the same, an axis that is a sum of products of two lengths, and an edge | `2^740`, of directions scaled to `2^400` in double-double `2^840` | D |
 //! | `VOLUME` | 3 | `2^903` | S |
 //! | weights of a triangle of a simplex | 4: three edges, one length between bodies | `2^630` | S |
-//! | `ORIENTATION` | 3; the square of the height of a side as a quotient, 6 over 4 | `2^645` | S: a side that counts is higher than `2^-44 L`, and the root of the quotient is above `2^-150` |
+//! | `ORIENTATION` | 3; the square of the height of a side as a quotient, 6 over 4 | `2^650` | S: a side that counts is higher than `2^-44 L`, and the root of the quotient is above `2^-150` |
 //! | `SIDE_ERROR` and the exact predicates of the hull | 3, of one body | `2^324` | `FLUSH_EXPONENT` |
 //! | `LEAST_SQUARE`, `ODOMETER`, `WAY`: scenes, in the caller's unit | 2 | `2^250` (`SCENE_REACH`) | G |
-//! | curved pairs | 5, as lengths from `2^-200` to `2^200` (`SMALL_PAIR`) allow | `2^1000` | S |
+//! | curved pairs: squares of heights over triangles of their differences | 6, as lengths from `2^-140` to `2^140` (`SMALL_PAIR`) allow | `2^852` | S |
+//! | squares of heights over triangles of a simplex, of polyhedra and of control nets | 6 over 4: two edges each, one length between bodies | `2^756` up to lengths of `2^160`, `2^1036` at `FAR` | a square that is not finite is no progress: the next solver, or the split of a net, answers |
+//! | `PATH_GAP`, `PATH_AREA`, `PATH_VOLUME`: coordinates below one, directions up to `2^200` | 1, 2, 3 | `2^204` | directions are longer than `2^-200` (`PATH_DIRECTION`) |
 //! | `BALLS`: casts | 4, of lengths and velocities scaled to less than 4 a coordinate | `2^8` | G: what is lost is far below `BALLS` |
 //! | `PATCH_POINT` and the other bounds of points and heights of patches, of control points up to `2^200` (`PATCH_MAX`) | 1, squares 2; weights up to one and down to `2^-40` | `2^602` | S |
 //! | normals of patches: products of two derivatives, up to `2^247` (42 R over the least weight), squared | 4 | `2^992` | a square that is not normal counts as no normal |
@@ -54,19 +56,28 @@
 //! # What is proved by machine
 //!
 //! The kernels are transcribed once more in `lab/src/proofs`, over any kind of number. With f64 a
-//! transcription agrees with the crate bit for bit; with polynomials of errors in exact rationals
-//! it yields a bound for all inputs, told below beside what the constant, or a part of its
-//! derivation, allows, and the largest error that a search of some seconds finds. All are in
-//! roundings of the format: `UNIT`, `UNIT_SINGLE` or the square of `UNIT`. `tests/proofs`
-//! compares all of it with the code, and proves the cases of underflow above, but for the quotient
-//! of a side's height and the comparisons of degree five of curved pairs, which are prose. Rows of
-//! `CERTIFICATE` by feature pair are those of polyhedra, in the frame of one body: displaced
-//! bodies and what is computed of them, as a polynomial of both radii and the distance, which is
-//! compared with their sum, so that how the parts add up is proved too. What an error of a
-//! quaternion does to its matrix is proved by identities of polynomials (`lemmas`). The parts of
-//! `DISPLACEMENT` told "per" a length, and those of `BOXES` and `PLANE`, are each proved for one
-//! length alone, as they are linear in all; this is prose. A row that is a sum of others may have
-//! no error found, as the parts have theirs.
+//! transcription agrees with the crate bit for bit. With polynomials of errors in exact rationals
+//! it yields a bound for all inputs: *proved*, below, beside what the constant, or a part of its
+//! derivation, *allows*. With numbers that carry their own error it is attacked from below: *found*
+//! is the largest error that a search of some seconds meets, far from the bound where many
+//! roundings would have to conspire. All are in roundings of the format: `UNIT`, `UNIT_SINGLE`,
+//! `UNIT_DOUBLE_DOUBLE` for rows in double-double, or the square of `UNIT`. `tests/proofs` compares
+//! all of it with the code; nothing but Rust is needed. Gappa proves roots, quotients and chains of
+//! scalars once more where it is installed (`.ci/proofs`).
+//!
+//! * **Rows of `CERTIFICATE`** by feature pair, solver or kind of body are whole bounds of a distance:
+//!   displaced bodies and what is computed of them, as a polynomial of both radii and the distance,
+//!   which is compared with their sum, so that how the parts add up is proved too. The rows of
+//!   polyhedra hold for pieces and triangles of meshes, which are placed and measured by the same
+//!   kernels. Curved shapes are ellipsoids, cylinders, cones and polyhedra beside them. What an
+//!   error of a quaternion does to its matrix is proved by identities of polynomials.
+//! * **Underflow**: the cases above are tests, kernel by kernel, as is the largest product of each
+//!   row of the table of degrees, with the scale at which the largest of all leaves the range.
+//! * **Prose** remains here: the parts of `DISPLACEMENT` told "per" a length, and those of `BOXES`
+//!   and `PLANE`, are each proved for one length alone, as they are linear in all; the sum of two
+//!   numbers of twice the precision is right by the literature, as the table says; powers and
+//!   logarithms of a superquadric add the error that its own `Support::noise` states; that a
+//!   direction makes a gap a lower bound, and points of the bodies an upper one, is geometry.
 //!
 #![doc = include_str!("tolerance/proved.md")]
 
@@ -480,9 +491,10 @@ pub(crate) const PARALLEL_AXES: f64 = 32.0 * UNIT;
 /// A core smaller than this times the size of its pair, `2^-60`, is a point but for its radius.
 pub(crate) const SPECK: f64 = 1.0 / (1u64 << 60) as f64;
 
-/// Pairs of a size from this, `2^-200`, to its inverse are solved in the caller's unit; all further
-/// pairs in their own unit.
-pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 200) << 52);
+/// Pairs of a size from this, `2^-140`, to its inverse are solved in the caller's unit; all further
+/// pairs in their own unit. The square of a height over a triangle is of degree six: at `2^170` it
+/// would be infinite.
+pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 140) << 52);
 
 /// The distance of two features in closed form (`solve::closed_form`) errs by this times
 /// `UNIT_DOUBLE_DOUBLE`, L, and for heights over a plane the lengths of the two edges over that of

@@ -11,13 +11,13 @@ use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3
 use lin_canny::proofs::{self, WalkEnd};
 use lin_canny::{ConvexPolyhedron, EdgeId, FaceId, Feature, RelativePose, VertexId};
 
-type Single = Coordinates<f64>;
+pub(crate) type Single = Coordinates<f64>;
 
 /// Walks and solves.
-const TRIES: u64 = 100_000;
+pub(crate) const TRIES: u64 = 100_000;
 
 /// Bodies at random, on a lattice, and flat ones.
-fn bodies(rng: &mut Rng) -> Vec<ConvexPolyhedron> {
+pub(crate) fn bodies(rng: &mut Rng) -> Vec<ConvexPolyhedron> {
     let body = |k: usize| {
         let cloud: Vec<Point3<f64>> = (0..4 + k % 9)
             .map(|_| match k % 3 {
@@ -31,7 +31,7 @@ fn bodies(rng: &mut Rng) -> Vec<ConvexPolyhedron> {
     (0..300).filter_map(body).filter(|b| b.face_count() > 3).collect()
 }
 
-fn pose(rng: &mut Rng) -> Option<RelativePose> {
+pub(crate) fn pose(rng: &mut Rng) -> Option<RelativePose> {
     let mut one = |reach: f64| {
         let [x, y, z, w] = match rng.below(3) {
             0 => [0.0, 0.0, 0.0, 1.0],
@@ -75,7 +75,7 @@ fn constant(name: &str) -> f64 {
     all.iter().find(|(n, _)| *n == name).expect("a constant").1 * (f64::EPSILON / 2.0)
 }
 
-fn length(v: Vector<f64>) -> f64 {
+pub(crate) fn length(v: Vector<f64>) -> f64 {
     dot(v, v).sqrt()
 }
 

@@ -1,8 +1,8 @@
 //! The scripts of `lab/proofs`: roots, quotients and chains of scalars once more, by another prover (Gappa, Daumas and
-//! Melquiond 2010).
+//! Melquiond 2010). They speak of the source as it stands; `.ci/proofs` runs them where Gappa is installed, and says so
+//! where it is not.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 fn scripts() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("lab/proofs");
@@ -51,21 +51,4 @@ fn scripts_speak_of_the_source() {
         }
     }
     assert!(constants >= 6, "only {constants} constants");
-}
-
-#[test]
-fn scripts_are_proved_where_gappa_is_installed() {
-    if Command::new("gappa").arg("--version").output().is_err() {
-        println!("gappa is not installed: {} scripts are not run", scripts().len());
-        return;
-    }
-    for path in scripts() {
-        let run = Command::new("gappa").arg(&path).output().expect("gappa runs");
-        assert!(
-            run.status.success(),
-            "{}: {}",
-            path.display(),
-            String::from_utf8_lossy(&run.stderr)
-        );
-    }
 }

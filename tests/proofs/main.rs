@@ -8,9 +8,12 @@
 mod bounds;
 mod certificate;
 mod closed_form;
+mod curved;
+mod directions;
 mod gappa;
 mod inputs;
 mod lemmas;
+mod range;
 mod table;
 mod transcribed;
 mod underflow;

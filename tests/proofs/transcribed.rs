@@ -90,6 +90,24 @@ fn volumes() {
 }
 
 #[test]
+fn weights_of_triangles() {
+    agree("triangle", |inputs| {
+        let [p, q, r]: [Vector<f64>; 3] = [0; 3].map(|_| inputs.numbers());
+        let Some((weights, direction, squared)) = proofs::triangle([p, q, r]) else {
+            return [vec![0.0], vec![0.0]];
+        };
+        let n = signs::normal([sub(q, p), sub(r, p)]);
+        let weight = |x, y| signs::weight(n, sub(y, x), x);
+        let [a, b, c] = [weight(q, r), weight(r, p), weight(p, q)];
+        let (sum, height) = (a + b + c, number::dot(n, p));
+        let of_crate = [&weights[..], &direction, &[squared]].concat();
+        let n = if height < 0.0 { n.map(|x| -x) } else { n };
+        let square = height * height / number::dot(n, n);
+        [of_crate, vec![a / sum, b / sum, c / sum, n[0], n[1], n[2], square]]
+    });
+}
+
+#[test]
 fn sides_of_pyramids() {
     agree("pyramid", |inputs| {
         let [from, to, apex]: [Vector<f64>; 3] = [0; 3].map(|_| inputs.numbers());

@@ -7,6 +7,7 @@ mod certificate;
 mod chains;
 mod closed_form;
 mod composed;
+mod curved;
 mod faces;
 mod placed;
 mod single;
@@ -38,6 +39,7 @@ pub fn all() -> impl Iterator<Item = &'static Climb> {
         chains::ALL,
         closed_form::ALL,
         composed::ALL,
+        curved::ALL,
         faces::ALL,
         placed::ALL,
         single::ALL,

@@ -1,9 +1,10 @@
 //! Numbers whose rounding is measured, in double precision and in twice that.
 
+use super::factor::Positive;
 use super::kernels::double::{ErrorFree, Twice};
 use super::number::{Number, Vector, dot};
 use super::traced::{Traced, two_sum};
-use std::ops::{Add, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number as the code computes it, beside the true one.
 pub trait Measured: Number {
@@ -215,6 +216,32 @@ impl Measured for TracedTwice {
         }
     }
 }
+
+/// Quotients and roots for kernels of positive numbers.
+macro_rules! positive {
+    ($($measured:ty)*) => {
+        $(
+            impl Div for $measured {
+                type Output = Self;
+                fn div(self, other: Self) -> Self {
+                    Measured::over(self, other)
+                }
+            }
+
+            impl Positive for $measured {
+                fn exact(x: f64) -> Self {
+                    Measured::input(x)
+                }
+
+                fn root(self) -> Self {
+                    Measured::root(self)
+                }
+            }
+        )*
+    };
+}
+
+positive!(Traced TracedTwice);
 
 #[cfg(test)]
 mod tests {

@@ -8,6 +8,8 @@ use crate::body::shape::Support;
 use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
+#[cfg(feature = "proofs")]
+use crate::pair::transform::Transform;
 
 /// Most pieces that hold the closest points: one for a vertex of the difference, two for an edge,
 /// three for a face.
@@ -323,4 +325,34 @@ impl<T: Scalar> ProvenBounds<T> {
     pub(super) fn closes<A, B>(&self, posed: &PosedCores<A, B, T>) -> bool {
         self.upper - self.lower <= Self::agreement(posed)
     }
+}
+
+/// What two unit directions tell of a pair, for the tests of the error bounds: the direction, the
+/// height and the distance of its support points for each, and the distance of their mixture.
+#[cfg(feature = "proofs")]
+pub(crate) fn bounds_along<A: Support, B: Support>(
+    (a, b): (&A, &B),
+    frame: Transform<f64>,
+    directions: [Vec3<f64>; 2],
+    weights: [f64; 2],
+) -> Option<([(Vec3<f64>, f64, f64); 2], f64)> {
+    let posed = &PosedCores {
+        a,
+        b,
+        frame,
+        size: 0.0,
+        noise: 0.0,
+    };
+    let mut pieces = [DifferencePoint::default(); 2];
+    let mut told = [([0.0; 3], 0.0, 0.0); 2];
+    for k in 0..2 {
+        let n = super::posed::unit(&directions[k])?;
+        let toward = posed.toward(n);
+        pieces[k] = posed.support(&toward, [0; 2]);
+        let mut best = ProvenBounds::new();
+        told[k] = (n, best.prove(&toward, &pieces[k]), best.point(&pieces[k]));
+    }
+    let mut best = ProvenBounds::new();
+    best.mixture(posed, &pieces, &weights);
+    Some((told, best.upper))
 }

@@ -38,6 +38,8 @@ mod warm;
 
 use alloc::sync::Arc;
 
+#[cfg(feature = "proofs")]
+pub(crate) use best::bounds_along;
 pub(crate) use pair::WarmStart;
 use pair::{SolverSetting, closest_of};
 use polyhedral::PolyhedralCore;

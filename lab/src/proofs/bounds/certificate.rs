@@ -45,7 +45,7 @@ pub(super) fn bounds() -> Vec<Bound> {
     all
 }
 
-fn variable(letter: char) -> Polynomial {
+pub(super) fn variable(letter: char) -> Polynomial {
     Polynomial::variable(letter, 0)
 }
 
@@ -58,9 +58,9 @@ pub(super) fn of_length(precision: u32) -> RBig {
 }
 
 /// Two bodies in the frame of one of them.
-struct Frame {
-    precision: u32,
-    placing: Placing<Lengths>,
+pub(super) struct Frame {
+    pub(super) precision: u32,
+    pub(super) placing: Placing<Lengths>,
     /// By how much the points of the body that is placed are off.
     displacement: Polynomial,
     /// The letters of the body whose frame it is, and of the other.
@@ -83,7 +83,7 @@ impl Frame {
         }
     }
 
-    fn of_a() -> Self {
+    pub(super) fn of_a() -> Self {
         let off = variable('b')
             .scaled(&rotation())
             .plus(&variable('t').scaled(&translation()));
@@ -97,7 +97,7 @@ impl Frame {
         Self::new(DOUBLE, &rotation(), off, ['b', 'a'])
     }
 
-    fn of_double_double() -> Self {
+    pub(super) fn of_double_double() -> Self {
         let rotation = certificate::rotation_between::<Lengths>([turn_of_twice(); 2]).error();
         let off = variable('b').scaled(&rotation).plus(&shifted());
         Self::new(TWICE, &rotation, off, ['a', 'b'])
@@ -110,20 +110,20 @@ impl Frame {
     }
 
     /// So much of L.
-    fn part(&self, of: &RBig) -> Polynomial {
+    pub(super) fn part(&self, of: &RBig) -> Polynomial {
         self.size().scaled(of)
     }
 
-    fn once(&self) -> RBig {
+    pub(super) fn once(&self) -> RBig {
         rounding(self.precision)
     }
 
-    fn arrow(&self, most: Polynomial) -> Arrow {
+    pub(super) fn arrow(&self, most: Polynomial) -> Arrow {
         Arrow::new(self.precision, most, RBig::ZERO)
     }
 
     /// A direction of length one.
-    fn direction(&self) -> Arrow {
+    pub(super) fn direction(&self) -> Arrow {
         self.arrow(RBig::ONE.into())
     }
 
@@ -133,7 +133,7 @@ impl Frame {
 
     /// A row, of the error of what is computed of bodies as placed: with their displacement, the rounding of the bound
     /// less or plus its error term, and the second order.
-    fn row(&self, part: &'static str, kernel: &'static str, error: Polynomial) -> Bound {
+    pub(super) fn row(&self, part: &'static str, kernel: &'static str, error: Polynomial) -> Bound {
         let last = self.once() + RBig::from(2000) * self.once() * self.once();
         let error = error.plus(&self.displacement).plus(&self.part(&last));
         let proved = error.over(&self.size()).expect("lengths of the pair");
@@ -152,7 +152,7 @@ impl Frame {
     }
 
     /// Another vertex of the other body may be lower than the one that is lowest along the turned direction.
-    fn lower_vertex(&self) -> Polynomial {
+    pub(super) fn lower_vertex(&self) -> Polynomial {
         let turned = self.placing.turned_to_b(self.direction());
         turned
             .error_by_lengths()

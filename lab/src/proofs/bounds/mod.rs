@@ -5,6 +5,7 @@ mod boxes;
 mod certificate;
 mod chains;
 mod closed_form;
+mod curved;
 mod double;
 mod motions;
 mod patches;
@@ -97,6 +98,7 @@ pub fn all() -> Vec<Bound> {
         poses::bounds(),
         certificate::bounds(),
         closed_form::bounds(),
+        curved::bounds(),
         places::bounds(),
         patches::bounds(),
         paths::bounds(),

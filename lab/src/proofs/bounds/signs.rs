@@ -16,7 +16,7 @@ fn normal_error() -> RBig {
 }
 
 pub(super) fn bounds() -> Vec<Bound> {
-    let mut all = vec![edge_sign(), steeper(), side_error(), orientation()];
+    let mut all = vec![edge_sign(), steeper(), side_error(), orientation(), side_of_pyramid()];
     all.extend(volume());
     all.extend(foot());
     all.extend([
@@ -93,6 +93,28 @@ fn orientation() -> Bound {
     let (_, height) = signs::pyramid_side([exactly('p'), exactly('a'), exactly('q')]);
     let error = length(&[height.error()], &[]) / RBig::from(2);
     Bound::whole("ORIENTATION", "depth::local::Pyramid::side", error)
+}
+
+/// The distance of a side's plane from the origin, `sqrt(low^2 / n^2)`, where `low` is the height less what is taken off:
+/// in units of `2 |u| |v| L / |n|`, as both squares are at least that. With E the error of the height, X that of the
+/// normal over `|u| |v|` and K that of the quotient and of its root, relative to a distance up to L,
+///
+/// `(height - E) / (|n| + X |u| |v|) >= low (1 + K) / |n|` if what is taken off is more than `E + (X + K) |u| |v| L`,
+///
+/// since `low <= |n| L` and `|n| <= |u| |v|`. The difference and what is taken off are rounded too.
+fn side_of_pyramid() -> Bound {
+    let (_, height) = signs::pyramid_side([exactly('p'), exactly('a'), exactly('q')]);
+    let edges = RBig::from(2) * (RBig::ONE + once());
+    let of_normal = cross_product() + edges * once();
+    let square = || Factor::input().squared();
+    let low = Factor::difference();
+    let quotient = (low.squared() / (square() + square() + square())).root();
+    let second_order = units(200.0) * unit();
+    let error = length(&[height.error()], &[]) + of_normal + quotient.error() + second_order;
+    // The squares, their sums and the product with the constant.
+    let taken = RBig::ONE - units(6.0);
+    let kernel = "depth::pyramid::Pyramid::radius";
+    Bound::whole("ORIENTATION", kernel, error / RBig::from(2) / taken).case("height of a side as a quotient")
 }
 
 /// The side of the foot over `|edge| |to|`, and with the foot itself, off by its height and the tilt of the normal.

@@ -3,7 +3,7 @@
 //! Inputs of a pair: two quaternions, two translations, then points of the bodies and directions. A vertex of the other
 //! body has a rival, level with it along the direction that the code looks along; along the true one the rival is lower.
 
-use super::{Climb, UNIT, climb, factor_of, unit};
+use super::{Climb, UNIT, climb, factor_of, rare, unit};
 use crate::proofs::kernels::certificate::{self, Placing};
 use crate::proofs::kernels::poses;
 use crate::proofs::measured::{Measured, TracedTwice};
@@ -12,7 +12,7 @@ use crate::proofs::traced::{Traced, two_sum};
 use crate::proofs::vectors::Coordinates;
 
 type Single = Coordinates<Traced>;
-type Posed = Placing<Single>;
+pub(super) type Posed = Placing<Single>;
 
 pub(super) const ALL: &[Climb] = &[
     climb("CERTIFICATE", "1, a squared norm", 4, squared_norm),
@@ -37,13 +37,19 @@ pub(super) const ALL: &[Climb] = &[
     climb("CERTIFICATE", "solver, upper", 38, |x| {
         combined(&posed(x), x, of_translation(x))
     }),
-    climb("CERTIFICATE", "solver in double-double, lower", 44, |x| {
+    rare("CERTIFICATE", "solver in double-double, lower", 44, 4, |x| {
         height(&posed_twice(x), x, of_origins(x))
     }),
-    climb("CERTIFICATE", "solver in double-double, upper", 44, |x| {
+    rare("CERTIFICATE", "solver in double-double, upper", 44, 4, |x| {
         combined(&posed_twice(x), x, of_origins(x))
     }),
-    climb("CERTIFICATE", "origins of stored frames, in double-double", 44, origins),
+    rare(
+        "CERTIFICATE",
+        "origins of stored frames, in double-double",
+        44,
+        4,
+        origins,
+    ),
 ];
 
 fn squared_norm(x: &[f64]) -> f64 {
@@ -78,7 +84,7 @@ pub(super) fn posed(x: &[f64]) -> Posed {
 }
 
 /// The same in double-double, of bodies whose stored frames have origins of their own.
-fn posed_twice(x: &[f64]) -> Placing<Coordinates<TracedTwice>> {
+pub(super) fn posed_twice(x: &[f64]) -> Placing<Coordinates<TracedTwice>> {
     let both = [0, 4].map(|k| {
         let [x, y, z, w] = unit::<4>(&x[k..]).map(TracedTwice::input);
         let s = TracedTwice::input(2.0).over(x * x + y * y + z * z + w * w);
@@ -97,12 +103,12 @@ pub(super) fn size(v: &[f64]) -> f64 {
 }
 
 /// The distance of the origins.
-fn of_translation(x: &[f64]) -> f64 {
+pub(super) fn of_translation(x: &[f64]) -> f64 {
     size(&[0, 1, 2].map(|k| x[11 + k] - x[8 + k]))
 }
 
 /// The distance of the stored frames' origins, and theirs from the bodies' own.
-fn of_origins(x: &[f64]) -> f64 {
+pub(super) fn of_origins(x: &[f64]) -> f64 {
     let t = posed_twice(x).translation.map(TracedTwice::truth);
     size(&t) + size(&x[38..]) + size(&x[41..])
 }
@@ -121,7 +127,7 @@ fn level<N: Measured>(n: Vector<N>, with: &[f64], point: &[f64]) -> [f64; 3] {
 
 /// By how much a rival is lower along the true direction than a vertex with which it is level along the computed one,
 /// and the greater distance of both.
-fn rivalry<N: Measured>(n: Vector<N>, vertex: &[f64], rival: &[f64]) -> (f64, f64) {
+pub(super) fn rivalry<N: Measured>(n: Vector<N>, vertex: &[f64], rival: &[f64]) -> (f64, f64) {
     let rival = level(n, vertex, rival);
     let lower: f64 = (0..3).map(|k| n[k].error() * (vertex[k] - rival[k])).sum();
     (lower, size(vertex).max(size(&rival)))
@@ -242,7 +248,7 @@ fn edges(x: &[f64]) -> [f64; 2] {
         let part = dot(n, u) / uu;
         n = sub(n, scaled(u, part));
     }
-    if !(dot(n, n) > 256.0 * UNIT * UNIT * uu * ww) {
+    if dot(n, n) <= 256.0 * UNIT * UNIT * uu * ww {
         return [0.0; 2];
     }
     let per_square = 1.0 / dot(n, n);

@@ -54,7 +54,7 @@ fn reach(x: &[f64]) -> f64 {
 
 /// With the product and the difference of the radii, of balls that are apart.
 fn least_distance(x: &[f64]) -> f64 {
-    let [a, b] = [x, &x[3..]].map(|x| Traced::vector::<3>(x));
+    let [a, b] = [x, &x[3..]].map(Traced::vector::<3>);
     let apart = length_of(sub(a, b));
     let radii = Traced::input(0.5 * x[6].abs() * apart.value);
     let left = apart * Traced::input(1.0 - 8.0 * UNIT) - radii;

@@ -12,6 +12,7 @@ type Traces = Coordinates<Traced>;
 
 pub(super) const ALL: &[Climb] = &[
     climb("VOLUME", "", 18, volume),
+    climb("ORIENTATION", "height of a side as a quotient", 9, side_of_pyramid),
     climb("FOOT", "", 15, foot),
     climb("FLANK", "on A", 12, flank_on_a),
     climb("FLANK", "on B", 20, flank_on_b),
@@ -45,6 +46,18 @@ fn volume(x: &[f64]) -> f64 {
         })
     };
     signs::volume([0, 3, 6].map(displaced)).error.abs() / most.powi(3) / UNIT
+}
+
+/// A distance that is too great before anything is taken off, in the weights of what is.
+fn side_of_pyramid(x: &[f64]) -> f64 {
+    let (n, height) = signs::pyramid_side([0, 3, 6].map(|k| vector(&x[k..])));
+    let exact = height.over(Measured::length(n)).abs();
+    let low = height.computed();
+    let n_squared = dot(n.map(Measured::computed), n.map(Measured::computed)).computed();
+    let distance = (low * low).computed().over(n_squared).computed().root();
+    let [u, v] = [(0, 3), (6, 3)].map(|(i, j)| length(sub(vector(&x[i..]), vector(&x[j..]))));
+    let size = length(vector(&x[3..]));
+    distance.above(exact) * length(n) / (2.0 * u * v * size) / UNIT
 }
 
 /// The side of a point, and the foot itself.

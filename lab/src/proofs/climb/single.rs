@@ -184,7 +184,7 @@ fn front_of_segments(x: &[f64]) -> f64 {
 /// A corner of a box against the radius about its longest axis.
 fn around(x: &[f64]) -> f64 {
     let [_, wide, deep] = axes::<f64>(x);
-    let [h, k] = [x[4], x[5]].map(|x| f32::held(x));
+    let [h, k] = [x[4], x[5]].map(f32::held);
     let corner = sum(scaled(wide, h.double()), scaled(deep, k.double()));
     let square = h * h + k * k;
     let radius = f32::held(square.double().sqrt()).double();

@@ -3,6 +3,7 @@
 pub mod boxes;
 pub mod certificate;
 pub mod closed_form;
+pub mod curved;
 pub mod double;
 pub mod patches;
 pub mod paths;

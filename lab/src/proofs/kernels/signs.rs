@@ -48,6 +48,16 @@ pub fn pyramid_side<N: Number>([from, to, apex]: [Vector<N>; 3]) -> (Vector<N>, 
     (n, dot(n, to))
 }
 
+/// `minimum::simplex::ClosestPoint::triangle`: the normal of a triangle, of two of its edges.
+pub fn normal<N: Number>([u, v]: [Vector<N>; 2]) -> Vector<N> {
+    cross(u, v)
+}
+
+/// The weight of a corner, before the division by the sum of all: of the edge opposite to it, from its begin `x`.
+pub fn weight<N: Number>(n: Vector<N>, edge: Vector<N>, x: Vector<N>) -> N {
+    -dot(n, cross(edge, x))
+}
+
 /// `polyhedron::query::over_side`: how far a point is inside the plane of a side of a face.
 pub fn over_side<N: Number>(n: Vector<N>, edge: Vector<N>, to: Vector<N>) -> N {
     dot(named('c', cross(edge, to)), n)
