@@ -106,7 +106,10 @@ fn support_faces_hold_the_deepest_vertex_and_are_spread() {
             let (s, c) = (TAU * f64::from(k) / 200.0).sin_cos();
             let dir = vector([lean * c, lean * s, -1.0]);
             let mut face = PolygonalFeature::default();
-            hull.local_support_feature(dir, &mut face);
+            hull.as_polygonal_feature_map()
+                .expect("faces")
+                .0
+                .local_support_feature(dir, &mut face);
             assert_eq!(face.num_vertices, sides.min(4));
             let used = &face.vertices[..face.num_vertices];
             let most = used
