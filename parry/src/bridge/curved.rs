@@ -9,7 +9,7 @@ use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, PairTracker, Rel
 use super::dispatcher::ContactOptions;
 use super::far::Planes;
 use super::known::Known;
-use super::manifold::{exchange, packed};
+use super::manifold::{SHALLOW, exchange, packed};
 use super::number::{isometry, narrow, wide};
 use super::parry::math::{Pose, Real};
 use super::parry::query::{ContactManifold, TrackedContact};
@@ -45,16 +45,23 @@ pub(super) fn write<M, C: Default + Copy>(
     let Ok(at) = RelativePose::new(&of_a.at, &(turned * of_b.at)) else {
         return false;
     };
-    let mut chosen = ManifoldOptions::within(f64::from(reach));
+    let mut chosen = ManifoldOptions::within(f64::from(reach)).local_depth(true);
     (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
     let mut manifold = Manifold::new();
-    let mut tracker = match hint(out, &of_a) {
+    let mut tracker = match hint(out, prediction, &of_a) {
         Some((normal, class)) => PairTracker::starting_along(&normal, class, &of_a.shape, &of_b.shape),
         None => PairTracker::new(),
     };
-    let asked = tracker.manifold(&of_a.shape, &of_b.shape, &at, &chosen, &mut manifold);
-    if asked.is_err() {
+    let mut ask = |chosen: &ManifoldOptions, manifold: &mut Manifold| {
+        tracker.manifold(&of_a.shape, &of_b.shape, &at, chosen, manifold).is_ok()
+    };
+    if !ask(&chosen, &mut manifold) {
         return false;
+    }
+    let shallow = SHALLOW * of_a.shape.bounding_ball().1.min(of_b.shape.bounding_ball().1);
+    if manifold.lower() < -shallow {
+        manifold = Manifold::new();
+        ask(&chosen.local_depth(false), &mut manifold);
     }
     let normal = of_a.at.rotation * manifold.normal().into_inner();
     out.local_n1 = narrow(&normal);
@@ -79,10 +86,11 @@ pub(super) fn write<M, C: Default + Copy>(
 }
 
 /// Returns the normal of the contacts that were kept, in the frame of the shape of [`lin_canny`], and
-/// whether the shapes overlapped.
-fn hint<M, C>(kept: &ContactManifold<M, C>, a: &Placed) -> Option<(Unit<Vector3<f64>>, Class)> {
+/// whether the shapes are likely to overlap: contacts of an engine hover about zero, and the search
+/// after an overlap finds the points of shapes that hardly part, too.
+fn hint<M, C>(kept: &ContactManifold<M, C>, prediction: Real, a: &Placed) -> Option<(Unit<Vector3<f64>>, Class)> {
     kept.points.first()?;
-    let is_deep = kept.points.iter().any(|p| p.dist < 0.0);
+    let is_deep = kept.points.iter().any(|p| p.dist < prediction);
     let class = if is_deep { Class::Overlapping } else { Class::Separated };
     let normal = Unit::try_new(a.at.rotation.inverse_transform_vector(&wide(kept.local_n1)), 0.5)?;
     Some((normal, class))

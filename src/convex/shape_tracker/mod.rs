@@ -65,7 +65,7 @@ impl ShapeTracker {
                 outcome
             }
             (x, y) => {
-                let mut outcome = smooth::closest(x, y, a_from_b, &mut self.curved);
+                let mut outcome = smooth::closest(x, y, a_from_b, Until::Depth, &mut self.curved);
                 self.count(&outcome);
                 let radii = [a.round(), b.round()];
                 if radii != [0.0; 2] {

@@ -17,7 +17,7 @@ use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT,
 use crate::body::polyhedron::{FeaturePair, exponent_of, power_of_two};
 use crate::body::shape::{Core, Curved, Support, match_core};
 use crate::pair::answer::round_outward;
-use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::outcome::{Class, Outcome, Solver, Until};
 use crate::pair::transform::Transform;
 
 /// A direction that turned by less in each coordinate is extrapolated: a heuristic.
@@ -100,6 +100,7 @@ impl WarmStart {
 pub(super) struct SolverSetting<'p> {
     pose: &'p RelativePose,
     cores: [&'p Core; 2],
+    until: Until,
     /// Translation of the pose, if both cores are stored as given and of an ordinary size.
     plain: Option<Vec3<f64>>,
     /// Lengths of the solvers times `2^exponent` are the caller's.
@@ -110,7 +111,7 @@ pub(super) struct SolverSetting<'p> {
 
 impl<'p> SolverSetting<'p> {
     #[inline(always)]
-    pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose) -> Self {
+    pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose, until: Until) -> Self {
         let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
         let radii = [a.radius(), b.radius()];
         let t = pose.translation();
@@ -123,6 +124,7 @@ impl<'p> SolverSetting<'p> {
         Self {
             pose,
             cores: [a, b],
+            until,
             plain: is_plain.then_some([t.x, t.y, t.z]),
             exponent: 0,
             offsets: 0.0,
@@ -197,7 +199,7 @@ pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
     let (mut solver, mut set) = (Solver::Walk, None);
     let start = memory.start().map(|(n, set)| (n, set.or_about(&posed, n)));
     let mut deep = |known: &ProvenBounds<f64>, corners| {
-        let proven = deepen(&posed, known, corners, &mut outcome);
+        let proven = deepen(&posed, known, corners, setting.until, &mut outcome);
         set = proven.or(set);
         proven.is_some()
     };
@@ -226,12 +228,13 @@ fn deepen<A: CoreKind, B: CoreKind>(
     posed: &PosedCores<A, B, f64>,
     known: &ProvenBounds<f64>,
     corners: Option<Around<f64>>,
+    until: Until,
     outcome: &mut Outcome,
 ) -> Option<BranchSet> {
     let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
     outcome.work.depths += 1;
-    let mut deep = depth::deepen(posed, known, corners);
-    let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
+    let mut deep = depth::deepen(posed, known, corners, until);
+    let is_done = deep.inside || depth::is_enough(posed, &deep.best, until);
     let found = is_done.then(|| opposite::witnesses(posed, &mut deep.best));
     outcome.work.steps += deep.best.evaluations - known.evaluations;
     let ProvenBounds { on_a, on_b, set, .. } = found?;
@@ -291,7 +294,7 @@ fn finer<A: CoreKind, B: CoreKind>(
         known.prove(&toward, &posed.support(&toward, [0; 2]));
         let rounded =
             |p: DifferencePoint<DoubleDouble>| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value));
-        corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), outcome).is_some())
+        corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), setting.until, outcome).is_some())
     });
     outcome.work.steps += found.evaluations;
     outcome.solver = Solver::DoubleDouble;
