@@ -53,7 +53,9 @@ pub(super) fn write<M, C: Default + Copy>(
         None => PairTracker::new(),
     };
     let mut ask = |chosen: &ManifoldOptions, manifold: &mut Manifold| {
-        tracker.manifold(&of_a.shape, &of_b.shape, &at, chosen, manifold).is_ok()
+        tracker
+            .manifold(&of_a.shape, &of_b.shape, &at, chosen, manifold)
+            .is_ok()
     };
     if !ask(&chosen, &mut manifold) {
         return false;

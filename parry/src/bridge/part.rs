@@ -59,6 +59,13 @@ fn are_balls(a: &dyn shape::Shape, b: &dyn shape::Shape) -> bool {
     a.as_ball().is_some() && b.as_ball().is_some()
 }
 
+/// Returns whether parry's test of a pair is a closed form that is right at every size: the distance
+/// of a ball's centre from a cuboid.
+pub(super) fn has_closed_test(a: &dyn shape::Shape, b: &dyn shape::Shape) -> bool {
+    let is_pair = |a: &dyn shape::Shape, b: &dyn shape::Shape| a.as_ball().is_some() && b.as_cuboid().is_some();
+    is_pair(a, b) || is_pair(b, a)
+}
+
 fn kind(shape: &dyn shape::Shape) -> Option<Kind> {
     use shape::ShapeType::{
         Ball, Capsule, ConvexPolyhedron, Cuboid, Custom, RoundConvexPolyhedron, RoundCuboid, RoundTriangle, Segment,

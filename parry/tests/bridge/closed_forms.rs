@@ -125,7 +125,7 @@ impl Case<'_> {
         let Self { what, truth, close, .. } = *self;
         let (ours, size) = (Certified::default(), what.1);
         let gap = f64::from(ours.distance(pos12, a, b).expect("supported").distance);
-        assert!((gap - truth.max(0.0)).abs() < close, "{what:?}: {gap:e} for {truth:e} {pos12:?} {:?} {:?}", a.as_typed_shape(), b.as_typed_shape());
+        assert!((gap - truth.max(0.0)).abs() < close, "{what:?}: {gap:e} for {truth:e}");
         let contact = ours.contact(pos12, a, b, 10.0 * size).expect("supported");
         let dist = f64::from(contact.expect("within").dist);
         assert!((dist - truth).abs() < close, "{what:?}: {dist:e} for {truth:e}");
