@@ -201,6 +201,15 @@ fn is_single(shape: &dyn Shape) -> bool {
     shape.as_composite_shape().is_none() && !matches!(shape.shape_type(), ShapeType::Voxels | ShapeType::HeightField)
 }
 
+/// Returns a mesh, and the core of the convex shape beside it.
+fn with_core((a, b): (&dyn Shape, &dyn Shape), (on_a, on_b): (Placed, Placed)) -> Option<(Placed, Placed)> {
+    if on_a.is_convex() {
+        cast::core(a).map(|core| (core, on_b))
+    } else {
+        cast::core(b).map(|core| (on_a, core))
+    }
+}
+
 /// Returns whether a shape is a mesh or height field of parry.
 fn is_field(shape: &dyn Shape) -> bool {
     matches!(shape.shape_type(), ShapeType::TriMesh | ShapeType::HeightField)
@@ -362,12 +371,8 @@ impl QueryDispatcher for Certified {
                 Flown::Free => return Ok(None),
                 Flown::Hit(hit) | Flown::Start(Some(hit)) => return Ok(Some(hit)),
                 Flown::Start(None) if on_a.is_convex() != on_b.is_convex() => {
-                    let core = if on_a.is_convex() {
-                        cast::core(a).map(|core| (core, on_b))
-                    } else {
-                        cast::core(b).map(|core| (on_a, core))
-                    };
-                    let flown = core.map(|(a, b)| cast::nonlinear((&a, &b), (motion1, motion2), (start, end), false));
+                    let cores = with_core((a, b), (on_a, on_b));
+                    let flown = cores.map(|(a, b)| cast::nonlinear((&a, &b), (motion1, motion2), (start, end), false));
                     return Ok(match flown {
                         Some(Flown::Hit(hit)) => Some(hit),
                         _ => None,
