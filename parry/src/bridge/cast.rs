@@ -16,8 +16,9 @@ use super::part::Placed;
 /// place of the engine's numbers.
 const TOLERANCE: f64 = 4.0 * Real::EPSILON as f64;
 
-/// Radius of the core of a shape over its thickness, as that of parry's sweeps against meshes.
-const CORE: f64 = 0.5;
+/// Radii of the cores of a shape over its thickness; the first is that of parry's sweeps against
+/// meshes, and one is cast if all before it touch at the start.
+pub(super) const CORES: [f64; 3] = [0.5, 0.125, 0.03125];
 
 /// The answer of a cast.
 pub(super) enum Flown {
@@ -77,8 +78,8 @@ pub(super) fn nonlinear(
 
 /// Returns a ball about the centre of mass of a convex shape, which must not pass a mesh that the
 /// shape itself touches at the start; `None` for shapes of no thickness.
-pub(super) fn core(shape: &dyn shape::Shape) -> Option<Placed> {
-    let radius = CORE * f64::from(shape.ccd_thickness());
+pub(super) fn core(shape: &dyn shape::Shape, share: f64) -> Option<Placed> {
+    let radius = share * f64::from(shape.ccd_thickness());
     let centre = wide(shape.mass_properties(1.0).local_com);
     Some(Placed {
         shape: Shape::ball(radius).ok().filter(|_| radius > 0.0)?.into(),

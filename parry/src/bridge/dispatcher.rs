@@ -201,13 +201,26 @@ fn is_single(shape: &dyn Shape) -> bool {
     shape.as_composite_shape().is_none() && !matches!(shape.shape_type(), ShapeType::Voxels | ShapeType::HeightField)
 }
 
-/// Returns a mesh, and the core of the convex shape beside it.
-fn with_core((a, b): (&dyn Shape, &dyn Shape), (on_a, on_b): (Placed, Placed)) -> Option<(Placed, Placed)> {
-    if on_a.is_convex() {
-        cast::core(a).map(|core| (core, on_b))
-    } else {
-        cast::core(b).map(|core| (on_a, core))
+/// Casts the largest core of a convex shape that does not touch a mesh at the start.
+fn core_hit(
+    (a, b): (&dyn Shape, &dyn Shape),
+    (on_a, on_b): (Placed, Placed),
+    motions: (&NonlinearRigidMotion, &NonlinearRigidMotion),
+    interval: (Real, Real),
+) -> Option<ShapeCastHit> {
+    for share in cast::CORES {
+        let flown = if on_a.is_convex() {
+            cast::nonlinear((&cast::core(a, share)?, &on_b), motions, interval, false)
+        } else {
+            cast::nonlinear((&on_a, &cast::core(b, share)?), motions, interval, false)
+        };
+        match flown {
+            Flown::Hit(hit) => return Some(hit),
+            Flown::Start(_) => {}
+            _ => return None,
+        }
     }
+    None
 }
 
 /// Returns whether a shape is a mesh or height field of parry.
@@ -371,12 +384,7 @@ impl QueryDispatcher for Certified {
                 Flown::Free => return Ok(None),
                 Flown::Hit(hit) | Flown::Start(Some(hit)) => return Ok(Some(hit)),
                 Flown::Start(None) if on_a.is_convex() != on_b.is_convex() => {
-                    let cores = with_core((a, b), (on_a, on_b));
-                    let flown = cores.map(|(a, b)| cast::nonlinear((&a, &b), (motion1, motion2), (start, end), false));
-                    return Ok(match flown {
-                        Some(Flown::Hit(hit)) => Some(hit),
-                        _ => None,
-                    });
+                    return Ok(core_hit((a, b), (on_a, on_b), (motion1, motion2), (start, end)));
                 }
                 Flown::Start(None) | Flown::Refused => {}
             }

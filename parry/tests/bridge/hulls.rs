@@ -226,7 +226,10 @@ fn conversions_report_what_they_change() {
 #[test]
 fn rounded_hulls_are_their_cores_and_a_border() {
     let mut rng = Rng::new(6);
-    for (size, hull) in [1e-3, 1.0, 50.0].into_iter().flat_map(|size| hulls(size).into_iter().map(move |h| (size, h))) {
+    for (size, hull) in [1e-3, 1.0, 50.0]
+        .into_iter()
+        .flat_map(|size| hulls(size).into_iter().map(move |h| (size, h)))
+    {
         let border = (0.25 * size) as Real;
         let round = hull.rounded(border).expect("a radius");
         assert_eq!((round.border_radius(), hull.border_radius()), (border, 0.0));
@@ -238,7 +241,10 @@ fn rounded_hulls_are_their_cores_and_a_border() {
             let p = vector(rng.unit().map(|x| 1.6 * size * x));
             let gap = hull.distance_to_local_point(p, true) - border;
             let found = round.project_local_point(p, true);
-            assert!(found.is_inside == (gap <= 0.0) || f64::from(gap.abs()) < close, "{gap} {found:?}");
+            assert!(
+                found.is_inside == (gap <= 0.0) || f64::from(gap.abs()) < close,
+                "{gap} {found:?}"
+            );
             if gap > 0.0 {
                 let far = wide(found.point - p).norm();
                 assert!((far - f64::from(gap)).abs() < close, "{far} {gap}");
@@ -253,8 +259,15 @@ fn rounded_hulls_are_their_cores_and_a_border() {
         let ball = round.compute_local_bounding_sphere().radius - hull.compute_local_bounding_sphere().radius;
         assert!((f64::from(ball - border)).abs() < close);
         // The mass is that of the rounded body.
-        let (mass, truth) = (round.mass_properties(1.0), lin_canny_parry::lin_canny::Shape::from(hull.body().clone()));
-        let truth = truth.rounded(f64::from(border)).expect("a radius").mass().expect("a mass");
+        let (mass, truth) = (
+            round.mass_properties(1.0),
+            lin_canny_parry::lin_canny::Shape::from(hull.body().clone()),
+        );
+        let truth = truth
+            .rounded(f64::from(border))
+            .expect("a radius")
+            .mass()
+            .expect("a mass");
         assert!((f64::from(mass.mass()) / truth.volume - 1.0).abs() < 1e-5 && truth.volume > hull.body().volume());
     }
 }
@@ -273,7 +286,10 @@ fn rounded_hulls_are_written_as_parrys() {
     assert_eq!(again.border_radius(), round.border_radius());
     assert_eq!(again.body().vertex_count(), round.body().vertex_count());
     let large = round.scale_dyn(Vector::splat(2.0), 0).expect("a hull");
-    assert_eq!(large.as_shape::<Hull>().map(Hull::border_radius), Some(round.border_radius()));
+    assert_eq!(
+        large.as_shape::<Hull>().map(Hull::border_radius),
+        Some(round.border_radius())
+    );
     for bad in [-0.1, Real::NAN, Real::INFINITY, -Real::MIN_POSITIVE] {
         assert!(matches!(hull.rounded(bad), Err(HullError::Radius(_))), "{bad}");
     }
@@ -284,7 +300,9 @@ fn rounded_hulls_are_written_as_parrys() {
 /// stop there.
 #[test]
 fn rounded_hulls_touch_by_their_border() {
-    let hull = Hull::new(solids::prism(6, 0.2, 0.5).expect("a solid")).rounded(0.1).expect("a radius");
+    let hull = Hull::new(solids::prism(6, 0.2, 0.5).expect("a solid"))
+        .rounded(0.1)
+        .expect("a radius");
     let space = HalfSpace::new(Vector::Z);
     let above = Pose::translation(0.0, 0.0, 0.32);
     let mut found: Vec<ContactManifold<(), ()>> = Vec::new();

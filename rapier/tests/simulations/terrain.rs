@@ -72,7 +72,14 @@ fn tray(half: Real) -> MeshShape {
         Vector::new(side(0), if k >> 1 & 1 == 0 { -0.002 } else { 0.0 }, side(2))
     };
     let corners: Vec<Vector> = (0..8).map(corner).collect();
-    let faces = [[0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let faces = [
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
     let halves = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
     MeshShape::from_triangles(&corners, &halves.collect::<Vec<_>>()).expect("a tray")
 }
@@ -82,7 +89,10 @@ fn tray(half: Real) -> MeshShape {
 fn parts_that_touch_a_thin_tray_do_not_pass_it() {
     let mut world = certified_world(Certified::default(), 0.02, 1.0 / 60.0);
     world.gravity = Vector::new(0.0, -9.81, 0.0);
-    world.insert(RigidBodyBuilder::fixed(), ColliderBuilder::new(SharedShape::from(tray(1.0))));
+    world.insert(
+        RigidBodyBuilder::fixed(),
+        ColliderBuilder::new(SharedShape::from(tray(1.0))),
+    );
     let mut rng = Rng::new(44);
     let handles: Vec<RigidBodyHandle> = (0..36)
         .map(|k| {
@@ -93,7 +103,10 @@ fn parts_that_touch_a_thin_tray_do_not_pass_it() {
             };
             let place = Vector::new(0.05 * (k % 6) as Real, low, 0.05 * (k / 6) as Real);
             let spin = Vector::from(rng.unit().map(|x| 20.0 * x as Real));
-            let body = RigidBodyBuilder::dynamic().translation(place).angvel(spin).ccd_enabled(true);
+            let body = RigidBodyBuilder::dynamic()
+                .translation(place)
+                .angvel(spin)
+                .ccd_enabled(true);
             let body = body.linvel(Vector::new(0.3, -3.0, 0.1));
             world.insert(body, ColliderBuilder::new(shape).density(7800.0)).0
         })
