@@ -9,12 +9,16 @@ use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, PairTracker, Rel
 use super::dispatcher::ContactOptions;
 use super::far::Planes;
 use super::known::Known;
-use super::manifold::{SHALLOW, exchange, packed};
+use super::manifold::{exchange, packed};
 use super::number::{isometry, narrow, wide};
 use super::parry::math::{Pose, Real};
 use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::Shape;
 use super::part::{self, Placed};
+
+/// An overlap that is no deeper than this, over the radius of the smaller shape, may be a local one:
+/// the least depth is no deeper, so that a contact is off by no more.
+const SHALLOW: f64 = 0.01;
 
 /// Writes the contacts within the prediction, or one beyond it: the points that are farthest along
 /// the normal, as far apart as a plane proves the shapes to be. Returns false, with nothing written,
@@ -48,7 +52,7 @@ pub(super) fn write<M, C: Default + Copy>(
     let mut chosen = ManifoldOptions::within(f64::from(reach)).local_depth(true);
     (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
     let mut manifold = Manifold::new();
-    let mut tracker = match hint(out, prediction, &of_a) {
+    let mut tracker = match hint(out, &of_a) {
         Some((normal, class)) => PairTracker::starting_along(&normal, class, &of_a.shape, &of_b.shape),
         None => PairTracker::new(),
     };
@@ -88,11 +92,10 @@ pub(super) fn write<M, C: Default + Copy>(
 }
 
 /// Returns the normal of the contacts that were kept, in the frame of the shape of [`lin_canny`], and
-/// whether the shapes are likely to overlap: contacts of an engine hover about zero, and the search
-/// after an overlap finds the points of shapes that hardly part, too.
-fn hint<M, C>(kept: &ContactManifold<M, C>, prediction: Real, a: &Placed) -> Option<(Unit<Vector3<f64>>, Class)> {
+/// whether the shapes overlapped.
+fn hint<M, C>(kept: &ContactManifold<M, C>, a: &Placed) -> Option<(Unit<Vector3<f64>>, Class)> {
     kept.points.first()?;
-    let is_deep = kept.points.iter().any(|p| p.dist < prediction);
+    let is_deep = kept.points.iter().any(|p| p.dist < 0.0);
     let class = if is_deep { Class::Overlapping } else { Class::Separated };
     let normal = Unit::try_new(a.at.rotation.inverse_transform_vector(&wide(kept.local_n1)), 0.5)?;
     Some((normal, class))

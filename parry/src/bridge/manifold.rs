@@ -10,10 +10,6 @@ use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::{FeatureId, PackedFeatureId};
 use super::part::Part;
 
-/// An overlap that is no deeper than this, over the radius of the smaller shape, may be a local one:
-/// the least depth is no deeper, so that a contact is off by no more.
-pub(super) const SHALLOW: f64 = 0.01;
-
 /// Most points that are copied to be matched; other engines may have left more.
 const MOST_KEPT: usize = 8;
 
@@ -109,10 +105,6 @@ impl<'a> PosedPair<'a> {
             Some((FeaturePair { a, b }, class))
         });
         let mut tracker = start.map_or_else(Tracker::new, |(pair, class)| Tracker::resuming(pair, class, a, b));
-        let local = tracker.closest_with_local_depth(a, b, &self.pose);
-        if local.distance >= -SHALLOW * a.bounding_ball().1.min(b.bounding_ball().1) {
-            return local;
-        }
         tracker.closest(a, b, &self.pose)
     }
 

@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 
 use super::bent::SolverRun;
 use super::best::{BranchSet, ProvenBounds};
-use super::frozen::Around;
+use super::frozen::{self, Around, Frozen, SolveGoal};
 use super::parallel;
 use super::posed::{DifferencePoint, PosedCores, unit};
 use super::surface;
@@ -52,6 +52,9 @@ pub(super) fn deepen<A: Support, B: Support>(
     };
     let is_local = until == Until::LocalDepth && deep.inside && best.lower < 0.0;
     let is_done = is_local || is_enough(posed, &best, until);
+    if until == Until::LocalDepth && !is_done && corners.is_none() && best.lower < 0.0 {
+        prove_overlap(posed, &mut deep);
+    }
     let Some(corners) = corners.filter(|_| !is_done) else {
         return deep;
     };
@@ -69,6 +72,16 @@ pub(super) fn deepen<A: Support, B: Support>(
         (best.upper, best.set) = (-found.least, set);
     }
     deep
+}
+
+/// Searches four points of the difference about the origin, for a local depth that no balls prove to
+/// be one of an overlap: that of two rims or edges.
+fn prove_overlap<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, deep: &mut Deep) {
+    let mut apart = ProvenBounds::new();
+    if let Frozen::Inside(corners) = frozen::solve(posed, deep.best.n, SolveGoal::Approach, &mut apart) {
+        deep.inside = corners.points().len() == 4;
+    }
+    deep.best.evaluations += apart.evaluations;
 }
 
 /// Searches the depth from the normals of flat faces and of the triangles between the corners.
