@@ -67,7 +67,9 @@ fn starts_along_normals_change_the_work_alone() {
                 .outcome;
             agree(&told, &cold);
             // The start is that of the pair in this order, whichever kind is solved first.
-            let back = Unit::new_normalize(-(place.pose().rotation().inverse() * before.normal.into_inner()));
+            let (pose_a, pose_b) = place.pose().poses();
+            let in_world = pose_a.rotation * before.normal.into_inner();
+            let back = Unit::new_normalize(-pose_b.rotation.inverse_transform_vector(&in_world));
             let swapped = PairTracker::starting_along(&back, before.class, &y, &x)
                 .closest(&y, &x, &pose.swapped())
                 .outcome;
