@@ -23,14 +23,14 @@ use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, VertexId};
 
 /// Sums over a body: volume, first moments and second moments about a point.
-struct Moments {
+struct BorderMoments {
     volume: f64,
     first: Vector3<f64>,
     second: Matrix3<f64>,
 }
 
 /// The arc of outward normals along an edge.
-struct Arc {
+struct NormalArc {
     /// Ends of the edge, about the centre of mass of the core.
     ends: [Vector3<f64>; 2],
     /// First normal, and the direction in which the arc leaves it.
@@ -51,7 +51,7 @@ struct Rounded<'a> {
 pub(super) fn rounded(body: &ConvexPolyhedron, radius: f64) -> Mass {
     let (centre, inertia) = (body.centroid(), body.inertia());
     let rounded = Rounded { body, centre, radius };
-    let mut sum = Moments {
+    let mut sum = BorderMoments {
         volume: body.volume(),
         first: Vector3::zeros(),
         second: Matrix3::identity() * (inertia.trace() / 2.0) - inertia,
@@ -70,7 +70,7 @@ pub(super) fn rounded(body: &ConvexPolyhedron, radius: f64) -> Mass {
     sum.mass(&centre)
 }
 
-impl Moments {
+impl BorderMoments {
     fn mass(&self, about: &Point3<f64>) -> Mass {
         let shift = self.first / self.volume;
         let central = self.second - shift * self.first.transpose();
@@ -89,7 +89,7 @@ impl Rounded<'_> {
     }
 
     /// Adds the prism between a face and the plane through the border.
-    fn add_prism(&self, face: FaceId, sum: &mut Moments) {
+    fn add_prism(&self, face: FaceId, sum: &mut BorderMoments) {
         let mut rim = self.body.face_vertices(face).filter_map(|v| self.at(v));
         let (Some(a), Some(mut b), Some((n, _))) = (rim.next(), rim.next(), self.body.face_plane(face)) else {
             return;
@@ -110,7 +110,7 @@ impl Rounded<'_> {
         sum.second += second * r + mixed(&first, &n) * (r * r / 2.0) + n * n.transpose() * (area * r * r * r / 3.0);
     }
 
-    fn arc(&self, edge: EdgeId) -> Option<Arc> {
+    fn arc(&self, edge: EdgeId) -> Option<NormalArc> {
         let [from, to] = self.body.edge_vertices(edge)?;
         let [f, g] = self.body.edge_faces(edge)?;
         let ends = [self.at(from)?, self.at(to)?];
@@ -122,7 +122,7 @@ impl Rounded<'_> {
         // The edge runs counter-clockwise about the first of its faces: that face lies to its left.
         let out = along.cross(&n);
         let (sine, cosine) = (m.dot(&out).max(0.0), m.dot(&n));
-        Some(Arc {
+        Some(NormalArc {
             ends,
             axes: [n, out],
             angle: libm::atan2(sine, cosine),
@@ -132,7 +132,7 @@ impl Rounded<'_> {
     }
 
     /// Adds the sector of a ball about a vertex.
-    fn add_ball_sector(&self, vertex: VertexId, sum: &mut Moments) {
+    fn add_ball_sector(&self, vertex: VertexId, sum: &mut BorderMoments) {
         let Some(p) = self.at(vertex) else { return };
         let r = self.radius;
         let (mut solid, mut first, mut second) = (2.0 * PI, Vector3::zeros(), Matrix3::zeros());
@@ -160,7 +160,7 @@ impl Rounded<'_> {
     }
 }
 
-impl Arc {
+impl NormalArc {
     /// Returns the sum of the normals along the arc.
     fn sum(&self) -> Vector3<f64> {
         let [n, out] = self.axes;
@@ -168,7 +168,7 @@ impl Arc {
     }
 
     /// Adds the sector of a cylinder along the edge.
-    fn add_sector(&self, r: f64, sum: &mut Moments) {
+    fn add_sector(&self, r: f64, sum: &mut BorderMoments) {
         let ([a, b], [n, out]) = (self.ends, self.axes);
         let length = sqrt((b - a).norm_squared());
         let (middle, both) = ((a + b) * (length / 2.0), a + b);
