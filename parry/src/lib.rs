@@ -32,7 +32,8 @@
 //!
 //! # What it gives
 //!
-//! * **The shape** [`Hull`](crate::single::Hull) carries a [`ConvexPolyhedron`] into parry: support
+//! * **The shape** [`Hull`](crate::single::Hull) carries a [`ConvexPolyhedron`], rounded by a border
+//!   radius or not, into parry: support
 //!   points, boxes and mass properties that do not scan the vertices, support faces spread over four
 //!   vertices that include the deepest one, exact point containment. It works under parry's own
 //!   dispatcher too: a coin laid flat on a half-space stays flat.
@@ -58,17 +59,19 @@
 //! |---|---|---|
 //! | a hull, cuboid, capsule, segment, triangle, convex polyhedron or rounded one of these, and one of these | here | here |
 //! | a ball, and any of the shapes above but a cuboid | here | here |
-//! | ball and cuboid | here | parry (closed form) |
+//! | ball and cuboid | here, but the test: parry (closed form) | parry (closed form) |
 //! | two balls | parry (closed form) | parry (closed form) |
 //! | cylinder or cone, rounded ones too, and any of the shapes above | here | here |
-//! | half-space, and a hull, capsule, segment, triangle, convex polyhedron or rounded one | parry | here |
-//! | half-space, and a cylinder or cone | parry | parry |
-//! | a `MeshShape`, and any of the shapes above but a half-space | here | here |
+//! | half-space, and a hull, capsule, segment, triangle, convex polyhedron or rounded one | parry (closed form) | here |
+//! | half-space, and a ball, cuboid, cylinder or cone, or a rounded one of the last two | parry (closed form) | parry (closed form) |
+//! | a `MeshShape`, and a `MeshShape` or any of the shapes above but a half-space | here | here |
 //! | compounds | part by part | part by part, at once with a `MeshShape` |
 //! | mesh or height field of parry, and any convex shape above but a half-space | parry | triangle by triangle, here |
 //! | two meshes or height fields, voxels, custom shapes | parry | parry |
 //!
-//! The closed forms of parry that are kept compare no length with an absolute number. Its other
+//! A rounded `Hull` counts as a rounded polyhedron. The closed forms of parry that are kept compare no
+//! length with an absolute number: tests hold them to four parts in a million of the size, from a
+//! tenth of a millimetre to ten kilometres. Its other
 //! tolerances in `f32` are absolute: distances and casts of small parts to a mesh of parry are not
 //! cured, and a `MeshShape` (`MeshShape::try_from(&trimesh)`) is. rapier's character controller asks
 //! parry's own dispatcher, whichever is set.
@@ -95,7 +98,9 @@
 //!   reached, and `Failed` never occurs.
 //! * A cast with turns that does not stop at a penetration, of shapes that meet at the start, is
 //!   parry's, unless the shapes pass more than ten thousand of their thicknesses: then the start is
-//!   the hit.
+//!   the hit. If one of them is a `MeshShape`, such a cast is that of the other's core, a ball of half
+//!   its thickness about its centre of mass: a part that lies on a thin floor and is pushed may sink
+//!   into the floor by half, and its centre does not pass.
 //! * rapier sweeps hulls, cuboids, balls and capsules by code of its own, which no dispatcher
 //!   replaces; cylinders and cones in continuous motion are cast by its dispatcher, and so here.
 //!
@@ -134,6 +139,8 @@
 //!   a tenth of their size.
 //! * The distance of two cuboids and of two capsules is too large by as much as a hundredth of the
 //!   distance, in `f64` too: witnesses nearer than this exist.
+//!
+//! * `contact` of a shape and a half-space in this order takes the pose for its inverse.
 //!
 //! All of these were reproduced with these versions.
 

@@ -34,6 +34,8 @@ mod mesh_shape;
 mod number;
 #[path = "bridge/part.rs"]
 mod part;
+#[path = "bridge/ray_point.rs"]
+mod ray_point;
 #[path = "bridge/surface.rs"]
 mod surface;
 

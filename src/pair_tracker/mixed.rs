@@ -106,10 +106,11 @@ impl MixedTracker {
         Self::from(super::parted::of_pieces(bodies))
     }
 
-    /// Starts the next query of two convex bodies along a direction from A to B.
-    pub(super) fn begin_along(&mut self, n: &Vector3<f64>) {
+    /// Starts the next query of two convex bodies along a direction from A to B, as after an answer
+    /// of a class.
+    pub(super) fn begin_along(&mut self, n: &Vector3<f64>, class: Class) {
         if let Some(tracked) = self.shapes_mut() {
-            tracked.tracker = ShapeTracker::along(n);
+            tracked.tracker = ShapeTracker::along(n, class);
         }
     }
 

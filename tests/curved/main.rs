@@ -7,6 +7,7 @@ mod corpus;
 mod manifolds;
 mod opposite;
 mod special;
+mod starts;
 mod suites;
 
 use lab::curved::{KINDS, Kind, Place, Wide};

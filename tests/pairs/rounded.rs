@@ -3,13 +3,15 @@
 //!
 //! The judge is `lab::exact` on the cores; the radii are taken off in rational arithmetic by its two squares.
 
+use std::f64::consts::PI;
+
 use lab::exact;
 use lab::rng::Rng;
 use lab::shapes::Shape as Plain;
 use lab::support;
 use lab::{Body, Pose};
 use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Class, Outcome, PairTracker, RelativePose, Shape};
+use lin_canny::{Class, ConvexPolyhedron, Outcome, PairTracker, RelativePose, Shape};
 
 /// A hull of four to eight random points, or a segment or a point.
 fn core(rng: &mut Rng, least: usize) -> Plain {
@@ -140,6 +142,58 @@ fn bad_parameters_are_refused_by_name() {
 }
 
 /// A shape of each kind.
+/// A tetrahedron without a symmetry.
+fn tent() -> ConvexPolyhedron {
+    let corners = [[-0.5, -0.4, -0.3], [0.8, 0.0, -0.2], [0.1, 0.9, 0.1], [0.2, 0.1, 0.7]];
+    ConvexPolyhedron::from_points(&corners.map(Point3::from)).expect("a solid")
+}
+
+fn triangle() -> ConvexPolyhedron {
+    let corners = [[-0.9, -0.4, 0.1], [0.8, 0.0, -0.2], [0.1, 0.9, 0.1]];
+    ConvexPolyhedron::polygon(&corners.map(Point3::from)).expect("a triangle")
+}
+
+/// Rounded cores of hardly any size weigh what a ball does, and thin ones what a capsule does.
+#[test]
+fn mass_of_rounded_cores_joins_balls_and_capsules() {
+    let same = |a: Shape, b: Shape| {
+        let (a, b) = (a.mass().expect("a mass"), b.mass().expect("a mass"));
+        assert!((a.volume - b.volume).abs() < 1e-5 * b.volume, "{a:?} {b:?}");
+        assert!((a.centroid - b.centroid).norm() < 1e-5, "{a:?} {b:?}");
+        assert!((a.inertia - b.inertia).norm() < 1e-5 * b.inertia.norm(), "{a:?} {b:?}");
+    };
+    let ball = || Shape::ball(0.75).expect("a ball");
+    for core in [tent(), triangle()] {
+        let points: Vec<_> = core.vertex_points().map(|p| p * 1e-7).collect();
+        let speck = match points.len() {
+            3 => ConvexPolyhedron::polygon(&points),
+            _ => ConvexPolyhedron::from_points(&points),
+        };
+        same(
+            Shape::from(speck.expect("a body")).rounded(0.75).expect("a shape"),
+            ball(),
+        );
+    }
+    let rod = Shape::cuboid(Vector3::new(1e-7, 1e-7, 0.5)).and_then(|s| s.rounded(0.25));
+    same(rod.expect("a rod"), Shape::capsule(0.5, 0.25).expect("a capsule"));
+    // A square with a border: a slab, four half cylinders, and the quarters of a ball.
+    let (a, r) = (0.5, 0.25);
+    let plate = Shape::cuboid(Vector3::new(a, a, 1e-8)).and_then(|s| s.rounded(r));
+    let mass = plate.expect("a plate").mass().expect("a mass");
+    let volume = 8.0 * a * a * r + 4.0 * a * PI * r * r + 4.0 / 3.0 * PI * r * r * r;
+    assert!((mass.volume - volume).abs() < 1e-6, "{mass:?} {volume}");
+    // The mean square of z: by the areas of the cross-sections, squares with round corners.
+    let n = 100_000;
+    let along = (0..n).map(|k| {
+        let z = r * ((f64::from(k) + 0.5) / f64::from(n) * 2.0 - 1.0);
+        let s = (r * r - z * z).sqrt();
+        z * z * (4.0 * a * a + 8.0 * a * s + PI * s * s) * 2.0 * r / f64::from(n)
+    });
+    let zz = along.sum::<f64>();
+    let of_mass = mass.inertia.trace() / 2.0 - mass.inertia[(2, 2)];
+    assert!((of_mass - zz).abs() < 1e-6 * zz, "{of_mass} {zz}");
+}
+
 fn kinds() -> Vec<Shape> {
     [
         Shape::ball(0.5),
@@ -149,6 +203,8 @@ fn kinds() -> Vec<Shape> {
         Shape::cone(1.0, 0.75),
         Shape::ellipsoid(Vector3::new(1.0, 2.0, 0.25)),
         Shape::cuboid(Vector3::new(1.0, 0.5, 0.5)).and_then(|s| s.rounded(0.25)),
+        Shape::from(tent()).rounded(0.5),
+        Shape::from(triangle()).rounded(0.25),
         Shape::cylinder(0.5, 1.0).and_then(|s| s.rounded(0.125)),
         Shape::superquadric(Vector3::new(1.0, 0.75, 0.5), 0.5, 1.5),
         Shape::superquadric(Vector3::new(0.5, 0.75, 1.0), 1.5, 0.25),

@@ -3,17 +3,22 @@
 use lin_canny::impact::{Impact, Tolerance, cast_within};
 use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{Class, PairTracker, RelativePose};
+use lin_canny::{Class, PairTracker, RelativePose, Shape};
 
 use super::number::{down, isometry, narrow, wide, wide_point};
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::ShapeCastOptions;
 use super::parry::query::{NonlinearRigidMotion, ShapeCastHit, ShapeCastStatus};
+use super::parry::shape;
 use super::part::Placed;
 
 /// Width of the bracket of a hit over the size of the pair, as a distance: a few units in the last
 /// place of the engine's numbers.
 const TOLERANCE: f64 = 4.0 * Real::EPSILON as f64;
+
+/// Radii of the cores of a shape over its thickness; the first is that of parry's sweeps against
+/// meshes, and one is cast if all before it touch at the start.
+pub(super) const CORES: [f64; 3] = [0.5, 0.125, 0.03125];
 
 /// The answer of a cast.
 pub(super) enum Flown {
@@ -69,6 +74,17 @@ pub(super) fn nonlinear(
         (Some(x), Some(y)) => fly((a, b), (&x, &y), interval, 0.0, is_wanted),
         _ => Flown::Refused,
     }
+}
+
+/// Returns a ball about the centre of mass of a convex shape, which must not pass a mesh that the
+/// shape itself touches at the start; `None` for shapes of no thickness.
+pub(super) fn core(shape: &dyn shape::Shape, share: f64) -> Option<Placed> {
+    let radius = share * f64::from(shape.ccd_thickness());
+    let centre = wide(shape.mass_properties(1.0).local_com);
+    Some(Placed {
+        shape: Shape::ball(radius).ok().filter(|_| radius > 0.0)?.into(),
+        at: Isometry3::from(centre),
+    })
 }
 
 /// Returns the motion of the shape of [`lin_canny`] with the shape of the engine.

@@ -4,7 +4,7 @@
 //! engine kept is tried first. The solver starts along that normal.
 
 use lin_canny::nalgebra::{Unit, Vector3};
-use lin_canny::{ContactPoint, Manifold, ManifoldOptions, PairTracker, RelativePose};
+use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, PairTracker, RelativePose};
 
 use super::dispatcher::ContactOptions;
 use super::far::Planes;
@@ -15,6 +15,10 @@ use super::parry::math::{Pose, Real};
 use super::parry::query::{ContactManifold, TrackedContact};
 use super::parry::shape::Shape;
 use super::part::{self, Placed};
+
+/// An overlap that is no deeper than this, over the radius of the smaller shape, may be a local one:
+/// the least depth is no deeper, so that a contact is off by no more.
+const SHALLOW: f64 = 0.01;
 
 /// Writes the contacts within the prediction, or one beyond it: the points that are farthest along
 /// the normal, as far apart as a plane proves the shapes to be. Returns false, with nothing written,
@@ -45,16 +49,25 @@ pub(super) fn write<M, C: Default + Copy>(
     let Ok(at) = RelativePose::new(&of_a.at, &(turned * of_b.at)) else {
         return false;
     };
-    let mut chosen = ManifoldOptions::within(f64::from(reach));
+    let mut chosen = ManifoldOptions::within(f64::from(reach)).local_depth(true);
     (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
     let mut manifold = Manifold::new();
     let mut tracker = match hint(out, &of_a) {
-        Some(normal) => PairTracker::starting_along(&normal, &of_a.shape, &of_b.shape),
+        Some((normal, class)) => PairTracker::starting_along(&normal, class, &of_a.shape, &of_b.shape),
         None => PairTracker::new(),
     };
-    let asked = tracker.manifold(&of_a.shape, &of_b.shape, &at, &chosen, &mut manifold);
-    if asked.is_err() {
+    let mut ask = |chosen: &ManifoldOptions, manifold: &mut Manifold| {
+        tracker
+            .manifold(&of_a.shape, &of_b.shape, &at, chosen, manifold)
+            .is_ok()
+    };
+    if !ask(&chosen, &mut manifold) {
         return false;
+    }
+    let shallow = SHALLOW * of_a.shape.bounding_ball().1.min(of_b.shape.bounding_ball().1);
+    if manifold.lower() < -shallow {
+        manifold = Manifold::new();
+        ask(&chosen.local_depth(false), &mut manifold);
     }
     let normal = of_a.at.rotation * manifold.normal().into_inner();
     out.local_n1 = narrow(&normal);
@@ -78,8 +91,12 @@ pub(super) fn write<M, C: Default + Copy>(
     true
 }
 
-/// Returns the normal of the contacts that were kept, in the frame of the shape of [`lin_canny`].
-fn hint<M, C>(kept: &ContactManifold<M, C>, a: &Placed) -> Option<Unit<Vector3<f64>>> {
+/// Returns the normal of the contacts that were kept, in the frame of the shape of [`lin_canny`], and
+/// whether the shapes overlapped.
+fn hint<M, C>(kept: &ContactManifold<M, C>, a: &Placed) -> Option<(Unit<Vector3<f64>>, Class)> {
     kept.points.first()?;
-    Unit::try_new(a.at.rotation.inverse_transform_vector(&wide(kept.local_n1)), 0.5)
+    let is_deep = kept.points.iter().any(|p| p.dist < 0.0);
+    let class = if is_deep { Class::Overlapping } else { Class::Separated };
+    let normal = Unit::try_new(a.at.rotation.inverse_transform_vector(&wide(kept.local_n1)), 0.5)?;
+    Some((normal, class))
 }

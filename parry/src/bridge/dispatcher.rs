@@ -189,9 +189,38 @@ fn compound(shape: &dyn Shape) -> Option<&(dyn CompositeShape + Sync)> {
     shape.as_compound().and_then(|_| shape.as_composite_shape())
 }
 
+/// Returns a shape whose parts are asked for one by one beside another shape: a compound, and beside
+/// a half-space a mesh, too.
+fn parts_beside<'a>(shape: &'a dyn Shape, other: &dyn Shape) -> Option<&'a (dyn CompositeShape + Sync)> {
+    let is_on_space = other.as_halfspace().is_some();
+    compound(shape).or_else(|| shape.as_composite_shape().filter(|_| is_on_space))
+}
+
 /// Returns whether a shape is no composite, mesh, height field or voxels.
 fn is_single(shape: &dyn Shape) -> bool {
     shape.as_composite_shape().is_none() && !matches!(shape.shape_type(), ShapeType::Voxels | ShapeType::HeightField)
+}
+
+/// Casts the largest core of a convex shape that does not touch a mesh at the start.
+fn core_hit(
+    (a, b): (&dyn Shape, &dyn Shape),
+    (on_a, on_b): (Placed, Placed),
+    motions: (&NonlinearRigidMotion, &NonlinearRigidMotion),
+    interval: (Real, Real),
+) -> Option<ShapeCastHit> {
+    for share in cast::CORES {
+        let flown = if on_a.is_convex() {
+            cast::nonlinear((&cast::core(a, share)?, &on_b), motions, interval, false)
+        } else {
+            cast::nonlinear((&on_a, &cast::core(b, share)?), motions, interval, false)
+        };
+        match flown {
+            Flown::Hit(hit) => return Some(hit),
+            Flown::Start(_) => {}
+            _ => return None,
+        }
+    }
+    None
 }
 
 /// Returns whether a shape is a mesh or height field of parry.
@@ -230,7 +259,8 @@ fn fields<M, C>(
 
 impl QueryDispatcher for Certified {
     fn intersection_test(&self, pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Result<ShapeIntersection, Unsupported> {
-        if let Some(posed) = self.posed(pos12, a, b) {
+        let is_closed = part::has_closed_test(a, b);
+        if let Some(posed) = (!is_closed).then(|| self.posed(pos12, a, b)).flatten() {
             return Ok(posed.intersects().into());
         }
         let parry = parrys(pos12, a, b)?;
@@ -269,9 +299,14 @@ impl QueryDispatcher for Certified {
             return Ok(is_near.then(|| posed.contact(&outcome)));
         }
         let (parry, within) = (parrys(pos12, a, b)?, margin(prediction));
-        let found = match (compound(a), compound(b)) {
+        let found = match (parts_beside(a, b), parts_beside(b, a)) {
             (Some(c), _) => contact_composite_shape_shape(self, pos12, c, b, within),
             (_, Some(c)) => contact_shape_composite_shape(self, pos12, a, c, within),
+            // parry forgets to invert the pose of a half-space that comes second.
+            _ if b.as_halfspace().is_some() => {
+                let found = parry.contact(&pos12.inverse(), b, a, within)?;
+                found.map(Contact::flipped)
+            }
             _ => parry.contact(pos12, a, b, within)?,
         };
         Ok(found.filter(|contact| contact.dist <= prediction))
@@ -348,6 +383,9 @@ impl QueryDispatcher for Certified {
             match cast::nonlinear((&on_a, &on_b), (motion1, motion2), (start, end), !goes_on) {
                 Flown::Free => return Ok(None),
                 Flown::Hit(hit) | Flown::Start(Some(hit)) => return Ok(Some(hit)),
+                Flown::Start(None) if on_a.is_convex() != on_b.is_convex() => {
+                    return Ok(core_hit((a, b), (on_a, on_b), (motion1, motion2), (start, end)));
+                }
                 Flown::Start(None) | Flown::Refused => {}
             }
         }

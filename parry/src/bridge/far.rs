@@ -24,7 +24,8 @@ fn ball(shape: &dyn Shape) -> Option<BoundingSphere> {
         return Some(hull.ball);
     }
     let at = |radius: Real| Some(BoundingSphere::new(Vector::ZERO, radius));
-    let tall = |half: Real, radius: Real| half.hypot(radius);
+    // Not by a root: at most 9 % too far, and right for lengths whose squares are no numbers.
+    let tall = |half: Real, radius: Real| half.max(radius) + 0.41422 * half.min(radius);
     if let Some(s) = shape.as_ball() {
         at(s.radius)
     } else if let Some(s) = shape.as_cuboid() {
@@ -112,5 +113,163 @@ impl<'a> Planes<'a> {
         out.local_n2 = n2;
         exchange(out, |points| points.push(found));
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use lab::rng::Rng;
+    use lin_canny::{PairTracker, RelativePose};
+
+    use super::super::hull::Hull;
+    use super::super::mesh::geometry;
+    use super::super::number::isometry;
+    use super::super::parry::math::Rotation;
+    use super::super::parry::shape::SharedShape;
+    use super::*;
+
+    const SIZES: [Real; 5] = [1e-4, 1e-2, 1.0, 100.0, 1e4];
+
+    fn vector(rng: &mut Rng, length: Real) -> Vector {
+        Vector::from(rng.unit().map(|x| x as Real)) * length
+    }
+
+    /// One shape of each kind with a ball at hand.
+    fn kinds(rng: &mut Rng, size: Real) -> Vec<SharedShape> {
+        let mut side = || size * rng.range(0.1, 0.6) as Real;
+        let (x, y, z, border) = (side(), side(), side(), 0.1 * size);
+        let [a, b, c, d] = [0; 4].map(|_| vector(rng, 0.6 * size));
+        let hull = Hull::from_points(&[a, b, c, d]).expect("a solid");
+        vec![
+            SharedShape::ball(x),
+            SharedShape::cuboid(x, y, z),
+            SharedShape::capsule(a, b, y),
+            SharedShape::segment(a, b),
+            SharedShape::triangle(a, b, c),
+            SharedShape::cylinder(x, y),
+            SharedShape::cylinder(y, x),
+            SharedShape::cone(x, y),
+            SharedShape::round_cuboid(x, y, z, border),
+            SharedShape::round_cylinder(x, y, border),
+            SharedShape::round_cone(x, y, border),
+            SharedShape::from(hull.rounded(border).expect("a radius")),
+            SharedShape::from(hull),
+        ]
+    }
+
+    fn pose(rng: &mut Rng, apart: Real) -> Pose {
+        let [i, j, k, w] = rng.quat().map(|x| x as Real);
+        Pose::from_parts(vector(rng, apart), Rotation::from_xyzw(i, j, k, w).normalize())
+    }
+
+    /// Returns the distance of two shapes, proven from above.
+    fn distance(pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> f64 {
+        let ((a, of_a), (b, of_b)) = (geometry(a).expect("a kind"), geometry(b).expect("a kind"));
+        let at = RelativePose::new(&of_a, &(isometry(pos12) * of_b)).expect("a pose");
+        PairTracker::new().closest(&a, &b, &at).upper
+    }
+
+    #[test]
+    fn balls_hold_their_shapes_and_are_not_much_larger() {
+        for size in SIZES {
+            let mut rng = Rng::new(81);
+            for _ in 0..20 {
+                for shape in kinds(&mut rng, size) {
+                    let ball = ball(&*shape).expect("a ball");
+                    let map = shape.as_support_map().expect("a support map");
+                    for _ in 0..20 {
+                        let direction = vector(&mut rng, 1.0);
+                        let far = (map.local_support_point(direction) - ball.center).length();
+                        assert!(far <= ball.radius * (1.0 + 8.0 * Real::EPSILON), "{far} {ball:?}");
+                    }
+                    let least = shape.compute_local_aabb().half_extents().max_element();
+                    // Of a triangle the centroid need not be the middle.
+                    assert!(ball.radius < 2.1 * least, "{ball:?} {least} {:?}", shape.shape_type());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_told_far_is_farther() {
+        let (mut far, mut near) = (0, 0);
+        for size in SIZES {
+            let mut rng = Rng::new(82);
+            for _ in 0..6 {
+                let list = kinds(&mut rng, size);
+                for (a, b) in list.iter().flat_map(|a| list.iter().map(move |b| (a, b))) {
+                    let apart = size * rng.range(0.3, 2.5) as Real;
+                    let pos12 = pose(&mut rng, apart);
+                    let true_gap = distance(&pos12, &**a, &**b);
+                    let asked = size * rng.range(0.0, 0.5) as Real;
+                    if are_far(&pos12, (&**a, &**b), asked) {
+                        assert!(true_gap > f64::from(asked), "{true_gap} {asked}");
+                        far += 1;
+                    } else {
+                        near += 1;
+                    }
+                    // A distance within the balls of the gap is never far.
+                    assert!(!are_far(&pos12, (&**a, &**b), apart));
+                    let beyond = Pose::from_parts(pos12.translation * 20.0, pos12.rotation);
+                    assert!(
+                        are_far(&beyond, (&**a, &**b), apart),
+                        "{:?} {:?}",
+                        a.shape_type(),
+                        b.shape_type()
+                    );
+                }
+            }
+        }
+        assert!(far > 1000 && near > 1000, "{far} {near}");
+        let ball = SharedShape::ball(1.0);
+        let bad = Pose::translation(Real::NAN, 0.0, 0.0);
+        assert!(
+            !are_far(&bad, (&*ball, &*ball), 0.0)
+                && !are_far(&Pose::translation(9.0, 0.0, 0.0), (&*ball, &*ball), Real::NAN)
+        );
+    }
+
+    #[test]
+    fn planes_prove_what_they_write() {
+        let (mut proven, mut refused) = (0, 0);
+        for size in SIZES {
+            let mut rng = Rng::new(83);
+            for _ in 0..6 {
+                let list = kinds(&mut rng, size);
+                for (a, b) in list.iter().flat_map(|a| list.iter().map(move |b| (a, b))) {
+                    let apart = size * rng.range(0.3, 2.5) as Real;
+                    let pos12 = pose(&mut rng, apart);
+                    let (true_gap, asked) = (distance(&pos12, &**a, &**b), size * rng.range(0.0, 0.3) as Real);
+                    let planes = Planes::new(&pos12, (&**a, &**b)).expect("support points");
+                    let toward = pos12.translation.normalize() + vector(&mut rng, 0.2);
+                    let mut out = ContactManifold::<(), u32>::new();
+                    out.local_n1 = toward.normalize();
+                    out.points.push(planes.contact(out.local_n1, -out.local_n1, 0.0));
+                    let before = out.clone();
+                    if !planes.write_beyond(asked, &mut out) {
+                        assert_eq!(out.points.len(), 1);
+                        assert_eq!(out.local_n2, before.local_n2);
+                        refused += 1;
+                        continue;
+                    }
+                    let p = &out.points[0];
+                    let close = 1e-5 * size;
+                    assert!(
+                        p.dist > asked && f64::from(p.dist) <= true_gap + f64::from(close),
+                        "{p:?} {true_gap}"
+                    );
+                    let told = (pos12 * p.local_p2 - p.local_p1).dot(out.local_n1);
+                    assert!((told - p.dist).abs() < close, "{told} {p:?}");
+                    assert!((pos12.rotation * out.local_n2 + out.local_n1).length() < 1e-5);
+                    // A normal that is longer, or none, proves nothing.
+                    for bad in [out.local_n1 * 1.01, Vector::ZERO, Vector::splat(Real::NAN)] {
+                        out.local_n1 = bad;
+                        assert!(!planes.write_beyond(asked, &mut out), "{bad:?}");
+                    }
+                    proven += 1;
+                }
+            }
+        }
+        assert!(proven > 1000 && refused > 1000, "{proven} {refused}");
     }
 }

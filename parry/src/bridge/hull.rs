@@ -1,9 +1,9 @@
-//! A convex polyhedron of [`lin_canny`] with what parry asks of a shape.
+//! A convex polyhedron of [`lin_canny`], rounded or not, with what parry asks of a shape.
 
 use std::sync::Arc;
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::{BuildError, ConvexPolyhedron};
+use lin_canny::{BuildError, ConvexPolyhedron, Shape};
 
 use super::mass::UnitMass;
 use super::number::{down, narrow, up, wide_point};
@@ -32,13 +32,32 @@ use super::parry::shape::{self, SharedShape};
 /// ```
 #[derive(Clone)]
 pub struct Hull {
-    pub(super) body: Arc<ConvexPolyhedron>,
-    /// The body as parry stores it, for snapshots, exact sweeps and debug renderers.
-    pub(super) twin: Option<Arc<shape::ConvexPolyhedron>>,
+    pub(super) core: Solid,
+    pub(super) border_radius: Real,
+    /// The shape as parry stores it, for snapshots, exact sweeps and debug renderers.
+    pub(super) twin: Option<Arc<shape::RoundConvexPolyhedron>>,
     pub(super) aabb: Aabb,
     pub(super) ball: BoundingSphere,
     mass: UnitMass,
     conversion: Conversion,
+}
+
+/// A body that is not rounded, and a ball about it in the engine's numbers.
+#[derive(Clone)]
+pub(super) struct Solid {
+    pub(super) body: Arc<ConvexPolyhedron>,
+    pub(super) ball: BoundingSphere,
+}
+
+impl Solid {
+    pub(super) fn new(body: Arc<ConvexPolyhedron>) -> Self {
+        let (center, radius) = body.bounding_ball();
+        let middle = narrow(&center.coords);
+        let moved = (wide_point(middle) - center).norm();
+        let radius = up((radius + moved) * (1.0 + 4.0 * f64::EPSILON));
+        let ball = BoundingSphere::new(middle, radius);
+        Self { body, ball }
+    }
 }
 
 /// What became of a body on its way into parry.
@@ -50,7 +69,7 @@ pub struct Conversion {
     pub rounded: usize,
     /// Largest distance, in the caller's unit, by which a vertex was rounded.
     pub shift: f64,
-    /// Whether parry has a convex polyhedron of the same vertices: if not, the shape is no part of
+    /// Whether parry has a convex polyhedron of the same vertices, rounded if this one is: if not, the shape is no part of
     /// a snapshot, and sweeps of fast bodies take the slower nonlinear cast.
     pub has_twin: bool,
 }
@@ -70,9 +89,12 @@ pub enum HullError {
     /// The points make no body; the error names the point.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// The shape is neither a convex polyhedron, a cuboid, a triangle, a segment nor a tetrahedron.
+    /// The shape is neither a convex polyhedron, a cuboid, a triangle nor a segment, rounded or not.
     #[error("the shape has no vertices: not a convex polyhedron, cuboid, triangle or segment")]
     Kind,
+    /// The border radius, in the caller's unit, is negative or not finite.
+    #[error("the border radius {0} is negative or not finite")]
+    Radius(Real),
 }
 
 impl Hull {
@@ -87,26 +109,74 @@ impl Hull {
 
     /// Returns the hull of a body that shares its memory with other users of the body.
     pub fn new(body: impl Into<Arc<ConvexPolyhedron>>) -> Self {
-        let body = body.into();
-        let twin = twin(&body).map(Arc::new);
-        let (low, high) = body.aabb();
-        let (center, radius) = body.bounding_ball();
-        let middle = narrow(&center.coords);
-        let moved = (wide_point(middle) - center).norm();
+        let core = Solid::new(body.into());
+        let twin = twin(&core.body).map(Arc::new);
+        let (low, high) = core.body.aabb();
         Self {
             aabb: Aabb::new(outward(&low, down), outward(&high, up)),
-            ball: BoundingSphere::new(middle, up((radius + moved) * (1.0 + 4.0 * f64::EPSILON))),
-            mass: UnitMass::new(body.volume(), &body.centroid(), &body.inertia()),
-            conversion: conversion(&body, twin.is_some()),
-            body,
+            ball: core.ball,
+            mass: UnitMass::of(&Shape::from(core.body.clone())),
+            conversion: conversion(&core.body, twin.is_some()),
+            border_radius: 0.0,
+            core,
             twin,
         }
     }
 
-    /// Returns the body.
+    /// Returns the shape of all points within a border radius of this one, in the caller's unit: the
+    /// shape of `SharedShape::round_convex_hull`, but for its mass. That of parry is the mass of the
+    /// core, this one is the mass of the rounded body.
+    ///
+    /// # Errors
+    /// If the radius is negative or not finite.
+    ///
+    /// ```
+    /// use lin_canny_parry::single::{Hull, parry};
+    /// use parry::math::Vector;
+    /// use parry::shape::Shape;
+    ///
+    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Vector::from);
+    /// let stone = Hull::from_points(&corners)?.rounded(0.1)?;
+    /// assert_eq!(stone.border_radius(), 0.1);
+    /// assert!(stone.mass_properties(1.0).mass() > 0.35);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn rounded(&self, border_radius: Real) -> Result<Self, HullError> {
+        let by = self.border_radius + border_radius;
+        let rounded = Shape::from(self.core.body.clone()).rounded(f64::from(by));
+        let (true, Ok(rounded)) = (border_radius >= 0.0, rounded) else {
+            return Err(HullError::Radius(border_radius));
+        };
+        let (low, high) = self.core.body.aabb();
+        let border = f64::from(by);
+        let aabb = Aabb::new(outward(&low, |x| down(x - border)), outward(&high, |x| up(x + border)));
+        let core = self.core.ball;
+        let ball = BoundingSphere::new(core.center, up(f64::from(core.radius) + border));
+        let twin = self.twin.as_ref().map(|twin| {
+            let mut twin = shape::RoundConvexPolyhedron::clone(twin);
+            twin.border_radius = by;
+            Arc::new(twin)
+        });
+        Ok(Self {
+            border_radius: by,
+            twin,
+            aabb,
+            ball,
+            mass: UnitMass::of(&rounded),
+            ..self.clone()
+        })
+    }
+
+    /// Returns the body, without its border.
     #[must_use]
     pub fn body(&self) -> &Arc<ConvexPolyhedron> {
-        &self.body
+        &self.core.body
+    }
+
+    /// Returns the radius by which the body is rounded, in the caller's unit.
+    #[must_use]
+    pub fn border_radius(&self) -> Real {
+        self.border_radius
     }
 
     /// Returns the report on the way into parry. The report on the build of the body is
@@ -116,11 +186,11 @@ impl Hull {
         self.conversion
     }
 
-    /// Returns the same body as a convex polyhedron of parry, vertices and order kept; `None` for
-    /// flat bodies and for faces that parry merges into nothing.
+    /// Returns the same body, without its border, as a convex polyhedron of parry, vertices and
+    /// order kept; `None` for flat bodies and for faces that parry merges into nothing.
     #[must_use]
     pub fn to_parry(&self) -> Option<&shape::ConvexPolyhedron> {
-        self.twin.as_deref()
+        self.twin.as_deref().map(|twin| &twin.inner_shape)
     }
 
     /// Returns the mass properties at a density, in mass a unit of volume. The principal axes come
@@ -144,7 +214,7 @@ impl From<Hull> for SharedShape {
 }
 
 /// The body of a shape's vertices: of a convex polyhedron, a cuboid, a triangle, a segment, or of a
-/// `Hull` itself.
+/// `Hull` itself. Rounded ones keep their border.
 impl TryFrom<&dyn shape::Shape> for Hull {
     type Error = HullError;
 
@@ -161,6 +231,12 @@ impl TryFrom<&dyn shape::Shape> for Hull {
         } else if let Some(segment) = shape.as_segment() {
             let (start, end) = (wide_point(segment.a), wide_point(segment.b));
             Ok(Self::new(ConvexPolyhedron::segment(start, end)?))
+        } else if let Some(round) = shape.as_round_convex_polyhedron() {
+            Self::try_from(&round.inner_shape as &dyn shape::Shape)?.rounded(round.border_radius)
+        } else if let Some(round) = shape.as_round_cuboid() {
+            Self::try_from(&round.inner_shape as &dyn shape::Shape)?.rounded(round.border_radius)
+        } else if let Some(round) = shape.as_round_triangle() {
+            Self::try_from(&round.inner_shape as &dyn shape::Shape)?.rounded(round.border_radius)
         } else {
             Err(HullError::Kind)
         }
@@ -177,8 +253,9 @@ fn outward(p: &Point3<f64>, round: impl Fn(f64) -> Real) -> Vector {
     Vector::new(round(p.x), round(p.y), round(p.z))
 }
 
-/// Returns the polyhedron of the rounded vertices, in the body's order, and of its faces as fans.
-fn twin(body: &ConvexPolyhedron) -> Option<shape::ConvexPolyhedron> {
+/// Returns the polyhedron of the vertices in the engine's precision, in the body's order, and of its
+/// faces as fans; without a border.
+fn twin(body: &ConvexPolyhedron) -> Option<shape::RoundConvexPolyhedron> {
     let points: Vec<Vector> = body.vertex_points().map(|p| narrow(&p.coords)).collect();
     let mut triangles = Vec::new();
     for face in body.faces() {
@@ -190,7 +267,11 @@ fn twin(body: &ConvexPolyhedron) -> Option<shape::ConvexPolyhedron> {
         return None;
     }
     let twin = shape::ConvexPolyhedron::from_convex_mesh(points, &triangles)?;
-    (!twin.faces().is_empty()).then_some(twin)
+    let has_faces = !twin.faces().is_empty();
+    has_faces.then_some(shape::RoundShape {
+        inner_shape: twin,
+        border_radius: 0.0,
+    })
 }
 
 fn conversion(body: &ConvexPolyhedron, has_twin: bool) -> Conversion {

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{BoxHint, ConvexPolyhedron, FaceId, VertexId};
+use lin_canny::{BoxHint, ConvexPolyhedron, FaceId, Geometry, Shape as CoreShape, VertexId};
 
-use super::hull::Hull;
+use super::hull::{Hull, Solid};
 use super::number::{down, isometry, narrow, up, wide, wide_point};
 use super::parry::bounding_volume::{Aabb, BoundingSphere};
 use super::parry::mass_properties::MassProperties;
@@ -15,8 +15,9 @@ use super::parry::shape::{
     FeatureId, PackedFeatureId, PolygonalFeature, PolygonalFeatureMap, Shape, ShapeType, SubShapeId, SupportMap,
     TypedShape,
 };
+use super::ray_point::{cast_ray, project};
 
-impl Hull {
+impl Solid {
     fn vertex(&self, vertex: VertexId) -> Vector {
         self.body.vertex(vertex).map_or(Vector::ZERO, |p| narrow(&p.coords))
     }
@@ -40,14 +41,24 @@ impl Hull {
     }
 }
 
-impl SupportMap for Hull {
+impl SupportMap for Solid {
     fn local_support_point(&self, dir: Vector) -> Vector {
         self.vertex(self.body.extreme_vertex(&wide(dir)))
     }
 }
 
+impl SupportMap for Hull {
+    fn local_support_point(&self, dir: Vector) -> Vector {
+        let top = self.core.local_support_point(dir);
+        match wide(dir).try_normalize(0.0) {
+            Some(n) if self.border_radius > 0.0 => top + narrow(&n) * self.border_radius,
+            _ => top,
+        }
+    }
+}
+
 /// Four vertices spread round the boundary of the support face, the extreme vertex among them.
-impl PolygonalFeatureMap for Hull {
+impl PolygonalFeatureMap for Solid {
     fn local_support_feature(&self, dir: Vector, out: &mut PolygonalFeature) {
         let (top, face) = self.support_face(&wide(dir));
         let Some(face) = face else {
@@ -80,7 +91,7 @@ impl PolygonalFeatureMap for Hull {
 }
 
 /// Writes the support feature of a segment or point.
-fn support_of_flat(hull: &Hull, top: VertexId, out: &mut PolygonalFeature) {
+fn support_of_flat(hull: &Solid, top: VertexId, out: &mut PolygonalFeature) {
     let ids: Vec<VertexId> = hull.body.vertices().take(2).collect();
     for slot in 0..4 {
         let v = ids.get(slot).copied().unwrap_or(top);
@@ -93,12 +104,29 @@ fn support_of_flat(hull: &Hull, top: VertexId, out: &mut PolygonalFeature) {
 }
 
 impl RayCast for Hull {
-    /// Clips the ray by the planes of all faces. A flat body is hit by no ray.
+    /// Clips the ray by the planes of all faces. A flat body without a border is hit by no ray. A
+    /// ray that starts inside a rounded hull hits at its start, filled or hollow.
     fn cast_local_ray_and_get_normal(&self, ray: &Ray, max: Real, solid: bool) -> Option<RayIntersection> {
+        match self.rounded_geometry() {
+            Some(rounded) => cast_ray(&rounded, ray, max),
+            None => self.clip_ray(ray, max, solid),
+        }
+    }
+}
+
+impl Hull {
+    /// Returns the rounded shape; `None` for a hull without a border.
+    fn rounded_geometry(&self) -> Option<Geometry> {
+        let border = f64::from(self.border_radius);
+        let rounded = (border > 0.0).then(|| CoreShape::from(self.core.body.clone()).rounded(border));
+        rounded?.ok().map(Geometry::from)
+    }
+
+    fn clip_ray(&self, ray: &Ray, max: Real, solid: bool) -> Option<RayIntersection> {
         let (origin, dir) = (wide(ray.origin), wide(ray.dir));
         let (mut enter, mut leave) = ((0.0, None), (f64::INFINITY, None));
-        for face in self.body.faces() {
-            let (n, offset) = self.body.face_plane(face)?;
+        for face in self.core.body.faces() {
+            let (n, offset) = self.core.body.face_plane(face)?;
             let (rise, height) = (n.dot(&dir), n.dot(&origin) - offset);
             // Comparisons are written so that NaN misses.
             if rise < 0.0 {
@@ -115,7 +143,7 @@ impl RayCast for Hull {
                 return None;
             }
         }
-        if !(enter.0 <= leave.0) || self.body.face_count() < 3 {
+        if !(enter.0 <= leave.0) || self.core.body.face_count() < 3 {
             return None;
         }
         let hit = |t: f64, normal: Vector3<f64>, feature| {
@@ -132,30 +160,40 @@ impl RayCast for Hull {
 }
 
 impl PointQuery for Hull {
-    /// Containment is exact for the stored body and the point given.
+    /// Containment is exact for the stored body and the point given if the hull has no border.
     fn project_local_point(&self, pt: Vector, solid: bool) -> PointProjection {
-        self.projection(pt, solid).0
+        match self.rounded_geometry() {
+            Some(rounded) => project(&rounded, pt, solid),
+            None => self.projection(pt, solid).0,
+        }
     }
 
     fn project_local_point_and_get_feature(&self, pt: Vector) -> (PointProjection, FeatureId) {
-        self.projection(pt, false)
+        match self.rounded_geometry() {
+            Some(rounded) => (project(&rounded, pt, false), FeatureId::Unknown),
+            None => self.projection(pt, false),
+        }
     }
 
     fn contains_local_point(&self, pt: Vector) -> bool {
-        self.body.contains(&wide_point(pt))
+        match self.rounded_geometry() {
+            Some(rounded) => project(&rounded, pt, true).is_inside,
+            None => self.core.body.contains(&wide_point(pt)),
+        }
     }
 }
 
 impl Hull {
     fn projection(&self, pt: Vector, solid: bool) -> (PointProjection, FeatureId) {
         let p = wide_point(pt);
-        let inside = self.body.contains(&p);
+        let inside = self.core.body.contains(&p);
         if inside && solid {
             return (PointProjection::new(true, pt), FeatureId::Unknown);
         }
         let nearest = self
+            .core
             .nearest_face(&p.coords)
-            .filter(|_| inside && self.body.face_count() > 2);
+            .filter(|_| inside && self.core.body.face_count() > 2);
         if let Some((n, depth, face)) = nearest {
             let foot = p.coords + n * depth;
             return (
@@ -163,8 +201,8 @@ impl Hull {
                 FeatureId::Face(face.index() as u32),
             );
         }
-        let foot = self.body.closest_point(&p).unwrap_or(p);
-        let top = self.body.extreme_vertex(&(p - foot));
+        let foot = self.core.body.closest_point(&p).unwrap_or(p);
+        let top = self.core.body.extreme_vertex(&(p - foot));
         let feature = FeatureId::Vertex(top.index() as u32);
         (PointProjection::new(inside, narrow(&foot.coords)), feature)
     }
@@ -183,26 +221,31 @@ impl Shape for Hull {
         Box::new(self.clone())
     }
 
-    /// The scaled vertices make a new hull; `None` if they make no body.
+    /// The scaled vertices make a new hull, whose border is as wide as before; `None` if they make no
+    /// body.
     fn scale_dyn(&self, scale: Vector, _: u32) -> Option<Box<dyn Shape>> {
         let scale = wide(scale);
         let points: Vec<_> = self
+            .core
             .body
             .vertex_points()
             .map(|p| p.coords.component_mul(&scale).into())
             .collect();
-        let body = match self.body.face_count() {
+        let body = match self.core.body.face_count() {
             0 => return None,
             2 => ConvexPolyhedron::polygon(&points),
             _ => ConvexPolyhedron::from_points(&points),
         };
-        Some(Box::new(Hull::new(Arc::new(body.ok()?))))
+        let hull = Hull::new(Arc::new(body.ok()?));
+        Some(Box::new(hull.rounded(self.border_radius).ok()?))
     }
 
     fn compute_aabb(&self, pose: &Pose) -> Aabb {
-        let (low, high) = self.body.aabb_at(&isometry(pose), &mut BoxHint::default());
+        let (low, high) = self.core.body.aabb_at(&isometry(pose), &mut BoxHint::default());
         let (low, high): ([f64; 3], [f64; 3]) = (low.into(), high.into());
-        Aabb::new(Vector::from(low.map(down)), Vector::from(high.map(up)))
+        let border = f64::from(self.border_radius);
+        let (low, high) = (low.map(|x| down(x - border)), high.map(|x| up(x + border)));
+        Aabb::new(Vector::from(low), Vector::from(high))
     }
 
     fn compute_bounding_sphere(&self, pose: &Pose) -> BoundingSphere {
@@ -221,11 +264,12 @@ impl Shape for Hull {
         ShapeType::Custom
     }
 
-    /// A convex polyhedron of parry, by which snapshots are written, fast bodies get the exact
+    /// A convex polyhedron of parry, rounded if the hull is, by which snapshots are written, fast bodies get the exact
     /// sweep, and debug renderers draw.
     fn as_typed_shape(&self) -> TypedShape<'_> {
         match &self.twin {
-            Some(twin) => TypedShape::ConvexPolyhedron(twin),
+            Some(twin) if self.border_radius > 0.0 => TypedShape::RoundConvexPolyhedron(twin),
+            Some(twin) => TypedShape::ConvexPolyhedron(&twin.inner_shape),
             None => TypedShape::Custom(self),
         }
     }
@@ -243,20 +287,21 @@ impl Shape for Hull {
     }
 
     fn as_polygonal_feature_map(&self) -> Option<(&dyn PolygonalFeatureMap, Real)> {
-        Some((self, 0.0))
+        Some((&self.core, self.border_radius))
     }
 
     fn feature_normal_at_point(&self, _: SubShapeId, feature: FeatureId, _: Vector) -> Option<Vector> {
-        let normal = |f: FaceId| self.body.face_plane(f).map(|(n, _)| n.into_inner());
+        let normal = |f: FaceId| self.core.body.face_plane(f).map(|(n, _)| n.into_inner());
         let faces: Vec<FaceId> = match feature {
-            FeatureId::Face(k) => self.body.faces().nth(k as usize).into_iter().collect(),
+            FeatureId::Face(k) => self.core.body.faces().nth(k as usize).into_iter().collect(),
             FeatureId::Vertex(k) => self
+                .core
                 .body
                 .vertices()
                 .nth(k as usize)
-                .map(|v| self.body.vertex_faces(v).collect())?,
-            FeatureId::Edge(k) => match self.body.feature(1, k as usize) {
-                Some(lin_canny::Feature::Edge(e)) => self.body.edge_faces(e)?.to_vec(),
+                .map(|v| self.core.body.vertex_faces(v).collect())?,
+            FeatureId::Edge(k) => match self.core.body.feature(1, k as usize) {
+                Some(lin_canny::Feature::Edge(e)) => self.core.body.edge_faces(e)?.to_vec(),
                 _ => return None,
             },
             FeatureId::Unknown => return None,

@@ -1,88 +1,106 @@
 //! Bodies made of the points of parry's own shapes, each made once.
 
 use std::collections::{HashMap, HashSet};
+use std::hash::{BuildHasherDefault, Hasher};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 
 use lin_canny::ConvexPolyhedron;
 
-use super::hull::Hull;
+use super::hull::Solid;
 use super::number::wide_point;
 use super::parry::math::Vector;
 
-/// Shapes that are remembered before any is forgotten.
-const LEAST: usize = 4096;
+/// Number of tables: threads that ask for different bodies seldom ask the same one.
+const SHARDS: usize = 64;
+
+/// Shapes that a table remembers before any is forgotten.
+const LEAST: usize = 64;
 
 /// Most points that make a key.
 const MOST_HASHED: usize = 8;
 
-/// Most keys of forgotten shapes that are kept over a sweep.
+/// Most keys of forgotten shapes that a table keeps over a sweep.
 const MOST_FORGOTTEN: usize = 16 * LEAST;
 
-/// A table from points to the body they span. Only a memory: what it returns depends on the points
-/// alone.
+/// A table from points to the body they span, divided by the keys of the points. Only a memory: what
+/// it returns depends on the points alone.
 ///
-/// A body that was asked for since the last sweep survives the next one. A sweep comes when as many
-/// bodies as half of its survivors, or [`LEAST`], are new, and a forgotten body that is asked for again
-/// puts it off: tens of thousands of shapes in use are soon kept, and few others are.
+/// A body that was asked for since the last sweep of its table survives the next one. A sweep comes when
+/// as many bodies as half of its survivors, or [`LEAST`], are new, and a forgotten body that is asked for
+/// again puts it off: tens of thousands of shapes in use are soon kept, and few others are.
+pub(super) struct Known(Box<[Shard]>);
+
+/// A table in cache lines of its own: the lock of a table is written by each thread that reads.
 #[derive(Default)]
-pub(super) struct Known(RwLock<Table>);
+#[repr(align(128))]
+struct Shard(RwLock<Table>);
 
 #[derive(Default)]
 struct Table {
-    entries: HashMap<u64, Vec<Entry>>,
+    entries: HashMap<u64, Vec<Entry>, BuildHasherDefault<Keyed>>,
     count: usize,
     /// Number of entries that survived the last sweep, or were asked for again after it.
     survived: usize,
     /// Keys of bodies that sweeps forgot.
-    forgotten: HashSet<u64>,
+    forgotten: HashSet<u64, BuildHasherDefault<Keyed>>,
 }
 
 struct Entry {
     points: Box<[Vector]>,
     /// `None` if the points make no body.
-    hull: Option<Arc<Hull>>,
+    solid: Option<Arc<Solid>>,
     /// Whether the body was asked for since the last sweep.
     is_asked: AtomicBool,
 }
 
+impl Default for Known {
+    fn default() -> Self {
+        Self((0..SHARDS).map(|_| Shard::default()).collect())
+    }
+}
+
 impl Known {
     /// Returns the body of one point, of the segment of two points, or else the hull.
-    pub(super) fn hull(&self, points: &[Vector]) -> Option<Arc<Hull>> {
+    pub(super) fn solid(&self, points: &[Vector]) -> Option<Arc<Solid>> {
         let key = key(points);
-        if let Some(found) = self.0.read().unwrap_or_else(PoisonError::into_inner).find(key, points) {
+        // Hash tables choose their slots by the low bits and the highest seven.
+        let table = &self.0[(key >> 48) as usize % SHARDS].0;
+        if let Some(found) = table.read().unwrap_or_else(PoisonError::into_inner).find(key, points) {
             return found;
         }
-        let hull = made(points).map(Arc::new);
-        let mut table = self.0.write().unwrap_or_else(PoisonError::into_inner);
+        let solid = made(points).map(Arc::new);
+        let mut table = table.write().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = table.find(key, points) {
             return found;
         }
-        table.insert(key, points, hull.clone());
-        hull
+        table.insert(key, points, solid.clone());
+        solid
     }
 }
 
 impl Table {
-    fn find(&self, key: u64, points: &[Vector]) -> Option<Option<Arc<Hull>>> {
+    fn find(&self, key: u64, points: &[Vector]) -> Option<Option<Arc<Solid>>> {
         let entry = self.entries.get(&key)?.iter().find(|e| same(&e.points, points))?;
         // Read first: threads that only read share the cache line.
         if !entry.is_asked.load(Ordering::Relaxed) {
             entry.is_asked.store(true, Ordering::Relaxed);
         }
-        Some(entry.hull.clone())
+        Some(entry.solid.clone())
     }
 
-    fn insert(&mut self, key: u64, points: &[Vector], hull: Option<Arc<Hull>>) {
+    fn insert(&mut self, key: u64, points: &[Vector], solid: Option<Arc<Solid>>) {
         self.survived += usize::from(self.forgotten.remove(&key));
         if self.count >= self.survived + LEAST.max(self.survived / 2) {
             self.sweep();
         }
         let (points, is_asked) = (points.into(), AtomicBool::new(true));
-        self.entries
-            .entry(key)
-            .or_default()
-            .push(Entry { points, hull, is_asked });
+        let entry = Entry {
+            points,
+            solid,
+            is_asked,
+        };
+        self.entries.entry(key).or_default().push(entry);
         self.count += 1;
     }
 
@@ -103,6 +121,26 @@ impl Table {
     }
 }
 
+/// The hash of a key, which is the key.
+#[derive(Default)]
+struct Keyed(u64);
+
+impl Hasher for Keyed {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes
+            .iter()
+            .for_each(|&byte| self.write_u64(self.0.rotate_left(8) ^ u64::from(byte)));
+    }
+
+    fn write_u64(&mut self, key: u64) {
+        self.0 = key;
+    }
+}
+
 /// Returns whether points are equal bit for bit.
 fn same(a: &[Vector], b: &[Vector]) -> bool {
     // Without an early end: equal points are the rule, and lanes compare several at once.
@@ -113,15 +151,37 @@ fn same(a: &[Vector], b: &[Vector]) -> bool {
     a.len() == b.len() && a.iter().zip(b).fold(0, |all, (p, q)| all | differ(p, q)) == 0
 }
 
-/// Returns a key of some of the points, as all of them are compared in any case.
-fn key(points: &[Vector]) -> u64 {
-    let mix = |hash: u64, x: u64| (hash.rotate_left(5) ^ x).wrapping_mul(0x517c_c1b7_2722_0a95);
-    let step = points.len().div_ceil(MOST_HASHED).max(1);
-    let some = points.iter().step_by(step).flat_map(|p| p.to_array());
-    some.map(|x| f64::from(x).to_bits()).fold(points.len() as u64, mix)
+/// Odd numbers without a pattern: fractions of square roots of primes.
+const ODD: [u64; MOST_HASHED] = [
+    0x6a09_e667_f3bc_c909,
+    0xbb67_ae85_84ca_a73b,
+    0x3c6e_f372_fe94_f82b,
+    0xa54f_f53a_5f1d_36f1,
+    0x510e_527f_ade6_82d1,
+    0x9b05_688c_2b3e_6c1f,
+    0x1f83_d9ab_fb41_bd6b,
+    0x5be0_cd19_137e_2179,
+];
+
+/// Returns the product of two numbers, both halves mixed.
+fn folded(a: u64, b: u64) -> u64 {
+    let product = u128::from(a) * u128::from(b);
+    product as u64 ^ (product >> 64) as u64
 }
 
-fn made(points: &[Vector]) -> Option<Hull> {
+/// Returns a key of some of the points, as all of them are compared in any case.
+fn key(points: &[Vector]) -> u64 {
+    let step = points.len().div_ceil(MOST_HASHED).max(1);
+    // One product a point, none of which waits for another.
+    let mixed = points.iter().step_by(step).zip(ODD).map(|(p, odd)| {
+        let [x, y, z] = p.to_array().map(|x| u64::from(x.to_bits()));
+        folded((x ^ z.rotate_left(32)) ^ odd, y ^ odd.rotate_left(29))
+    });
+    let count = points.len() as u64;
+    folded(mixed.fold(count, u64::wrapping_add), ODD[0])
+}
+
+fn made(points: &[Vector]) -> Option<Solid> {
     let wide: Vec<_> = points.iter().map(|&p| wide_point(p)).collect();
     let body = match wide[..] {
         [p] => ConvexPolyhedron::point(p),
@@ -130,7 +190,7 @@ fn made(points: &[Vector]) -> Option<Hull> {
         [_, _, _] => ConvexPolyhedron::polygon(&wide),
         _ => ConvexPolyhedron::from_points(&wide),
     };
-    body.ok().map(Hull::new)
+    Some(Solid::new(Arc::new(body.ok()?)))
 }
 
 #[cfg(test)]
@@ -138,16 +198,19 @@ mod tests {
     use super::super::parry::math::Real;
     use super::*;
 
+    /// Bodies that all tables together remember at least.
+    const MANY: usize = SHARDS * LEAST;
+
     /// Distinct bodies of one point.
-    fn asked(known: &Known, of: std::ops::Range<usize>) -> Vec<Arc<Hull>> {
+    fn asked(known: &Known, of: std::ops::Range<usize>) -> Vec<Arc<Solid>> {
         let point = |k: usize| [Vector::new(k as Real, 1.0, 0.0)];
-        of.map(|k| known.hull(&point(k)).expect("a body")).collect()
+        of.map(|k| known.solid(&point(k)).expect("a body")).collect()
     }
 
     /// A scene with more shapes than are remembered at least: soon none of them is made again.
     #[test]
     fn shapes_in_use_are_soon_kept() {
-        for count in [LEAST + 1, 5 * LEAST] {
+        for count in [MANY + 1, 5 * MANY] {
             let known = Known::default();
             (0..2).for_each(|_| drop(asked(&known, 0..count)));
             let first = asked(&known, 0..count);
@@ -156,7 +219,7 @@ mod tests {
                 let made = first.iter().zip(&again).filter(|(a, b)| !Arc::ptr_eq(a, b)).count();
                 assert_eq!(made, 0, "of {count}");
                 // Shapes that are asked for once, now and then.
-                asked(&known, 10 * LEAST..10 * LEAST + 10);
+                asked(&known, 10 * MANY..10 * MANY + 10);
             }
         }
     }
@@ -171,7 +234,11 @@ mod tests {
             let again = asked(&known, 0..100);
             assert!(first.iter().zip(&again).all(|(a, b)| Arc::ptr_eq(a, b)), "round {k}");
         }
-        let count = known.0.read().expect("no panic").count;
-        assert!(count <= 3 * LEAST, "{count}");
+        let count: usize = known
+            .0
+            .iter()
+            .map(|shard| shard.0.read().expect("no panic").count)
+            .sum();
+        assert!(count <= 3 * MANY, "{count}");
     }
 }

@@ -1,5 +1,6 @@
 //! Mass properties without an absolute tolerance.
 
+use lin_canny::Shape;
 use lin_canny::nalgebra::{Matrix3, Point3, Rotation3, SymmetricEigen, UnitQuaternion, Vector3};
 
 use super::number::narrow;
@@ -16,6 +17,14 @@ pub(super) struct UnitMass {
 }
 
 impl UnitMass {
+    /// Returns the mass of a shape; none for a shape whose mass is not known.
+    pub(super) fn of(shape: &Shape) -> Self {
+        match shape.mass() {
+            Some(mass) => Self::new(mass.volume, &mass.centroid, &mass.inertia),
+            None => Self::new(0.0, &Point3::origin(), &Matrix3::zeros()),
+        }
+    }
+
     /// Returns the mass of a body of a volume, with its centroid and its inertia about it.
     pub(super) fn new(volume: f64, centroid: &Point3<f64>, inertia: &Matrix3<f64>) -> Self {
         let size = inertia.amax();

@@ -1,62 +1,36 @@
 //! What parry asks of a [`MeshShape`].
 
-use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{
-    BoxHint, ConvexPolyhedron, Mesh, PairTracker, Ray as CoreRay, RayCast as Cast, RayCaster, RelativePose,
-};
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::{BoxHint, Mesh};
 
 use super::mesh::MeshShape;
-use super::number::{down, isometry, narrow, up, wide, wide_point};
+use super::number::{down, isometry, up, wide};
 use super::parry::bounding_volume::{Aabb, BoundingSphere};
 use super::parry::mass_properties::MassProperties;
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
 use super::parry::shape::{FeatureId, Shape, ShapeType, TypedShape};
+use super::ray_point::{cast_ray, project};
 
 /// A ray that starts inside a solid hits at its start, filled or hollow.
 impl RayCast for MeshShape {
     fn cast_local_ray_and_get_normal(&self, ray: &Ray, max: Real, _: bool) -> Option<RayIntersection> {
-        let (origin, speed) = (wide_point(ray.origin), wide(ray.dir).norm());
-        let along = CoreRay::new(origin, wide(ray.dir)).ok()?;
-        let length = f64::from(max) * speed;
-        let cast = RayCaster::new().cast(&self.geometry, &Isometry3::identity(), &along, length);
-        let hit = |distance: f64, normal: Vector3<f64>, triangle: u32| {
-            let feature = FeatureId::Face(triangle);
-            RayIntersection::new((distance / speed) as Real, narrow(&normal), feature)
-        };
-        match cast.ok()? {
-            Cast::Hit(found) => Some(hit(found.hit, found.normal.into_inner(), found.part)),
-            Cast::Inside => Some(hit(0.0, Vector3::zeros(), 0)),
-            _ => None,
-        }
+        cast_ray(&self.geometry, ray, max)
     }
 }
 
 /// A point inside a solid is its own projection.
 impl PointQuery for MeshShape {
     fn project_local_point(&self, pt: Vector, _: bool) -> PointProjection {
-        self.projection(pt)
+        project(&self.geometry, pt, true)
     }
 
     fn project_local_point_and_get_feature(&self, pt: Vector) -> (PointProjection, FeatureId) {
-        (self.projection(pt), FeatureId::Unknown)
+        (project(&self.geometry, pt, true), FeatureId::Unknown)
     }
 }
 
 impl MeshShape {
-    fn projection(&self, pt: Vector) -> PointProjection {
-        let at = RelativePose::from_isometry(&Isometry3::from(wide(pt)));
-        let (Ok(point), Ok(at)) = (ConvexPolyhedron::point(Point3::origin()), at) else {
-            return PointProjection::new(false, pt);
-        };
-        let mut tracker = PairTracker::new();
-        let found = tracker.closest(&self.geometry, &point, &at).outcome;
-        if !(found.distance > 0.0) {
-            return PointProjection::new(true, pt);
-        }
-        PointProjection::new(false, narrow(&found.point_on_a.coords))
-    }
-
     fn scaled(&self, scale: Vector3<f64>) -> Option<Self> {
         let corners = self.mesh.triangles().flat_map(|(_, t)| t);
         let points: Vec<Point3<f64>> = corners.map(|p| p.coords.component_mul(&scale).into()).collect();

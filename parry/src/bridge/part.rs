@@ -7,7 +7,7 @@ use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Geometry, Shape};
 
 use super::far::are_balls_far;
-use super::hull::{Hull, corners};
+use super::hull::{Hull, Solid, corners};
 use super::known::Known;
 use super::mesh::mesh;
 use super::parry::bounding_volume::BoundingSphere;
@@ -22,17 +22,17 @@ pub(super) struct Part<'a> {
 
 /// A hull of the caller, or one made for a shape of parry.
 pub(super) enum Core<'a> {
-    Given(&'a Hull),
-    Made(Arc<Hull>),
+    Given(&'a Solid),
+    Made(Arc<Solid>),
 }
 
 impl Deref for Core<'_> {
-    type Target = Hull;
+    type Target = Solid;
 
-    fn deref(&self) -> &Hull {
+    fn deref(&self) -> &Solid {
         match self {
-            Self::Given(hull) => hull,
-            Self::Made(hull) => hull,
+            Self::Given(solid) => solid,
+            Self::Made(solid) => solid,
         }
     }
 }
@@ -57,6 +57,13 @@ fn is_closed_form(a: Kind, b: Kind) -> bool {
 /// Returns whether two shapes are balls, for which all queries of parry are closed forms.
 fn are_balls(a: &dyn shape::Shape, b: &dyn shape::Shape) -> bool {
     a.as_ball().is_some() && b.as_ball().is_some()
+}
+
+/// Returns whether parry's test of a pair is a closed form that is right at every size: the distance
+/// of a ball's centre from a cuboid.
+pub(super) fn has_closed_test(a: &dyn shape::Shape, b: &dyn shape::Shape) -> bool {
+    let is_pair = |a: &dyn shape::Shape, b: &dyn shape::Shape| a.as_ball().is_some() && b.as_cuboid().is_some();
+    is_pair(a, b) || is_pair(b, a)
 }
 
 fn kind(shape: &dyn shape::Shape) -> Option<Kind> {
@@ -91,11 +98,12 @@ pub(super) fn pair<'a>(
 /// Returns a shape as a rounded polyhedron.
 fn part<'a>(known: &Known, shape: &'a dyn shape::Shape) -> Option<Part<'a>> {
     if let Some(hull) = shape.as_shape::<Hull>() {
-        let core = Core::Given(hull);
-        return Some(Part { core, radius: 0.0 });
+        let core = Core::Given(&hull.core);
+        let radius = f64::from(hull.border_radius);
+        return Some(Part { core, radius });
     }
     let made = |points: &[Vector], radius: Real| {
-        let core = Core::Made(known.hull(points)?);
+        let core = Core::Made(known.solid(points)?);
         let radius = f64::from(radius);
         (radius >= 0.0).then_some(Part { core, radius })
     };

@@ -8,11 +8,14 @@ use lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_parry::lin_canny::{ConvexPolyhedron, Tracker};
 
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};
-use super::engine::parry::query::{PointQuery, Ray, RayCast};
-use super::engine::parry::shape::{
-    Ball, Cuboid, FeatureId, PolygonalFeature, PolygonalFeatureMap, Segment, Shape, SupportMap, Triangle, TypedShape,
+use super::engine::parry::query::details::ShapeCastOptions;
+use super::engine::parry::query::{
+    ContactManifold, DefaultQueryDispatcher, PersistentQueryDispatcher, PointQuery, QueryDispatcher, Ray, RayCast,
 };
-use super::engine::{Hull, HullError, isometry, pose};
+use super::engine::parry::shape::{
+    Ball, Cuboid, FeatureId, HalfSpace, PolygonalFeature, Segment, Shape, SupportMap, Triangle, TypedShape,
+};
+use super::engine::{Certified, Hull, HullError, isometry, pose};
 
 fn vector(p: [f64; 3]) -> Vector {
     Vector::from(p.map(|x| x as Real))
@@ -106,7 +109,10 @@ fn support_faces_hold_the_deepest_vertex_and_are_spread() {
             let (s, c) = (TAU * f64::from(k) / 200.0).sin_cos();
             let dir = vector([lean * c, lean * s, -1.0]);
             let mut face = PolygonalFeature::default();
-            hull.local_support_feature(dir, &mut face);
+            hull.as_polygonal_feature_map()
+                .expect("faces")
+                .0
+                .local_support_feature(dir, &mut face);
             assert_eq!(face.num_vertices, sides.min(4));
             let used = &face.vertices[..face.num_vertices];
             let most = used
@@ -214,4 +220,102 @@ fn conversions_report_what_they_change() {
     assert_eq!(half.translation.vector, Vector3::x() * 0.5);
     let scaled = exact.scale_dyn(Vector::splat(2.0), 0).expect("a solid");
     assert!((f64::from(scaled.mass_properties(1.0).mass()) - 8.0 * exact.body().volume()).abs() < 1e-4);
+}
+
+/// A border moves the surface out by its radius: boxes, balls, support points, points, rays, casts.
+#[test]
+fn rounded_hulls_are_their_cores_and_a_border() {
+    let mut rng = Rng::new(6);
+    for (size, hull) in [1e-3, 1.0, 50.0]
+        .into_iter()
+        .flat_map(|size| hulls(size).into_iter().map(move |h| (size, h)))
+    {
+        let border = (0.25 * size) as Real;
+        let round = hull.rounded(border).expect("a radius");
+        assert_eq!((round.border_radius(), hull.border_radius()), (border, 0.0));
+        let close = 4e-6 * size;
+        for _ in 0..60 {
+            let dir = vector(rng.unit());
+            let out = round.local_support_point(dir) - hull.local_support_point(dir);
+            assert!((wide(out) - wide(dir) * f64::from(border)).norm() < close, "{out:?}");
+            let p = vector(rng.unit().map(|x| 1.6 * size * x));
+            let gap = hull.distance_to_local_point(p, true) - border;
+            let found = round.project_local_point(p, true);
+            assert!(
+                found.is_inside == (gap <= 0.0) || f64::from(gap.abs()) < close,
+                "{gap} {found:?}"
+            );
+            if gap > 0.0 {
+                let far = wide(found.point - p).norm();
+                assert!((far - f64::from(gap)).abs() < close, "{far} {gap}");
+                let ray = Ray::new(p, found.point - p);
+                let hit = round.cast_local_ray_and_get_normal(&ray, 2.0, true).expect("a hit");
+                assert!((hit.time_of_impact - 1.0).abs() < 1e-4, "{hit:?}");
+            }
+        }
+        let (aabb, core) = (round.compute_local_aabb(), hull.compute_local_aabb());
+        assert!((wide(aabb.maxs - core.maxs) - Vector3::repeat(f64::from(border))).norm() < close);
+        assert!((wide(core.mins - aabb.mins) - Vector3::repeat(f64::from(border))).norm() < close);
+        let ball = round.compute_local_bounding_sphere().radius - hull.compute_local_bounding_sphere().radius;
+        assert!((f64::from(ball - border)).abs() < close);
+        // The mass is that of the rounded body.
+        let (mass, truth) = (
+            round.mass_properties(1.0),
+            lin_canny_parry::lin_canny::Shape::from(hull.body().clone()),
+        );
+        let truth = truth
+            .rounded(f64::from(border))
+            .expect("a radius")
+            .mass()
+            .expect("a mass");
+        assert!((f64::from(mass.mass()) / truth.volume - 1.0).abs() < 1e-5 && truth.volume > hull.body().volume());
+    }
+}
+
+/// Snapshots hold a rounded hull as parry's, and what makes no radius is refused by its value.
+#[test]
+fn rounded_hulls_are_written_as_parrys() {
+    let hull = &hulls(1.0)[0];
+    let round = hull.rounded(0.1).and_then(|h| h.rounded(0.2)).expect("a radius");
+    let twin = match round.as_typed_shape() {
+        TypedShape::RoundConvexPolyhedron(twin) => twin.clone(),
+        other => panic!("{other:?}"),
+    };
+    assert!((twin.border_radius - 0.3).abs() < 1e-6);
+    let again = Hull::try_from(&twin as &dyn Shape).expect("a hull");
+    assert_eq!(again.border_radius(), round.border_radius());
+    assert_eq!(again.body().vertex_count(), round.body().vertex_count());
+    let large = round.scale_dyn(Vector::splat(2.0), 0).expect("a hull");
+    assert_eq!(
+        large.as_shape::<Hull>().map(Hull::border_radius),
+        Some(round.border_radius())
+    );
+    for bad in [-0.1, Real::NAN, Real::INFINITY, -Real::MIN_POSITIVE] {
+        assert!(matches!(hull.rounded(bad), Err(HullError::Radius(_))), "{bad}");
+    }
+    assert!(hull.rounded(0.0).is_ok());
+}
+
+/// Under parry's own dispatcher a rounded hull rests on a half-space by its border, and casts of ours
+/// stop there.
+#[test]
+fn rounded_hulls_touch_by_their_border() {
+    let hull = Hull::new(solids::prism(6, 0.2, 0.5).expect("a solid"))
+        .rounded(0.1)
+        .expect("a radius");
+    let space = HalfSpace::new(Vector::Z);
+    let above = Pose::translation(0.0, 0.0, 0.32);
+    let mut found: Vec<ContactManifold<(), ()>> = Vec::new();
+    DefaultQueryDispatcher
+        .contact_manifolds(&above, &space, &hull, 0.1, &mut found, &mut None)
+        .expect("supported");
+    let low = 0.32 - wide(hull.compute_local_aabb().maxs).z;
+    let deepest = found[0].find_deepest_contact().expect("a contact");
+    assert!((f64::from(deepest.dist) - low).abs() < 1e-5, "{deepest:?} {low}");
+    let floor = Cuboid::new(Vector::new(5.0, 5.0, 1.0));
+    let high = Pose::translation(0.3, 0.2, 3.0);
+    let down = Certified::default().cast_shapes(&high, Vector::Z * -1.0, &floor, &hull, ShapeCastOptions::default());
+    let time = f64::from(down.expect("supported").expect("a hit").time_of_impact);
+    let truth = 2.0 - wide(hull.compute_local_aabb().maxs).z;
+    assert!((time - truth).abs() < 1e-5, "{time} {truth}");
 }

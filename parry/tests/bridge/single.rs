@@ -4,6 +4,8 @@ use lin_canny_parry::single as engine;
 
 #[path = "casts.rs"]
 mod casts;
+#[path = "closed_forms.rs"]
+mod closed_forms;
 #[path = "decomposition.rs"]
 mod decomposition;
 #[path = "dispatch.rs"]

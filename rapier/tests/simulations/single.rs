@@ -10,6 +10,8 @@ mod effects;
 mod ordinary;
 #[path = "piles.rs"]
 mod piles;
+#[path = "small.rs"]
+mod small;
 #[path = "../../examples/common/ordinary.rs"]
 mod stage;
 #[path = "terrain.rs"]

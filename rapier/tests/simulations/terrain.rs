@@ -64,3 +64,58 @@ fn small_bodies_of_every_kind_stay_on_hills() {
         assert!(depth < 0.05 * size, "{k}: {depth}");
     }
 }
+
+/// A closed tray of two millimetres, whose top is at zero.
+fn tray(half: Real) -> MeshShape {
+    let corner = |k: u32| {
+        let side = |bit: u32| if k >> bit & 1 == 0 { -half } else { half };
+        Vector::new(side(0), if k >> 1 & 1 == 0 { -0.002 } else { 0.0 }, side(2))
+    };
+    let corners: Vec<Vector> = (0..8).map(corner).collect();
+    let faces = [
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let halves = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    MeshShape::from_triangles(&corners, &halves.collect::<Vec<_>>()).expect("a tray")
+}
+
+/// Parts that lie on a thin mesh and are pushed at it, spinning, by many times its thickness a step.
+#[test]
+fn parts_that_touch_a_thin_tray_do_not_pass_it() {
+    let mut world = certified_world(Certified::default(), 0.02, 1.0 / 60.0);
+    world.gravity = Vector::new(0.0, -9.81, 0.0);
+    world.insert(
+        RigidBodyBuilder::fixed(),
+        ColliderBuilder::new(SharedShape::from(tray(1.0))),
+    );
+    let mut rng = Rng::new(44);
+    let handles: Vec<RigidBodyHandle> = (0..36)
+        .map(|k| {
+            let (shape, low) = match k % 3 {
+                0 => (SharedShape::cylinder(0.002, 0.008), 0.002),
+                1 => (SharedShape::cuboid(0.015, 0.002, 0.002), 0.002),
+                _ => (SharedShape::cone(0.006, 0.006), 0.006),
+            };
+            let place = Vector::new(0.05 * (k % 6) as Real, low, 0.05 * (k / 6) as Real);
+            let spin = Vector::from(rng.unit().map(|x| 20.0 * x as Real));
+            let body = RigidBodyBuilder::dynamic()
+                .translation(place)
+                .angvel(spin)
+                .ccd_enabled(true);
+            let body = body.linvel(Vector::new(0.3, -3.0, 0.1));
+            world.insert(body, ColliderBuilder::new(shape).density(7800.0)).0
+        })
+        .collect();
+    for step in 0..60 {
+        world.step();
+        for (k, handle) in handles.iter().enumerate() {
+            let at = world.bodies[*handle].center_of_mass();
+            assert!(at.y > -0.002, "{k} at {at:?} after {step}");
+        }
+    }
+}

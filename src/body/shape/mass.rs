@@ -4,6 +4,7 @@ use core::f64::consts::PI;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use super::rounded_mass::rounded;
 use super::{Core, Curved, Shape, match_core};
 use crate::body::polyhedron::ConvexPolyhedron;
 
@@ -42,8 +43,8 @@ impl Mass {
 }
 
 impl Shape {
-    /// Returns the mass properties at unit density, in closed form; `None` for rounded shapes other
-    /// than balls and capsules.
+    /// Returns the mass properties at unit density, in closed form; `None` for rounded shapes whose
+    /// core is curved.
     #[must_use]
     pub fn mass(&self) -> Option<Mass> {
         if let Core::Polyhedron(body) = &self.core {
@@ -57,7 +58,7 @@ impl Shape {
             _ if self.round == 0.0 => Some(Mass::of(body)),
             1 => Some(ball(body.centroid(), self.round)),
             2 => Some(self.capsule_mass(body)),
-            _ => None,
+            _ => Some(rounded(body, self.round)),
         }
     }
 

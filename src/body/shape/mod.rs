@@ -24,6 +24,7 @@ mod mass;
 mod persist;
 mod place;
 mod power;
+mod rounded_mass;
 mod superquadric;
 mod support;
 

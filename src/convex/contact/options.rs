@@ -37,8 +37,9 @@ pub struct ManifoldOptions {
     pub choice: f64,
     /// Whether a local depth will do: normal and separations of an overlap from the nearest facet
     /// about the last one, for a fraction of the time, whether or not a shorter translation parts
-    /// the bodies: see [`Tracker::closest_with_local_depth`]. For polyhedra, sharp or rounded;
-    /// other shapes, and bodies of pieces, keep the depth. Default false.
+    /// the bodies: see [`Tracker::closest_with_local_depth`]. For polyhedra, sharp or rounded, and
+    /// for curved shapes, from the normal that is highest in its neighbourhood; bodies of pieces
+    /// keep the depth. Default false.
     ///
     /// [`Tracker::closest_with_local_depth`]: crate::Tracker::closest_with_local_depth
     #[cfg_attr(feature = "serde", serde(default))]

@@ -89,13 +89,12 @@ impl ShapeTracker {
         manifold
     }
 
-    /// Returns the closest points of the cores of two shapes, with a local depth of polyhedra if
-    /// that will do.
+    /// Returns the closest points of the cores of two shapes, with a local depth if that will do.
     pub(crate) fn closest_cores(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: Until) -> Outcome {
         if let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) {
             return self.polyhedral.checked(x, y, a_from_b, until);
         }
-        let outcome = smooth::closest(a.core(), b.core(), a_from_b, &mut self.curved);
+        let outcome = smooth::closest(a.core(), b.core(), a_from_b, until, &mut self.curved);
         self.count(&outcome);
         outcome
     }

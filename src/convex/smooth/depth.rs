@@ -11,13 +11,14 @@ use alloc::vec::Vec;
 
 use super::bent::SolverRun;
 use super::best::{BranchSet, ProvenBounds};
-use super::frozen::Around;
+use super::frozen::{self, Around, Frozen, SolveGoal};
 use super::parallel;
 use super::posed::{DifferencePoint, PosedCores, unit};
 use super::surface;
 use crate::base::num::scalar::{Vec3, cross, neg, sub};
 use crate::base::tolerance::{CERTIFICATE, DEPTH_GOAL, UNIT};
 use crate::body::shape::Support;
+use crate::pair::outcome::Until;
 
 /// Bounds of the depth of cores that overlap or seem to.
 pub(super) struct Deep {
@@ -29,18 +30,19 @@ pub(super) struct Deep {
 }
 
 /// Searches the depth from a direction and branches; by a surface only from `corners` that contain
-/// the origin.
+/// the origin, and only if a local depth will not do.
 pub(super) fn deepen<A: Support, B: Support>(
     posed: &PosedCores<A, B, f64>,
     known: &ProvenBounds<f64>,
     corners: Option<Around<f64>>,
+    until: Until,
 ) -> Deep {
     let mut best = ProvenBounds {
         upper: f64::INFINITY,
         ..*known
     };
     local(posed, known.n, &known.set, &mut best);
-    if !best.closes(posed) {
+    if !is_enough(posed, &best, until) {
         parallel::prove(posed, &mut best);
     }
     let mut deep = Deep {
@@ -48,7 +50,11 @@ pub(super) fn deepen<A: Support, B: Support>(
         inside: corners.is_some_and(|c| c.points().len() == 4),
         grown: false,
     };
-    let is_done = best.closes(posed) || is_deep_enough(posed, &best);
+    let is_local = until == Until::LocalDepth && deep.inside && best.lower < 0.0;
+    let is_done = is_local || is_enough(posed, &best, until);
+    if until == Until::LocalDepth && !is_done && corners.is_none() && best.lower < 0.0 {
+        prove_overlap(posed, &mut deep);
+    }
     let Some(corners) = corners.filter(|_| !is_done) else {
         return deep;
     };
@@ -66,6 +72,16 @@ pub(super) fn deepen<A: Support, B: Support>(
         (best.upper, best.set) = (-found.least, set);
     }
     deep
+}
+
+/// Searches four points of the difference about the origin, for a local depth that no balls prove to
+/// be one of an overlap: that of two rims or edges.
+fn prove_overlap<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, deep: &mut Deep) {
+    let mut apart = ProvenBounds::new();
+    if let Frozen::Inside(corners) = frozen::solve(posed, deep.best.n, SolveGoal::Approach, &mut apart) {
+        deep.inside = corners.points().len() == 4;
+    }
+    deep.best.evaluations += apart.evaluations;
 }
 
 /// Searches the depth from the normals of flat faces and of the triangles between the corners.
@@ -101,10 +117,16 @@ fn from_faces<A: Support, B: Support>(
     }
 }
 
-/// Returns whether an overlap is proven, and the depth to the accuracy of a surface.
-pub(super) fn is_deep_enough<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, best: &ProvenBounds<f64>) -> bool {
-    let goal = DEPTH_GOAL * posed.size;
-    best.upper < -(CERTIFICATE + posed.noise) * UNIT * posed.size && best.upper - best.lower <= goal
+/// Returns whether the bounds agree, or an overlap is proven and its depth to the accuracy of a
+/// surface, or from above if a local depth will do.
+pub(super) fn is_enough<A: Support, B: Support>(
+    posed: &PosedCores<A, B, f64>,
+    best: &ProvenBounds<f64>,
+    until: Until,
+) -> bool {
+    let is_overlap = best.upper < -(CERTIFICATE + posed.noise) * UNIT * posed.size;
+    let is_near = until == Until::LocalDepth || best.upper - best.lower <= DEPTH_GOAL * posed.size;
+    best.closes(posed) || (is_overlap && is_near)
 }
 
 /// Runs the main solver for the depth from one direction.

@@ -47,7 +47,7 @@ use polyhedral::PolyhedralCore;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, match_core, order_of};
-use crate::pair::outcome::Outcome;
+use crate::pair::outcome::{Outcome, Until};
 
 /// Returns the place of a kind in the order in which a pair is solved.
 fn rank(core: &Core) -> u32 {
@@ -57,15 +57,16 @@ fn rank(core: &Core) -> u32 {
 /// Returns the closest points of two cores, at least one of them curved.
 ///
 /// The cores are solved in the order of kinds, so that A-B and B-A are one problem, and matched
-/// once: all further code knows both kinds.
+/// once: all further code knows both kinds. A local depth is the height of a direction that is
+/// highest in its neighbourhood, of cores that are proven to overlap.
 #[inline]
-pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, memory: &mut WarmStart) -> Outcome {
+pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, until: Until, memory: &mut WarmStart) -> Outcome {
     if rank(a) <= rank(b) {
-        return ordered(a, b, pose, memory);
+        return ordered(a, b, pose, until, memory);
     }
     let pose = pose.swapped();
     memory.swap(&pose);
-    let mut outcome = ordered(b, a, &pose, memory);
+    let mut outcome = ordered(b, a, &pose, until, memory);
     outcome.features = outcome.features.swapped();
     core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
     outcome.normal = crate::pair::answer::unit(&-pose.rotation().tr_mul(&outcome.normal));
@@ -77,8 +78,8 @@ fn hull(body: &Arc<ConvexPolyhedron>) -> PolyhedralCore<'_> {
 }
 
 #[inline(always)]
-fn ordered(a: &Core, b: &Core, pose: &RelativePose, memory: &mut WarmStart) -> Outcome {
-    let setting = SolverSetting::new(a, b, pose);
+fn ordered(a: &Core, b: &Core, pose: &RelativePose, until: Until, memory: &mut WarmStart) -> Outcome {
+    let setting = SolverSetting::new(a, b, pose, until);
     if !setting.is_plain() {
         return pair::extreme(a, b, &setting, memory);
     }

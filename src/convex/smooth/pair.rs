@@ -17,7 +17,7 @@ use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT,
 use crate::body::polyhedron::{FeaturePair, exponent_of, power_of_two};
 use crate::body::shape::{Core, Curved, Support, match_core};
 use crate::pair::answer::round_outward;
-use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::outcome::{Class, Outcome, Solver, Until};
 use crate::pair::transform::Transform;
 
 /// A direction that turned by less in each coordinate is extrapolated: a heuristic.
@@ -35,14 +35,18 @@ pub(crate) struct WarmStart {
     turn: Vec3<f64>,
     #[cfg_attr(feature = "serde", serde(default))]
     before: Vec3<f64>,
+    /// Whether the start is told to be that of an overlap.
+    #[cfg_attr(feature = "serde", serde(default))]
+    is_deep: bool,
 }
 
 impl WarmStart {
     /// Returns a start along a direction from A to B, in the frame of A, of which no branches are
-    /// known: the supports along it stand for them.
-    pub(crate) fn along(n: &Vector3<f64>) -> Self {
+    /// known: the supports along it stand for them. After an overlap the depth is searched first.
+    pub(crate) fn along(n: &Vector3<f64>, class: Class) -> Self {
         Self {
             start: Some(((*n).into(), BranchSet::default())),
+            is_deep: class == Class::Overlapping,
             ..Self::default()
         }
     }
@@ -87,6 +91,7 @@ impl WarmStart {
         self.before = self.turn;
         self.turn = self.start.map_or([0.0; 3], |(before, _)| sub(&n, &before));
         self.start = Some((n, set));
+        self.is_deep = false;
     }
 }
 
@@ -95,6 +100,7 @@ impl WarmStart {
 pub(super) struct SolverSetting<'p> {
     pose: &'p RelativePose,
     cores: [&'p Core; 2],
+    until: Until,
     /// Translation of the pose, if both cores are stored as given and of an ordinary size.
     plain: Option<Vec3<f64>>,
     /// Lengths of the solvers times `2^exponent` are the caller's.
@@ -105,7 +111,7 @@ pub(super) struct SolverSetting<'p> {
 
 impl<'p> SolverSetting<'p> {
     #[inline(always)]
-    pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose) -> Self {
+    pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose, until: Until) -> Self {
         let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
         let radii = [a.radius(), b.radius()];
         let t = pose.translation();
@@ -118,6 +124,7 @@ impl<'p> SolverSetting<'p> {
         Self {
             pose,
             cores: [a, b],
+            until,
             plain: is_plain.then_some([t.x, t.y, t.z]),
             exponent: 0,
             offsets: 0.0,
@@ -191,11 +198,16 @@ pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
     let mut best = ProvenBounds::new();
     let (mut solver, mut set) = (Solver::Walk, None);
     let start = memory.start().map(|(n, set)| (n, set.or_about(&posed, n)));
-    let ended = separate(&posed, start, &mut best, &mut solver, |known, corners| {
-        let proven = deepen(&posed, known, corners, &mut outcome);
+    let mut deep = |known: &ProvenBounds<f64>, corners| {
+        let proven = deepen(&posed, known, corners, setting.until, &mut outcome);
         set = proven.or(set);
         proven.is_some()
-    });
+    };
+    let told = start.filter(|_| memory.is_deep);
+    let ended = match told {
+        Some((n, set)) if deep(&ProvenBounds { n, set, ..best }, None) => Ended::Deep,
+        _ => separate(&posed, start, &mut best, &mut solver, deep),
+    };
     outcome.work.steps += best.evaluations;
     if outcome.solver == Solver::Walk {
         outcome.solver = solver;
@@ -216,12 +228,13 @@ fn deepen<A: CoreKind, B: CoreKind>(
     posed: &PosedCores<A, B, f64>,
     known: &ProvenBounds<f64>,
     corners: Option<Around<f64>>,
+    until: Until,
     outcome: &mut Outcome,
 ) -> Option<BranchSet> {
     let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;
     outcome.work.depths += 1;
-    let mut deep = depth::deepen(posed, known, corners);
-    let is_done = deep.inside || deep.best.closes(posed) || depth::is_deep_enough(posed, &deep.best);
+    let mut deep = depth::deepen(posed, known, corners, until);
+    let is_done = deep.inside || depth::is_enough(posed, &deep.best, until);
     let found = is_done.then(|| opposite::witnesses(posed, &mut deep.best));
     outcome.work.steps += deep.best.evaluations - known.evaluations;
     let ProvenBounds { on_a, on_b, set, .. } = found?;
@@ -281,7 +294,7 @@ fn finer<A: CoreKind, B: CoreKind>(
         known.prove(&toward, &posed.support(&toward, [0; 2]));
         let rounded =
             |p: DifferencePoint<DoubleDouble>| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value));
-        corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), outcome).is_some())
+        corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), setting.until, outcome).is_some())
     });
     outcome.work.steps += found.evaluations;
     outcome.solver = Solver::DoubleDouble;

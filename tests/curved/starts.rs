@@ -1,0 +1,187 @@
+//! Promise: a start along a normal, and a class told with it, change the work of a query and never its bounds.
+
+use lab::curved::{Kind, Place};
+use lab::rng::Rng;
+use lin_canny::nalgebra::{Unit, Vector3};
+use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
+
+use super::{Mix, at_gap, count, pairs};
+
+/// Work of the queries of one way to start.
+#[derive(Default, Debug)]
+struct Work {
+    steps: u64,
+    queries: u64,
+}
+
+impl Work {
+    fn add(&mut self, o: &Outcome) {
+        self.steps += u64::from(o.work.steps);
+        self.queries += 1;
+    }
+
+    fn mean(&self) -> f64 {
+        self.steps as f64 / self.queries as f64
+    }
+}
+
+/// Two random shapes, a pose near contact, and the pose in the next frame.
+fn draw(first: &str, second: &str, rng: &mut Rng) -> ([Kind; 2], [Place; 2]) {
+    let aspect = rng.log_range(1.0, 10.0);
+    let [a, b] = [first, second].map(|kind| Kind::random(kind, rng, aspect));
+    let size = a.radius().min(b.radius());
+    let gap = size * rng.range(-0.03, 0.03);
+    let place = at_gap(&a, &b, rng, gap);
+    let mut next = Place { q: place.q, t: place.t };
+    next.q.iter_mut().for_each(|x| *x += 0.004 * rng.range(-1.0, 1.0));
+    next.q = lab::pose::unit_quat(next.q);
+    next.t
+        .iter_mut()
+        .for_each(|x| *x += 0.004 * size * rng.range(-1.0, 1.0));
+    ([a, b], [place, next])
+}
+
+fn agree(told: &Outcome, cold: &Outcome) {
+    let is_open = told.lower <= 0.0 && told.upper >= 0.0 || cold.lower <= 0.0 && cold.upper >= 0.0;
+    assert!(told.class == cold.class || is_open, "{told:?}\n{cold:?}");
+    assert!(
+        told.lower <= cold.upper && cold.lower <= told.upper,
+        "{told:?}\n{cold:?}"
+    );
+    assert!(told.lower <= told.distance && told.distance <= told.upper, "{told:?}");
+}
+
+#[test]
+fn starts_along_normals_change_the_work_alone() {
+    let [mut cold_work, mut told_work, mut wrong_work] = [0; 3].map(|_| Work::default());
+    let (mut apart, mut deep) = (0, 0);
+    for (k, (first, second)) in pairs().enumerate() {
+        let (mut rng, mut mix) = (Rng::new(2300 + k as u64), Mix::default());
+        for _ in 0..count() / 5 {
+            let ([a, b], [place, next]) = draw(first, second, &mut rng);
+            let (x, y, pose) = (a.shape(), b.shape(), next.pose());
+            let before = PairTracker::new().closest(&x, &y, &place.pose());
+            let cold = PairTracker::new().closest(&x, &y, &pose).outcome;
+            let told = PairTracker::starting_along(&before.normal, before.class, &x, &y)
+                .closest(&x, &y, &pose)
+                .outcome;
+            agree(&told, &cold);
+            // The start is that of the pair in this order, whichever kind is solved first.
+            let (pose_a, pose_b) = place.pose().poses();
+            let in_world = pose_a.rotation * before.normal.into_inner();
+            let back = Unit::new_normalize(-pose_b.rotation.inverse_transform_vector(&in_world));
+            let swapped = PairTracker::starting_along(&back, before.class, &y, &x)
+                .closest(&y, &x, &pose.swapped())
+                .outcome;
+            agree(&swapped, &cold);
+            for class in [Class::Separated, Class::Overlapping] {
+                let wrong = Unit::new_normalize(Vector3::from(rng.unit()));
+                let wrong = PairTracker::starting_along(&wrong, class, &x, &y).closest(&x, &y, &pose);
+                agree(&wrong, &cold);
+                wrong_work.add(&wrong);
+            }
+            if cold.class == Class::Separated {
+                mix.judge(&a, &b, &next, &told);
+                apart += 1;
+            } else {
+                deep += 1;
+            }
+            cold_work.add(&cold);
+            told_work.add(&told);
+        }
+    }
+    println!(
+        "cold {:.1} told {:.1} wrong {:.1}",
+        cold_work.mean(),
+        told_work.mean(),
+        wrong_work.mean()
+    );
+    assert!(apart > 500 && deep > 500, "{apart} {deep}");
+    assert!(
+        told_work.mean() < 0.75 * cold_work.mean(),
+        "{told_work:?} {cold_work:?}"
+    );
+}
+
+/// The class saves the search for points that are not apart.
+#[test]
+fn the_class_of_an_overlap_saves_work() {
+    let [mut plain, mut told] = [0; 2].map(|_| Work::default());
+    for (k, (first, second)) in pairs().enumerate() {
+        let mut rng = Rng::new(2400 + k as u64);
+        for _ in 0..count() / 5 {
+            let ([a, b], [place, next]) = draw(first, second, &mut rng);
+            let (x, y) = (a.shape(), b.shape());
+            let before = PairTracker::new().closest(&x, &y, &place.pose());
+            if before.class != Class::Overlapping {
+                continue;
+            }
+            for (class, work) in [(Class::Separated, &mut plain), (Class::Overlapping, &mut told)] {
+                let mut pair = PairTracker::starting_along(&before.normal, class, &x, &y);
+                work.add(&pair.closest(&x, &y, &next.pose()));
+            }
+        }
+    }
+    println!("plain {:.1} told {:.1}", plain.mean(), told.mean());
+    assert!(told.mean() < 0.9 * plain.mean(), "{told:?} {plain:?}");
+}
+
+/// Polyhedra and meshes begin without a start, as before.
+#[test]
+fn other_pairs_take_no_start() {
+    let cube = Shape::cuboid(Vector3::repeat(0.5)).expect("a cuboid");
+    let mut rng = Rng::new(2500);
+    for _ in 0..50 {
+        let place = Place {
+            q: rng.quat(),
+            t: rng.unit().map(|x| 1.3 * x),
+        };
+        let cold = PairTracker::new().closest(&cube, &cube, &place.pose());
+        let normal = Unit::new_normalize(Vector3::from(rng.unit()));
+        let told =
+            PairTracker::starting_along(&normal, Class::Overlapping, &cube, &cube).closest(&cube, &cube, &place.pose());
+        assert_eq!(
+            (told.lower, told.upper, told.features),
+            (cold.lower, cold.upper, cold.features)
+        );
+    }
+}
+
+/// A local depth of curved shapes is told of overlaps alone, and parts them.
+#[test]
+fn local_depths_of_curved_shapes_part_them() {
+    let (mut deep, mut deeper) = (0, 0);
+    for (k, (first, second)) in pairs().enumerate() {
+        let mut rng = Rng::new(2600 + k as u64);
+        for _ in 0..count() / 5 {
+            let ([a, b], [place, next]) = draw(first, second, &mut rng);
+            let (x, y, pose) = (a.shape(), b.shape(), next.pose());
+            let before = PairTracker::new().closest(&x, &y, &place.pose());
+            let full = PairTracker::new().closest(&x, &y, &pose);
+            let options = ManifoldOptions::within(0.0).local_depth(true);
+            let mut manifold = Manifold::new();
+            PairTracker::starting_along(&before.normal, before.class, &x, &y)
+                .manifold(&x, &y, &pose, &options, &mut manifold)
+                .expect("convex shapes");
+            let size = next.size(&a, &b);
+            assert!(manifold.lower() <= full.upper, "{} {full:?}", manifold.lower());
+            if full.class != Class::Overlapping || full.upper > -1e-6 * size {
+                assert!(
+                    manifold.lower() >= full.lower - 1e-6 * size,
+                    "{} {full:?}",
+                    manifold.lower()
+                );
+                continue;
+            }
+            let t = Vector3::from(next.t) - manifold.normal().into_inner() * manifold.lower();
+            let parted = Place { q: next.q, t: t.into() };
+            let gap = PairTracker::new().closest(&x, &y, &parted.pose());
+            assert!(gap.upper >= -1e-9 * size, "{gap:?} {}", manifold.lower());
+            deep += 1;
+            deeper += u32::from(manifold.lower() < full.lower - 0.01 * size);
+        }
+    }
+    assert!(deep > 500, "{deep}");
+    println!("{deeper} of {deep} deeper than the least");
+    assert!(deeper < deep / 50, "{deeper} of {deep}");
+}
