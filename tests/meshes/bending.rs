@@ -12,7 +12,7 @@ use lin_canny::{
 };
 
 /// A sheet of n by n squares about the origin, of side 2.
-fn sheet(n: u32) -> Soup {
+pub(crate) fn sheet(n: u32) -> Soup {
     let at = |i: u32| 2.0 * f64::from(i) / f64::from(n) - 1.0;
     let points = (0..=n)
         .flat_map(|i| (0..=n).map(move |j| [at(i), at(j), 0.0]))
@@ -27,12 +27,12 @@ fn sheet(n: u32) -> Soup {
 }
 
 /// Ways to bend a body of size about two.
-const WAYS: [&str; 8] = [
+pub(crate) const WAYS: [&str; 8] = [
     "wave", "twist", "fold", "crumple", "lattice", "flatten", "shift", "still",
 ];
 
 /// The place of a point at a time from 0 to 1.
-fn bent(way: &str, time: f64, [x, y, z]: Point) -> Point {
+pub(crate) fn bent(way: &str, time: f64, [x, y, z]: Point) -> Point {
     let turned =
         |angle: f64, [x, y, z]: Point| [x, y * angle.cos() - z * angle.sin(), y * angle.sin() + z * angle.cos()];
     match way {
@@ -58,7 +58,7 @@ fn bent(way: &str, time: f64, [x, y, z]: Point) -> Point {
     }
 }
 
-fn vertices(soup: &Soup) -> Vec<Point3<f64>> {
+pub(crate) fn vertices(soup: &Soup) -> Vec<Point3<f64>> {
     soup.points.iter().map(|p| Point3::from(*p)).collect()
 }
 

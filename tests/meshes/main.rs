@@ -15,6 +15,7 @@ mod long;
 mod many;
 mod mixed_depth;
 mod near;
+mod own;
 mod penetration;
 mod pieces;
 mod shallow;
