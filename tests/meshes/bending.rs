@@ -77,7 +77,7 @@ fn motion(frames: usize, seed: u64) -> Vec<Pose> {
 }
 
 /// The same body as a mesh built anew; `None` if nothing of it has an area.
-fn anew(soup: &Soup) -> Option<Mesh> {
+pub(crate) fn anew(soup: &Soup) -> Option<Mesh> {
     Mesh::new(&vertices(soup), &soup.triangles).ok()
 }
 
@@ -415,6 +415,7 @@ fn vertices_are_numbered_as_the_points_given() {
     let rest = soups::torus(16, 8, 0.3);
     let m = mesh(&rest);
     assert_eq!(m.vertices(), vertices(&rest));
+    assert_eq!(m.triangle_vertices(), rest.triangles);
     assert!(m.vertex_sources().into_iter().eq(0..rest.points.len() as u32));
     let soup = rest.unwelded();
     let n = mesh(&soup);
@@ -422,6 +423,10 @@ fn vertices_are_numbered_as_the_points_given() {
     assert!(sources.is_sorted() && sources.len() == rest.points.len());
     let named: Vec<_> = sources.iter().map(|&k| Point3::from(soup.points[k as usize])).collect();
     assert_eq!(n.vertices(), named);
+    let (places, given) = (n.vertices(), vertices(&soup));
+    for (own, t) in n.triangle_vertices().iter().zip(&soup.triangles) {
+        assert_eq!(own.map(|v| places[v as usize]), t.map(|v| given[v as usize]));
+    }
 }
 
 /// A triangle that has become a point closes nothing, and opens nothing.

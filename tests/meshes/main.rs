@@ -11,6 +11,7 @@ mod decomposition;
 mod faults;
 mod frames;
 mod hard;
+mod judged;
 mod long;
 mod many;
 mod mixed_depth;
