@@ -58,7 +58,8 @@
 //! | Which points hold two bodies apart? | [`Tracker::manifold`] | [`Manifold`]: contact points with names that last over frames |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`]: derivative of the signed distance by either pose |
 //! | When do they meet? | [`impact::cast`], [`cast_within`](impact::cast_within) | a proven bracket, or a proven miss |
-//! | When do triangles whose vertices move on straight paths meet? | [`continuous::triangles`], [`vertex_face`](continuous::vertex_face), [`edge_edge`](continuous::edge_edge) | a proven bracket, or a proven miss; touching is decided |
+//! | When do triangles whose vertices move on straight paths meet, when meshes that bend, or one and itself? | [`continuous::triangles`], [`vertex_face`](continuous::vertex_face), [`edge_edge`](continuous::edge_edge), [`meshes`](continuous::meshes), [`self_contact`](continuous::self_contact) | a proven bracket, or a proven miss; touching is decided |
+//! | How far is a mesh from itself, which of its triangles are near each other? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`Answer`]s, for triangles that share no vertex |
 //! | Where does a ray enter a body? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a proven bracket, point, normal, feature |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | The same of any two geometries: curved and rounded `Shape`s, `Composite`s, `Mesh`es, `patch::Surface`s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |

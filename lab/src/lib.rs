@@ -53,6 +53,7 @@ pub mod curved;
 pub mod driven;
 mod ears;
 pub mod exact;
+pub mod exact_meshes;
 pub mod faults;
 pub mod forms;
 pub mod meshes;

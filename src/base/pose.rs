@@ -218,6 +218,13 @@ impl RelativePose {
         }
     }
 
+    /// Returns the pose of a body relative to itself.
+    #[cfg(feature = "meshes")]
+    pub(crate) fn identity() -> Self {
+        let here = PoseBits::of([0.0, 0.0, 0.0, 1.0], [0.0; 3]);
+        Self { a: here, b: here }
+    }
+
     /// Returns the relative pose from the pose of B in A's frame, `pose_a.inverse() * pose_b`, if
     /// already known. For two world poses [`RelativePose::new`] is more accurate, as their offset
     /// cancels first.

@@ -12,6 +12,8 @@ pub(crate) mod geometry;
 mod manifold;
 mod mixed;
 mod over;
+#[cfg(feature = "meshes")]
+mod own;
 mod pair;
 #[cfg(feature = "meshes")]
 mod parted;

@@ -17,7 +17,9 @@ impl Scene {
     ///
     /// A mesh that other bodies share is copied first, so that only this body bends. The patches
     /// from which contacts are computed are made anew in the next step, in a time that grows with
-    /// the mesh. A tick sees the vertices as they are set before it, not where they will be.
+    /// the mesh. A tick sees the vertices as they are set before it, not where they will be: impacts
+    /// are those of the motion of the body, and not of its vertices, for which ask
+    /// [`continuous::meshes`](crate::continuous::meshes).
     ///
     /// # Errors
     /// If the id is stale, the body no mesh, or the vertices are refused; the body keeps its

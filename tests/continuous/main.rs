@@ -1,6 +1,8 @@
 //! Promise: first contacts of vertices on straight paths are those of exact arithmetic: no miss is wrong, no hit false, and
 //! touching is decided.
 
+mod meshes;
+
 use lab::paths::families::{self, KINDS};
 use lab::paths::{self, Path, Truth};
 use lab::rational::exact;

@@ -12,7 +12,7 @@ use lin_canny::{
 };
 
 /// A sheet of n by n squares about the origin, of side 2.
-fn sheet(n: u32) -> Soup {
+pub(crate) fn sheet(n: u32) -> Soup {
     let at = |i: u32| 2.0 * f64::from(i) / f64::from(n) - 1.0;
     let points = (0..=n)
         .flat_map(|i| (0..=n).map(move |j| [at(i), at(j), 0.0]))
@@ -27,12 +27,12 @@ fn sheet(n: u32) -> Soup {
 }
 
 /// Ways to bend a body of size about two.
-const WAYS: [&str; 8] = [
+pub(crate) const WAYS: [&str; 8] = [
     "wave", "twist", "fold", "crumple", "lattice", "flatten", "shift", "still",
 ];
 
 /// The place of a point at a time from 0 to 1.
-fn bent(way: &str, time: f64, [x, y, z]: Point) -> Point {
+pub(crate) fn bent(way: &str, time: f64, [x, y, z]: Point) -> Point {
     let turned =
         |angle: f64, [x, y, z]: Point| [x, y * angle.cos() - z * angle.sin(), y * angle.sin() + z * angle.cos()];
     match way {
@@ -58,7 +58,7 @@ fn bent(way: &str, time: f64, [x, y, z]: Point) -> Point {
     }
 }
 
-fn vertices(soup: &Soup) -> Vec<Point3<f64>> {
+pub(crate) fn vertices(soup: &Soup) -> Vec<Point3<f64>> {
     soup.points.iter().map(|p| Point3::from(*p)).collect()
 }
 
@@ -77,7 +77,7 @@ fn motion(frames: usize, seed: u64) -> Vec<Pose> {
 }
 
 /// The same body as a mesh built anew; `None` if nothing of it has an area.
-fn anew(soup: &Soup) -> Option<Mesh> {
+pub(crate) fn anew(soup: &Soup) -> Option<Mesh> {
     Mesh::new(&vertices(soup), &soup.triangles).ok()
 }
 
@@ -415,6 +415,7 @@ fn vertices_are_numbered_as_the_points_given() {
     let rest = soups::torus(16, 8, 0.3);
     let m = mesh(&rest);
     assert_eq!(m.vertices(), vertices(&rest));
+    assert_eq!(m.triangle_vertices(), rest.triangles);
     assert!(m.vertex_sources().into_iter().eq(0..rest.points.len() as u32));
     let soup = rest.unwelded();
     let n = mesh(&soup);
@@ -422,6 +423,10 @@ fn vertices_are_numbered_as_the_points_given() {
     assert!(sources.is_sorted() && sources.len() == rest.points.len());
     let named: Vec<_> = sources.iter().map(|&k| Point3::from(soup.points[k as usize])).collect();
     assert_eq!(n.vertices(), named);
+    let (places, given) = (n.vertices(), vertices(&soup));
+    for (own, t) in n.triangle_vertices().iter().zip(&soup.triangles) {
+        assert_eq!(own.map(|v| places[v as usize]), t.map(|v| given[v as usize]));
+    }
 }
 
 /// A triangle that has become a point closes nothing, and opens nothing.

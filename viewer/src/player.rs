@@ -14,7 +14,12 @@ pub struct Player {
     /// Whether the frames go on by themselves.
     pub plays: bool,
     cursor: Cursor,
+    /// Whether the vertices of a mesh change.
+    bends: bool,
 }
+
+/// Said under every frame of a recording in which a mesh bends.
+const BENDS: &str = "Meshes whose vertices change are drawn as they are at first.";
 
 impl Player {
     /// Puts the bodies of a recording on a stage and shows the first frame.
@@ -28,6 +33,7 @@ impl Player {
             stage.body(body.name.clone(), body.geometry as usize, body.pose);
         }
         let mut player = Self {
+            bends: recording.frames.iter().any(|frame| !frame.vertices.is_empty()),
             recording,
             ..Self::default()
         };
@@ -60,6 +66,10 @@ impl Player {
         stage.brackets.clone_from(&frame.brackets);
         stage.paths.clone_from(&frame.paths);
         stage.note.clone_from(&frame.note);
+        if self.bends {
+            let gap = if stage.note.is_empty() { "" } else { "\n" };
+            stage.note += &format!("{gap}{BENDS}");
+        }
     }
 
     /// Goes one frame on if the recording plays; from the last to the first.

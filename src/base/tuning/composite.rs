@@ -257,3 +257,13 @@ pub(crate) const TRIANGLE_INTERVALS: u32 = 12;
 
 /// Most rounds in which the interval about the zero of a volume is narrowed. Not measured.
 pub(crate) const PATH_ROUNDS: u32 = 32;
+
+/// Most claims of a front of a mesh against itself, for each of its triangles; a longer front is
+/// dropped. Not measured.
+pub(crate) const SELF_CLAIMS: usize = 64;
+
+/// A front of a mesh against itself is begun anew if so many times its claims have failed since it
+/// was begun: what a claim has lost while vertices moved is not won back. A sheet of 20,000
+/// triangles, folded thrice, whose layers move by a quarter of their distance a frame: 8.2 ms a
+/// frame with 1, 7.0 with 4.
+pub(crate) const SELF_FAILED: usize = 4;

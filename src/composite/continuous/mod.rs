@@ -2,8 +2,8 @@
 //!
 //! Meshes that bend are given by their vertices at the begin and at the end of a frame; in between
 //! every vertex moves on a straight line at constant velocity, from time zero to time one. The
-//! functions of this module return the first instant at which two edges, a vertex and a face, or
-//! two triangles share a point, as [`impact`](crate::impact) does for bodies that keep their shape:
+//! functions of this module return the first instant at which two edges, a vertex and a face, two
+//! triangles, two meshes ([`meshes`]) or a mesh and itself ([`self_contact`]) share a point, as [`impact`](crate::impact) does for bodies that keep their shape:
 //! a proven bracket, a proven miss, or a name for what is not decided.
 //!
 //! ```
@@ -52,8 +52,9 @@
 //!
 //! # When not to use it
 //!
-//! Points of a body that rotates do not move on straight paths. Cast bodies that keep their shape
-//! with [`impact::cast`](crate::impact::cast).
+//! Points of a body that rotates do not move on straight paths: [`MeshOverFrame::moving`] takes off
+//! what the arc is wider, and ends as [`Impact::Near`] where that hides a contact. Cast two bodies
+//! that keep their shape with [`impact::cast`](crate::impact::cast).
 //!
 //! # Sources
 //!
@@ -68,10 +69,12 @@
 
 #[cfg(feature = "exact")]
 mod exact;
+mod meshes;
 mod pair;
 pub(crate) mod paths;
 mod search;
 
+pub use meshes::{MeshOverFrame, meshes, self_contact};
 pub use paths::Path;
 
 use nalgebra::{Point3, Unit, Vector3};
@@ -132,6 +135,12 @@ where
     let width = width(a.iter().chain(b), tolerance)?;
     let found = contact(a, b, width, &mut work);
     let seen = |time: f64, class: Class| measure(a, b, time, class);
+    Ok(cast_of(found, &work, !cfg!(feature = "exact"), seen))
+}
+
+/// Returns what is found as a cast; what is open is near if rounding, or paths that are not quite
+/// straight, hide it.
+fn cast_of(found: FirstContact, work: &SearchWork, is_near: bool, seen: impl Fn(f64, Class) -> Measure) -> Cast {
     let impact = match found {
         FirstContact::Miss => Impact::Miss,
         FirstContact::Start => Impact::Start {
@@ -142,17 +151,17 @@ where
             hit,
             seen: seen(safe, Class::Separated),
         },
-        FirstContact::Open { safe } if cfg!(feature = "exact") => Impact::Unknown { safe },
+        FirstContact::Open { safe } if !is_near => Impact::Unknown { safe },
         FirstContact::Open { safe } => Impact::Near {
             safe,
             distance: seen(safe, Class::Separated).upper,
         },
     };
-    Ok(Cast {
+    Cast {
         impact,
         queries: work.intervals,
         proofs: work.proofs,
-    })
+    }
 }
 
 /// Refuses coordinates that are not finite or too large.

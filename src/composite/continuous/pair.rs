@@ -2,7 +2,7 @@
 
 use super::paths::{Path, VertexPaths};
 use super::search::{FirstContact, LEAST_WIDTH, SearchWork, first_contact, search};
-use crate::base::tuning::composite::TRIANGLE_INTERVALS;
+use crate::base::tuning::composite::{PATH_INTERVALS, TRIANGLE_INTERVALS};
 use crate::composite::meet::triangle::Triangle;
 
 /// Returns the first contact of a vertex and a face, in a bracket at most `width` wide if rounding
@@ -46,7 +46,7 @@ fn decided(
     let Some(safe) = unsettled(found, width) else {
         return found;
     };
-    work.proofs += 1;
+    work.proofs = work.proofs.saturating_add(1);
     match exactly() {
         FirstContact::Hit { safe: before, hit } => FirstContact::Hit {
             safe: if safe < hit { before.max(safe) } else { before },
@@ -125,22 +125,40 @@ fn elements(a: &[Path; 3], b: &[Path; 3]) -> impl Iterator<Item = Elements> {
 /// Triangles apart at time zero first meet where a vertex meets a face or two edges meet: at the
 /// first contact a plane supports both, and what they share lies in that plane.
 pub(super) fn triangles(a: &[Path; 3], b: &[Path; 3], width: f64, work: &mut SearchWork) -> FirstContact {
+    triangles_until((a, b), 0.0, (1.0, width), work)
+}
+
+/// Returns the first contact of two triangles as [`triangles`] does, and misses after `until` as
+/// well. For paths that may be off by a `slack` together, only that they are apart is proven.
+pub(super) fn triangles_until(
+    (a, b): (&[Path; 3], &[Path; 3]),
+    slack: f64,
+    (until, width): (f64, f64),
+    work: &mut SearchWork,
+) -> FirstContact {
     let Some(paths) = VertexPaths::new(a, b) else {
-        return FirstContact::Start;
+        return if slack > 0.0 {
+            FirstContact::Open { safe: 0.0 }
+        } else {
+            FirstContact::Start
+        };
     };
-    let FirstContact::Open { safe } = search(&paths, 1.0, TRIANGLE_INTERVALS, work, |_, _, _| None) else {
+    if slack > 0.0 {
+        return search(&paths.within(slack), until, PATH_INTERVALS, work, |_, _, _| None);
+    }
+    let FirstContact::Open { safe } = search(&paths, until, TRIANGLE_INTERVALS, work, |_, _, _| None) else {
         return FirstContact::Miss;
     };
     if safe == 0.0 {
         let begin = |t: &[Path; 3]| t.map(|p| p.begin.coords);
-        work.proofs += 1;
+        work.proofs = work.proofs.saturating_add(1);
         if pierce(&begin(a), &begin(b)) {
             return FirstContact::Start;
         }
     }
     let (mut first, mut open) = (First::default(), alloc::vec::Vec::new());
     for pair in elements(a, b) {
-        let found = pair.until((first.hit.min(1.0), width), work);
+        let found = pair.until((first.hit.min(until), width), work);
         match unsettled(found, width) {
             Some(safe) => open.push((safe, found, pair)),
             None => first.add(found),
@@ -161,12 +179,12 @@ pub(super) fn triangles(a: &[Path; 3], b: &[Path; 3], width: f64, work: &mut Sea
 
 /// The first contact of several pairs.
 #[derive(Clone, Copy, Debug)]
-struct First {
-    is_start: bool,
+pub(super) struct First {
+    pub(super) is_start: bool,
     /// All pairs are apart until here.
-    safe: f64,
+    pub(super) safe: f64,
     /// A pair is in contact not after this.
-    hit: f64,
+    pub(super) hit: f64,
 }
 
 impl Default for First {
@@ -180,7 +198,7 @@ impl Default for First {
 }
 
 impl First {
-    fn add(&mut self, found: FirstContact) {
+    pub(super) fn add(&mut self, found: FirstContact) {
         match found {
             FirstContact::Miss => {}
             FirstContact::Start => self.is_start = true,
@@ -192,7 +210,7 @@ impl First {
         }
     }
 
-    fn found(self) -> FirstContact {
+    pub(super) fn found(self) -> FirstContact {
         if self.is_start {
             FirstContact::Start
         } else if self.hit <= 1.0 {

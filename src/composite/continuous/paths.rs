@@ -4,7 +4,7 @@
 use core::array::from_fn;
 use nalgebra::{Point3, Vector3};
 
-use crate::base::tolerance::{PATH_AREA, PATH_DIRECTION, PATH_GAP, PATH_VOLUME};
+use crate::base::tolerance::{PATH_AREA, PATH_DIRECTION, PATH_GAP, PATH_VOLUME, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 use crate::composite::meet::triangle;
 
@@ -37,6 +37,8 @@ impl Path {
 pub(super) struct VertexPaths<const A: usize, const B: usize> {
     a: [[Vector3<f64>; 2]; A],
     b: [[Vector3<f64>; 2]; B],
+    /// A gap that must be exceeded, in stored lengths: zero for paths that are straight.
+    slack: f64,
     /// One stored length in the caller's unit, as two factors.
     pub(super) unit: [f64; 2],
 }
@@ -67,7 +69,28 @@ impl<const A: usize, const B: usize> VertexPaths<A, B> {
         let each = |p: &[Vector3<f64>; 2]| p.each_ref().map(scaled);
         let (a, b) = (a.each_ref().map(each), b.each_ref().map(each));
         let unit = [power_of_two(e), power_of_two(-lift)];
-        Some(Self { a, b, unit })
+        let slack = 0.0;
+        Some(Self { a, b, slack, unit })
+    }
+
+    /// Asks for gaps beyond a slack, in the caller's unit.
+    pub(super) fn within(mut self, slack: f64) -> Self {
+        self.slack = slack / self.unit[0] / self.unit[1] * (1.0 + 4.0 * UNIT);
+        self
+    }
+
+    /// Returns whether a direction parts A and B at two instants, and so at all instants between:
+    /// the heights of vertices on straight paths are linear in time.
+    #[inline(always)]
+    pub(super) fn are_parted(&self, both: [&VertexPlaces<A, B>; 2], n: &Vector3<f64>) -> bool {
+        // The sum of magnitudes is no less than the length.
+        let size = size(n);
+        size > 0.0 && both.iter().all(|x| x.gap(n) > self.slack * size)
+    }
+
+    /// Returns whether signs of volumes prove anything: not if gaps must exceed a slack.
+    pub(super) fn are_straight(&self) -> bool {
+        self.slack == 0.0
     }
 
     /// Returns the places at a time, each coordinate off by at most 4 UNIT.
@@ -113,13 +136,6 @@ impl<const A: usize, const B: usize> VertexPlaces<A, B> {
     pub(super) fn triangles(&self) -> [triangle::Triangle; 2] {
         [from_fn(|k| self.a[k.min(A - 1)]), from_fn(|k| self.b[k.min(B - 1)])]
     }
-}
-
-/// Returns whether a direction parts A and B at two instants, and so at all instants between: the
-/// heights of vertices on straight paths are linear in time.
-#[inline(always)]
-pub(super) fn is_parted<const A: usize, const B: usize>(both: [&VertexPlaces<A, B>; 2], n: &Vector3<f64>) -> bool {
-    size(n) > 0.0 && both.iter().all(|x| x.gap(n) > 0.0)
 }
 
 /// What the search for a first contact asks of a pair of parts.

@@ -1,7 +1,9 @@
 //! The search for the first contact: halves of the time that no direction proves, a proof of the
 //! crossing, and what is left for exact arithmetic.
 
-use super::paths::{FourVertices, Parts, VertexPaths, VertexPlaces, is_parted, volume_sign, volumes};
+use nalgebra::Vector3;
+
+use super::paths::{FourVertices, Parts, VertexPaths, VertexPlaces, volume_sign, volumes};
 use crate::base::tuning::composite::{PATH_INTERVALS, PATH_ROUNDS, PATH_WIDTH};
 
 /// Least width of a bracket: some roundings of times near one.
@@ -40,7 +42,7 @@ where
     VertexPlaces<A, B>: FourVertices,
 {
     search(paths, until, PATH_INTERVALS, work, |[s, e], [x, y], work| {
-        work.proofs += 1;
+        work.proofs = work.proofs.saturating_add(1);
         let [n, _] = paths.at(0.5 * (s + e)).normals();
         if !VertexPlaces::is_over([x, y], &n) {
             return None;
@@ -81,7 +83,7 @@ where
         let end = ends[count - 1];
         let y = paths.at(end);
         tried += 1;
-        work.intervals += 1;
+        work.intervals = work.intervals.saturating_add(1);
         if is_free(paths, [safe, end], [&x, &y]) {
             (safe, x) = (end, y);
             count -= 1;
@@ -111,11 +113,12 @@ where
     VertexPlaces<A, B>: Parts,
 {
     let middle = paths.at(0.5 * (s + e));
-    is_parted(both, &middle.toward())
-        || is_parted(both, &both[0].toward())
-        || is_parted(both, &both[1].toward())
-        || middle.normals().iter().any(|n| is_parted(both, n))
-        || VertexPlaces::is_never_flat(both)
+    let is_parted = |n: &Vector3<f64>| paths.are_parted(both, n);
+    is_parted(&middle.toward())
+        || is_parted(&both[0].toward())
+        || is_parted(&both[1].toward())
+        || middle.normals().iter().any(is_parted)
+        || paths.are_straight() && VertexPlaces::is_never_flat(both)
 }
 
 /// Narrows an interval in which the volume has a single zero, and the parts meet at that instant

@@ -112,7 +112,7 @@ impl FrontMemory {
                     search.measure(pair);
                 }
             }
-            search.descend(&mut self.stack, None);
+            search.descend(&mut self.stack, None::<&mut Front>);
         }
         self.work += search.work;
         self.work.settled.count(search.judge.settled());
@@ -169,7 +169,7 @@ impl FrontMemory {
         }
         if !search.is_over() {
             search.start(&mut self.stack, None);
-            search.descend(&mut self.stack, None);
+            search.descend(&mut self.stack, None::<&mut Front>);
         }
         if !search.is_over() {
             self.worth.searched(FrontWorth::work(&search.work) - before);

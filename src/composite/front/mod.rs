@@ -23,6 +23,7 @@
 
 pub(crate) mod audit;
 pub(in crate::composite) mod memory;
+pub(in crate::composite) mod own;
 mod worth;
 
 use alloc::vec::Vec;

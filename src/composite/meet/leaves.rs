@@ -16,6 +16,8 @@ struct OpenLeafPair {
     left: u32,
     /// The direction with the greatest least gap.
     best: Option<(Vector3<f64>, f64)>,
+    /// Lower bound over the pairs that are proven.
+    proven: f64,
 }
 
 impl OpenLeafPair {
@@ -27,6 +29,16 @@ impl OpenLeafPair {
             of_b,
             left,
             best: None,
+            proven: f64::INFINITY,
+        }
+    }
+
+    /// Leaves out pairs that are not asked for.
+    fn only_asked<J: Judge>(&mut self, judge: &J) {
+        for bit in bits(self.left) {
+            if !judge.is_asked([self.of_a.0 + bit / 4, self.of_b.0 + bit % 4]) {
+                self.left &= !(1 << bit);
+            }
         }
     }
 }
@@ -51,7 +63,13 @@ impl<J: Judge> TreeSearch<'_, J> {
             return (normal, -f32::MAX);
         };
         let mut open = OpenLeafPair::new((i, m), (j, n));
+        if J::IS_SELF {
+            open.only_asked(&self.judge);
+        }
         for k in 0..3 {
+            if J::IS_SELF && open.left == 0 {
+                break;
+            }
             let known = self.directions.get(k).map(|d| d.map(|d| d.1));
             if let Some(n) = known.unwrap_or_else(|| self.own_direction(normal)) {
                 self.along(&mut open, &n);
@@ -63,8 +81,14 @@ impl<J: Judge> TreeSearch<'_, J> {
         while open.left != 0 && !self.is_over() {
             let bit = open.left.trailing_zeros();
             open.left &= open.left - 1;
-            let (n, _) = self.measure([i + bit / 4, j + bit % 4]);
+            let (n, lower) = self.measure([i + bit / 4, j + bit % 4]);
+            open.proven = open.proven.min(lower);
             self.along(&mut open, &TriedDirection::new(self.frame, &n));
+        }
+        if J::IS_SELF {
+            let is_whole = open.left == 0;
+            self.leaf_gap = if is_whole { open.proven } else { f64::NEG_INFINITY };
+            return ([0.0; 3], -f32::MAX);
         }
         match open.best {
             Some((n, gap)) => self.proof(&n, gap),
@@ -90,11 +114,13 @@ impl<J: Judge> TreeSearch<'_, J> {
         let least = bottom - top;
         if least > self.frame.tie && self.passes(least) {
             open.left = 0;
+            open.proven = open.proven.min(least);
         } else {
             for bit in bits(open.left) {
                 let gap = low[bit as usize % LEAF] - high[bit as usize / LEAF];
                 if self.passes(gap) {
                     open.left &= !(1 << bit);
+                    open.proven = open.proven.min(gap);
                     if gap <= self.frame.tie {
                         self.touching.push([i + bit / 4, j + bit % 4]);
                     }

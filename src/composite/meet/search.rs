@@ -17,6 +17,16 @@ pub(in crate::composite) trait Judge {
     /// The features of a pair, told with points and bounds.
     type Features: Copy;
 
+    /// Whether both trees are one, and so are the poses: the items of a body against each other.
+    const IS_SELF: bool = false;
+
+    /// Returns whether a pair of items is asked for: all are, unless a body is asked against
+    /// itself.
+    #[inline(always)]
+    fn is_asked(&self, _: NodePair) -> bool {
+        true
+    }
+
     /// Returns the greatest `n . x` of an item of A, in A's stored frame.
     fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64;
 
@@ -69,6 +79,20 @@ pub(in crate::composite) enum MeshGoal {
     Least,
     /// Whether any pair is at most this far apart, in A's stored units.
     Within(f64),
+    /// All pairs that are at most this far apart, in A's stored units.
+    All(f64),
+}
+
+/// What keeps the pairs of nodes that a search proves.
+pub(in crate::composite) trait ProofKeeper {
+    fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, proof: GapProof);
+}
+
+impl ProofKeeper for Front {
+    #[inline(always)]
+    fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, (normal, gap): GapProof) {
+        self.push(&search.frame.single, (search.a, search.b), pair, normal, gap);
+    }
 }
 
 /// A search in progress.
@@ -82,6 +106,11 @@ pub(in crate::composite) struct TreeSearch<'a, J: Judge> {
     pub(in crate::composite) best: Option<Measured<J::Features>>,
     /// Lower bound over all pairs pruned so far.
     pub(in crate::composite) lower: f64,
+    /// The pairs found, if all are asked for.
+    pub(in crate::composite) found: Vec<Measured<J::Features>>,
+    /// Of a body against itself: lower bound over all pairs of the two leaves that were judged
+    /// last, minus infinity if the search was over before.
+    pub(in crate::composite) leaf_gap: f64,
     /// Directions of the latest best pairs; two, because flush contact alternates.
     pub(in crate::composite) directions: [Option<(NodePair, TriedDirection)>; 2],
     /// Pairs at distance zero, up to rounding, that were met.
@@ -137,6 +166,8 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             goal,
             best: None,
             lower: f64::INFINITY,
+            found: Vec::new(),
+            leaf_gap: f64::INFINITY,
             directions: [None; 2],
             touching: Touching::NONE,
             ends_in_contact: false,
@@ -152,7 +183,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     /// Returns the gap that a pair must exceed to be passed by, in A's stored units.
     pub(in crate::composite) fn level(&self) -> f64 {
         match self.goal {
-            MeshGoal::Within(d) => d,
+            MeshGoal::Within(d) | MeshGoal::All(d) => d,
             MeshGoal::Least => self.best.as_ref().map_or(f64::INFINITY, |b| b.distance),
         }
     }
@@ -170,7 +201,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         let level = self.frame.single_up(self.level());
         match self.goal {
             MeshGoal::Least => level,
-            MeshGoal::Within(_) => level.next_up(),
+            MeshGoal::Within(_) | MeshGoal::All(_) => level.next_up(),
         }
     }
 
@@ -180,6 +211,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         match self.goal {
             MeshGoal::Least => best.crosses || self.ends_in_contact && best.is_contact(self.frame),
             MeshGoal::Within(d) => best.upper <= d,
+            MeshGoal::All(_) => false,
         }
     }
 
@@ -188,6 +220,11 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         self.work.measured += 1;
         let found = self.judge.measure(self.frame, pair, self.level());
         let result = (found.normal, found.lower);
+        if let MeshGoal::All(d) = self.goal
+            && !(found.lower > d)
+        {
+            self.found.push(found);
+        }
         if found.distance <= self.frame.error {
             self.touching.push(pair);
         }
@@ -233,7 +270,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     pub(in crate::composite) fn passes(&mut self, gap: f64) -> bool {
         let passes = match self.goal {
             MeshGoal::Least => gap >= self.level() - self.frame.tie,
-            MeshGoal::Within(d) => gap > d,
+            MeshGoal::Within(d) | MeshGoal::All(d) => gap > d,
         };
         if passes {
             self.lower = self.lower.min(gap);
@@ -358,7 +395,11 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the
     /// front, if one is kept.
-    pub(in crate::composite) fn descend(&mut self, stack: &mut Vec<NodePair>, mut front: Option<&mut Front>) {
+    pub(in crate::composite) fn descend<K: ProofKeeper>(
+        &mut self,
+        stack: &mut Vec<NodePair>,
+        mut front: Option<&mut K>,
+    ) {
         while !stack.is_empty() && !self.is_over() {
             let mut halves = [[0; 2]; 2 * AT_ONCE];
             let mut count = 0;
@@ -374,26 +415,37 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             if halves.is_empty() {
                 continue;
             }
-            let found = self.bound(halves);
-            let mut open = [(0.0, [0; 2]); 2 * AT_ONCE];
-            let mut left = 0;
-            for (k, &pair) in halves.iter().enumerate() {
-                match self.settle(pair, found.gap[k], found.normal[k]) {
-                    Some((n, gap)) => {
-                        if let Some(front) = front.as_deref_mut() {
-                            front.push(&self.frame.single, (self.a, self.b), pair, n, gap);
-                        }
-                    }
-                    None => {
-                        open[left] = (found.gap[k], pair);
-                        left += 1;
+            self.settle_all(halves, stack, front.as_deref_mut());
+        }
+    }
+
+    /// Proves up to eight pairs, or puts them on the stack, the nearest last.
+    #[inline(always)]
+    pub(in crate::composite) fn settle_all<K: ProofKeeper>(
+        &mut self,
+        pairs: &[NodePair],
+        stack: &mut Vec<NodePair>,
+        mut front: Option<&mut K>,
+    ) {
+        let found = self.bound(pairs);
+        let mut open = [(0.0, [0; 2]); 2 * AT_ONCE];
+        let mut left = 0;
+        for (k, &pair) in pairs.iter().enumerate() {
+            match self.settle(pair, found.gap[k], found.normal[k]) {
+                Some(proof) => {
+                    if let Some(front) = front.as_deref_mut() {
+                        front.keep(self, pair, proof);
                     }
                 }
+                None => {
+                    open[left] = (found.gap[k], pair);
+                    left += 1;
+                }
             }
-            let open = &mut open[..left];
-            open.sort_unstable_by(|p, q| q.0.total_cmp(&p.0));
-            stack.extend(open.iter().map(|p| p.1));
         }
+        let open = &mut open[..left];
+        open.sort_unstable_by(|p, q| q.0.total_cmp(&p.0));
+        stack.extend(open.iter().map(|p| p.1));
     }
 
     /// Both roots, settled or on the stack.
@@ -402,9 +454,9 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         let root = [0, 0];
         let found = self.bound(&[root]);
         match self.settle(root, found.gap[0], found.normal[0]) {
-            Some((n, gap)) => {
+            Some(proof) => {
                 if let Some(front) = front {
-                    front.push(&self.frame.single, (self.a, self.b), root, n, gap);
+                    front.keep(self, root, proof);
                 }
             }
             None => stack.push(root),

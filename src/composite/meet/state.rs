@@ -200,17 +200,8 @@ impl TreeState {
         let Some(best) = search.best else {
             return PosedTrees::far(posed.a, posed.b, posed.pose);
         };
-        let unit = posed.a.stored_unit();
-        let mut answer = TreeAnswer {
-            class: Class::Touching,
-            distance: best.distance * unit,
-            lower: search.lower.min(best.lower).max(0.0) * unit,
-            upper: best.upper * unit,
-            of: Some((best.pair, best.features)),
-            point_on_a: Point3::from(best.on_a * unit),
-            point_on_b: Point3::from(best.on_b * posed.b.stored_unit()),
-            normal: Unit::new_unchecked(best.normal),
-        };
+        let lower = search.lower.min(best.lower).max(0.0);
+        let mut answer = TreeAnswer::of_pair(&best, lower, [posed.a.stored_unit(), posed.b.stored_unit()]);
         if best.crosses {
             answer.share(posed.a.is_solid() && posed.b.is_solid());
         } else {
@@ -314,6 +305,36 @@ impl TreeState {
             bound = 0.0;
         }
         bound.max(carried).max(0.0) * posed.a.stored_unit()
+    }
+}
+
+impl<F: Copy> TreeAnswer<F> {
+    /// Returns two items and a lower bound of the distance of the bodies, in A's stored units, in
+    /// those of the caller: as of bodies that touch.
+    fn of_pair(best: &Measured<F>, lower: f64, [unit, unit_b]: [f64; 2]) -> Self {
+        Self {
+            class: Class::Touching,
+            distance: best.distance * unit,
+            lower: lower * unit,
+            upper: best.upper * unit,
+            of: Some((best.pair, best.features)),
+            point_on_a: Point3::from(best.on_a * unit),
+            point_on_b: Point3::from(best.on_b * unit_b),
+            normal: Unit::new_unchecked(best.normal),
+        }
+    }
+
+    /// Returns two items of one body, which has no inside, and a lower bound of their distance.
+    pub(in crate::composite) fn of_one_body(best: &Measured<F>, lower: f64, unit: f64, frame: &TreeFrame) -> Self {
+        let mut answer = Self::of_pair(best, lower, [unit; 2]);
+        if best.crosses {
+            answer.share(false);
+        } else if lower > 0.0 {
+            answer.class = Class::Separated;
+        } else if best.upper > 2.0 * frame.tie {
+            answer.class = Class::Undecided;
+        }
+        answer
     }
 }
 

@@ -188,16 +188,10 @@ fn assemble(
     parts
         .iter_mut()
         .for_each(|p| p.triangle = sieved.source[p.triangle as usize]);
-    let InTreeOrder {
-        tree,
-        points,
-        triangles,
-        order,
-        source,
-        number,
-    } = InTreeOrder::new(&welded.points, &sieved.kept, watch)?;
+    let ordered = InTreeOrder::new(&welded.points, &sieved.kept, watch)?;
     watch.check()?;
-    let (low, high) = bounding_box(&points);
+    let points = &ordered.points;
+    let (low, high) = bounding_box(points);
     let unit = crate::body::polyhedron::power_of_two(welded.exponent);
     parts.iter_mut().for_each(|p| p.volume *= unit * unit * unit);
     let kind = if found.closed {
@@ -213,7 +207,7 @@ fn assemble(
             input_points: welded.points.len(),
             input_triangles: given,
             vertices: points.len(),
-            triangles: order.len(),
+            triangles: ordered.order.len(),
             welded: welded_away,
             unused: welded.points.len() - welded_away - points.len(),
             degenerate: sieved.degenerate,
@@ -229,18 +223,18 @@ fn assemble(
             None => found.closed_along_lines.then_some(Stiff::ClosedAlongLines),
         },
         bending: None,
-        fingerprint: fingerprint(&points, &triangles, welded.exponent),
+        fingerprint: fingerprint(points, &ordered.triangles, welded.exponent),
         part_vertices: part_vertices
             .into_iter()
-            .map(|four| four.map(|v| number[v as usize]))
+            .map(|four| four.map(|v| ordered.number[v as usize]))
             .collect(),
-        source_triangles: order.iter().map(|&k| sieved.source[k as usize]).collect(),
-        source_points: source,
-        triangles,
+        source_triangles: ordered.sources(&sieved.source),
+        source_points: ordered.source,
+        triangles: ordered.triangles,
         exponent: welded.exponent,
         radius: sqrt(square) * (1.0 + 4.0 * UNIT),
-        points,
-        tree,
+        points: ordered.points,
+        tree: ordered.tree,
         low,
         high,
     })
@@ -279,6 +273,11 @@ impl InTreeOrder {
         new.points = new.source.iter().map(|&v| points[v as usize]).collect();
         new.tree.fit(&new.points, &new.triangles, 0.0, watch);
         Ok(new)
+    }
+
+    /// Returns the caller's index of each triangle, from those in the order before.
+    pub(super) fn sources(&self, before: &[u32]) -> Vec<u32> {
+        self.order.iter().map(|&k| before[k as usize]).collect()
     }
 
     fn vertex(&mut self, v: u32) -> u32 {

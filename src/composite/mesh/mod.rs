@@ -6,6 +6,7 @@ pub(super) mod hull;
 mod inspect;
 mod mass;
 pub(super) mod nearest;
+mod own;
 mod pair;
 #[cfg(feature = "serde")]
 mod persist;

@@ -1,5 +1,7 @@
 //! The state of a pair of meshes, and the queries.
 
+use alloc::boxed::Box;
+
 use crate::base::num::count::Counter;
 use crate::base::pose::RelativePose;
 use crate::composite::front::audit::{FrontFault, audit};
@@ -7,6 +9,7 @@ use crate::composite::front::memory::FrontMemory;
 use crate::composite::meet::state::{PosedTrees, TreeAnswer, TreeState};
 use crate::composite::meet::triangle::TriangleSpot;
 use crate::composite::mesh::Mesh;
+use crate::composite::mesh::own::SelfState;
 use crate::composite::mesh::pair::{TriangleJudge, spots};
 use crate::composite::work::MeshWork;
 use crate::pair::spot::Answer;
@@ -20,7 +23,10 @@ use crate::pair::spot::Answer;
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(crate) struct MeshTracker {
-    state: TreeState,
+    pub(super) state: TreeState,
+    /// Of A against itself.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) own: Option<Box<SelfState>>,
 }
 
 impl MeshTracker {
@@ -41,7 +47,7 @@ impl MeshTracker {
     /// Returns the number of entries of the front that is kept.
     #[must_use]
     pub(crate) fn front_len(&self) -> usize {
-        self.state.kept.front.len()
+        self.state.kept.front.len() + self.own.as_ref().map_or(0, |own| own.front.len())
     }
 
     /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther
@@ -58,7 +64,7 @@ impl MeshTracker {
     /// The first claim that is false, or a pair that is not covered.
     pub(crate) fn audit(&self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Result<(), FrontFault> {
         match PosedTrees::new(a, b, a_from_b) {
-            Some(posed) if self.front_len() > 0 => audit(&self.state.kept.front, a, b, &posed.frame),
+            Some(posed) if !self.state.kept.front.is_empty() => audit(&self.state.kept.front, a, b, &posed.frame),
             _ => Ok(()),
         }
     }
@@ -80,7 +86,8 @@ impl MeshTracker {
     /// Returns the bytes kept on the heap.
     #[must_use]
     pub(crate) fn heap_bytes(&self) -> usize {
-        self.state.kept.heap_bytes()
+        let own = self.own.as_ref();
+        self.state.kept.heap_bytes() + own.map_or(0, |own| size_of::<SelfState>() + own.front.heap_bytes())
     }
 
     /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`.

@@ -99,6 +99,20 @@ impl Mesh {
         sources
     }
 
+    /// Returns the vertices of every triangle by their numbers, those of
+    /// [`vertices`](Self::vertices), in the order of the caller's triangles, those left out that
+    /// the [report](Self::report) names as dropped.
+    #[must_use]
+    pub fn triangle_vertices(&self) -> Vec<[u32; 3]> {
+        let mut numbers = alloc::vec![0; self.points.len()];
+        for (number, v) in (0..).zip(by_source(&self.source_points)) {
+            numbers[v as usize] = number;
+        }
+        let order = by_source(&self.source_triangles);
+        let corners = |t: u32| self.triangles[t as usize].map(|v| numbers[v as usize]);
+        order.into_iter().map(corners).collect()
+    }
+
     /// Replaces all vertices, in the order of [`vertices`](Self::vertices): the mesh bends.
     ///
     /// The triangles stay, and so does the [`kind`](Self::kind): a closed mesh remains closed
@@ -199,6 +213,13 @@ impl Mesh {
 
     /// Makes the tree of the mesh anew, for vertices that were replaced: in the time of a build.
     /// Trackers begin anew. Does nothing for a mesh whose vertices never were.
+    ///
+    /// When it pays is told by the work of queries: `bounds` of
+    /// [`PairTracker::work`](crate::PairTracker::work), for each query, beside what they were after
+    /// the last build at a like distance. Sheets that wave, tori that are twisted by half a turn and
+    /// crumpled ones have .9 to 1.4 times the bounds of a new tree; a sheet that is folded has
+    /// thrice as many. The areas of boxes say less: crumpled boxes are thirteen times as large and
+    /// no worse. No tree is made anew by itself.
     pub fn rebuild(&mut self) {
         let Some(bending) = self.bending.take() else { return };
         // A build that is not watched is not stopped.
@@ -206,21 +227,11 @@ impl Mesh {
             self.bending = Some(bending);
             return;
         };
-        let InTreeOrder {
-            tree,
-            points,
-            triangles,
-            order,
-            source,
-            number,
-        } = new;
-        self.source_triangles = order.iter().map(|&k| self.source_triangles[k as usize]).collect();
-        self.source_points = source.iter().map(|&v| self.source_points[v as usize]).collect();
-        self.part_vertices
-            .iter_mut()
-            .flatten()
-            .for_each(|v| *v = number[*v as usize]);
-        (self.tree, self.points, self.triangles) = (tree, points, triangles);
+        self.source_triangles = new.sources(&self.source_triangles);
+        self.source_points = new.source.iter().map(|&v| self.source_points[v as usize]).collect();
+        let vertices = self.part_vertices.iter_mut().flatten();
+        vertices.for_each(|v| *v = new.number[*v as usize]);
+        (self.tree, self.points, self.triangles) = (new.tree, new.points, new.triangles);
         self.fingerprint = self.fingerprint.with(*b"new tree", 0.0);
         let Bending { built, lineage, .. } = *bending;
         self.bending = Some(Box::new(Bending {

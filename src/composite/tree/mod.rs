@@ -150,6 +150,11 @@ impl Tree {
         self.links[node as usize] & LEAF_MARK != 0
     }
 
+    /// Returns whether nodes have the same children and items as those of another tree.
+    pub(crate) fn is_laid_out_as(&self, other: &Self) -> bool {
+        self.links == other.links
+    }
+
     /// Returns the number of nodes.
     pub(crate) fn len(&self) -> usize {
         self.links.len()

@@ -170,6 +170,9 @@ pub enum ImpactError {
         /// The coordinate.
         value: f64,
     },
+    /// A mesh at the end of a frame that has other triangles, or another tree, than at the begin.
+    #[error("the mesh at the end of the frame is not the mesh at its begin with other vertices")]
+    Mesh,
     /// A motion left the range of poses.
     #[error(transparent)]
     Pose(#[from] PoseError),

@@ -1,4 +1,4 @@
-//! The scenes `bending` and `bending-tracked` of `race meshes`: meshes whose vertices are replaced each frame.
+//! The scenes `bending`, `bending-tracked` and `bending-self` of `race meshes`: meshes whose vertices are replaced each frame.
 //!
 //! `bending`: microseconds that new vertices take, of a wave that moves every vertex by a thousandth of the size. `ours` fits the tree
 //! (`Mesh::set_vertices`), `ours-rebuilt` makes another (`Mesh::rebuild`), `parry` fits its own (`TriMesh::set_vertices` of a `DEFORMABLE` mesh),
@@ -7,6 +7,9 @@
 //! `bending-tracked`: nanoseconds of a tracked query of such a mesh and a torus that turns by 0.1 degrees a frame, without the time of
 //! `set_vertices`; `rigid` is the same with the mesh as it is at first, `after` a rigid query after the vertices of another mesh were
 //! replaced, which is what the cache costs.
+//!
+//! `bending-self`: microseconds of the distance of such a mesh from itself, of a sheet that runs as a wave and of one that is folded thrice
+//! and breathes, each vertex by up to a thousandth of the size a frame: by a tracker that is kept and by one that is new each frame.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -170,6 +173,64 @@ fn tracked(shape: &str, rest: &Soup, csv: &mut Rows) {
     row("bent", &mut times, &tracker, csv);
 }
 
+/// A sheet folded thrice, the layers some way apart: `k` frames on, nearer or farther by up to a thousandth of the size a frame.
+fn folded(rest: &Soup, k: usize) -> Vec<[f64; 3]> {
+    let gap = 0.02 + 4.0 * WAY * (1.0 - (0.25 * k as f64).cos());
+    let place = |p: &[f64; 3]| {
+        let layer = (2.0 * (p[0] + 1.0)).floor().min(3.0);
+        let along = p[0] + 1.0 - 0.5 * layer;
+        let (bend, turn) = (
+            (0.5 - along).min(along) / 0.05,
+            if layer as i32 % 2 == 0 { along } else { 0.5 - along },
+        );
+        let part = (1.0 - bend.min(1.0)) * if along < 0.25 { -0.5 } else { 0.5 };
+        [
+            turn,
+            p[1],
+            gap * (layer + part) + 0.02 * (3.0 * p[1] + 0.1 * k as f64).sin(),
+        ]
+    };
+    rest.points.iter().map(place).collect()
+}
+
+fn against_itself(shape: &str, rest: &Soup, at: fn(&Soup, usize) -> Vec<[f64; 3]>, csv: &mut Rows) {
+    let given: Vec<_> = (0..FRAMES).map(|k| vertices(&at(rest, k))).collect();
+    let mut bent = mesh(rest);
+    bent.set_vertices(&given[0]).expect("a sound frame");
+    bent.rebuild();
+    let n = rest.triangles.len();
+    for engine in ["tracked", "new"] {
+        let (mut tracker, mut times, mut least) = (PairTracker::new(), Vec::new(), f64::INFINITY);
+        for vertices in &given {
+            bent.set_vertices(vertices).expect("a sound frame");
+            if engine == "new" {
+                tracker = PairTracker::new();
+            }
+            let start = ThreadTime::now();
+            let found = tracker.self_closest(&bent).expect("triangles that share no vertex");
+            times.push(start.elapsed().as_nanos() as f64);
+            least = least.min(found.distance);
+        }
+        let (mean, ns) = (times.iter().sum::<f64>() / times.len() as f64, median(&mut times));
+        let w = tracker.work().trees;
+        let of = |x: u64| x as f64 / w.queries as f64;
+        println!(
+            "{:<16}{shape:<8}{n:>8}  {engine:<14}{:>10.0} us  mean {:>7.0}  least {least:.5}  bounds {:>7.0}  leaves {:>6.0}  measured {:>6.0}  entries {:>7.0}  failed {:>6.0}  cuts {:.2}  {} kB",
+            "bending-self",
+            ns / 1e3,
+            mean / 1e3,
+            of(w.bounds),
+            of(w.leaves),
+            of(w.measured),
+            of(w.entries),
+            of(w.failed),
+            of(w.cuts),
+            tracker.heap_bytes() / 1024
+        );
+        csv.push(("bending-self", shape, n), engine, ns, 0);
+    }
+}
+
 pub(crate) fn run(sizes: impl Iterator<Item = usize>, wants: impl Fn(&str) -> bool, csv: &mut Rows) {
     for n in sizes {
         let side = (n as f64 / 4.0).sqrt() as usize;
@@ -184,6 +245,11 @@ pub(crate) fn run(sizes: impl Iterator<Item = usize>, wants: impl Fn(&str) -> bo
             if wants("bending-tracked") {
                 tracked(shape, rest, csv);
             }
+        }
+        if wants("bending-self") {
+            let rest = sheet((n as f64 / 2.0).sqrt() as u32);
+            against_itself("wave", &rest, frame, csv);
+            against_itself("folded", &rest, folded, csv);
         }
     }
 }

@@ -27,7 +27,7 @@ use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 use crate::{bending, cad};
 use lab::race::{Options, Rows, median};
 
-pub(crate) const SCENES: [&str; 12] = [
+pub(crate) const SCENES: [&str; 13] = [
     "tracked-0.5",
     "tracked-0.02",
     "random",
@@ -36,6 +36,7 @@ pub(crate) const SCENES: [&str; 12] = [
     "pieces",
     "bending",
     "bending-tracked",
+    "bending-self",
     "crossing-shafts",
     "shaft-in-bore",
     "link-over-tray",
@@ -384,7 +385,7 @@ pub(crate) fn run(o: &Options) -> Rows {
     }
     let plain = SCENES
         .into_iter()
-        .filter(|s| !["pieces", "bending", "bending-tracked"].contains(s) && !cad::SCENES.contains(s));
+        .filter(|s| !["pieces", "bending", "bending-tracked", "bending-self"].contains(s) && !cad::SCENES.contains(s));
     for scene in plain.filter(|s| o.wants(s)) {
         for n in o.sizes([1_280, 20_480, 102_400]) {
             for r in races(scene, n, frames) {

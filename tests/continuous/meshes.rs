@@ -1,0 +1,307 @@
+//! Meshes over a frame: first contacts are those of all pairs of triangles, and exact arithmetic finds them in the bracket.
+
+use super::given;
+use lab::forms::mesh;
+use lab::paths::{self, Truth};
+use lab::pose::{add, quat, scale};
+use lab::rational::exact;
+use lab::rng::Rng;
+use lab::soups::{self, Soup};
+use lab::{Point, Pose};
+use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::impact::{Impact, ImpactError, Tolerance};
+use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::{Class, Mesh, PairTracker, RelativePose};
+
+const WIDTH: f64 = 1e-9;
+
+fn sheet(n: u32, side: f64) -> Soup {
+    let at = |i: u32| side * (f64::from(i) / f64::from(n) - 0.5);
+    let points = (0..=n)
+        .flat_map(|i| (0..=n).map(move |j| [at(i), at(j), 0.0]))
+        .collect();
+    let square = |i: u32, j: u32| {
+        let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(k, l)| (i + k) * (n + 1) + j + l);
+        [[a, b, c], [a, c, d]]
+    };
+    let triangles = (0..n).flat_map(|i| (0..n).flat_map(move |j| square(i, j))).collect();
+    Soup { points, triangles }
+}
+
+fn vertices(soup: &Soup) -> Vec<Point3<f64>> {
+    soup.points.iter().map(|p| Point3::from(*p)).collect()
+}
+
+/// The mesh of a body at rest at two ends of a frame.
+fn ends(rest: &Soup, [begin, end]: [&Soup; 2]) -> [Mesh; 2] {
+    let mut m = mesh(rest);
+    m.set_vertices(&vertices(begin)).unwrap();
+    let before = m.clone();
+    m.set_vertices(&vertices(end)).unwrap();
+    [before, m]
+}
+
+/// The paths of a triangle, of two places of the same soup.
+fn corners([begin, end]: [&Soup; 2], t: usize) -> [paths::Path; 3] {
+    let (p, q) = (begin.corners(t), end.corners(t));
+    [0, 1, 2].map(|k| [p[k], q[k]])
+}
+
+/// The first contact of all pairs of triangles by the crate's own kernel: at the begin, or between two times.
+fn brute(a: [&Soup; 2], b: [&Soup; 2], is_self: bool) -> Option<[f64; 2]> {
+    let mut first = [f64::INFINITY; 2];
+    for i in 0..a[0].triangles.len() {
+        for j in 0..b[0].triangles.len() {
+            let (s, t) = (a[0].triangles[i], b[0].triangles[j]);
+            if is_self && (i >= j || s.iter().any(|v| t.contains(v))) {
+                continue;
+            }
+            let [p, q]: [[continuous::Path; 3]; 2] = [given(&corners(a, i)), given(&corners(b, j))];
+            match continuous::triangles(&p, &q, Tolerance::Time(WIDTH)).unwrap().impact {
+                Impact::Miss => {}
+                Impact::Start { .. } => return Some([-1.0, 0.0]),
+                Impact::Hit { safe, hit, .. } => first = [first[0].min(safe), first[1].min(hit)],
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+    (first[1] <= 1.0).then_some(first)
+}
+
+/// Judges a cast; returns 0 for a miss, 1 for a start, 2 for a hit.
+fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool, what: &str) -> usize {
+    let truth = brute(a, b, is_self);
+    let named = |pieces: [u32; 2]| {
+        let [i, j] = pieces.map(|k| k as usize);
+        paths::triangles(&corners(a, i), &corners(b, j))
+    };
+    match (impact, truth) {
+        (Impact::Miss, None) => 0,
+        (Impact::Start { seen }, Some([_, 0.0])) => {
+            assert!(matches!(named(seen.pieces), Truth::Start), "{what}: {impact:?}");
+            1
+        }
+        (Impact::Hit { safe, hit, seen }, Some([low, high])) if high > 0.0 => {
+            assert!(
+                hit - safe <= WIDTH && *safe < high && low < *hit,
+                "{what}: {impact:?} {low} {high}"
+            );
+            assert!(
+                seen.class == Class::Separated && seen.lower <= seen.upper,
+                "{what}: {impact:?}"
+            );
+            // The triangles named meet in the bracket, or after it begins and before it ends.
+            let Truth::At(from, to) = named(seen.pieces) else {
+                panic!("{what}: {impact:?} does not meet")
+            };
+            assert!(exact(*safe) <= to && from < exact(*hit), "{what}: {impact:?}");
+            2
+        }
+        _ => panic!("{what}: {impact:?} {truth:?}"),
+    }
+}
+
+/// Ways of a body in a frame.
+const WAYS: [&str; 6] = ["fall", "wave", "crumple", "fold", "lattice", "still"];
+
+fn moved(way: &str, rng: &mut Rng, rest: &Soup) -> [Soup; 2] {
+    let (shift, high) = (rng.range(-1.5, 1.5), rng.range(0.05, 1.2));
+    let phase = rng.range(0.0, 6.0);
+    let wave = |[x, y, z]: Point, time: f64| [x, y, z + 0.3 * (3.0 * x + phase + 2.0 * time).sin() + high];
+    let rest = rest.clone();
+    let rounded = |p: Point| p.map(|x| (4.0 * x).round() / 4.0);
+    match way {
+        "fall" => [
+            rest.clone().map(|p| add(p, [0.1, 0.2, high])),
+            rest.map(|p| add(p, [0.1, 0.2, high - 1.5])),
+        ],
+        "wave" => [rest.clone().map(|p| wave(p, 0.0)), rest.map(|p| wave(p, shift))],
+        "crumple" => {
+            let mut shaken = |size: f64| {
+                let points = rest.points.iter().map(|p| add(*p, scale(rng.unit(), size))).collect();
+                let triangles = rest.triangles.clone();
+                Soup { points, triangles }
+            };
+            let lifted = shaken(0.05).map(|p| add(p, [0.0, 0.0, high]));
+            [lifted, shaken(0.2)]
+        }
+        "fold" => {
+            let turned = |[x, y, z]: Point, angle: f64| match x > 0.0 {
+                true => [x * angle.cos() - z * angle.sin(), y, x * angle.sin() + z * angle.cos()],
+                false => [x, y, z],
+            };
+            let first = 2.0 + 0.2 * shift;
+            [
+                rest.clone().map(|p| turned(p, first)),
+                rest.map(|p| turned(p, first + high)),
+            ]
+        }
+        "lattice" => [
+            rest.clone().map(|p| rounded(wave(p, 0.0))),
+            rest.map(|p| rounded(wave(p, shift))),
+        ],
+        _ => [rest.clone().map(|p| wave(p, 0.0)), rest.map(|p| wave(p, 0.0))],
+    }
+}
+
+#[test]
+fn a_bending_mesh_meets_another_when_all_pairs_of_triangles_say() {
+    let (mut tally, mut rng) = ([0; 3], Rng::new(7));
+    for round in 0..6 {
+        for way in WAYS {
+            for (k, rest) in [sheet(6, 2.0), soups::rock(1, 5)].iter().enumerate() {
+                let other = &[soups::rock(1, 3), soups::torus(8, 5, 0.4)][round % 2];
+                let other = other.clone().map(|p| scale(p, 0.5));
+                let [begin, end] = moved(way, &mut rng, rest);
+                let begin = if k == 1 {
+                    begin.map(|p| add(p, [0.0, 0.0, 1.1]))
+                } else {
+                    begin
+                };
+                let m = ends(rest, [&begin, &end]);
+                let n = mesh(&other);
+                let (a, b) = (
+                    MeshOverFrame::new(&m[0], &m[1]).unwrap(),
+                    MeshOverFrame::new(&n, &n).unwrap(),
+                );
+                let what = format!("{way} {round} {k}");
+                let (p, q) = ([&begin, &end], [&other, &other]);
+                let found = continuous::meshes(&a, &b, Tolerance::Time(WIDTH)).unwrap();
+                tally[judge(&found.impact, p, q, false, &what)] += 1;
+                let back = continuous::meshes(&b, &a, Tolerance::Time(WIDTH)).unwrap();
+                judge(&back.impact, q, p, false, &what);
+            }
+        }
+    }
+    assert!(tally.iter().all(|n| *n > 4), "{tally:?}");
+}
+
+#[test]
+fn a_mesh_meets_itself_when_all_pairs_of_triangles_say() {
+    let (mut tally, mut rng) = ([0; 3], Rng::new(9));
+    for round in 0..6 {
+        for way in WAYS {
+            for (k, rest) in [sheet(6, 2.0), soups::knot(16, 4, 0.1)].iter().enumerate() {
+                let [begin, end] = moved(way, &mut rng, rest);
+                let m = ends(rest, [&begin, &end]);
+                let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
+                let found = continuous::self_contact(&a, Tolerance::Time(WIDTH)).unwrap();
+                let p = [&begin, &end];
+                tally[judge(&found.impact, p, p, true, &format!("{way} {round} {k}"))] += 1;
+            }
+        }
+    }
+    assert!(tally.iter().all(|n| *n > 3), "{tally:?}");
+}
+
+/// A rigid body that turns: proven apart only while it is, and near only if it comes near.
+#[test]
+fn the_arcs_of_a_body_that_turns_are_taken_off() {
+    let (mut tally, mut rng) = ([0; 2], Rng::new(13));
+    let rest = sheet(6, 2.0);
+    let body = soups::gear(6).map(|p| scale(p, 0.4));
+    let n = mesh(&body);
+    for round in 0..60 {
+        let [begin, end] = moved(["fall", "wave", "still"][round % 3], &mut rng, &rest);
+        let m = ends(&rest, [&begin, &end]);
+        let (axis, angle) = (rng.unit(), [0.0, 0.01, 0.3, 1.5][round % 4]);
+        let from = add(scale(rng.unit(), 0.2), [0.0, 0.0, -0.6]);
+        let to = add(from, scale(rng.unit(), 0.5));
+        let poses = |t: f64| Pose {
+            q: quat(axis, angle * t),
+            t: [0, 1, 2].map(|k| from[k] + t * (to[k] - from[k])),
+        };
+        let at = |t: f64| -> Isometry3<f64> { poses(t).isometry() };
+        let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
+        let b = MeshOverFrame::new(&n, &n).unwrap().moving(&at(0.0), &at(1.0)).unwrap();
+        let found = continuous::meshes(&a, &b, Tolerance::Time(WIDTH)).unwrap().impact;
+        let (safe, is_miss) = match found {
+            Impact::Miss => (1.0, true),
+            Impact::Near { safe, distance } => {
+                let slack = 0.5 * angle * angle * 0.7 / 8.0;
+                assert!(distance < 0.2 + 4.0 * slack, "{round}: {found:?}");
+                (safe, false)
+            }
+            Impact::Hit { safe, .. } if angle == 0.0 => (safe, false),
+            Impact::Start { .. } if angle == 0.0 => (0.0, false),
+            other => panic!("{round}: {other:?}"),
+        };
+        tally[usize::from(is_miss)] += 1;
+        // At 40 instants before: apart, by a mesh whose vertices are between.
+        let mut between = m[0].clone();
+        for k in 0..40 {
+            let t = safe * f64::from(k) / 39.0;
+            let now: Vec<_> = (0..rest.points.len())
+                .map(|v| Point3::from([0, 1, 2].map(|i| (1.0 - t) * begin.points[v][i] + t * end.points[v][i])))
+                .collect();
+            between.set_vertices(&now).unwrap();
+            let pose = RelativePose::from_isometry(&at(t)).unwrap();
+            let seen = PairTracker::new().closest(&between, &n, &pose);
+            let is_apart = seen.class == Class::Separated || safe == 0.0 || seen.distance < 1e-9;
+            assert!(
+                is_apart && (seen.class == Class::Separated || t > 0.99 * safe),
+                "{round} {t} {found:?} {seen:?}"
+            );
+        }
+    }
+    assert!(tally.iter().all(|n| *n > 10), "{tally:?}");
+}
+
+#[test]
+fn other_meshes_and_sizes_are_refused() {
+    let (rest, other) = (sheet(4, 2.0), sheet(5, 2.0));
+    let (m, n) = (mesh(&rest), mesh(&other));
+    assert_eq!(MeshOverFrame::new(&m, &n).err(), Some(ImpactError::Mesh));
+    let mut anew = m.clone();
+    let fold = |p: &Point| Point3::new(p[0].abs(), p[1], 0.2 * p[0]);
+    anew.set_vertices(&rest.points.iter().map(fold).collect::<Vec<_>>())
+        .unwrap();
+    assert!(MeshOverFrame::new(&m, &anew).is_ok());
+    anew.rebuild();
+    assert_eq!(MeshOverFrame::new(&m, &anew).err(), Some(ImpactError::Mesh));
+    let frame = MeshOverFrame::new(&m, &m).unwrap();
+    for bad in [f64::NAN, -1.0, f64::INFINITY] {
+        assert!(continuous::meshes(&frame, &frame, Tolerance::Time(bad)).is_err());
+        assert!(continuous::self_contact(&frame, Tolerance::Distance(bad)).is_err());
+    }
+    let nan = Isometry3::translation(f64::NAN, 0.0, 0.0);
+    assert!(matches!(
+        frame.moving(&nan, &Isometry3::identity()).err(),
+        Some(ImpactError::Pose(_))
+    ));
+}
+
+#[test]
+fn casts_scale_by_powers_of_two() {
+    let run = |size: f64| {
+        let mut rng = Rng::new(21);
+        let mut all = Vec::new();
+        for way in WAYS {
+            let rest = sheet(5, 2.0);
+            let sized = |s: Soup| s.map(|p| scale(p, size));
+            let [begin, end] = moved(way, &mut rng, &rest).map(sized);
+            let m = ends(&sized(rest), [&begin, &end]);
+            let n = mesh(&sized(soups::rock(1, 3).map(|p| scale(p, 0.5))));
+            let (a, b) = (
+                MeshOverFrame::new(&m[0], &m[1]).unwrap(),
+                MeshOverFrame::new(&n, &n).unwrap(),
+            );
+            let at = Isometry3::translation(0.0, 0.0, -0.7 * size);
+            let b = b.moving(&at, &at).unwrap();
+            let cast = continuous::meshes(&a, &b, Tolerance::Time(WIDTH)).unwrap();
+            let own = continuous::self_contact(&a, Tolerance::Distance(1e-6 * size)).unwrap();
+            let bracket = |impact: Impact| match impact {
+                Impact::Hit { safe, hit, seen } => [safe, hit, seen.upper / size],
+                Impact::Miss => [2.0; 3],
+                Impact::Start { .. } => [-1.0; 3],
+                other => panic!("{other:?}"),
+            };
+            all.push((bracket(cast.impact), bracket(own.impact), cast.queries));
+        }
+        all
+    };
+    let one = run(1.0);
+    for exponent in [-300, -70, 1, 70, 300] {
+        assert_eq!(run(2f64.powi(exponent)), one, "{exponent}");
+    }
+}
