@@ -501,7 +501,10 @@ pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 140) << 52);
 /// their normal. The vector between two vertices errs by 79 (`CERTIFICATE`, origins of stored
 /// frames), the normal of two edges of length one by 3, or by 16 if one edge is turned by both
 /// rotations, the product of both by 3 more, lengths and quotients by 7.
-#[cfg_attr(not(feature = "exact"), allow(dead_code, reason = "the closed form is for the exact level"))]
+#[cfg_attr(
+    not(feature = "exact"),
+    allow(dead_code, reason = "the closed form is for the exact level")
+)]
 pub(crate) const CLOSED_FORM: f64 = 256.0;
 
 /// A sign that proves features the closest is certain above this times the lengths: the direction
@@ -510,5 +513,8 @@ pub(crate) const CLOSED_FORM: f64 = 256.0;
 /// whose coordinates are rounded are multiplied (10). Errors of the double-double direction itself
 /// are below `2^-17` UNIT, as `CLOSED_FORM` leaves a distance only where its error is below a
 /// quarter of a unit in the last place.
-#[cfg_attr(not(feature = "exact"), allow(dead_code, reason = "the closed form is for the exact level"))]
+#[cfg_attr(
+    not(feature = "exact"),
+    allow(dead_code, reason = "the closed form is for the exact level")
+)]
 pub(crate) const CLEARLY: f64 = 128.0 * UNIT;

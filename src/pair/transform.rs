@@ -60,8 +60,12 @@ impl Transform<DoubleDouble> {
         let (a_from_world, world_from_b) = (transposed(&rotation(&pose.a.q())), rotation(&pose.b.q()));
         let translation = Self::shift_by((&a_from_world, &world_from_b), a, b.0, pose)?;
         let scale = power_of_two(b.1 - a.1);
-        let columns: [[DoubleDouble; 3]; 3] =
-            core::array::from_fn(|c| apply(&a_from_world, &core::array::from_fn(|r| world_from_b[r][c].scaled(scale))));
+        let columns: [[DoubleDouble; 3]; 3] = core::array::from_fn(|c| {
+            apply(
+                &a_from_world,
+                &core::array::from_fn(|r| world_from_b[r][c].scaled(scale)),
+            )
+        });
         Some(Self {
             matrix: transposed(&columns),
             translation,

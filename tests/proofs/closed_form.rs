@@ -97,7 +97,9 @@ fn judge(shapes: [&Shape; 2], frame: &Frame) -> Option<[usize; 2]> {
     let mut proven = None;
     for a in features(&bodies[0]) {
         for b in features(&bodies[1]) {
-            let Some(told) = asked((&bodies[0], &bodies[1]), &pose, [a, b]) else { continue };
+            let Some(told) = asked((&bodies[0], &bodies[1]), &pose, [a, b]) else {
+                continue;
+            };
             let (d, s) = (told.distance[0], truth.distance);
             let what = format!("{a:?} {b:?}: {d:e} is not {s:e}, {shapes:?} {frame:?}");
             assert!((d - s).abs() <= told.error + (s.next_up() - s), "{what}");

@@ -78,14 +78,19 @@ fn vertex_edge<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, edge: E
         return None;
     }
     let n = w_near - u_near * (along / squared);
-    let is_proven =
-        stands(body, &[v, head], &n, w_near.norm()) && stands_first(pair, &[p], &n, w_near.norm());
+    let is_proven = stands(body, &[v, head], &n, w_near.norm()) && stands_first(pair, &[p], &n, w_near.norm());
     let area = cross(&w, &u);
     is_proven.then(|| finish(pair, root(dot(&area, &area) / dot(&u, &u)), 1.0, &n))
 }
 
 /// A vertex over a face; `x` is the witness on the face.
-fn vertex_face<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, face: FaceId, x: &Vector3<f64>) -> Option<ClosedForm> {
+fn vertex_face<P: OrderedPair>(
+    posed: &PosedPair,
+    pair: &P,
+    p: VertexId,
+    face: FaceId,
+    x: &Vector3<f64>,
+) -> Option<ClosedForm> {
     let body = pair.second();
     let [v, q, r] = triangle(body, face, x);
     let w = turned::<P>(posed).between(at(body, v), at(pair.first(), p));
@@ -100,9 +105,7 @@ fn vertex_face<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, face: F
         && beside_e > doubt * e_near.norm()
         && normal * normal - beside_f - beside_e > doubt * (e_near.norm() + f_near.norm());
     // Out of the face, to the vertex: the loop of a face turns counter-clockwise.
-    let is_proven = inside
-        && height.value() > 0.0
-        && stands_first(pair, &[p], &n_near, normal);
+    let is_proven = inside && height.value() > 0.0 && stands_first(pair, &[p], &n_near, normal);
     is_proven.then(|| finish(pair, height / root(dot(&n, &n)), lengths / normal, &n_near))
 }
 

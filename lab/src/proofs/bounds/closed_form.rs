@@ -48,7 +48,9 @@ fn variable(letter: char) -> Polynomial {
 
 /// The size L.
 fn size() -> Polynomial {
-    ['a', 'b', 't'].iter().fold(Polynomial::default(), |s, c| s.plus(&variable(*c)))
+    ['a', 'b', 't']
+        .iter()
+        .fold(Polynomial::default(), |s, c| s.plus(&variable(*c)))
 }
 
 /// An edge, whose coordinates are exact.
