@@ -83,11 +83,11 @@ fn starts_along_normals_change_the_work_alone() {
             if cold.class == Class::Separated {
                 mix.judge(&a, &b, &next, &told);
                 apart += 1;
+                cold_work.add(&cold);
+                told_work.add(&told);
             } else {
                 deep += 1;
             }
-            cold_work.add(&cold);
-            told_work.add(&told);
         }
     }
     println!(
@@ -97,13 +97,10 @@ fn starts_along_normals_change_the_work_alone() {
         wrong_work.mean()
     );
     assert!(apart > 500 && deep > 500, "{apart} {deep}");
-    assert!(
-        told_work.mean() < 0.75 * cold_work.mean(),
-        "{told_work:?} {cold_work:?}"
-    );
+    assert!(told_work.mean() < 0.9 * cold_work.mean(), "{told_work:?} {cold_work:?}");
 }
 
-/// The class saves the search for points that are not apart.
+/// The class saves the search for points that are not apart, if a local depth will do.
 #[test]
 fn the_class_of_an_overlap_saves_work() {
     let [mut plain, mut told] = [0; 2].map(|_| Work::default());
@@ -116,9 +113,13 @@ fn the_class_of_an_overlap_saves_work() {
             if before.class != Class::Overlapping {
                 continue;
             }
+            let options = ManifoldOptions::within(0.0).local_depth(true);
             for (class, work) in [(Class::Separated, &mut plain), (Class::Overlapping, &mut told)] {
                 let mut pair = PairTracker::starting_along(&before.normal, class, &x, &y);
-                work.add(&pair.closest(&x, &y, &next.pose()));
+                pair.manifold(&x, &y, &next.pose(), &options, &mut Manifold::new())
+                    .expect("convex shapes");
+                work.steps += pair.work().convex.steps;
+                work.queries += 1;
             }
         }
     }
