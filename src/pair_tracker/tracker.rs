@@ -119,9 +119,9 @@ impl PairTracker {
     /// Returns a tracker whose first query of two convex geometries, of which one is a cylinder,
     /// cone, ellipsoid or superquadric, starts along a direction from A to B in the frame of A: for
     /// callers who keep the normal and the class of the last answer in state of their own, and no
-    /// tracker. After an overlap the depth is searched first. Other pairs begin without a start.
-    /// What the start may change is what the state of a tracker may change: a wrong direction or
-    /// class costs time and never a bound.
+    /// tracker. If a manifold asks for a local depth, that of an overlap is searched first. Other
+    /// pairs begin without a start. What the start may change is what the state of a tracker may
+    /// change: a wrong direction or class costs time and never a bound.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -136,7 +136,8 @@ impl PairTracker {
     /// let before = PairTracker::new().closest(&floor, &can, &pose(0.0)?);
     ///
     /// // In the next frame, from what the caller kept:
-    /// let mut pair = PairTracker::starting_along(&before.normal, before.class, &floor, &can);
+    /// let (normal, class) = (&before.normal, before.class);
+    /// let mut pair = PairTracker::starting_along(normal, class, &floor, &can);
     /// let now = pair.closest(&floor, &can, &pose(0.01)?);
     /// assert!((now.distance - before.distance).abs() < 1e-12);
     /// assert!(now.work.steps < before.work.steps);

@@ -11,13 +11,16 @@ use super::engine::{Certified, Hull, isometry};
 
 type Manifolds = Vec<ContactManifold<(), ()>>;
 
+/// The height of a core along a unit direction of its own frame.
+type Reach = Box<dyn Fn(&Vector3<f64>) -> f64>;
+
 const SIZES: [Real; 9] = [1e-4, 1e-3, 5e-3, 1e-2, 2e-2, 0.1, 1.0, 100.0, 1e4];
 
 /// A shape, and how far its core reaches along a direction of its own frame; its border.
 struct Reached {
     name: &'static str,
     shape: SharedShape,
-    reach: Box<dyn Fn(&Vector3<f64>) -> f64>,
+    reach: Reach,
     border: f64,
 }
 
@@ -25,16 +28,16 @@ fn wide(p: Vector) -> Vector3<f64> {
     Vector3::from(p.to_array().map(f64::from))
 }
 
-fn of_points(points: Vec<Vector>) -> Box<dyn Fn(&Vector3<f64>) -> f64> {
+fn of_points(points: Vec<Vector>) -> Reach {
     Box::new(move |n| points.iter().map(|&p| wide(p).dot(n)).fold(f64::NEG_INFINITY, f64::max))
 }
 
-fn of_cylinder(half: Real, radius: Real) -> Box<dyn Fn(&Vector3<f64>) -> f64> {
+fn of_cylinder(half: Real, radius: Real) -> Reach {
     let (half, radius) = (f64::from(half), f64::from(radius));
     Box::new(move |n| half * n.y.abs() + radius * n.x.hypot(n.z))
 }
 
-fn of_cone(half: Real, radius: Real) -> Box<dyn Fn(&Vector3<f64>) -> f64> {
+fn of_cone(half: Real, radius: Real) -> Reach {
     let (half, radius) = (f64::from(half), f64::from(radius));
     Box::new(move |n| (half * n.y).max(radius * n.x.hypot(n.z) - half * n.y))
 }

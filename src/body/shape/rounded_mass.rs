@@ -1,5 +1,5 @@
-//! Mass of rounded polyhedra: the core, a prism on each face, a sector of a cylinder along each edge,
-//! and a sector of a ball at each vertex (Steiner 1840; moments up to the second).
+//! Mass of rounded polyhedra: the core, a prism on each face, a sector of a cylinder along each
+//! edge, and a sector of a ball at each vertex (Steiner 1840; moments up to the second).
 //!
 //! ```text
 //!     ___________

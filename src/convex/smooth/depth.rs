@@ -42,7 +42,8 @@ pub(super) fn deepen<A: Support, B: Support>(
         ..*known
     };
     local(posed, known.n, &known.set, &mut best);
-    if !is_enough(posed, &best, until) {
+    let is_known = best.closes(posed) || (until == Until::LocalDepth && is_enough(posed, &best, until));
+    if !is_known {
         parallel::prove(posed, &mut best);
     }
     let mut deep = Deep {
@@ -74,8 +75,8 @@ pub(super) fn deepen<A: Support, B: Support>(
     deep
 }
 
-/// Searches four points of the difference about the origin, for a local depth that no balls prove to
-/// be one of an overlap: that of two rims or edges.
+/// Searches four points of the difference about the origin, for a local depth that no balls prove
+/// to be one of an overlap: that of two rims or edges.
 fn prove_overlap<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, deep: &mut Deep) {
     let mut apart = ProvenBounds::new();
     if let Frozen::Inside(corners) = frozen::solve(posed, deep.best.n, SolveGoal::Approach, &mut apart) {

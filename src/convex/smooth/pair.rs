@@ -42,7 +42,8 @@ pub(crate) struct WarmStart {
 
 impl WarmStart {
     /// Returns a start along a direction from A to B, in the frame of A, of which no branches are
-    /// known: the supports along it stand for them. After an overlap the depth is searched first.
+    /// known: the supports along it stand for them. After an overlap a local depth is searched
+    /// first.
     pub(crate) fn along(n: &Vector3<f64>, class: Class) -> Self {
         Self {
             start: Some(((*n).into(), BranchSet::default())),
@@ -203,7 +204,8 @@ pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
         set = proven.or(set);
         proven.is_some()
     };
-    let told = start.filter(|_| memory.is_deep);
+    // The depth of a direction alone is seldom proven to be the least.
+    let told = start.filter(|_| memory.is_deep && setting.until == Until::LocalDepth);
     let ended = match told {
         Some((n, set)) if deep(&ProvenBounds { n, set, ..best }, None) => Ended::Deep,
         _ => separate(&posed, start, &mut best, &mut solver, deep),
