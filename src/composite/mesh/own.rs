@@ -10,7 +10,7 @@ use crate::base::num::count::Counter;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 use crate::composite::front::NodePair;
-use crate::composite::front::own::{SelfFront, Vertices};
+use crate::composite::front::own::{ItemVertices, SelfFront};
 use crate::composite::meet::frame::TreeFrame;
 use crate::composite::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::composite::meet::shared::Touching;
@@ -103,8 +103,8 @@ impl SelfState {
 }
 
 impl Mesh {
-    fn in_items(&self) -> Vertices<'_> {
-        Vertices {
+    fn in_items(&self) -> ItemVertices<'_> {
+        ItemVertices {
             points: &self.points,
             items: &self.triangles,
         }
