@@ -22,6 +22,7 @@ use nalgebra::Vector3;
 use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::{AT_ONCE, SELF_CLAIMS, SELF_FAILED};
 use crate::composite::front::NodePair;
+use crate::composite::front::audit::FrontFault;
 use crate::composite::meet::search::{GapProof, Judge, ProofKeeper, TreeSearch};
 use crate::composite::tree::{Below, Tree, up};
 
@@ -144,18 +145,28 @@ impl SelfFront {
         let (unit, error) = (search.a.unit(), search.frame.error);
         let (drifts, open) = (&self.drifts, &mut self.open);
         self.claims.retain(|claim| {
-            let lower = match drifts.len() {
-                0 => claim.base,
-                // The difference of middles is of numbers in single precision, so all roundings are
-                // some of double precision.
-                _ => claim.base - loss(drifts, claim.pair, claim.between) * unit - error,
-            };
-            let holds = search.passes(lower);
+            let holds = search.passes(claim.lower(drifts, unit, error));
             if !holds {
                 open.push(claim.pair);
             }
             holds
         });
+    }
+
+    /// Checks every claim by the distance of its items, for debugging.
+    pub(in crate::composite) fn audit(
+        &self,
+        (unit, error): (f64, f64),
+        distance: impl Fn(NodePair) -> f64,
+    ) -> Result<(), FrontFault> {
+        for claim in &self.claims {
+            let (claimed, gap) = (claim.lower(&self.drifts, unit, error), distance(claim.pair));
+            if claimed > gap + error {
+                let pair = claim.pair;
+                return Err(FrontFault::Claim { pair, claimed, gap });
+            }
+        }
+        Ok(())
     }
 
     fn repair<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
@@ -196,6 +207,18 @@ impl SelfFront {
             base -= loss(&self.drifts, pair, between) * tree.unit();
         }
         self.claims.push(DistanceClaim { pair, base, between });
+    }
+}
+
+impl DistanceClaim {
+    /// Returns the distance that is proven now, with the unit of the tree.
+    #[inline(always)]
+    fn lower(&self, drifts: &[NodeDrift], unit: f64, error: f64) -> f64 {
+        if drifts.is_empty() {
+            return self.base;
+        }
+        // Drifts are numbers of single precision, so all roundings are some of double precision.
+        self.base - loss(drifts, self.pair, self.between) * unit - error
     }
 }
 

@@ -79,7 +79,7 @@ pub(in crate::composite) enum MeshGoal {
     Least,
     /// Whether any pair is at most this far apart, in A's stored units.
     Within(f64),
-    /// All pairs that are at most this far apart, in A's stored units.
+    /// All pairs that are at most this far apart, in stored units: of a body against itself.
     All(f64),
 }
 
@@ -220,7 +220,8 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         self.work.measured += 1;
         let found = self.judge.measure(self.frame, pair, self.level());
         let result = (found.normal, found.lower);
-        if let MeshGoal::All(d) = self.goal
+        if J::IS_SELF
+            && let MeshGoal::All(d) = self.goal
             && !(found.lower > d)
         {
             self.found.push(found);
