@@ -35,8 +35,8 @@ impl PairTracker {
     /// use lin_canny::{Class, Mesh, PairTracker};
     ///
     /// // A strip of ten squares along x.
-    /// let points: Vec<_> =
-    ///     (0..22).map(|k| Point3::new(f64::from(k / 2), f64::from(k % 2), 0.0)).collect();
+    /// let at = |k: i32| Point3::new(f64::from(k / 2), f64::from(k % 2), 0.0);
+    /// let points: Vec<_> = (0..22).map(at).collect();
     /// let square = |k: u32| [[k, k + 2, k + 3], [k, k + 3, k + 1]];
     /// let triangles: Vec<_> = (0..10).flat_map(|k| square(2 * k)).collect();
     /// let mut strip = Mesh::new(&points, &triangles)?;

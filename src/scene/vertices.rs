@@ -17,8 +17,8 @@ impl Scene {
     ///
     /// A mesh that other bodies share is copied first, so that only this body bends. The patches
     /// from which contacts are computed are made anew in the next step, in a time that grows with
-    /// the mesh. A tick sees the vertices as they are set before it, not where they will be: impacts
-    /// are those of the motion of the body, and not of its vertices, for which ask
+    /// the mesh. A tick sees the vertices as they are set before it, not where they will be:
+    /// impacts are those of the motion of the body. For those of its vertices ask
     /// [`continuous::meshes`](crate::continuous::meshes).
     ///
     /// # Errors

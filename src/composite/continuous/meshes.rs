@@ -187,7 +187,8 @@ impl<'a> MeshOverFrame<'a> {
 ///
 /// let ball = Mesh::from_convex(&solids::icosahedron(0.5)?)?;
 /// let at = |x, y, z| Point3::new(x, y, z);
-/// let corners = [at(-2., -2., 1.), at(2., -2., 1.), at(2., 2., 1.), at(-2., 2., 1.)];
+/// let corners =
+///     [at(-2., -2., 1.), at(2., -2., 1.), at(2., 2., 1.), at(-2., 2., 1.)];
 /// let before = Mesh::new(&corners, &[[0, 1, 2], [0, 2, 3]])?;
 /// let mut cloth = before.clone();
 /// // In one frame the cloth falls through the ball.
@@ -195,7 +196,9 @@ impl<'a> MeshOverFrame<'a> {
 /// let cloth = MeshOverFrame::new(&before, &cloth)?;
 /// let ball = MeshOverFrame::new(&ball, &ball)?;
 /// let cast = continuous::meshes(&cloth, &ball, Tolerance::Time(1e-9))?;
-/// let Impact::Hit { safe, hit, .. } = cast.impact else { panic!("{:?}", cast.impact) };
+/// let Impact::Hit { safe, hit, .. } = cast.impact else {
+///     panic!("{:?}", cast.impact)
+/// };
 /// assert!(0.25 < safe && hit < 0.5 && hit - safe <= 1e-9);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

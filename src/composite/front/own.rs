@@ -3,13 +3,13 @@
 //!
 //! Every pair of items that is asked for lies under one claim: the roots of the front are the two
 //! children of every node, and every leaf with itself. Items share vertices, so no direction parts
-//! the leaves about a vertex, and the frame of the body may be any: a claim is a distance, without a
-//! direction, and holds as long as the body does not bend.
+//! the leaves about a vertex; and both nodes are always in one frame. So a claim is a distance,
+//! without a direction, and holds as long as the body does not bend.
 //!
 //! When vertices move, let `c` be some displacement of a node and `r` the largest distance of a
-//! displacement of one of its vertices from `c`, both since the front was begun. Points are mixtures
-//! of vertices, so the way from a point below X to a point below Y has changed since a claim by at
-//! most
+//! displacement of one of its vertices from `c`, both since the front was begun. A point of a
+//! triangle is a mean of its vertices, so the vector from a point below X to a point below Y has
+//! changed since a claim by at most
 //!
 //! `|(c_X - c_Y) now - (c_X - c_Y) then| + r_X + r_Y now + r_X + r_Y then`.
 //!
@@ -22,13 +22,14 @@ use nalgebra::Vector3;
 use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::{AT_ONCE, SELF_CLAIMS, SELF_FAILED};
 use crate::composite::front::NodePair;
+use crate::composite::front::audit::FrontFault;
 use crate::composite::meet::search::{GapProof, Judge, ProofKeeper, TreeSearch};
 use crate::composite::tree::{Below, Tree, up};
 
 /// Displacements of the points below a node since the front was begun, in lengths of the tree: none
 /// is farther than `spread` from `middle`.
 #[derive(Clone, Copy, Debug, Default)]
-struct Drift {
+struct NodeDrift {
     middle: [f32; 3],
     spread: f32,
 }
@@ -50,7 +51,7 @@ pub(in crate::composite) struct SelfFront {
     /// The vertices when the front was begun, in stored units.
     begun: Vec<Vector3<f64>>,
     /// Of every node, since then; empty if no vertex has moved.
-    drifts: Vec<Drift>,
+    drifts: Vec<NodeDrift>,
     /// Claims that did not hold, since the front was begun.
     failed: usize,
     stack: Vec<NodePair>,
@@ -60,7 +61,7 @@ pub(in crate::composite) struct SelfFront {
 
 /// The vertices of a body, and those of each of its items.
 #[derive(Clone, Copy)]
-pub(in crate::composite) struct Vertices<'a> {
+pub(in crate::composite) struct ItemVertices<'a> {
     pub(in crate::composite) points: &'a [Vector3<f64>],
     pub(in crate::composite) items: &'a [[u32; 3]],
 }
@@ -80,32 +81,35 @@ impl SelfFront {
     pub(in crate::composite) fn heap_bytes(&self) -> usize {
         self.claims.capacity() * size_of::<DistanceClaim>()
             + self.begun.capacity() * size_of::<Vector3<f64>>()
-            + self.drifts.capacity() * size_of::<Drift>()
+            + self.drifts.capacity() * size_of::<NodeDrift>()
             + (self.stack.capacity() + self.open.capacity()) * size_of::<NodePair>()
     }
 
     /// Takes the vertices as they are.
-    pub(in crate::composite) fn follow(&mut self, tree: &Tree, now: Vertices<'_>) {
+    pub(in crate::composite) fn follow(&mut self, tree: &Tree, now: ItemVertices<'_>) {
         if self.begun.len() != now.points.len() {
             return self.clear();
         }
         let scale = 1.0 / tree.unit();
         self.drifts.clear();
-        self.drifts.resize(tree.len(), Drift::default());
+        self.drifts.resize(tree.len(), NodeDrift::default());
         let moved = |v: u32| (now.points[v as usize] - self.begun[v as usize]) * scale;
         for node in (0..tree.len()).rev() {
             self.drifts[node] = match tree.below(node as u32) {
                 Below::Leaf(first, count) => {
                     let items = &now.items[first as usize..(first + count) as usize];
-                    Drift::of_vertices(|| items.iter().flatten().map(|v| moved(*v)))
+                    NodeDrift::of_vertices(|| items.iter().flatten().map(|v| moved(*v)))
                 }
-                Below::Children(c) => Drift::of_both(&self.drifts[c as usize], &self.drifts[c as usize + 1]),
+                Below::Children(c) => NodeDrift::of_both(&self.drifts[c as usize], &self.drifts[c as usize + 1]),
             };
         }
     }
 
     /// Proves the claims again that do not hold, or all anew, and searches below them.
-    pub(in crate::composite) fn search<J: Judge>(&mut self, search: &mut TreeSearch<J>, now: Vertices<'_>) {
+    pub(in crate::composite) fn search<J: Judge>(&mut self, search: &mut TreeSearch<J>, now: ItemVertices<'_>) {
+        if search.is_over() {
+            return;
+        }
         search.work.entries += self.claims.len() as u64;
         self.open.clear();
         if !self.claims.is_empty() {
@@ -124,7 +128,7 @@ impl SelfFront {
     }
 
     /// Opens all pairs, from the vertices as they are.
-    fn begin(&mut self, tree: &Tree, now: Vertices<'_>) {
+    fn begin(&mut self, tree: &Tree, now: ItemVertices<'_>) {
         self.clear();
         self.begun.extend(now.points);
         self.open.clear();
@@ -141,18 +145,28 @@ impl SelfFront {
         let (unit, error) = (search.a.unit(), search.frame.error);
         let (drifts, open) = (&self.drifts, &mut self.open);
         self.claims.retain(|claim| {
-            let lower = match drifts.len() {
-                0 => claim.base,
-                // The difference of middles is of numbers in single precision, so all roundings are
-                // some of double precision.
-                _ => claim.base - loss(drifts, claim.pair, claim.between) * unit - error,
-            };
-            let holds = search.passes(lower);
+            let holds = search.passes(claim.lower(drifts, unit, error));
             if !holds {
                 open.push(claim.pair);
             }
             holds
         });
+    }
+
+    /// Checks every claim by the distance of its items, for debugging.
+    pub(in crate::composite) fn audit(
+        &self,
+        (unit, error): (f64, f64),
+        distance: impl Fn(NodePair) -> f64,
+    ) -> Result<(), FrontFault> {
+        for claim in &self.claims {
+            let (claimed, gap) = (claim.lower(&self.drifts, unit, error), distance(claim.pair));
+            if claimed > gap + error {
+                let pair = claim.pair;
+                return Err(FrontFault::Claim { pair, claimed, gap });
+            }
+        }
+        Ok(())
     }
 
     fn repair<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
@@ -196,6 +210,18 @@ impl SelfFront {
     }
 }
 
+impl DistanceClaim {
+    /// Returns the distance that is proven now, with the unit of the tree.
+    #[inline(always)]
+    fn lower(&self, drifts: &[NodeDrift], unit: f64, error: f64) -> f64 {
+        if drifts.is_empty() {
+            return self.base;
+        }
+        // Drifts are numbers of single precision, so all roundings are some of double precision.
+        self.base - loss(drifts, self.pair, self.between) * unit - error
+    }
+}
+
 impl ProofKeeper for SelfFront {
     fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, (normal, gap): GapProof) {
         let distance = if normal == [0.0; 3] {
@@ -209,7 +235,7 @@ impl ProofKeeper for SelfFront {
 
 /// Returns the difference of the middles of two nodes.
 #[inline(always)]
-fn between(drifts: &[Drift], [x, y]: NodePair) -> [f64; 3] {
+fn between(drifts: &[NodeDrift], [x, y]: NodePair) -> [f64; 3] {
     let (p, q) = (&drifts[x as usize].middle, &drifts[y as usize].middle);
     [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(q[k]))
 }
@@ -217,14 +243,14 @@ fn between(drifts: &[Drift], [x, y]: NodePair) -> [f64; 3] {
 /// Returns by how much two nodes may be nearer than with this difference of their middles and no
 /// spread.
 #[inline(always)]
-fn loss(drifts: &[Drift], pair: NodePair, then: [f32; 3]) -> f64 {
+fn loss(drifts: &[NodeDrift], pair: NodePair, then: [f32; 3]) -> f64 {
     let now = between(drifts, pair);
     let [x, y, z] = [0, 1, 2].map(|k| now[k] - f64::from(then[k]));
     let [p, q] = pair.map(|node| f64::from(drifts[node as usize].spread));
     sqrt(x * x + y * y + z * z) + p + q
 }
 
-impl Drift {
+impl NodeDrift {
     /// Displacements of vertices, in lengths of the tree.
     fn of_vertices<I: Iterator<Item = Vector3<f64>>>(all: impl Fn() -> I) -> Self {
         let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));

@@ -33,6 +33,14 @@ impl OpenLeafPair {
         }
     }
 
+    /// Takes a distance that is proven of some pairs, if it is of use.
+    #[inline(always)]
+    fn prove<J: Judge>(&mut self, distance: f64) {
+        if J::IS_SELF {
+            self.proven = self.proven.min(distance);
+        }
+    }
+
     /// Leaves out pairs that are not asked for.
     fn only_asked<J: Judge>(&mut self, judge: &J) {
         for bit in bits(self.left) {
@@ -82,7 +90,7 @@ impl<J: Judge> TreeSearch<'_, J> {
             let bit = open.left.trailing_zeros();
             open.left &= open.left - 1;
             let (n, lower) = self.measure([i + bit / 4, j + bit % 4]);
-            open.proven = open.proven.min(lower);
+            open.prove::<J>(lower);
             self.along(&mut open, &TriedDirection::new(self.frame, &n));
         }
         if J::IS_SELF {
@@ -114,13 +122,13 @@ impl<J: Judge> TreeSearch<'_, J> {
         let least = bottom - top;
         if least > self.frame.tie && self.passes(least) {
             open.left = 0;
-            open.proven = open.proven.min(least);
+            open.prove::<J>(least);
         } else {
             for bit in bits(open.left) {
                 let gap = low[bit as usize % LEAF] - high[bit as usize / LEAF];
                 if self.passes(gap) {
                     open.left &= !(1 << bit);
-                    open.proven = open.proven.min(gap);
+                    open.prove::<J>(gap);
                     if gap <= self.frame.tie {
                         self.touching.push([i + bit / 4, j + bit % 4]);
                     }

@@ -7,6 +7,7 @@ pub(in crate::composite) mod inside;
 mod leaves;
 pub(in crate::composite) mod look_ahead;
 pub(crate) mod search;
+mod seed;
 pub(in crate::composite) mod segment;
 pub(in crate::composite) mod shared;
 pub(in crate::composite) mod state;

@@ -8,14 +8,16 @@ use super::pair::{TriangleJudge, spots};
 use super::tracker::MeshTracker;
 use crate::base::num::count::Counter;
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::composite::front::NodePair;
-use crate::composite::front::own::{SelfFront, Vertices};
+use crate::composite::front::audit::FrontFault;
+use crate::composite::front::own::{ItemVertices, SelfFront};
 use crate::composite::meet::frame::TreeFrame;
 use crate::composite::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::composite::meet::shared::Touching;
 use crate::composite::meet::state::{PosedTrees, TreeAnswer};
-use crate::composite::meet::triangle::TriangleSpot;
+use crate::composite::meet::triangle::{self, TriangleSpot};
 use crate::pair::spot::Answer;
 
 /// The state of a mesh against itself.
@@ -81,6 +83,26 @@ impl SelfState {
         self.fingerprint = mesh.fingerprint;
     }
 
+    /// Checks the front, if it is of this mesh, by all pairs of triangles.
+    pub(super) fn audit(&self, mesh: &Mesh) -> Result<(), FrontFault> {
+        let pose = RelativePose::identity();
+        let Some(posed) = PosedTrees::new(mesh, mesh, &pose).filter(|_| self.fingerprint == mesh.fingerprint) else {
+            return Ok(());
+        };
+        let pairs = TriangleJudge::new(&posed, None);
+        let judge = SelfJudge { mesh, pairs };
+        self.front.audit((mesh.tree.unit(), posed.frame.error), |pair| {
+            let [(i, m), (j, n)] = pair.map(|node| mesh.tree.range(node));
+            let all = (i..m).flat_map(|x| (j..n).map(move |y| [x, y]));
+            let apart = |[x, y]: NodePair| triangle::closest(&mesh.corners(x), &mesh.corners(y)).square;
+            let least = all
+                .filter(|p| judge.is_asked(*p))
+                .map(apart)
+                .fold(f64::INFINITY, f64::min);
+            sqrt(least)
+        })
+    }
+
     /// Searches the mesh by the front.
     fn search(&mut self, search: &mut TreeSearch<SelfJudge>) {
         let mesh = search.judge.mesh;
@@ -103,8 +125,8 @@ impl SelfState {
 }
 
 impl Mesh {
-    fn in_items(&self) -> Vertices<'_> {
-        Vertices {
+    fn in_items(&self) -> ItemVertices<'_> {
+        ItemVertices {
             points: &self.points,
             items: &self.triangles,
         }
@@ -166,5 +188,54 @@ impl MeshTracker {
             search.found.iter().map(each).collect()
         });
         found.unwrap_or_default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use nalgebra::Point3;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::rng::Rng;
+
+    /// Vertices that go away and come back, by ways that are those of near nodes, or of their own.
+    #[test]
+    fn fronts_hold_what_they_claim() {
+        let n = 14;
+        let at = |k: u32| f64::from(k) / f64::from(n) - 0.5;
+        let rest: Vec<_> = (0..=n).flat_map(|i| (0..=n).map(move |j| [at(i), at(j)])).collect();
+        let number = |i: u32, j: u32| i * (n + 1) + j;
+        let square = |i: u32, j: u32| {
+            let [a, b, c, d] = [number(i, j), number(i + 1, j), number(i + 1, j + 1), number(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        };
+        let triangles: Vec<_> = (0..n).flat_map(|i| (0..n).flat_map(move |j| square(i, j))).collect();
+        let flat: Vec<_> = rest.iter().map(|p| Point3::new(p[0], p[1], 0.0)).collect();
+        let mut mesh = Mesh::new(&flat, &triangles).unwrap();
+        let mut tracker = MeshTracker::default();
+        let mut rng = Rng::new(23);
+        let mut claims = 0;
+        for frame in 0..60 {
+            let (size, own) = (0.01 * f64::from(frame % 4), if frame % 3 == 0 { 0.001 } else { 0.0 });
+            let mut place = |p: &[f64; 2]| {
+                let z = size * (5.0 * p[0] + 2.0 * p[1]).sin() + rng.range(-own, own);
+                Point3::new(p[0] * (1.0 + 0.5 * size), p[1], z)
+            };
+            let now: Vec<_> = rest.iter().map(&mut place).collect();
+            mesh.set_vertices(&now).unwrap();
+            match frame % 2 {
+                0 => assert!(tracker.self_closest(&mesh).is_some()),
+                _ => drop(tracker.self_pairs(&mesh, 0.03)),
+            }
+            tracker.own.as_ref().unwrap().audit(&mesh).unwrap();
+            claims += tracker.front_len();
+        }
+        let work = tracker.work();
+        assert!(
+            claims > 10_000 && work.cuts < 50 && work.failed > 1000,
+            "{claims} {work:?}"
+        );
     }
 }

@@ -57,12 +57,16 @@ impl MeshTracker {
     }
 
     /// Checks the front that is kept against all vertices, at the pose of the last
-    /// [`closest`](Self::closest): for debugging, in time that is entries times triangles.
+    /// [`closest`](Self::closest), and what is claimed of A against itself: for debugging, in time
+    /// that is entries times triangles.
     ///
     /// # Errors
     ///
     /// The first claim that is false, or a pair that is not covered.
     pub(crate) fn audit(&self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Result<(), FrontFault> {
+        if let Some(own) = &self.own {
+            own.audit(a)?;
+        }
         match PosedTrees::new(a, b, a_from_b) {
             Some(posed) if !self.state.kept.front.is_empty() => audit(&self.state.kept.front, a, b, &posed.frame),
             _ => Ok(()),

@@ -216,10 +216,10 @@ impl Mesh {
     ///
     /// When it pays is told by the work of queries: `bounds` of
     /// [`PairTracker::work`](crate::PairTracker::work), for each query, beside what they were after
-    /// the last build at a like distance. Sheets that wave, tori that are twisted by half a turn and
-    /// crumpled ones have .9 to 1.4 times the bounds of a new tree; a sheet that is folded has
-    /// thrice as many. The areas of boxes say less: crumpled boxes are thirteen times as large and
-    /// no worse. No tree is made anew by itself.
+    /// the last build at a like distance. Sheets that wave, tori that are twisted by half a turn
+    /// and crumpled ones hardly have more bounds than with a new tree, a folded sheet has three
+    /// times as many. The areas of boxes are no measure: those of a crumpled torus grow by far, and
+    /// its queries do not. No tree is made anew by itself.
     pub fn rebuild(&mut self) {
         let Some(bending) = self.bending.take() else { return };
         // A build that is not watched is not stopped.

@@ -1,4 +1,4 @@
-//! The scenes `bending`, `bending-tracked` and `bending-self` of `race meshes`: meshes whose vertices are replaced each frame.
+//! The scenes `bending`, `bending-tracked`, `bending-self` and `bending-frame` of `race meshes`: meshes whose vertices are replaced each frame.
 //!
 //! `bending`: microseconds that new vertices take, of a wave that moves every vertex by a thousandth of the size. `ours` fits the tree
 //! (`Mesh::set_vertices`), `ours-rebuilt` makes another (`Mesh::rebuild`), `parry` fits its own (`TriMesh::set_vertices` of a `DEFORMABLE` mesh),
@@ -10,6 +10,9 @@
 //!
 //! `bending-self`: microseconds of the distance of such a mesh from itself, of a sheet that runs as a wave and of one that is folded thrice
 //! and breathes, each vertex by up to a thousandth of the size a frame: by a tracker that is kept and by one that is new each frame.
+//!
+//! `bending-frame`: microseconds of a proof that such a sheet, from one frame to the next, meets neither a torus at some distance (`torus`) nor
+//! itself (`itself`).
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -19,7 +22,9 @@ use lab::forms::mesh;
 use lab::pose::{Pose, quat, quat_mul};
 use lab::race::{Rows, median};
 use lab::soups::{self, Soup};
-use lin_canny::nalgebra::Point3;
+use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::impact::{Impact, Tolerance};
+use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{Mesh, PairTracker, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
@@ -231,6 +236,48 @@ fn against_itself(shape: &str, rest: &Soup, at: fn(&Soup, usize) -> Vec<[f64; 3]
     }
 }
 
+fn over_frames(rest: &Soup, csv: &mut Rows) {
+    let torus = mesh(&soups::torus(80, 32, 0.4).map(|p| p.map(|x| 0.4 * x)));
+    let still = MeshOverFrame::new(&torus, &torus).expect("one mesh");
+    let n = rest.triangles.len();
+    for (shape, gap) in [("wave", 0.1), ("wave", 0.02), ("folded", 0.02)] {
+        let at = if shape == "wave" { frame } else { folded };
+        let (mut before, mut times, mut misses, mut queries) = (mesh(rest), [Vec::new(), Vec::new()], [0; 2], [0; 2]);
+        let here = Isometry3::translation(0.0, 0.0, 0.36 + gap);
+        let still = still.clone().moving(&here, &here).expect("a pose");
+        before.set_vertices(&vertices(&at(rest, 0))).expect("a sound frame");
+        for k in 1..FRAMES {
+            let mut after = before.clone();
+            after.set_vertices(&vertices(&at(rest, k))).expect("a sound frame");
+            let bent = MeshOverFrame::new(&before, &after).expect("one mesh");
+            for which in 0..2 {
+                let start = ThreadTime::now();
+                let cast = match which {
+                    0 => continuous::meshes(&bent, &still, Tolerance::Time(1e-6)),
+                    _ => continuous::self_contact(&bent, Tolerance::Time(1e-6)),
+                };
+                times[which].push(start.elapsed().as_nanos() as f64);
+                let cast = cast.expect("a tolerance");
+                misses[which] += u32::from(cast.impact == Impact::Miss);
+                queries[which] += cast.queries;
+            }
+            before = after;
+        }
+        for (which, engine) in ["torus", "itself"].into_iter().enumerate() {
+            let ns = median(&mut times[which]);
+            println!(
+                "{:<16}{shape:<8}{n:>8}  {engine:<14}{:>10.0} us  gap {gap:.2}  misses {:>3} of {}  intervals {:>8.0}",
+                "bending-frame",
+                ns / 1e3,
+                misses[which],
+                FRAMES - 1,
+                f64::from(queries[which]) / (FRAMES - 1) as f64
+            );
+            csv.push(("bending-frame", &format!("{shape}-{gap}"), n), engine, ns, 0);
+        }
+    }
+}
+
 pub(crate) fn run(sizes: impl Iterator<Item = usize>, wants: impl Fn(&str) -> bool, csv: &mut Rows) {
     for n in sizes {
         let side = (n as f64 / 4.0).sqrt() as usize;
@@ -250,6 +297,9 @@ pub(crate) fn run(sizes: impl Iterator<Item = usize>, wants: impl Fn(&str) -> bo
             let rest = sheet((n as f64 / 2.0).sqrt() as u32);
             against_itself("wave", &rest, frame, csv);
             against_itself("folded", &rest, folded, csv);
+        }
+        if wants("bending-frame") {
+            over_frames(&sheet((n as f64 / 2.0).sqrt() as u32), csv);
         }
     }
 }

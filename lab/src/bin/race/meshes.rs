@@ -27,7 +27,7 @@ use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 use crate::{bending, cad};
 use lab::race::{Options, Rows, median};
 
-pub(crate) const SCENES: [&str; 13] = [
+pub(crate) const SCENES: [&str; 14] = [
     "tracked-0.5",
     "tracked-0.02",
     "random",
@@ -37,6 +37,7 @@ pub(crate) const SCENES: [&str; 13] = [
     "bending",
     "bending-tracked",
     "bending-self",
+    "bending-frame",
     "crossing-shafts",
     "shaft-in-bore",
     "link-over-tray",
@@ -383,9 +384,10 @@ pub(crate) fn run(o: &Options) -> Rows {
     if o.wants("pieces") {
         pieces(frames, &mut csv);
     }
-    let plain = SCENES
-        .into_iter()
-        .filter(|s| !["pieces", "bending", "bending-tracked", "bending-self"].contains(s) && !cad::SCENES.contains(s));
+    let plain = SCENES.into_iter().filter(|s| {
+        !["pieces", "bending", "bending-tracked", "bending-self", "bending-frame"].contains(s)
+            && !cad::SCENES.contains(s)
+    });
     for scene in plain.filter(|s| o.wants(s)) {
         for n in o.sizes([1_280, 20_480, 102_400]) {
             for r in races(scene, n, frames) {
