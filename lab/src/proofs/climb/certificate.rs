@@ -220,7 +220,7 @@ fn edge(at: &Beside) -> [f64; 2] {
     let d = certificate::less::<Single>(d, u, correction);
     let s = Traced::input((s + correction).value);
     let length = Traced::length(d);
-    if !(length.value > 16.0 * UNIT * size(&at.x[14..])) {
+    if length.value <= 16.0 * UNIT * size(&at.x[14..]) {
         return [0.0; 2];
     }
     let lower = [p, q].map(|end| length.above(along(d, sub(vertex, end))));
