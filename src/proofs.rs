@@ -330,7 +330,7 @@ fn solved<T: Scalar>(posed: &PosedPair, frame: &Transform<T>) -> Option<MinimumE
     })
 }
 
-/// What two directions tell of an ellipsoid and of a cylinder or cone at a pose: each divided by its
+/// What two directions tell of an ellipsoid and of a curved shape at a pose: each divided by its
 /// length, the height and the distance of its support points; and the distance of a mixture.
 pub type CurvedEnd = ([(Triple, f64, f64); 2], f64);
 

@@ -65,12 +65,12 @@
 //! all of it with the code; nothing but Rust is needed. Gappa proves roots, quotients and chains of
 //! scalars once more where it is installed (`.ci/proofs`).
 //!
-//! * **Rows of `CERTIFICATE`** by feature pair, solver or kind of body are whole bounds of a distance:
-//!   displaced bodies and what is computed of them, as a polynomial of both radii and the distance,
-//!   which is compared with their sum, so that how the parts add up is proved too. The rows of
-//!   polyhedra hold for pieces and triangles of meshes, which are placed and measured by the same
-//!   kernels. Curved shapes are ellipsoids, cylinders, cones and polyhedra beside them. What an
-//!   error of a quaternion does to its matrix is proved by identities of polynomials.
+//! * **Rows of `CERTIFICATE`** by feature pair, solver or kind of body are whole bounds of a
+//!   distance: displaced bodies and what is computed of them, as a polynomial of both radii and the
+//!   distance, which is compared with their sum, so that how the parts add up is proved too. The
+//!   rows of polyhedra hold for pieces and triangles of meshes, which are placed and measured by
+//!   the same kernels. Curved shapes are ellipsoids, cylinders, cones and polyhedra beside them.
+//!   What an error of a quaternion does to its matrix is proved by identities of polynomials.
 //! * **Underflow**: the cases above are tests, kernel by kernel, as is the largest product of each
 //!   row of the table of degrees, with the scale at which the largest of all leaves the range.
 //! * **Prose** remains here: the parts of `DISPLACEMENT` told "per" a length, and those of `BOXES`

@@ -2,6 +2,7 @@
 //! bodies.
 
 mod calls;
+mod curved;
 
 use lab::support;
 use std::cmp::Ordering;

@@ -327,6 +327,10 @@ impl<T: Scalar> ProvenBounds<T> {
     }
 }
 
+/// Direction, height and distance of support points of two directions; distance of a mixture.
+#[cfg(feature = "proofs")]
+type ToldAlong = ([(Vec3<f64>, f64, f64); 2], f64);
+
 /// What two unit directions tell of a pair, for the tests of the error bounds: the direction, the
 /// height and the distance of its support points for each, and the distance of their mixture.
 #[cfg(feature = "proofs")]
@@ -335,7 +339,7 @@ pub(crate) fn bounds_along<A: Support, B: Support>(
     frame: Transform<f64>,
     directions: [Vec3<f64>; 2],
     weights: [f64; 2],
-) -> Option<([(Vec3<f64>, f64, f64); 2], f64)> {
+) -> Option<ToldAlong> {
     let posed = &PosedCores {
         a,
         b,

@@ -3,7 +3,7 @@
 //! Inputs of a pair: two quaternions, two translations, then points of the bodies and directions. A vertex of the other
 //! body has a rival, level with it along the direction that the code looks along; along the true one the rival is lower.
 
-use super::{Climb, UNIT, climb, factor_of, rare, unit};
+use super::{Climb, UNIT, climb, factor_of, rare, relative_rotation, unit};
 use crate::proofs::kernels::certificate::{self, Placing};
 use crate::proofs::kernels::poses;
 use crate::proofs::measured::{Measured, TracedTwice};
@@ -71,14 +71,12 @@ fn entries(x: &[f64]) -> f64 {
 
 /// The relative pose, as computed and true.
 pub(super) fn posed(x: &[f64]) -> Posed {
-    let (a, b): ([f64; 4], [f64; 4]) = (unit(x), unit(&x[4..]));
-    let (a, b) = (Traced::vector(&a), Traced::vector(&b));
-    let (na, nb) = (poses::squared_norm(a), poses::squared_norm(b));
-    let both = factor_of(&[na, nb], poses::rotation_factor(na.value, nb.value));
-    let one = factor_of(&[na], poses::translation_factor(na.value));
+    let a = unit::<4>(x).map(Traced::input);
+    let norm = poses::squared_norm(a);
+    let one = factor_of(&[norm], poses::translation_factor(norm.value));
     let offset = sub(Traced::vector(&x[11..]), Traced::vector(&x[8..]));
     Placing {
-        rotation: poses::matrix(poses::quotient(a, b), both),
+        rotation: relative_rotation(x),
         translation: poses::rotated_to_a(a, offset, one),
     }
 }
@@ -222,7 +220,7 @@ fn edge(at: &Beside) -> [f64; 2] {
     let d = certificate::less::<Single>(d, u, correction);
     let s = Traced::input((s + correction).value);
     let length = Traced::length(d);
-    if !(length.value > 16.0 * UNIT * size(&at.x[14..])) {
+    if length.value <= 16.0 * UNIT * size(&at.x[14..]) {
         return [0.0; 2];
     }
     let lower = [p, q].map(|end| length.above(along(d, sub(vertex, end))));

@@ -1,6 +1,6 @@
 //! Chains of scalars, planes of faces, the columns of the broad phase, nets that are cut.
 
-use super::{Climb, UNIT, climb, off, rare, unit};
+use super::{Climb, UNIT, climb, off, rare, relative, unit};
 use crate::proofs::measured::{Measured, TracedTwice};
 use crate::proofs::number::{Number, Vector, cross, dot, sub};
 use crate::proofs::traced::{Traced, two_sum};
@@ -28,14 +28,6 @@ pub(super) const ALL: &[Climb] = &[
     climb("NET_CUT", "degrees 7 and 7, with NET", 20, cuts),
 ];
 
-fn relative(x: Traced) -> f64 {
-    (x.error / x.truth()).abs() / UNIT
-}
-
-fn length_of(v: Vector<Traced>) -> Traced {
-    Measured::length(v)
-}
-
 fn quotient(x: &[f64]) -> f64 {
     let [a, b] = [0, 2].map(|k| TracedTwice::of(two_sum(x[k], x[k + 1] * UNIT)));
     let q = a.over(b);
@@ -44,18 +36,18 @@ fn quotient(x: &[f64]) -> f64 {
 
 fn scaled_length(x: &[f64]) -> f64 {
     let [a, b, c, scale] = Traced::vector(x);
-    relative(length_of([a, b, c].map(|x| x.over(scale))) * scale)
+    relative(Traced::length([a, b, c].map(|x| x.over(scale))) * scale)
 }
 
 fn reach(x: &[f64]) -> f64 {
     let [a, b, c, radius] = Traced::vector(x);
-    relative(length_of([a, b, c]) + radius.abs())
+    relative(Traced::length([a, b, c]) + radius.abs())
 }
 
 /// With the product and the difference of the radii, of balls that are apart.
 fn least_distance(x: &[f64]) -> f64 {
     let [a, b] = [x, &x[3..]].map(Traced::vector::<3>);
-    let apart = length_of(sub(a, b));
+    let apart = Traced::length(sub(a, b));
     let radii = Traced::input(0.5 * x[6].abs() * apart.value);
     let left = apart * Traced::input(1.0 - 8.0 * UNIT) - radii;
     left.error.abs() / apart.truth() / UNIT

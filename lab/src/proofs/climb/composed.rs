@@ -1,6 +1,6 @@
 //! Kernels made of several: casts, motions, quotients and roots, curved surfaces.
 
-use super::{Climb, UNIT, climb, factor_of, length, off, unit};
+use super::{Climb, UNIT, climb, divided, factor_of, length, off, relative, root_of_squares, unit};
 use crate::proofs::kernels::planes::{self, Turning};
 use crate::proofs::kernels::{patches, poses};
 use crate::proofs::number::{Number, Vector, cross, dot, scaled, sub, sum};
@@ -53,22 +53,6 @@ fn direction<const K: usize>(x: &[f64]) -> [Traced; K] {
 /// A rotation matrix without an error.
 fn matrix(x: &[f64]) -> [Vector<Traced>; 3] {
     poses::matrix(direction(x), Traced::input(2.0)).map(|row| row.map(|x| Traced::input(x.value)))
-}
-
-fn root_of_squares<const K: usize>(v: [Traced; K]) -> Traced {
-    let squares = v.map(|x| x * x);
-    squares[1..].iter().fold(squares[0], |s, x| s + *x).root()
-}
-
-/// By coordinates over the length.
-fn divided<const K: usize>(v: [Traced; K]) -> [Traced; K] {
-    let length = root_of_squares(v);
-    v.map(|x| x.over(length))
-}
-
-/// Of a number that is not zero, relative to it.
-fn relative(x: Traced) -> f64 {
-    (x.error / x.truth()).abs() / UNIT
 }
 
 fn exact_filter(x: &[f64]) -> f64 {

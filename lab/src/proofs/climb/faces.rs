@@ -1,12 +1,12 @@
 //! Signs over faces and edges, and vertices on straight paths.
 
-use super::{Climb, UNIT, climb, held, length, off, unit};
+use super::{Climb, UNIT, climb, divided, held, length, off, relative_rotation, unit};
 use crate::proofs::kernels::certificate;
 use crate::proofs::kernels::{paths, poses, signs};
 use crate::proofs::measured::Measured;
 use crate::proofs::number::{Number, Vector, cross, dot, one_norm, scaled, sub};
 use crate::proofs::traced::Traced;
-use crate::proofs::vectors::Coordinates;
+use crate::proofs::vectors::{Coordinates, Vectors};
 
 type Traces = Coordinates<Traced>;
 
@@ -26,10 +26,6 @@ pub(super) const ALL: &[Climb] = &[
 
 fn vector(x: &[f64]) -> Vector<Traced> {
     Traced::vector(x)
-}
-
-fn divided(v: Vector<Traced>) -> Vector<Traced> {
-    v.map(|x| x.over(Measured::length(v)))
 }
 
 /// Of vertices that are displaced by 128 UNIT of the longest.
@@ -102,16 +98,11 @@ fn flank_on_a(x: &[f64]) -> f64 {
 
 /// The edge of B is turned by a pose, and that of A the other way.
 fn flank_on_b(x: &[f64]) -> f64 {
-    let (a, b): ([f64; 4], [f64; 4]) = (unit(&x[12..]), unit(&x[16..]));
-    let (a, b) = (Traced::vector(&a), Traced::vector(&b));
-    let norms = [a, b].map(poses::squared_norm);
-    let s = super::factor_of(&norms, poses::rotation_factor(norms[0].value, norms[1].value));
-    let m = poses::matrix(poses::quotient(a, b), s);
+    let m = relative_rotation(&x[12..]);
     let (u, w) = (sub(vector(&x[3..]), vector(x)), vector(&x[6..]));
     let face = normal(w, &x[9..]);
     let n = perpendicular([u, poses::product(m, w)].map(|v| v.map(|x| x.value)));
-    let transposed = [0, 1, 2].map(|k| [m[0][k], m[1][k], m[2][k]]);
-    let other = poses::product(transposed, u.map(Measured::computed)).map(Measured::computed);
+    let other = poses::product(Traces::transposed(m), u.map(Measured::computed)).map(Measured::computed);
     let weight = dot(other, face.map(Measured::computed)).computed();
     let rise = dot(n, poses::product(m, inward(w, face, w)));
     weight.above(rise).abs() / length(u) / UNIT

@@ -1,10 +1,13 @@
 //! Points placed by quaternions and by matrices.
 
-use super::{Climb, UNIT, climb, factor_of, length, off, unit};
+use super::{Climb, UNIT, climb, divided, factor_of, length, off, relative_rotation, unit};
 use crate::proofs::kernels::poses;
 use crate::proofs::measured::Measured;
 use crate::proofs::number::{Number, Vector, dot, scaled, sub, sum};
 use crate::proofs::traced::Traced;
+use crate::proofs::vectors::{Coordinates, Vectors};
+
+type Traces = Coordinates<Traced>;
 
 pub(super) const ALL: &[Climb] = &[
     climb("PLACED_PIVOT", "", 8, placed_pivot),
@@ -22,15 +25,6 @@ pub(super) const ALL: &[Climb] = &[
 
 fn vector(x: &[f64]) -> Vector<Traced> {
     Traced::vector(x)
-}
-
-fn root_of_squares<const K: usize>(v: [Traced; K]) -> Traced {
-    v[1..].iter().fold(v[0] * v[0], |s, x| s + *x * *x).root()
-}
-
-fn divided<const K: usize>(v: [Traced; K]) -> [Traced; K] {
-    let length = root_of_squares(v);
-    v.map(|x| x.over(length))
 }
 
 /// By how much a point is off that is placed by a quaternion as it is, and not by the rotation.
@@ -80,18 +74,6 @@ fn matrix(x: &[f64]) -> [Vector<Traced>; 3] {
     poses::matrix(q, factor_of(&[norm], 2.0 / norm.value))
 }
 
-/// The rotation of a relative pose.
-fn rotation(x: &[f64]) -> [Vector<Traced>; 3] {
-    let [a, b] = [0, 4].map(|k| unit::<4>(&x[k..]).map(Traced::input));
-    let norms = [a, b].map(poses::squared_norm);
-    let s = factor_of(&norms, poses::rotation_factor(norms[0].value, norms[1].value));
-    poses::matrix(poses::quotient(a, b), s)
-}
-
-fn transposed(m: [Vector<Traced>; 3]) -> [Vector<Traced>; 3] {
-    [0, 1, 2].map(|k| [m[0][k], m[1][k], m[2][k]])
-}
-
 /// An offset in the frame of A.
 fn translation(x: &[f64], offset: Vector<Traced>) -> Vector<Traced> {
     let q = unit::<4>(x).map(Traced::input);
@@ -100,7 +82,7 @@ fn translation(x: &[f64], offset: Vector<Traced>) -> Vector<Traced> {
 }
 
 fn by_radius(x: &[f64]) -> f64 {
-    let (m, n) = (rotation(x), rotation(&x[8..]));
+    let (m, n) = (relative_rotation(x), relative_rotation(&x[8..]));
     let all: [Traced; 9] = std::array::from_fn(|k| m[k / 3][k % 3] - n[k / 3][k % 3]);
     let squares = all[1..].iter().fold(all[0] * all[0], |s, x| s + *x * *x);
     Number::times_power(squares, -1).root().error.abs() / UNIT
@@ -108,14 +90,14 @@ fn by_radius(x: &[f64]) -> f64 {
 
 fn by_middle(x: &[f64]) -> f64 {
     let c = vector(&x[16..]);
-    let [p, q] = [0, 8].map(|k| poses::product(rotation(&x[k..]), c));
+    let [p, q] = [0, 8].map(|k| poses::product(relative_rotation(&x[k..]), c));
     Traced::length(sub(p, q)).error.abs() / length(c) / UNIT
 }
 
 /// As a body of A sees it; at the other pose the origins are in one place.
 fn by_distance(x: &[f64]) -> f64 {
     let t = translation(x, vector(&x[8..]));
-    let seen = poses::product(transposed(rotation(x)), t.map(|x| -x));
+    let seen = poses::product(Traces::transposed(relative_rotation(x)), t.map(|x| -x));
     Traced::length(seen).error.abs() / length(t) / UNIT
 }
 
@@ -141,18 +123,18 @@ fn arm_place(x: &[f64]) -> f64 {
 
 /// A height of a middle, and the turned direction with the radius.
 fn carried(x: &[f64]) -> f64 {
-    let (c, m) = (vector(&x[11..]), rotation(x));
+    let (c, m) = (vector(&x[11..]), relative_rotation(x));
     let n = divided(vector(&x[14..]));
     let t = translation(x, vector(&x[8..]));
     let height = dot(n, sum(poses::product(m, c), t));
-    let turned = off(poses::product(transposed(m), n));
+    let turned = off(poses::product(Traces::transposed(m), n));
     let radius = x[17].abs();
     (height.error.abs() + radius * turned) / (length(c) + length(t) + radius) / UNIT
 }
 
 /// A vertex, the axis by the matrix against that of a rotation, and a height.
 fn parallel(x: &[f64]) -> f64 {
-    let (m, v) = (rotation(x), vector(&x[8..]));
+    let (m, v) = (relative_rotation(x), vector(&x[8..]));
     let vertex = off(poses::product(m, v)) / length(v);
     let [a, b] = [0, 4].map(|k| unit::<4>(&x[k..]).map(Traced::input));
     let q = poses::quotient(a, b).map(Measured::computed);
