@@ -141,7 +141,7 @@ fn least(
                 found.push((distance, [i, j]));
             }
         }
-        found.retain(|(distance, _)| !(*distance > reach + margin));
+        found.retain(|(distance, _)| *distance <= reach + margin);
         let best = least_of(found.into_iter().map(|f| f.1), &square)?;
         let root = rational::sqrt(&best.0).0;
         if is_known || root <= reach + margin {
@@ -185,7 +185,7 @@ pub fn pairs_within(soup: &Soup, d: f64) -> Vec<[usize; 2]> {
             }
             // Floating point may take triangles in one plane for crossing ones.
             let distance = estimate(&p[i], &p[j]);
-            if !(distance > d + 1e-9 * size) && square(&p[i], &p[j], &Pose::IDENTITY) <= most {
+            if distance <= d + 1e-9 * size && square(&p[i], &p[j], &Pose::IDENTITY) <= most {
                 found.push([i, j]);
             }
         }

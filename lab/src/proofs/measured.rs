@@ -268,7 +268,7 @@ mod tests {
             close(a * b - c, &x * &y - &z);
             close((a + b).over(c), (&x + &y) / &z);
             let square = (a * a).computed();
-            let root = square.root();
+            let root = Measured::root(square);
             let of = |n: TracedTwice| exact(n.value.0[0]) + exact(n.value.0[1]);
             let (near, off) = (of(root), of(square) - of(root) * of(root));
             let off = (off / (near * exact(2.0))).to_f64().value();
