@@ -495,26 +495,3 @@ pub(crate) const SPECK: f64 = 1.0 / (1u64 << 60) as f64;
 /// pairs in their own unit. The square of a height over a triangle is of degree six: at `2^170` it
 /// would be infinite.
 pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 140) << 52);
-
-/// The distance of two features in closed form (`solve::closed_form`) errs by this times
-/// `UNIT_DOUBLE_DOUBLE`, L, and for heights over a plane the lengths of the two edges over that of
-/// their normal. The vector between two vertices errs by 79 (`CERTIFICATE`, origins of stored
-/// frames), the normal of two edges of length one by 3, or by 16 if one edge is turned by both
-/// rotations, the product of both by 3 more, lengths and quotients by 7.
-#[cfg_attr(
-    not(feature = "exact"),
-    allow(dead_code, reason = "the closed form is for the exact level")
-)]
-pub(crate) const CLOSED_FORM: f64 = 256.0;
-
-/// A sign that proves features the closest is certain above this times the lengths: the direction
-/// is rounded and, over an edge, made right to it once (16), turned by a matrix that errs by 71 (see
-/// `CERTIFICATE`) and by a product with it (6), and multiplied with an edge (4); or three vectors
-/// whose coordinates are rounded are multiplied (10). Errors of the double-double direction itself
-/// are below `2^-17` UNIT, as `CLOSED_FORM` leaves a distance only where its error is below a
-/// quarter of a unit in the last place.
-#[cfg_attr(
-    not(feature = "exact"),
-    allow(dead_code, reason = "the closed form is for the exact level")
-)]
-pub(crate) const CLEARLY: f64 = 128.0 * UNIT;

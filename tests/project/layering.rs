@@ -466,6 +466,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "pair",
             "walk",
             "minimum",
+            "solve",
             "depth",
             "smooth",
             "separation",

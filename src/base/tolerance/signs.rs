@@ -86,3 +86,19 @@ pub(crate) const SIDE_ERROR: f64 = 9.0 * UNIT;
 /// `(1 + 7 + 1) UNIT s < 6 UNIT`. Two slants: 24 UNIT, and the second order. Nothing underflows: of
 /// stored points, differences are above `2^-357` and their largest coordinates below `2^107`.
 pub(crate) const SLANT: f64 = 32.0 * UNIT;
+
+/// The distance of two features in closed form (`solve::closed_form`) errs by this times
+/// `UNIT_DOUBLE_DOUBLE`, L, and for heights over a plane the lengths of the two edges over that of
+/// their normal: by 57 for two vertices, most of it for the placing of one by both rotations, 69
+/// beside an edge, 66 over a face, and 166 for two edges, of which one is turned by both rotations.
+#[cfg(feature = "exact")]
+pub(crate) const CLOSED_FORM: f64 = 256.0;
+
+/// A sign that proves features the closest is certain above this times the lengths: the direction
+/// is rounded and, over an edge, made right to the edge once (16), turned by a matrix that errs by
+/// 71 (see `CERTIFICATE`), by a product with it (6), and multiplied with an edge (4); or three
+/// vectors whose coordinates are rounded are multiplied (10). Errors of the double-double direction
+/// itself are below `2^-17` UNIT, as `CLOSED_FORM` leaves a distance only where its error is below
+/// a quarter of a unit in the last place.
+#[cfg(feature = "exact")]
+pub(crate) const CLEARLY: f64 = 128.0 * UNIT;

@@ -42,8 +42,9 @@ impl Tracker {
     /// separated bodies within one unit in the last place of the truth. Costs some ten times
     /// `closest`: features that are the closest beyond doubt have a distance in closed form, in
     /// double-double arithmetic; other pairs, as of parallel faces, are solved in that arithmetic
-    /// or in exact integers, in microseconds. The depth of an overlap keeps the bounds of [`closest`](Self::closest) unless its facets are
-    /// decided over integers ([`Solver::Exact`](crate::Solver)).
+    /// or in exact integers, in microseconds. The depth of an overlap keeps the bounds of
+    /// [`closest`](Self::closest) unless its facets are decided over integers
+    /// ([`Solver::Exact`](crate::Solver)).
     #[cfg(feature = "exact")]
     pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
         let before = self.before(a, b);
