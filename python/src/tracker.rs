@@ -112,6 +112,28 @@ impl PairTracker {
         decided(self.tracker.within(&a.get().0, &b.get().0, &pose, d))
     }
 
+    /// Returns the closest two triangles of a mesh that share no vertex, in the frame of the mesh;
+    /// None if any two share one. `parts` are the triangles.
+    fn self_closest(&mut self, mesh: &Bound<'_, Geometry>) -> PyResult<Option<Closest>> {
+        let pose = relative(None, None)?;
+        let found = self.tracker.self_closest(mesh.get().own_mesh()?);
+        Ok(found.map(|answer| Closest::new(answer, pose)))
+    }
+
+    /// Returns whether two triangles of a mesh that share no vertex are at most `d` apart; for a
+    /// `d` of zero, whether the mesh intersects itself. Exact.
+    fn self_within(&mut self, mesh: &Bound<'_, Geometry>, d: f64) -> PyResult<bool> {
+        decided(self.tracker.self_within(mesh.get().own_mesh()?, d))
+    }
+
+    /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart,
+    /// each once and in no order; `parts` are the triangles. Exact.
+    fn self_pairs(&mut self, mesh: &Bound<'_, Geometry>, d: f64) -> PyResult<Vec<Closest>> {
+        let pose = relative(None, None)?;
+        let found = self.tracker.self_pairs(mesh.get().own_mesh()?, d);
+        Ok(found.into_iter().map(|answer| Closest::new(answer, pose)).collect())
+    }
+
     fn __repr__(&self) -> &'static str {
         "<PairTracker>"
     }

@@ -16,7 +16,7 @@ const POINT: Argument = Argument {
     name: "a point",
     ..POINTS
 };
-const VERTICES: Argument = Argument {
+pub(super) const VERTICES: Argument = Argument {
     name: "vertices",
     ..POINTS
 };
