@@ -374,6 +374,8 @@ pub fn double_quotient(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 pub struct FeatureDistance {
     pub distance: [f64; 2],
     pub error: f64,
+    /// From A to B in A's frame, of any length.
+    pub normal: Triple,
 }
 
 /// Returns the distance of two features, if they are the closest ones beyond doubt, for points of
@@ -391,6 +393,7 @@ pub fn closed_form(
     Some(FeatureDistance {
         distance: [form.distance.hi, form.distance.lo],
         error: form.error,
+        normal: form.normal.into(),
     })
 }
 

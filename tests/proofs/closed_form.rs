@@ -1,7 +1,6 @@
 //! Distances of features in closed form: bit for bit those of the transcription, and of no pair of features but the
 //! closest.
 
-use lab::exact;
 use lab::motion::{self, Frame};
 use lab::pose::radius;
 use lab::proofs::kernels::double::Twice;
@@ -11,6 +10,7 @@ use lab::proofs::vectors::Coordinates;
 use lab::rng::Rng;
 use lab::shapes::{self, Shape};
 use lab::{Body, Class, Pose, support};
+use lab::{bound, exact};
 use lin_canny::proofs::{self, FeatureDistance};
 use lin_canny::{ConvexPolyhedron, Feature, FeaturePair, RelativePose, Tracker, VertexId};
 
@@ -103,6 +103,10 @@ fn judge(shapes: [&Shape; 2], frame: &Frame) -> Option<[usize; 2]> {
             let (d, s) = (told.distance[0], truth.distance);
             let what = format!("{a:?} {b:?}: {d:e} is not {s:e}, {shapes:?} {frame:?}");
             assert!((d - s).abs() <= told.error + (s.next_up() - s), "{what}");
+            let normal = frame.a.rotate(told.normal);
+            let gap = bound::support_gap(shapes[0].into(), &frame.a, shapes[1].into(), &frame.b, normal);
+            let size = support::size(&bodies[0], &bodies[1], frame);
+            assert!(gap >= s - 1e-14 * size, "gap along the normal {gap:e}, {what}");
             assert!(proven.is_none(), "two pairs of features are the closest: {what}");
             proven = Some([kind(a), kind(b)]);
             if shapes.iter().all(|s| s.faces.iter().all(|f| f.len() == 3)) {
@@ -134,6 +138,17 @@ fn lattice_frame(rng: &mut Rng) -> Frame {
     }
 }
 
+/// The frame with B moved towards A, until a part of the distance is left.
+fn brought_near([a, b]: [&Shape; 2], frame: &Frame, part: f64) -> Frame {
+    let (a, b) = (support::body(a), support::body(b));
+    let seen = Tracker::new().closest(&a, &b, &support::relative(frame));
+    let normal = frame.a.rotate(seen.normal.into_inner().into());
+    let way = seen.distance * (1.0 - part);
+    let mut near = *frame;
+    near.b.t = [0, 1, 2].map(|k| frame.b.t[k] - way * normal[k]);
+    near
+}
+
 #[test]
 fn what_is_proven_is_the_closest() {
     let mut rng = Rng::new(61);
@@ -152,6 +167,10 @@ fn what_is_proven_is_the_closest() {
             }
             if let Some([i, j]) = judge([&a, &b], &frame) {
                 found[i][j] += 1;
+                judge(
+                    [&a, &b],
+                    &brought_near([&a, &b], &frame, *rng.pick(&[1e-3, 1e-7, 1e-11])),
+                );
             }
         }
     }

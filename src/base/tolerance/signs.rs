@@ -95,10 +95,9 @@ pub(crate) const SLANT: f64 = 32.0 * UNIT;
 pub(crate) const CLOSED_FORM: f64 = 256.0;
 
 /// A sign that proves features the closest is certain above this times the lengths: the direction
-/// is rounded and, over an edge, made right to the edge once (16), turned by a matrix that errs by
-/// 71 (see `CERTIFICATE`), by a product with it (6), and multiplied with an edge (4); or three
-/// vectors whose coordinates are rounded are multiplied (10). Errors of the double-double direction
-/// itself are below `2^-17` UNIT, as `CLOSED_FORM` leaves a distance only where its error is below
-/// a quarter of a unit in the last place.
+/// is rounded, turned by a matrix that errs by 71 (see `CERTIFICATE`), by a product with it (6),
+/// and multiplied with an edge (4); or three vectors whose coordinates are rounded are multiplied
+/// (10). Errors of the double-double direction itself are below `2^-17` UNIT, as `CLOSED_FORM`
+/// leaves a distance only where its error is below a quarter of a unit in the last place.
 #[cfg(feature = "exact")]
 pub(crate) const CLEARLY: f64 = 128.0 * UNIT;

@@ -62,7 +62,7 @@ pub(crate) fn closed_form(posed: &PosedPair, draft: &Draft) -> Option<ClosedForm
 fn vertices<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, v: VertexId) -> Option<ClosedForm> {
     let w = turned::<P>(posed).between(at(pair.second(), v), at(pair.first(), p));
     let n = rounded(&w);
-    let is_proven = stands(pair.second(), &[v], &n, n.norm()) && stands_first(pair, &[p], &n, n.norm());
+    let is_proven = stands(pair.second(), &[v], &n) && stands_first(pair, &[p], &n);
     is_proven.then(|| finish(pair, root(dot(&w, &w)), 1.0, &n))
 }
 
@@ -77,9 +77,10 @@ fn vertex_edge<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, edge: E
     if !(along > doubt && squared - along > doubt) {
         return None;
     }
-    let n = w_near - u_near * (along / squared);
-    let is_proven = stands(body, &[v, head], &n, w_near.norm()) && stands_first(pair, &[p], &n, w_near.norm());
     let area = cross(&w, &u);
+    // What is left of `w` at right angles to the edge, in double-double, as most of it may cancel.
+    let n = rounded(&cross(&u, &area));
+    let is_proven = stands(body, &[v, head], &n) && stands_first(pair, &[p], &n);
     is_proven.then(|| finish(pair, root(dot(&area, &area) / dot(&u, &u)), 1.0, &n))
 }
 
@@ -105,7 +106,7 @@ fn vertex_face<P: OrderedPair>(
         && beside_e > doubt * e_near.norm()
         && normal * normal - beside_f - beside_e > doubt * (e_near.norm() + f_near.norm());
     // Out of the face, to the vertex: the loop of a face turns counter-clockwise.
-    let is_proven = inside && height.value() > 0.0 && stands_first(pair, &[p], &n_near, normal);
+    let is_proven = inside && height.value() > 0.0 && stands_first(pair, &[p], &n_near);
     is_proven.then(|| finish(pair, height / root(dot(&n, &n)), lengths / normal, &n_near))
 }
 
@@ -128,8 +129,8 @@ fn edges<P: OrderedPair>(posed: &PosedPair, pair: &P, first: EdgeId, second: Edg
     let (height, n_near) = if is_below { (-height, -n_near) } else { (height, n_near) };
     let is_proven = within(on_u, g_near.norm())
         && within(on_g, u_near.norm())
-        && stands(pair.second(), &[v, v_head], &n_near, normal)
-        && stands_first(pair, &[p, p_head], &n_near, normal);
+        && stands(pair.second(), &[v, v_head], &n_near)
+        && stands_first(pair, &[p, p_head], &n_near);
     is_proven.then(|| finish(pair, height / root(dot(&n, &n)), lengths / normal, &n_near))
 }
 
@@ -168,13 +169,14 @@ fn rounded(v: &Vec3<DoubleDouble>) -> Vector3<f64> {
 }
 
 /// Returns whether every vertex adjacent to the given ones, which are level, clearly falls along
-/// `n`, known to a part of `scale`.
-fn stands(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>, scale: f64) -> bool {
+/// `n`.
+fn stands(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>) -> bool {
+    let least = CLEARLY * n.norm();
     level.iter().all(|&v| {
         let mut falls = body.topology.fan(v).len() <= FAN;
         body.topology.each_leaving(v, |_, to| {
             let e = at(body, to) - at(body, v);
-            falls &= level.contains(&to) || n.dot(&e) < -CLEARLY * scale * e.abs().sum();
+            falls &= level.contains(&to) || n.dot(&e) < -least * e.abs().sum();
         });
         falls
     })
@@ -182,6 +184,6 @@ fn stands(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>, scale: 
 
 /// Returns the same of the vertices of `first`, along the direction opposite to `n` of the frame of
 /// `second`.
-fn stands_first<P: OrderedPair>(pair: &P, level: &[VertexId], n: &Vector3<f64>, scale: f64) -> bool {
-    stands(pair.first(), level, &-pair.direction_in_first(n), scale)
+fn stands_first<P: OrderedPair>(pair: &P, level: &[VertexId], n: &Vector3<f64>) -> bool {
+    stands(pair.first(), level, &-pair.direction_in_first(n))
 }

@@ -9,7 +9,6 @@ use super::poses::rotation;
 use super::{Bound, units};
 use crate::proofs::kernels::{certificate, closed_form};
 use crate::proofs::majorant::{DOUBLE, power, rounding, unit};
-use crate::proofs::number::Number;
 use crate::proofs::polynomial::Polynomial;
 use crate::proofs::vectors::{Arrow, Lengths, Turn, Vectors};
 use dashu::rational::RBig;
@@ -72,20 +71,12 @@ fn over_plane(w: Arrow, edges: [Arrow; 2]) -> Polynomial {
     height.error_by_lengths().plus(&size().scaled(&relative))
 }
 
-/// A direction in the frame of the other body, and the product with an edge, a rounded difference. The direction is
-/// rounded; the one from an edge to a vertex is made right to the edge first, and told per length of the vector from the
-/// end of the edge.
+/// A direction in the frame of the other body, and its product with an edge: both are rounded once.
 fn falls() -> RBig {
-    let one = |error: RBig| Arrow::new(DOUBLE, RBig::ONE, error);
-    let (w, u) = (one(units(1.0)), one(units(1.0)));
-    let along = Lengths::dot(w, u);
-    // The quotient with the square of the edge, five roundings.
-    let part = along.at_most(RBig::ONE).error() + units(6.0);
-    let part = crate::proofs::vectors::Within::new(DOUBLE, RBig::ONE, part);
-    let n = certificate::less::<Lengths>(w, u, part).at_most(RBig::ONE);
+    let n = Arrow::new(DOUBLE, RBig::ONE, units(1.0));
     let turn = Turn::new(DOUBLE, RBig::ONE + rotation(), rotation());
     let turned = Lengths::product(turn, n).at_most(RBig::ONE);
-    Lengths::dot(turned, u).abs().error() + units(8.0)
+    Lengths::dot(turned, n).error() + units(8.0)
 }
 
 /// A product of three vectors whose coordinates are rounded, and the rounding of what it is compared with.

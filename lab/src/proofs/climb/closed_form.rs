@@ -30,7 +30,7 @@ pub(super) const ALL: &[Climb] = &[
         let [u, v] = [20, 23].map(|k| TracedTwice::vector(&x[k..]));
         over_plane(x, [u, closed_form::turned::<Double>(Placed::new(x).rotations, v)])
     }),
-    climb("CLEARLY", "a vertex falls", 32, falls),
+    climb("CLEARLY", "a vertex falls", 26, falls),
     climb("CLEARLY", "a point beside an edge", 18, |x| {
         let [a, b, c] = [0, 6, 12].map(|k| between(&x[k..]));
         dot(a, cross(b, c)).error.abs() / (length(a) * length(b) * length(c)) / UNIT
@@ -82,11 +82,10 @@ fn between(x: &[f64]) -> Vector<Traced> {
     sub(Traced::vector(x), Traced::vector(&x[3..]))
 }
 
-/// Along a vector that is made right to an edge and turned into the other frame.
+/// Along a rounded direction, turned into the other frame.
 fn falls(x: &[f64]) -> f64 {
-    let [w, u, e] = [14, 20, 26].map(|k| between(&x[k..]));
-    let n = certificate::less::<Coordinates<Traced>>(w, u, dot(w, u).over(dot(u, u)));
+    let [n, e] = [14, 20].map(|k| between(&x[k..]));
     let value = dot(posed(x).turned_to_b(n), e);
-    let lengths = length(w) * e.iter().map(|c| c.truth().abs()).sum::<f64>();
+    let lengths = length(n) * e.iter().map(|c| c.truth().abs()).sum::<f64>();
     value.error.abs() / lengths / UNIT
 }
