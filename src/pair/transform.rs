@@ -97,6 +97,7 @@ impl Transform<DoubleDouble> {
 
 /// The rotations of a pose in double-double, for a point or two, where a whole [`Transform`] does
 /// not pay. Both bodies are stored in one unit, about their own origins.
+#[cfg(feature = "exact")]
 pub(crate) struct Turned {
     pose: RelativePose,
     a_from_world: Rotation,
@@ -105,6 +106,7 @@ pub(crate) struct Turned {
     apart: [DoubleDouble; 3],
 }
 
+#[cfg(feature = "exact")]
 impl Turned {
     /// The stored unit of both bodies is two to the `exponent`.
     pub(crate) fn new(pose: RelativePose, exponent: i32) -> Self {

@@ -10,6 +10,7 @@ use crate::convex::minimum::gjk::{Minimum, solve};
 use crate::convex::minimum::start::{about_witnesses, vertex_of};
 use crate::convex::minimum::witnesses::{features, witnesses};
 use crate::convex::solve::certified_walk;
+#[cfg(feature = "exact")]
 use crate::convex::solve::closed_form::closed_form;
 use crate::convex::walk::seed;
 use crate::pair::answer::{is_proven, round_outward, set_overlapping, set_undecided, unit};
