@@ -110,6 +110,13 @@ pub(crate) mod minimum {
     pub(crate) const SUPPORTS: u32 = 256;
 }
 
+/// Exact distances in closed form.
+#[cfg(feature = "exact")]
+pub(crate) mod solve {
+    /// Edges of a vertex that are tested, at most; a pair with more is solved. Not measured.
+    pub(crate) const FAN: usize = 32;
+}
+
 /// Penetration depth.
 pub(crate) mod depth {
     /// Triangles of a surface that is kept between queries, at most: their numbers fit a byte.

@@ -216,6 +216,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
         "solve",
         &[
             "tolerance",
+            "tuning",
             "num",
             "pose",
             "polyhedron",

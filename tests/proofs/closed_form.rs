@@ -177,3 +177,39 @@ fn what_is_proven_is_the_closest() {
     let kinds = [(0, 0), (0, 1), (1, 0), (0, 2), (2, 0), (1, 1)];
     assert!(kinds.iter().all(|(i, j)| found[*i][*j] > 20), "{found:?}");
 }
+
+/// Edges far shorter than their body, down to where squares of directions underflow.
+#[test]
+fn short_edges_are_proven_as_they_are_or_not_at_all() {
+    let mut rng = Rng::new(62);
+    let mut proven = 0;
+    for bits in [1, 20, 60, 150, 250, 300, 340] {
+        let t = 2f64.powi(-bits);
+        let base = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| [x, y, -1.0]);
+        let points = [[0.0; 3], [t, 0.0, 0.0]].into_iter().chain(base).collect();
+        let roof = Shape::hull("short", points).solved();
+        let tip = shapes::octahedron();
+        for _ in 0..8 {
+            let part = rng.range(-0.5, 1.5);
+            let here = Pose {
+                q: [0.0, 0.0, 0.0, 1.0],
+                t: [0.0; 3],
+            };
+            let above = Pose {
+                q: rng.quat(),
+                t: [part * t, rng.range(-1.0, 1.0) * t, rng.range(1.0, 1.5)],
+            };
+            for frame in [
+                Frame { a: here, b: above },
+                Frame {
+                    a: here,
+                    b: Pose { q: here.q, ..above },
+                },
+            ] {
+                proven += usize::from(judge([&roof, &tip], &frame).is_some());
+                proven += usize::from(judge([&tip, &roof], &frame.swapped()).is_some());
+            }
+        }
+    }
+    assert!(proven > 40, "{proven}");
+}

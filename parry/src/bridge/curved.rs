@@ -67,7 +67,9 @@ pub(super) fn write<M, C: Default + Copy>(
     let shallow = SHALLOW * of_a.shape.bounding_ball().1.min(of_b.shape.bounding_ball().1);
     if manifold.lower() < -shallow {
         manifold = Manifold::new();
-        ask(&chosen.local_depth(false), &mut manifold);
+        if !ask(&chosen.local_depth(false), &mut manifold) {
+            return false;
+        }
     }
     let normal = of_a.at.rotation * manifold.normal().into_inner();
     out.local_n1 = narrow(&normal);

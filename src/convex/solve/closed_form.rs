@@ -12,23 +12,21 @@
 //! planes lie within both features, and every vertex adjacent to a feature falls behind the plane
 //! through the feature perpendicular to the direction between the bodies. As a body is convex, the
 //! whole body is then behind that plane; behind the plane of a face it is anyway, as faces are
-//! exactly plane. All signs allow for what rounding does to the direction and to the relative
-//! rotation; a pair with a sign in doubt has to be solved.
+//! exactly planar. All signs allow for what rounding does to the direction and to the relative
+//! rotation; a pair with a sign in doubt is solved instead.
 
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::DoubleDouble;
-use crate::base::num::scalar::{Scalar, Vec3, cross, dot, root, sqrt};
+use crate::base::num::scalar::{Scalar, Vec3, cross, dot, magnitude, root, sqrt};
 use crate::base::pose::Operand;
-use crate::base::tolerance::{CLEARLY, CLOSED_FORM};
+use crate::base::tolerance::{CLEARLY, CLOSED_FORM, LEAST_RISE};
+use crate::base::tuning::solve::FAN;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::convex::minimum::start::triangle;
 use crate::pair::draft::Draft;
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::transform::Turned;
-
-/// Most edges of a vertex that are tested; a pair with more is solved.
-const FAN: usize = 32;
 
 /// The distance of two features that are the closest, proven.
 pub(crate) struct ClosedForm {
@@ -62,7 +60,7 @@ pub(crate) fn closed_form(posed: &PosedPair, draft: &Draft) -> Option<ClosedForm
 fn vertices<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, v: VertexId) -> Option<ClosedForm> {
     let w = turned::<P>(posed).between(at(pair.second(), v), at(pair.first(), p));
     let n = rounded(&w);
-    let is_proven = stands(pair.second(), &[v], &n) && stands_first(pair, &[p], &n);
+    let is_proven = is_support(pair.second(), &[v], &n) && is_support_of_first(pair, &[p], &n);
     is_proven.then(|| finish(pair, root(dot(&w, &w)), 1.0, &n))
 }
 
@@ -80,7 +78,7 @@ fn vertex_edge<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, edge: E
     let area = cross(&w, &u);
     // What is left of `w` at right angles to the edge, in double-double, as most of it may cancel.
     let n = rounded(&cross(&u, &area));
-    let is_proven = stands(body, &[v, head], &n) && stands_first(pair, &[p], &n);
+    let is_proven = is_support(body, &[v, head], &n) && is_support_of_first(pair, &[p], &n);
     is_proven.then(|| finish(pair, root(dot(&area, &area) / dot(&u, &u)), 1.0, &n))
 }
 
@@ -106,7 +104,7 @@ fn vertex_face<P: OrderedPair>(
         && beside_e > doubt * e_near.norm()
         && normal * normal - beside_f - beside_e > doubt * (e_near.norm() + f_near.norm());
     // Out of the face, to the vertex: the loop of a face turns counter-clockwise.
-    let is_proven = inside && height.value() > 0.0 && stands_first(pair, &[p], &n_near);
+    let is_proven = inside && height.value() > 0.0 && is_support_of_first(pair, &[p], &n_near);
     is_proven.then(|| finish(pair, height / root(dot(&n, &n)), lengths / normal, &n_near))
 }
 
@@ -129,8 +127,8 @@ fn edges<P: OrderedPair>(posed: &PosedPair, pair: &P, first: EdgeId, second: Edg
     let (height, n_near) = if is_below { (-height, -n_near) } else { (height, n_near) };
     let is_proven = within(on_u, g_near.norm())
         && within(on_g, u_near.norm())
-        && stands(pair.second(), &[v, v_head], &n_near)
-        && stands_first(pair, &[p, p_head], &n_near);
+        && is_support(pair.second(), &[v, v_head], &n_near)
+        && is_support_of_first(pair, &[p, p_head], &n_near);
     is_proven.then(|| finish(pair, height / root(dot(&n, &n)), lengths / normal, &n_near))
 }
 
@@ -170,13 +168,19 @@ fn rounded(v: &Vec3<DoubleDouble>) -> Vector3<f64> {
 
 /// Returns whether every vertex adjacent to the given ones, which are level, clearly falls along
 /// `n`.
-fn stands(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>) -> bool {
+fn is_support(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>) -> bool {
+    // The direction over an edge far shorter than the body is short: its square would underflow.
+    let largest = n.amax();
+    if !(largest > LEAST_RISE) {
+        return false;
+    }
+    let n = n / magnitude(largest);
     let least = CLEARLY * n.norm();
     level.iter().all(|&v| {
         let mut falls = body.topology.fan(v).len() <= FAN;
         body.topology.each_leaving(v, |_, to| {
             let e = at(body, to) - at(body, v);
-            falls &= level.contains(&to) || n.dot(&e) < -least * e.abs().sum();
+            falls &= level.contains(&to) || n.dot(&e) < -(least * e.abs().sum() + LEAST_RISE);
         });
         falls
     })
@@ -184,6 +188,6 @@ fn stands(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>) -> bool
 
 /// Returns the same of the vertices of `first`, along the direction opposite to `n` of the frame of
 /// `second`.
-fn stands_first<P: OrderedPair>(pair: &P, level: &[VertexId], n: &Vector3<f64>) -> bool {
-    stands(pair.first(), level, &-pair.direction_in_first(n))
+fn is_support_of_first<P: OrderedPair>(pair: &P, level: &[VertexId], n: &Vector3<f64>) -> bool {
+    is_support(pair.first(), level, &-pair.direction_in_first(n))
 }
