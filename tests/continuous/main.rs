@@ -1,6 +1,7 @@
 //! Promise: first contacts of vertices on straight paths are those of exact arithmetic: no miss is wrong, no hit false, and
 //! touching is decided.
 
+mod arcs;
 mod meshes;
 
 use lab::paths::families::{self, KINDS};

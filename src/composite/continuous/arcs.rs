@@ -4,9 +4,9 @@
 use nalgebra::{Point3, Vector3};
 
 use super::frame::MeshOverFrame;
+use super::pair;
 use super::paths::{Path, VertexPaths, VertexPlaces, determinant};
 use super::search::{FirstContact, LEAST_WIDTH, SearchWork, is_free};
-use super::pair;
 use crate::base::tolerance::{CERTIFICATE, PATH_VOLUME, UNIT};
 use crate::base::tuning::composite::ARC_INTERVALS;
 use crate::composite::front::NodePair;
@@ -57,14 +57,16 @@ impl<'a> TrianglesOnArcs<'a> {
     }
 
     /// Returns the first contact between two instants, in a bracket at most `width` wide if the
-    /// contact is deep enough by then. The triangles are apart until the first.
+    /// contact is deep enough by then. The triangles are apart until the first. A contact that
+    /// begins in that time may be proven later, up to `latest`.
     pub(super) fn first_contact(
         &self,
         [from, until]: [f64; 2],
-        width: f64,
+        (latest, width): (f64, f64),
         work: &mut SearchWork,
     ) -> FirstContact {
-        let width = width.max(LEAST_WIDTH);
+        // A quarter: an edge may take some time to pass beyond doubt.
+        let width = (0.25 * width).max(LEAST_WIDTH);
         let (mut safe, mut tried) = (from, 0);
         let mut ends = [until; 64];
         let mut count = 1;
@@ -83,14 +85,14 @@ impl<'a> TrianglesOnArcs<'a> {
                 return FirstContact::Start;
             }
             // A contact at the begin of the interval is deeper later.
-            let latest = (safe + width).min(until);
+            let later = (safe + width).min(latest);
             if end - safe <= 0.5 * width
-                && let Some(hit) = [end, latest].into_iter().find(|t| self.is_crossed(*t, work))
+                && let Some(hit) = [end, later].into_iter().find(|t| self.is_crossed(*t, work))
             {
                 return FirstContact::Hit { safe, hit };
             }
             if end - safe <= LEAST_WIDTH || tried >= ARC_INTERVALS || count == ends.len() {
-                return self.crossed_later([safe, until], width, work);
+                return self.crossed_later([safe, latest], width, work);
             }
             ends[count] = 0.5 * (safe + end);
             count += 1;
@@ -104,7 +106,9 @@ impl<'a> TrianglesOnArcs<'a> {
         let slack = self.placed + self.sagitta * (length * length) * (1.0 + 8.0 * UNIT);
         VertexPaths::new(&paths(0), &paths(1)).is_some_and(|paths| {
             let paths = paths.within(slack);
-            is_free(&paths, [0.0, 1.0], [&paths.at(0.0), &paths.at(1.0)])
+            let middle = paths.at(0.5);
+            let both = [&paths.at(0.0), &paths.at(1.0)];
+            is_free(&paths, [0.0, 1.0], both) || crosses(&middle).any(|n| paths.are_parted(both, &n))
         })
     }
 
@@ -116,17 +120,17 @@ impl<'a> TrianglesOnArcs<'a> {
 
     /// Returns a contact that is proven at an instant after the time until which the triangles are
     /// proven apart, at distances that double.
-    fn crossed_later(&self, [safe, until]: [f64; 2], width: f64, work: &mut SearchWork) -> FirstContact {
+    fn crossed_later(&self, [safe, latest]: [f64; 2], width: f64, work: &mut SearchWork) -> FirstContact {
         let mut ahead = width;
-        while ahead < until - safe {
+        while ahead < latest - safe {
             let hit = safe + ahead;
             if self.is_crossed(hit, work) {
                 return FirstContact::Hit { safe, hit };
             }
             ahead *= 2.0;
         }
-        if self.is_crossed(until, work) {
-            return FirstContact::Hit { safe, hit: until };
+        if self.is_crossed(latest, work) {
+            return FirstContact::Hit { safe, hit: latest };
         }
         FirstContact::Open { safe }
     }
@@ -148,6 +152,16 @@ impl<'a> TrianglesOnArcs<'a> {
         let [p, q] = [p, q].map(|t| t.map(|x| x * 0.5));
         passes(&p, &q, off) || passes(&q, &p, off)
     }
+}
+
+/// Returns the common perpendiculars of the edges of two triangles, both ways: where two edges
+/// nearly meet, the way between the closest points has lost its direction.
+fn crosses(places: &VertexPlaces<3, 3>) -> impl Iterator<Item = Vector3<f64>> {
+    let edge = |t: &[Vector3<f64>; 3], k: usize| t[(k + 1) % 3] - t[k];
+    (0..18).map(move |k| {
+        let n = edge(&places.a, k / 6).cross(&edge(&places.b, k / 2 % 3));
+        if k % 2 == 0 { n } else { -n }
+    })
 }
 
 /// Returns whether an edge of a triangle certainly passes through the inside of another one, with

@@ -35,6 +35,7 @@ impl Moment {
 #[derive(Clone, Debug)]
 pub struct MeshOverFrame<'a> {
     pub(super) meshes: [&'a Mesh; 2],
+    poses: [Isometry3<f64>; 2],
     pub(super) ends: [Moment; 2],
     /// How the mesh moves if it rotates.
     motion: Option<Steady>,
@@ -59,6 +60,7 @@ impl<'a> MeshOverFrame<'a> {
         let here = Isometry3::identity();
         Ok(Self {
             meshes: [begin, end],
+            poses: [here; 2],
             ends: [Moment::new(0.0, &here), Moment::new(1.0, &here)],
             motion: None,
         })
@@ -75,32 +77,50 @@ impl<'a> MeshOverFrame<'a> {
     ///
     /// # Errors
     /// If a pose is refused as by [`RelativePose::new`](crate::RelativePose::new).
-    pub fn moving(mut self, begin: &Isometry3<f64>, end: &Isometry3<f64>) -> Result<Self, ImpactError> {
+    pub fn moving(self, begin: &Isometry3<f64>, end: &Isometry3<f64>) -> Result<Self, ImpactError> {
         for pose in [begin, end] {
             RelativePose::from_isometry(pose)?;
         }
-        let [begin, end] = [begin, end].map(|pose| {
+        self.posed([begin, end].map(|pose| {
             let rotation = UnitQuaternion::new_normalize(pose.rotation.into_inner());
             Isometry3::from_parts(pose.translation, rotation)
-        });
+        }))
+    }
+
+    /// Returns the mesh at other poses, of unit quaternions.
+    fn posed(self, poses: [Isometry3<f64>; 2]) -> Result<Self, ImpactError> {
+        let [begin, end] = &poses;
         let (p, q) = (begin.rotation.coords, end.rotation.coords);
-        self.motion = if p == q || p == -q {
+        let motion = if p == q || p == -q {
             None
         } else {
-            let motion = Steady::between(&begin, &end, 1.0, Point3::origin()).map_err(|error| match error {
-                MotionError::Pose(pose) => ImpactError::Pose(pose),
-                MotionError::Value { value, .. } | MotionError::Size { value, .. } => {
-                    let what = "motion";
-                    ImpactError::Size { what, value }
-                }
-            })?;
-            Some(motion)
+            Some(Steady::between(begin, end, 1.0, Point3::origin()).map_err(refused)?)
         };
-        self.ends = match &self.motion {
-            None => [Moment::new(0.0, &begin), Moment::new(1.0, &end)],
+        let ends = match &motion {
+            None => [Moment::new(0.0, begin), Moment::new(1.0, end)],
             Some(motion) => [0.0, 1.0].map(|time| Moment::new(time, &motion.pose(time))),
         };
-        Ok(self)
+        let meshes = self.meshes;
+        Ok(Self {
+            meshes,
+            poses,
+            ends,
+            motion,
+        })
+    }
+
+    /// Returns both meshes as seen from where the first is at the begin, without turning, and this
+    /// place: far from the origin of the world places are rounded by less.
+    pub(super) fn beside(a: &Self, b: &Self) -> Result<([Self; 2], Vector3<f64>), ImpactError> {
+        let origin = a.poses[0].translation.vector;
+        let seen = |of: &Self| {
+            let shifted = of.poses.map(|pose| {
+                let place = pose.translation.vector - origin;
+                Isometry3::from_parts(place.into(), pose.rotation)
+            });
+            of.clone().posed(shifted)
+        };
+        Ok(([seen(a)?, seen(b)?], origin))
     }
 
     /// Returns whether vertices are on straight paths.
@@ -253,5 +273,15 @@ impl<'a> MeshOverFrame<'a> {
             most.1 = most.1.max(length(&(end - begin)));
         }
         self.sagitta(most.0, most.1)
+    }
+}
+
+/// Returns why a motion between two poses is refused.
+fn refused(error: MotionError) -> ImpactError {
+    match error {
+        MotionError::Pose(pose) => ImpactError::Pose(pose),
+        MotionError::Value { value, .. } | MotionError::Size { value, .. } => {
+            ImpactError::Size { what: "motion", value }
+        }
     }
 }

@@ -64,7 +64,12 @@ use crate::time::impact::{Cast, ImpactError, Tolerance};
 pub fn meshes(a: &MeshOverFrame, b: &MeshOverFrame, tolerance: Tolerance) -> Result<Cast, ImpactError> {
     let vertices = [a.vertices(), b.vertices()];
     let width = width(vertices.iter().flatten(), tolerance)?;
-    Ok(FrameSearch::new([a, b], false, width).run())
+    if a.is_straight() && b.is_straight() {
+        return Ok(FrameSearch::new([a, b], false, width).run());
+    }
+    let ([x, y], origin) = MeshOverFrame::beside(a, b)?;
+    let search = FrameSearch::new([&x, &y], false, width);
+    Ok(FrameSearch { origin, ..search }.run())
 }
 
 /// Returns the first contact of a mesh with itself from the begin of a frame to its end: of two
@@ -85,6 +90,8 @@ struct FrameSearch<'a> {
     b: &'a MeshOverFrame<'a>,
     is_self: bool,
     width: f64,
+    /// Where the world's points are seen from.
+    origin: Vector3<f64>,
     /// The part of the frame that is searched: both meshes at its begin, and at its end.
     step: [[Moment; 2]; 2],
     /// How far places of two points are from the motions together; zero on straight paths.
@@ -100,12 +107,19 @@ struct FrameSearch<'a> {
 impl<'a> FrameSearch<'a> {
     fn new([a, b]: [&'a MeshOverFrame<'a>; 2], is_self: bool, width: f64) -> Self {
         let is_straight = a.is_straight() && b.is_straight();
-        let sagitta = |of: &MeshOverFrame| if is_straight { 0.0 } else { of.sagitta(of.radius(), of.bend()) };
+        let sagitta = |of: &MeshOverFrame| {
+            if is_straight {
+                0.0
+            } else {
+                of.sagitta(of.radius(), of.bend())
+            }
+        };
         Self {
             a,
             b,
             is_self,
             width,
+            origin: Vector3::zeros(),
             step: [0, 1].map(|k| [a.ends[k], b.ends[k]]),
             placed: if is_straight { 0.0 } else { arcs::placed(a, b) },
             sagitta: sagitta(a) + sagitta(b),
@@ -233,7 +247,9 @@ impl<'a> FrameSearch<'a> {
             let [a, b] = self.paths(pair);
             triangles_until((&a, &b), (times[1], self.width), &mut self.work)
         } else {
-            self.on_arcs(pair).first_contact(times, self.width, &mut self.work)
+            let latest = self.first.hit.min(1.0);
+            self.on_arcs(pair)
+                .first_contact(times, (latest, self.width), &mut self.work)
         };
         let before = self.first;
         self.first.add(found);
@@ -270,6 +286,10 @@ impl<'a> FrameSearch<'a> {
             };
             let mut seen = measure(&a, &b, time, class);
             seen.pieces = pieces;
+            if !self.is_straight() {
+                seen.point_on_a += self.origin;
+                seen.point_on_b += self.origin;
+            }
             if class == Class::Separated {
                 // Of these two triangles.
                 seen.lower = (seen.lower - self.placed).max(0.0);
