@@ -2,6 +2,7 @@
 //! touching is decided.
 
 mod arcs;
+mod kinds;
 mod meshes;
 
 use lab::paths::families::{self, KINDS};
@@ -26,7 +27,7 @@ fn given<const N: usize>(paths: &[Path]) -> [continuous::Path; N] {
     })
 }
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Tally {
     apart: usize,
     start: usize,
