@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::arcs::{self, TrianglesOnArcs};
 use super::frame::{MeshOverFrame, Moment};
+use super::height_field::HeightFields;
 use super::pair::{First, triangles_until};
 use super::paths::Path;
 use super::search::{FirstContact, SearchWork};
@@ -80,8 +81,11 @@ pub fn meshes(a: &MeshOverFrame, b: &MeshOverFrame, tolerance: Tolerance) -> Res
 pub fn self_contact(mesh: &MeshOverFrame, tolerance: Tolerance) -> Result<Cast, ImpactError> {
     let [begin, end] = mesh.meshes;
     let here = MeshOverFrame::new(begin, end)?;
-    let width = width(here.vertices().iter(), tolerance)?;
-    Ok(FrameSearch::new([&here, &here], true, width).run())
+    let vertices = here.vertices();
+    let width = width(vertices.iter(), tolerance)?;
+    let fields = Some(HeightFields::new(&here, &vertices));
+    let search = FrameSearch::new([&here, &here], true, width);
+    Ok(FrameSearch { fields, ..search }.run())
 }
 
 /// Two meshes over a frame, or one and itself.
@@ -89,6 +93,8 @@ struct FrameSearch<'a> {
     a: &'a MeshOverFrame<'a>,
     b: &'a MeshOverFrame<'a>,
     is_self: bool,
+    /// Of a mesh and itself.
+    fields: Option<HeightFields<'a>>,
     width: f64,
     /// Where the world's points are seen from.
     origin: Vector3<f64>,
@@ -118,6 +124,7 @@ impl<'a> FrameSearch<'a> {
             a,
             b,
             is_self,
+            fields: None,
             width,
             origin: Vector3::zeros(),
             step: [0, 1].map(|k| [a.ends[k], b.ends[k]]),
@@ -162,7 +169,7 @@ impl<'a> FrameSearch<'a> {
                 break;
             }
             let is_itself = self.is_self && i == j;
-            if !is_itself && self.is_parted([i, j]) {
+            if !is_itself && self.is_parted([i, j]) || self.is_height_field([i, j]) {
                 continue;
             }
             match (self.a.below(i), self.b.below(j)) {
@@ -208,6 +215,18 @@ impl<'a> FrameSearch<'a> {
             .into_iter()
             .flat_map(|[a, b]| [self.a.axes(i, a), self.b.axes(j, b)]);
         along(&way) || along(&begin) || along(&end) || all.any(|axes| axes.into_iter().any(|n| along(&turned(n))))
+    }
+
+    /// Returns whether the triangles below two nodes of one mesh, or below one, are a height field
+    /// together.
+    fn is_height_field(&mut self, [i, j]: NodePair) -> bool {
+        let Some(fields) = &mut self.fields else { return false };
+        self.work.intervals = self.work.intervals.saturating_add(1);
+        if i == j {
+            fields.holds(&[i])
+        } else {
+            fields.holds(&[i, j])
+        }
     }
 
     /// Returns what a gap of two nodes must exceed.

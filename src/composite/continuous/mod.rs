@@ -72,6 +72,7 @@ mod arcs;
 #[cfg(feature = "exact")]
 mod exact;
 mod frame;
+mod height_field;
 mod meshes;
 mod pair;
 pub(crate) mod paths;
