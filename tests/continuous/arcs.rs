@@ -130,6 +130,52 @@ fn a_turning_blade_hits_a_sheet_at_the_known_angle() {
     assert!(hits > 150, "{hits}");
 }
 
+/// The tip of a bar sweeps past a sheet, and dips into it for a moment, or just does not.
+#[test]
+fn a_tip_that_sweeps_past_a_sheet_hits_it_only_if_it_reaches_it() {
+    let (mut rng, mut hits, mut misses) = (Rng::new(23), 0, 0);
+    let n = mesh(&soups::plate(1, [0.05, 0.04, 1.0]));
+    // From the axis to the corners that come down first and last.
+    let (radius, aside) = (0.05f64.hypot(1.0), 0.05f64.atan2(1.0));
+    for round in 0..120 {
+        let depth = [-1.0, 1.0][round % 2] * rng.log_range(1e-10, 1e-2);
+        let rest = sheet(5, 4.0).map(|p| add(p, [0.37 * (round as f64 * 0.618).fract(), 0.13, depth - radius]));
+        let (from, angle) = (rng.range(-1.5, -0.2), rng.range(0.6, 3.0));
+        let m = mesh(&rest);
+        let a = MeshOverFrame::new(&m, &m).unwrap();
+        let pose = |angle: f64| Pose::turn([0.0, 1.0, 0.0], angle, [0.0; 3]).isometry();
+        let b = MeshOverFrame::new(&n, &n).unwrap();
+        let b = b.moving(&pose(from), &pose(from + angle)).unwrap();
+        // A corner is in the sheet while it is nearer to the lowest place than this.
+        let reach = (1.0 - depth / radius).acos();
+        let windows = [-aside, aside].map(|lowest| [lowest - reach, lowest + reach].map(|x| (x - from) / angle));
+        for cast in both(&a, &b, 1e-9) {
+            let what = format!("{round} {depth:e} {windows:?} {cast:?}");
+            match cast.impact {
+                Impact::Hit { safe, hit, .. } => {
+                    let [into, out] = if windows[0][1] < 0.0 { windows[1] } else { windows[0] };
+                    assert!(safe <= into + 1e-9 && into - 1e-9 <= hit && hit <= out, "{what}");
+                    hits += 1;
+                }
+                Impact::Miss => {
+                    assert!(
+                        depth < 0.0 || windows.iter().all(|w| w[1] < 0.0 || w[0] > 1.0),
+                        "{what}"
+                    );
+                    misses += 1;
+                }
+                Impact::Start { .. } => assert!(windows.iter().any(|w| w[0] <= 0.0 && 0.0 <= w[1]), "{what}"),
+                other => panic!("{what} {other:?}"),
+            }
+        }
+    }
+    assert!(hits > 60 && misses > 60, "{hits} {misses}");
+}
+
+fn rng_shift(round: usize) -> f64 {
+    0.37 * (round as f64 * 0.618).fract()
+}
+
 /// The sheet at a time.
 fn between([begin, end]: [&Soup; 2], t: f64) -> Soup {
     let points = (0..begin.points.len()).map(|v| {

@@ -194,6 +194,42 @@ fn a_mesh_meets_itself_when_all_pairs_of_triangles_say() {
     assert!(tally.iter().all(|n| *n > 3), "{tally:?}");
 }
 
+/// Strips that wind about an axis twice, or once and a little more, or nearly: every part is a height field, the whole is none, and
+/// layers that pass each other meet. A flat spiral is a height field that never meets itself.
+#[test]
+fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
+    let mut tally = [0; 3];
+    for (k, turns) in [2.0, 1.05, 0.97, 1.4, 2.0, 1.02].into_iter().enumerate() {
+        for (from, to) in [(0.3, -0.3), (0.3, 0.02), (0.0, 0.3), (0.2, 0.2), (-0.2, 0.4)] {
+            let n = 40;
+            // Radii that grow keep even a flat strip off itself, if by more than the width a turn.
+            let place = |i: u32, side: f64, pitch: f64| {
+                let turn = turns * f64::from(i) / f64::from(n);
+                let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
+                let r = 1.0 + side + if k >= 4 { 0.5 * turn } else { 0.0 };
+                [r * cosine, r * sine, pitch * turn + 0.01 * side * f64::from(i % 3)]
+            };
+            let at = |pitch: f64| {
+                let points = (0..=n)
+                    .flat_map(|i| [place(i, 0.0, pitch), place(i, 0.4, pitch)])
+                    .collect();
+                let square = |i: u32| [[2 * i, 2 * i + 1, 2 * i + 3], [2 * i, 2 * i + 3, 2 * i + 2]];
+                Soup {
+                    points,
+                    triangles: (0..n).flat_map(square).collect(),
+                }
+            };
+            let (begin, end) = (at(from), at(to));
+            let m = ends(&at(0.5), [&begin, &end]);
+            let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
+            let found = continuous::self_contact(&a, Tolerance::Time(WIDTH)).unwrap();
+            let p = [&begin, &end];
+            tally[judge(&found.impact, p, p, true, &format!("{turns} {from} {to} {k}"))] += 1;
+        }
+    }
+    assert!(tally.iter().all(|n| *n > 2), "{tally:?}");
+}
+
 #[test]
 fn other_meshes_and_sizes_are_refused() {
     let (rest, other) = (sheet(4, 2.0), sheet(5, 2.0));
