@@ -172,10 +172,6 @@ fn a_tip_that_sweeps_past_a_sheet_hits_it_only_if_it_reaches_it() {
     assert!(hits > 60 && misses > 60, "{hits} {misses}");
 }
 
-fn rng_shift(round: usize) -> f64 {
-    0.37 * (round as f64 * 0.618).fract()
-}
-
 /// The sheet at a time.
 fn between([begin, end]: [&Soup; 2], t: f64) -> Soup {
     let points = (0..begin.points.len()).map(|v| {
