@@ -255,6 +255,15 @@ pub(crate) const PATH_INTERVALS: u32 = 128;
 /// faces are tried pair by pair. Not measured.
 pub(crate) const TRIANGLE_INTERVALS: u32 = 12;
 
+/// A frame of meshes that rotate is searched in so many steps that the sagitta of a step is at most
+/// this part of the radius of the smaller mesh, but in no more steps than the other number. Not
+/// measured.
+pub(crate) const ARC_PART: f64 = 1.0 / 1024.0;
+pub(crate) const ARC_STEPS: f64 = 64.0;
+
+/// Most intervals of time tried for a pair of triangles of meshes that rotate. Not measured.
+pub(crate) const ARC_INTERVALS: u32 = 1024;
+
 /// Most rounds in which the interval about the zero of a volume is narrowed. Not measured.
 pub(crate) const PATH_ROUNDS: u32 = 32;
 
