@@ -94,6 +94,7 @@ pub trait Motion {
 
     /// Returns the pose and the course at a time: for motions that find one on the way to the
     /// other.
+    #[inline(always)]
     fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
         (self.pose(time), self.course(time, span))
     }
@@ -108,6 +109,7 @@ impl<M: Motion + ?Sized> Motion for &M {
         (**self).course(time, span)
     }
 
+    #[inline(always)]
     fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
         (**self).placed(time, span)
     }
@@ -148,6 +150,7 @@ impl Course {
 
     /// Returns whether all numbers are finite, and no bound is negative: else nothing is known of
     /// the motion.
+    #[inline]
     pub(crate) fn is_known(&self) -> bool {
         // Zero times a finite number is zero, and NaN times any other: no branch a number.
         let none = |numbers: &[f64]| numbers.iter().fold(0.0, |sum, x| sum + 0.0 * x);
@@ -159,6 +162,7 @@ impl Course {
     }
 
     /// Returns the course on a clock with this unit, a power of two.
+    #[inline(always)]
     pub(crate) fn on_clock(&self, unit: f64) -> Self {
         Self {
             pivot: self.pivot,
@@ -173,6 +177,7 @@ impl Course {
     /// Returns an upper bound of the distance of a point within `radius` of the pivot from the
     /// model.
     #[must_use]
+    #[inline]
     pub fn drift(&self, radius: f64) -> Drift {
         let (Drift(p), Drift(q)) = (self.shift, self.turn);
         Drift(core::array::from_fn(|k| p[k] + radius * q[k]))
@@ -202,11 +207,17 @@ impl Drift {
 }
 
 /// Returns the length of a vector of any size, also of a vector whose square leaves f64.
+#[inline(always)]
 pub(crate) fn length(v: &Vector3<f64>) -> f64 {
     let square = v.norm_squared();
     if square > SQUARE_MIN && square < 1.0 / SQUARE_MIN {
         return sqrt(square);
     }
+    length_of_any_size(v)
+}
+
+#[cold]
+fn length_of_any_size(v: &Vector3<f64>) -> f64 {
     if v.x == 0.0 && v.y == 0.0 && v.z == 0.0 {
         return 0.0;
     }

@@ -250,8 +250,9 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
     }
 }
 
-/// Both motions from a time on, to the end of an interval.
-#[inline]
+/// Both motions from a time on, to the end of an interval. Inlined, since a flight is sixty numbers
+/// that would be copied from hand to hand.
+#[inline(always)]
 pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
     motion_a: &A,
     motion_b: &B,

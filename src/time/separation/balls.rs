@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::straight::cut;
 use super::{Flight, Separation};
 use crate::base::motion::{Course, Drift, length};
-use crate::base::num::scalar::{greater, magnitude, sqrt};
+use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{BALLS, PLANE, ROOT};
 use crate::base::tuning::separation::ROUNDS;
@@ -25,6 +25,7 @@ pub(crate) struct Apart {
 }
 
 /// Returns the radius about the pivot, and the pivot in the world less the pose's translation.
+#[inline(always)]
 fn about<S: Separation + ?Sized>(pair: &S, of: Operand, pose: &Isometry3<f64>, course: &Course) -> (f64, Vector3<f64>) {
     let (centre, radius) = pair.ball(of);
     let arm = centre - course.pivot;
@@ -56,17 +57,27 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
     let size = reach + length(&offset) + 2.0 * (length(&a.pivot.coords) + length(&b.pivot.coords));
     let noise = PLANE * size + drift.0[0] + f64::MIN_POSITIVE;
     let near = reach + flight.keep + noise;
+    let distance = length(&between);
+    if !(distance > near) {
+        return Apart {
+            span: 0.0,
+            radii: [radius_a, radius_b],
+            reach,
+            gap: distance - near,
+            noise,
+        };
+    }
     // What grows faster than evenly may take half of the gap: as far ahead as that.
     let Drift([_, d1, d2, d3]) = drift;
     let growth = Drift([0.0, d1, d2 + length(&flight.acceleration()) * tick * tick, d3]);
-    let ahead = until_as_far(&growth, greater(0.0, 0.5 * (length(&between) - near)), span);
+    let ahead = until_as_far(&growth, 0.5 * (distance - near), span);
     let radius = near + growth.at(ahead);
     let until = until_as_near(&between, &velocity, radius);
     Apart {
         span: if ahead < span { until.min(ahead) } else { until } * tick,
         radii: [radius_a, radius_b],
         reach,
-        gap: length(&between) - radius,
+        gap: distance - radius,
         noise,
     }
 }

@@ -4,6 +4,7 @@
 //! 2012, "The Bernstein polynomial basis: a centennial retrospective", section 3). So it has no
 //! root before the hull of these points reaches zero.
 
+use crate::base::num::scalar::greater;
 use crate::base::tolerance::{BERNSTEIN, ROOT};
 use crate::base::tuning::separation::ROUNDS;
 
@@ -30,6 +31,21 @@ pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
         }
     }
     from * (1.0 - ROOT)
+}
+
+/// Returns what [`positive_until`] does, of a straight line from its values at 0 and at 1.
+#[inline]
+pub(super) fn line_positive_until(first: f64, last: f64) -> f64 {
+    let margin = BERNSTEIN * greater(first.abs(), last.abs());
+    let (first, last) = (first - margin, last - margin);
+    // Written so that NaN ends at zero; an infinite number leaves NaN.
+    if !(first > 0.0 && last - last == 0.0) {
+        0.0
+    } else if last >= 0.0 {
+        1.0
+    } else {
+        first / (first - last) * (1.0 - ROOT)
+    }
 }
 
 /// Returns the place at which the hull of the points reaches zero: the least crossing over all
@@ -92,6 +108,30 @@ mod tests {
             dips += u32::from(root < 1.0 && c[3] > 0.0);
         }
         assert!(whole > 3000 && tight > 5000 && dips > 300, "{whole} {tight} {dips}");
+    }
+
+    /// A line ends where the cubic with the coefficients of the line does, but for rounding.
+    #[test]
+    fn a_line_is_a_cubic() {
+        let mut rng = Rng::new(8);
+        let mut whole = 0;
+        for _ in 0..20_000 {
+            let (first, last) = (rng.log_range(1e-9, 1.0), rng.range(-1.0, 1.0));
+            let bound = line_positive_until(first, last);
+            let cubic = positive_until([0.0, 1.0, 2.0, 3.0].map(|k| first + (last - first) * (k / 3.0)));
+            assert!((bound - cubic).abs() <= 1e-10 * cubic, "{first} {last}: {bound} {cubic}");
+            if bound < 1.0 {
+                assert!(first * (1.0 - bound) + last * bound > 0.0, "{first} {last}: {bound}");
+            }
+            whole += u32::from(bound == 1.0);
+        }
+        assert!((8000..12_000).contains(&whole), "{whole}");
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(line_positive_until(bad, 1.0), 0.0);
+            assert_eq!(line_positive_until(1.0, bad), 0.0);
+            assert_eq!(line_positive_until(bad, -1.0), 0.0);
+        }
+        assert_eq!(line_positive_until(0.0, 1.0), 0.0);
     }
 
     /// The crossing of the second and the last point comes before those of the first point here.

@@ -176,6 +176,7 @@ pub enum Proof {
 
 impl Flight {
     /// Returns whether both courses are those of motions: else nothing is proven of them.
+    #[inline]
     pub(crate) fn is_known(&self) -> bool {
         self.course_a.is_known() && self.course_b.is_known()
     }
@@ -184,6 +185,7 @@ impl Flight {
     /// unit of the clock, a power of two. On that clock rates are ways and angles of the whole
     /// flight: what squares and cubes of rates lose by underflow is nothing beside the rounding of
     /// the size of the pair.
+    #[inline(always)]
     pub(crate) fn on_own_clock(&self) -> (Self, f64) {
         let unit = magnitude(self.span);
         let timed = Self {

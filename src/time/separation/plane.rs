@@ -59,13 +59,21 @@ use super::bernstein::positive_until;
 use super::straight::{cut, one_norm, straight_until, time_to, turns_neither};
 use super::{Flight, Free, Measure, Proof, Separation, Tangent};
 use crate::base::motion::{Course, Drift, length};
-use crate::base::num::scalar::greater;
+use crate::base::num::scalar::{greater, magnitude};
 use crate::base::pose::{Operand, rotation_matrix};
 use crate::base::tolerance::{PLANE, TILT};
 use crate::base::tuning::separation::{AHEAD, ENOUGH, FAR, TRIES};
 
 /// Returns the time for which a turning plane proves the shapes more than `flight.keep` apart.
 pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
+    if seen.by_plane && turns_neither(flight) {
+        let normal = flight.pose_a.rotation * seen.normal.into_inner();
+        let spin = Vector3::zeros();
+        return Free {
+            span: straight_until(pair, flight, &normal, seen.lower),
+            proof: Proof::Plane { normal, spin },
+        };
+    }
     let (timed, tick) = flight.on_own_clock();
     let free = free_on_own_clock(pair, seen, &timed);
     let proof = match free.proof {
@@ -83,13 +91,6 @@ pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, fli
 
 fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
     let still = Vector3::zeros();
-    if seen.by_plane && turns_neither(flight) {
-        let normal = flight.pose_a.rotation * seen.normal.into_inner();
-        return Free {
-            span: straight_until(pair, flight, &normal, seen.lower),
-            proof: Proof::Plane { normal, spin: still },
-        };
-    }
     let setting = PlaneSetting::new(pair, flight);
     let normal = setting.a.rotation * seen.normal.into_inner();
     let at = (setting.a.height(pair, &normal), setting.b.height(pair, &-normal));
@@ -109,13 +110,15 @@ fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, fligh
 
 /// Returns the time in which the witnesses come nearer by `way`, to second order; `None` if never.
 pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight: &Flight, way: f64) -> Option<f64> {
-    let (timed, tick) = flight.on_own_clock();
-    let flight = &timed;
+    let tick = magnitude(flight.span);
     let ahead = |slope: f64, bend: f64| Some(time_to(way, slope, bend) * tick).filter(|t| *t < f64::INFINITY);
     if turns_neither(flight) {
         let normal = flight.pose_a.rotation * seen.normal.into_inner();
-        return ahead(normal.dot(&flight.velocity()), normal.dot(&flight.acceleration()));
+        let (slope, bend) = (normal.dot(&flight.velocity()), normal.dot(&flight.acceleration()));
+        return ahead(slope * tick, bend * tick * tick);
     }
+    let (timed, _) = flight.on_own_clock();
+    let flight = &timed;
     let set = PlaneSetting::new(pair, flight);
     let normal = set.a.rotation * seen.normal.into_inner();
     let spin = set.spin(&normal, &seen.tangent);

@@ -2,10 +2,10 @@
 
 use nalgebra::Vector3;
 
-use super::bernstein::positive_until;
+use super::bernstein::{line_positive_until, positive_until};
 use super::{Flight, Separation};
 use crate::base::motion::{Course, Drift};
-use crate::base::num::scalar::{greater, sqrt};
+use crate::base::num::scalar::{greater, magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::PLANE;
 use crate::base::tuning::separation::{AHEAD, CUT, CUT_FAR, CUT_MOST};
@@ -24,14 +24,16 @@ pub(super) fn straight_until<S: Separation + ?Sized>(pair: &S, flight: &Flight, 
         radius + one_norm(&(centre - course.pivot))
     };
     let (course_a, course_b) = (&flight.course_a, &flight.course_b);
+    // On the flight's own clock, see [`Flight::on_own_clock`].
+    let tick = magnitude(flight.span);
     let (reach_a, reach_b) = (reach(Operand::A, course_a), reach(Operand::B, course_b));
     let size = flight.size(reach_a + reach_b);
-    let Drift([d0, d1, d2, d3]) = course_a.drift(reach_a) + course_b.drift(reach_b);
-    let (velocity, acceleration) = (flight.velocity(), flight.acceleration());
+    let Drift([d0, d1, d2, d3]) = (course_a.drift(reach_a) + course_b.drift(reach_b)).on_clock(tick);
+    let (velocity, acceleration) = (flight.velocity() * tick, flight.acceleration() * tick * tick);
     let (slope, bend) = (n.dot(&velocity), n.dot(&acceleration));
     let margin = |length: f64| PLANE * length * (one_norm(&velocity) + length * one_norm(&acceleration));
     let now = gap - (PLANE * size + flight.keep + d0 + f64::MIN_POSITIVE);
-    let mut length = flight.span.min(AHEAD * time_to(gap, slope - d1, bend - d2));
+    let mut length = (flight.span / tick).min(AHEAD * time_to(gap, slope - d1, bend - d2));
     if !(length < f64::INFINITY && now > 0.0) {
         return 0.0;
     }
@@ -42,13 +44,16 @@ pub(super) fn straight_until<S: Separation + ?Sized>(pair: &S, flight: &Flight, 
     let way = |k: f64| slope * length * (k / 3.0);
     let (late, square) = (d1 * length, 0.5 * (bend - d2) * length * length);
     let cube = d3 * length * length * length * (1.0 / 6.0);
+    if square == 0.0 && cube == 0.0 {
+        return line_positive_until(b0, b0 + way(3.0) - late) * length * tick;
+    }
     let part = positive_until([
         b0,
         b0 + way(1.0) - late * (1.0 / 3.0),
         b0 + way(2.0) - late * (2.0 / 3.0) + square * (1.0 / 3.0),
         b0 + way(3.0) - late + square - cube,
     ]);
-    part * length
+    part * length * tick
 }
 
 impl Flight {
