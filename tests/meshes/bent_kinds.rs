@@ -280,7 +280,10 @@ fn depths_and_contacts_of_bent_meshes_are_those_of_meshes_built_anew() {
             }
         }
     }
-    assert!(depths > 50 && points > 100 && shallow > 5, "{depths} {points} {shallow}");
+    assert!(
+        depths > 50 && points > 100 && shallow > 5,
+        "{depths} {points} {shallow}"
+    );
 }
 
 #[test]

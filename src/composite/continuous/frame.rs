@@ -1,5 +1,6 @@
 //! A mesh over a frame: its vertices at both ends, and where it is at instants between.
 
+use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
@@ -34,7 +35,8 @@ impl Moment {
 /// [`moving`](Self::moving) tells its poses.
 #[derive(Clone, Debug)]
 pub struct MeshOverFrame<'a> {
-    pub(super) meshes: [&'a Mesh; 2],
+    /// The mesh at both ends, in one tree.
+    meshes: [Cow<'a, Mesh>; 2],
     poses: [Isometry3<f64>; 2],
     pub(super) ends: [Moment; 2],
     /// How the mesh moves if it rotates.
@@ -46,24 +48,33 @@ impl<'a> MeshOverFrame<'a> {
     /// [`set_vertices`](Mesh::set_vertices), and the mesh after. Both are the same for a body that
     /// does not bend.
     ///
+    /// If parts of the tree were made anew in between, a mesh is made in the tree of the end with
+    /// the vertices of the begin, which takes as long as a few replacements of all vertices.
+    ///
     /// # Errors
-    /// [`ImpactError::Mesh`] if both are not the same triangles in the same tree: other meshes, or
-    /// [`rebuild`](Mesh::rebuild) was called in between.
+    /// [`ImpactError::Mesh`] if both are not the same triangles of the same vertices.
     pub fn new(begin: &'a Mesh, end: &'a Mesh) -> Result<Self, ImpactError> {
         let is_same = begin.triangles == end.triangles
             && begin.source_triangles == end.source_triangles
-            && begin.points.len() == end.points.len()
+            && begin.source_points == end.source_points
             && begin.tree.is_laid_out_as(&end.tree);
-        if !is_same {
-            return Err(ImpactError::Mesh);
-        }
+        let begin = if is_same {
+            Cow::Borrowed(begin)
+        } else {
+            Cow::Owned(end.as_before(begin).ok_or(ImpactError::Mesh)?)
+        };
         let here = Isometry3::identity();
         Ok(Self {
-            meshes: [begin, end],
+            meshes: [begin, Cow::Borrowed(end)],
             poses: [here; 2],
             ends: [Moment::new(0.0, &here), Moment::new(1.0, &here)],
             motion: None,
         })
+    }
+
+    /// Returns the mesh at both ends.
+    pub(super) fn both(&self) -> [&Mesh; 2] {
+        [&self.meshes[0], &self.meshes[1]]
     }
 
     /// Moves the mesh from one pose to another: its origin on a straight path, its rotation by the
@@ -143,7 +154,7 @@ impl<'a> MeshOverFrame<'a> {
 
     /// Returns the place of a vertex in the frame of the mesh.
     fn own(&self, vertex: u32, time: f64) -> Vector3<f64> {
-        let [begin, end] = self.meshes;
+        let [begin, end] = self.both();
         let at = |mesh: &Mesh| mesh.given(&mesh.points[vertex as usize]).coords;
         match time {
             0.0 => at(begin),
@@ -188,7 +199,7 @@ impl<'a> MeshOverFrame<'a> {
     pub(super) fn height(&self, node: u32, n: &Vector3<f64>, moment: &Moment) -> f64 {
         let own = moment.rotation.tr_mul(n);
         let of = |mesh: &Mesh| height(&mesh.tree, node, &own) * mesh.unit();
-        let [begin, end] = self.meshes;
+        let [begin, end] = self.both();
         let highest = match moment.time {
             1.0 => of(end),
             time if time == 0.0 || core::ptr::eq(begin, end) => of(begin),
@@ -204,43 +215,43 @@ impl<'a> MeshOverFrame<'a> {
             (tree.centre + tree.boxes[node as usize].centre() * tree.unit()) * mesh.unit()
         };
         let own = match moment.time {
-            0.0 => of(self.meshes[0]),
-            1.0 => of(self.meshes[1]),
-            time => place(&self.meshes.map(of), time),
+            0.0 => of(&self.meshes[0]),
+            1.0 => of(&self.meshes[1]),
+            time => place(&self.both().map(of), time),
         };
         moment.rotation * own + moment.place
     }
 
     /// Returns the axes of the box of a node, the last first; between the ends those of the begin.
     pub(super) fn axes(&self, node: u32, moment: &Moment) -> [Vector3<f64>; 3] {
-        let mesh = self.meshes[usize::from(moment.time == 1.0)];
+        let mesh = &self.meshes[usize::from(moment.time == 1.0)];
         let b = &mesh.tree.boxes[node as usize];
         [2, 1, 0].map(|k| moment.rotation * b.axis(k))
     }
 
     /// Returns how far vertices are from the origin of the mesh's frame at most.
     pub(super) fn radius(&self) -> f64 {
-        let [begin, end] = self.meshes.map(|mesh| mesh.radius * mesh.unit());
+        let [begin, end] = self.both().map(|mesh| mesh.radius * mesh.unit());
         begin.max(end)
     }
 
     /// Returns the largest coordinate of a point, or more.
     pub(super) fn reach(&self) -> f64 {
         let [begin, end] = [0, 1].map(|k| {
-            let mesh = self.meshes[k];
+            let mesh = &self.meshes[k];
             mesh.radius * mesh.unit() + self.ends[k].place.abs().sum()
         });
         begin.max(end)
     }
 
     pub(super) fn radius_of(&self, node: u32) -> f64 {
-        let mesh = self.meshes[0];
+        let mesh = &self.meshes[0];
         f64::from(mesh.tree.boxes[node as usize].radius()) * mesh.tree.unit() * mesh.unit()
     }
 
     /// Returns how far a vertex moves in the frame of the mesh at most.
     pub(super) fn bend(&self) -> f64 {
-        let [begin, end] = self.meshes;
+        let [begin, end] = self.both();
         if core::ptr::eq(begin, end) {
             return 0.0;
         }

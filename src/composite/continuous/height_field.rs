@@ -68,7 +68,7 @@ impl<'a> HeightFields<'a> {
         }
         Self {
             of,
-            across: across(&of.meshes[0].triangles, vertices.len()),
+            across: across(&of.both()[0].triangles, vertices.len()),
             next: vec![NONE; places.len()],
             places,
             rim: Vec::new(),
@@ -78,7 +78,7 @@ impl<'a> HeightFields<'a> {
     /// Returns whether the triangles below one or two nodes are proven to be a height field
     /// together.
     pub(super) fn holds(&mut self, nodes: &[u32]) -> bool {
-        let tree = &self.of.meshes[0].tree;
+        let tree = &self.of.both()[0].tree;
         let of = |k: usize| nodes.get(k).map_or((0, 0), |&node| tree.range(node));
         let ranges = [of(0), of(1)];
         let is_in = |t: u32| ranges.iter().any(|&(from, to)| from <= t && t < to);
@@ -91,7 +91,7 @@ impl<'a> HeightFields<'a> {
         }
         let rows = self.rows((from..to).chain(other..end));
         for t in (from..to).chain(other..end) {
-            let corners = self.of.meshes[0].triangles[t as usize];
+            let corners = self.of.both()[0].triangles[t as usize];
             let [a, b, c] = corners.map(|v| self.way(v, &rows));
             if crosses([&a, &b], [&a, &c]).iter().any(|area| !(*area > PATH_AREA)) {
                 return false;
@@ -99,7 +99,7 @@ impl<'a> HeightFields<'a> {
         }
         self.rim.clear();
         for t in (from..to).chain(other..end) {
-            let corners = self.of.meshes[0].triangles[t as usize];
+            let corners = self.of.both()[0].triangles[t as usize];
             for k in 0..3 {
                 match self.across[3 * t as usize + k] {
                     UNCLEAR => return false,
@@ -119,7 +119,7 @@ impl<'a> HeightFields<'a> {
                 let [begin, end] = &self.places[v as usize];
                 begin + end
             };
-            let [a, b, c] = self.of.meshes[0].triangles[t as usize].map(middle);
+            let [a, b, c] = self.of.both()[0].triangles[t as usize].map(middle);
             n += (b - a).cross(&(c - a));
         }
         let least = n.iamin();

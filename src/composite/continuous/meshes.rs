@@ -79,7 +79,7 @@ pub fn meshes(a: &MeshOverFrame, b: &MeshOverFrame, tolerance: Tolerance) -> Res
 /// # Errors
 /// If the tolerance is negative or not finite.
 pub fn self_contact(mesh: &MeshOverFrame, tolerance: Tolerance) -> Result<Cast, ImpactError> {
-    let [begin, end] = mesh.meshes;
+    let [begin, end] = mesh.both();
     let here = MeshOverFrame::new(begin, end)?;
     let vertices = here.vertices();
     let width = width(vertices.iter(), tolerance)?;
@@ -256,7 +256,7 @@ impl<'a> FrameSearch<'a> {
             return;
         }
         if self.is_self {
-            let [s, t] = pair.map(|k| self.a.meshes[0].triangles[k as usize]);
+            let [s, t] = pair.map(|k| self.a.both()[0].triangles[k as usize]);
             if x >= y || s.iter().any(|v| t.contains(v)) {
                 return;
             }

@@ -138,9 +138,7 @@ impl Mesh {
     /// the vertices have moved by some hundredths of the size of the mesh, and not before all
     /// vertices have been replaced 16 times since the last tree was made. So a call now and then
     /// takes some ten times as long as others, and trackers begin anew after it; when, is settled
-    /// by the vertices given alone, not by queries. A
-    /// [`MeshOverFrame`](crate::continuous::MeshOverFrame) needs the same tree at both ends: after
-    /// such a call its begin is a clone of the mesh that is given the vertices of before.
+    /// by the vertices given alone, not by queries.
     ///
     /// Flush contacts of large flat parts take longer until [`rebuild`](Self::rebuild) makes a
     /// whole new tree. If a mesh has moved, grown or shrunk by twice its size and more, trackers
@@ -219,14 +217,7 @@ impl Mesh {
             Some(Stiff::ClosedAlongLines) => return Err(VertexError::ClosedAlongLines),
             None => {}
         }
-        let mut bending = match self.bending.take() {
-            Some(bending) => bending,
-            // The tree of the build may be made anew at once.
-            None => Box::new(Bending {
-                given: REBUILD_WORK * count,
-                ..Bending::new(self)
-            }),
-        };
+        let mut bending = self.take_bending();
         let result = self.replace(&mut bending, first, vertices);
         bending.given = bending.given.saturating_add(vertices.len());
         let is_loose = self.is_loose(&mut bending);
@@ -235,6 +226,33 @@ impl Mesh {
             self.take_tree(InTreeOrder::with_new_top(&self.tree, &self.points, &self.triangles));
         }
         result
+    }
+
+    /// Takes what bending needs out of the mesh, made at the first call.
+    fn take_bending(&mut self) -> Box<Bending> {
+        self.bending.take().unwrap_or_else(|| {
+            Box::new(Bending {
+                // The tree of the build may be made anew at once.
+                given: REBUILD_WORK * self.vertex_count(),
+                ..Bending::new(self)
+            })
+        })
+    }
+
+    /// Returns the mesh in its own tree with the vertices of an earlier state; `None` if these are
+    /// not the same triangles.
+    pub(crate) fn as_before(&self, earlier: &Self) -> Option<Self> {
+        let is_same = self.stiff.is_none()
+            && self.vertex_sources() == earlier.vertex_sources()
+            && self.triangle_vertices() == earlier.triangle_vertices();
+        if !is_same {
+            return None;
+        }
+        let mut before = self.clone();
+        let mut bending = before.take_bending();
+        before.replace(&mut bending, 0, &earlier.vertices()).ok()?;
+        before.bending = Some(bending);
+        Some(before)
     }
 
     /// Returns whether the tree has become loose: counted if vertices have moved far since the last

@@ -119,7 +119,10 @@ mod tests {
             let (first, last) = (rng.log_range(1e-9, 1.0), rng.range(-1.0, 1.0));
             let bound = line_positive_until(first, last);
             let cubic = positive_until([0.0, 1.0, 2.0, 3.0].map(|k| first + (last - first) * (k / 3.0)));
-            assert!((bound - cubic).abs() <= 1e-10 * cubic, "{first} {last}: {bound} {cubic}");
+            assert!(
+                (bound - cubic).abs() <= 1e-10 * cubic,
+                "{first} {last}: {bound} {cubic}"
+            );
             if bound < 1.0 {
                 assert!(first * (1.0 - bound) + last * bound > 0.0, "{first} {last}: {bound}");
             }
