@@ -56,12 +56,12 @@
 //! [`Impact::Hit`]: no contact up to `safe`, and a contact after `safe` and not after `hit`. Unlike
 //! solid bodies, surfaces may have passed through each other at `hit`. [`Impact::Start`]: in
 //! contact at time zero, touching included.
-//! Of vertices on straight paths [`Impact::Near`] is returned without the feature `exact` alone, and
-//! [`Impact::Unknown`] if exact arithmetic reaches its limit of 65,536 halvings, which no test has
-//! met.
+//! Of vertices on straight paths [`Impact::Near`] is returned without the feature `exact` alone,
+//! and [`Impact::Unknown`] if exact arithmetic reaches its limit of 65,536 halvings, which no test
+//! has met.
 //!
-//! Points of a body that rotates do not move on straight paths. [`MeshOverFrame::moving`] cuts
-//! the frame into intervals in which the arcs are nearly straight, takes off what they are not, and
+//! Points of a body that rotates do not move on straight paths. [`MeshOverFrame::moving`] cuts the
+//! frame into intervals in which the arcs are nearly straight, takes off what they are not, and
 //! proves a hit at an instant: by an edge that passes through a triangle beyond all rounding.
 //!
 //! # When not to use it
@@ -73,7 +73,8 @@
 //!
 //! Provot 1997 (contacts of vertex and face, of edge and edge); Volino and Magnenat-Thalmann 1994
 //! (parts that cannot meet themselves); Snyder 1992 and Wang, Ferguson, Schneider, Jiang, Attene
-//! and Panozzo 2021 (inclusion of roots, and the kinds of queries that methods fail at); Brochu, Edwards and Bridson 2012 (exact parity of crossings). Departures:
+//! and Panozzo 2021 (inclusion of roots, and the kinds of queries that methods fail at); Brochu,
+//! Edwards and Bridson 2012 (exact parity of crossings). Departures:
 //!
 //! 1. A miss is proven by directions; no root of a cubic is looked for, and no box in three
 //!    parameters is divided.
