@@ -28,13 +28,13 @@ use crate::patch::{
 use crate::time::separation::Separation;
 
 /// The surface that stands for a mesh, and the fingerprint of the mesh with its vertices then.
-type MeshSurface = (Fingerprint, Arc<Surface>);
+type MadeSurface = (Fingerprint, Arc<Surface>);
 
 /// Two surfaces, or a surface and a mesh for which one stands.
 #[derive(Clone, Debug, Default)]
 pub(super) struct TrackedSurfaces {
     pub(super) tracker: SurfaceTracker,
-    stand_ins: [Option<MeshSurface>; 2],
+    stand_ins: [Option<MadeSurface>; 2],
 }
 
 impl TrackedSurfaces {
@@ -50,7 +50,7 @@ impl TrackedSurfaces {
 }
 
 /// Returns the surface itself, or the one that stands for a mesh.
-fn surface_of<'p>(own: GeometryRef<'p>, stand_in: Option<&'p MeshSurface>) -> Option<&'p Surface> {
+fn surface_of<'p>(own: GeometryRef<'p>, stand_in: Option<&'p MadeSurface>) -> Option<&'p Surface> {
     own.surface().or(stand_in.map(|(_, surface)| surface.as_ref()))
 }
 

@@ -200,16 +200,25 @@ fn a_mesh_meets_itself_when_all_pairs_of_triangles_say() {
 fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
     let mut tally = [0; 3];
     for (k, turns) in [2.0, 1.05, 0.97, 1.4, 2.0, 1.02].into_iter().enumerate() {
-        for (from, to) in [(0.3, -0.3), (0.3, 0.02), (0.0, 0.3), (0.2, 0.2), (-0.2, 0.4)] {
+        // Pitches, and how far the ends turn.
+        for (from, to, more) in [
+            (0.3, -0.3, 0.0),
+            (0.3, 0.02, 0.0),
+            (0.0, 0.3, 0.0),
+            (0.2, 0.2, 0.0),
+            (-0.2, 0.4, 0.0),
+            (0.0, 0.0, 0.08),
+            (0.1, -0.05, 0.06),
+        ] {
             let n = 40;
             // Radii that grow keep even a flat strip off itself, if by more than the width a turn.
-            let place = |i: u32, side: f64, pitch: f64| {
+            let place = |i: u32, side: f64, (pitch, turns): (f64, f64)| {
                 let turn = turns * f64::from(i) / f64::from(n);
                 let (sine, cosine) = (std::f64::consts::TAU * turn).sin_cos();
                 let r = 1.0 + side + if k >= 4 { 0.5 * turn } else { 0.0 };
                 [r * cosine, r * sine, pitch * turn + 0.01 * side * f64::from(i % 3)]
             };
-            let at = |pitch: f64| {
+            let at = |pitch: (f64, f64)| {
                 let points = (0..=n)
                     .flat_map(|i| [place(i, 0.0, pitch), place(i, 0.4, pitch)])
                     .collect();
@@ -219,12 +228,12 @@ fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
                     triangles: (0..n).flat_map(square).collect(),
                 }
             };
-            let (begin, end) = (at(from), at(to));
-            let m = ends(&at(0.5), [&begin, &end]);
+            let (begin, end) = (at((from, turns)), at((to, turns + more)));
+            let m = ends(&at((0.5, turns)), [&begin, &end]);
             let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
             let found = continuous::self_contact(&a, Tolerance::Time(WIDTH)).unwrap();
             let p = [&begin, &end];
-            tally[judge(&found.impact, p, p, true, &format!("{turns} {from} {to} {k}"))] += 1;
+            tally[judge(&found.impact, p, p, true, &format!("{turns} {from} {to} {more} {k}"))] += 1;
         }
     }
     assert!(tally.iter().all(|n| *n > 2), "{tally:?}");
@@ -267,6 +276,32 @@ fn a_tree_may_be_made_anew_within_a_frame() {
         };
         assert!(0.0 < safe && safe < hit && hit < 1.0, "{back:?}");
     }
+}
+
+/// The middle of a sheet is pushed over what is about it, and down: the rim stays as it is, and triangles turn over.
+#[test]
+fn a_sheet_that_is_pushed_over_itself_meets_itself_when_all_pairs_of_triangles_say() {
+    let (mut tally, mut rng) = ([0; 3], Rng::new(29));
+    let rest = sheet(7, 2.0);
+    for round in 0..30 {
+        let (far, up) = (rng.range(0.0, 1.0), rng.range(0.02, 0.3));
+        let pushed = |x: f64, z: f64| {
+            rest.clone().map(|p| {
+                let is_inner = p[0].abs() < 0.5 && p[1].abs() < 0.5;
+                if is_inner { add(p, [x, 0.3 * x, z]) } else { p }
+            })
+        };
+        let (begin, end) = (
+            pushed(far, up),
+            pushed(far * rng.range(0.5, 1.2), up * rng.range(-1.0, 1.0)),
+        );
+        let m = ends(&rest, [&begin, &end]);
+        let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
+        let found = continuous::self_contact(&a, Tolerance::Time(WIDTH)).unwrap();
+        let p = [&begin, &end];
+        tally[judge(&found.impact, p, p, true, &format!("{round}"))] += 1;
+    }
+    assert!(tally[0] > 4 && tally[2] > 4, "{tally:?}");
 }
 
 #[test]

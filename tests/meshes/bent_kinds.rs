@@ -16,11 +16,14 @@ use lin_canny::{
     RayCast, RayCaster, RelativePose, Shape,
 };
 
+/// Shapes and their places.
+type Pieces = Vec<(Isometry3<f64>, Shape)>;
+
 /// A geometry of each kind, and the pieces whose union it is.
-fn kinds() -> Vec<(Geometry, Vec<(Isometry3<f64>, Shape)>)> {
+fn kinds() -> Vec<(Geometry, Pieces)> {
     let hull = solids::random_hull(30, Vector3::new(0.4, 0.3, 0.3), 5).unwrap();
     let half = |x: f64| Vector3::new(x, 0.2, 0.25);
-    let mut all: Vec<(Geometry, Vec<_>)> = [
+    let mut all: Vec<(Geometry, Pieces)> = [
         Shape::ball(0.3),
         Shape::capsule(0.4, 0.15),
         Shape::cuboid(half(0.3)),

@@ -30,10 +30,10 @@ use crate::base::tolerance::{PATH_AREA, PATH_GAP, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 
 /// A place in the plane.
-type Place = [f64; 2];
+type PlanePlace = [f64; 2];
 
 /// Places at both ends of the frame.
-type Way = [Place; 2];
+type PlaneWay = [PlanePlace; 2];
 
 /// Beyond an edge is no triangle.
 const NONE: u32 = u32::MAX;
@@ -133,7 +133,7 @@ impl<'a> HeightFields<'a> {
         [p, row(row(n).cross(&p))]
     }
 
-    fn way(&self, vertex: u32, [p, q]: &[Vector3<f64>; 2]) -> Way {
+    fn way(&self, vertex: u32, [p, q]: &[Vector3<f64>; 2]) -> PlaneWay {
         self.places[vertex as usize].map(|x| [p.dot(&x), q.dot(&x)])
     }
 
@@ -164,7 +164,7 @@ impl<'a> HeightFields<'a> {
             let turns = crosses([&a, &b], [&b, &c]);
             // The scalar product is the cross product with the other vector turned by a right
             // angle.
-            let turned = |way: &Way| way.map(|[x, y]| [-y, x]);
+            let turned = |way: &PlaneWay| way.map(|[x, y]| [-y, x]);
             turns.iter().all(|x| *x > PATH_AREA)
                 || turns.iter().all(|x| *x < -PATH_AREA)
                 || crosses([&a, &b], [&turned(&b), &turned(&c)])
@@ -222,19 +222,19 @@ impl<'a> HeightFields<'a> {
 
 /// Returns the Bernstein coefficients of the cross product of the ways from `a` to `b` and from `c`
 /// to `d` between both ends.
-fn crosses([a, b]: [&Way; 2], [c, d]: [&Way; 2]) -> [f64; 3] {
-    let way = |p: &Way, q: &Way| [0, 1].map(|k| [q[k][0] - p[k][0], q[k][1] - p[k][1]]);
-    let cross = |u: Place, v: Place| u[0] * v[1] - u[1] * v[0];
+fn crosses([a, b]: [&PlaneWay; 2], [c, d]: [&PlaneWay; 2]) -> [f64; 3] {
+    let way = |p: &PlaneWay, q: &PlaneWay| [0, 1].map(|k| [q[k][0] - p[k][0], q[k][1] - p[k][1]]);
+    let cross = |u: PlanePlace, v: PlanePlace| u[0] * v[1] - u[1] * v[0];
     let ([u, v], [w, x]) = (way(a, b), way(c, d));
     [cross(u, w), 0.5 * (cross(u, x) + cross(v, w)), cross(v, x)]
 }
 
 /// Returns whether a line parts two edges at both ends, and so at all instants between.
-fn are_parted(p: &[Way; 2], q: &[Way; 2]) -> bool {
-    let middle = |edge: &[Way; 2]| [0, 1].map(|k| edge.iter().flatten().map(|place| place[k]).sum::<f64>());
+fn are_parted(p: &[PlaneWay; 2], q: &[PlaneWay; 2]) -> bool {
+    let middle = |edge: &[PlaneWay; 2]| [0, 1].map(|k| edge.iter().flatten().map(|place| place[k]).sum::<f64>());
     let ([a, b], [c, d]) = (middle(p), middle(q));
     let way = [c - a, d - b];
-    let across = |edge: &[Way; 2]| {
+    let across = |edge: &[PlaneWay; 2]| {
         let of = |k: usize| edge[1][0][k] + edge[1][1][k] - edge[0][0][k] - edge[0][1][k];
         let n = [-of(1), of(0)];
         if n[0] * way[0] + n[1] * way[1] < 0.0 {
@@ -245,7 +245,7 @@ fn are_parted(p: &[Way; 2], q: &[Way; 2]) -> bool {
     };
     [across(p), across(q), way].into_iter().any(|n| {
         let length = size(&Vector3::new(n[0], n[1], 0.0));
-        let height = |place: &Place| n[0] * place[0] + n[1] * place[1];
+        let height = |place: &PlanePlace| n[0] * place[0] + n[1] * place[1];
         length > 0.0
             && [0, 1].into_iter().all(|end| {
                 let high = p.iter().fold(f64::NEG_INFINITY, |m: f64, way| m.max(height(&way[end])));

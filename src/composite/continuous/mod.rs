@@ -41,6 +41,14 @@
 //!    the signs at the roots are exact. So with the feature `exact`, a touch is told from a near
 //!    miss whatever the numbers.
 //!
+//! 5. **Arcs.** In the frame of a mesh that rotates vertices are on straight paths; in the world a
+//!    point is off the straight path between its places at the ends of an interval by at most an
+//!    eighth of the square of the interval times its acceleration. So much, and the rounding of
+//!    poses, a direction must part beyond.
+//! 6. **Height fields.** Of a mesh against itself, parts that no direction can part as they share
+//!    vertices are proven at once: seen along one direction, no triangle turns over and the rim
+//!    never crosses itself.
+//!
 //! # Guarantees
 //!
 //! Results hold for the paths themselves, over the reals, in whatever position the vertices are:
@@ -48,25 +56,32 @@
 //! [`Impact::Hit`]: no contact up to `safe`, and a contact after `safe` and not after `hit`. Unlike
 //! solid bodies, surfaces may have passed through each other at `hit`. [`Impact::Start`]: in
 //! contact at time zero, touching included.
-//! [`Impact::Near`] is returned without the feature `exact` alone, and [`Impact::Unknown`] if exact
-//! arithmetic reaches its limit of 65,536 halvings, which no test has met.
+//! Of vertices on straight paths [`Impact::Near`] is returned without the feature `exact` alone,
+//! and [`Impact::Unknown`] if exact arithmetic reaches its limit of 65,536 halvings, which no test
+//! has met.
+//!
+//! Points of a body that rotates do not move on straight paths. [`MeshOverFrame::moving`] cuts the
+//! frame into intervals in which the arcs are nearly straight, takes off what they are not, and
+//! proves a hit at an instant: by an edge that passes through a triangle beyond all rounding.
 //!
 //! # When not to use it
 //!
-//! Points of a body that rotates do not move on straight paths: [`MeshOverFrame::moving`] takes off
-//! what the arc is wider, and ends as [`Impact::Near`] where that hides a contact. Cast two bodies
-//! that keep their shape with [`impact::cast`](crate::impact::cast).
+//! Cast two bodies that keep their shape with [`impact::cast`](crate::impact::cast), which is
+//! faster and finds how deep they are.
 //!
 //! # Sources
 //!
-//! Provot 1997 (contacts of vertex and face, of edge and edge); Snyder 1992 and Wang, Ferguson,
-//! Schneider, Jiang, Attene and Panozzo 2021 (inclusion of roots, and the kinds of queries that
-//! methods fail at); Brochu, Edwards and Bridson 2012 (exact parity of crossings). Departures:
+//! Provot 1997 (contacts of vertex and face, of edge and edge); Volino and Magnenat-Thalmann 1994
+//! (parts that cannot meet themselves); Snyder 1992 and Wang, Ferguson, Schneider, Jiang, Attene
+//! and Panozzo 2021 (inclusion of roots, and the kinds of queries that methods fail at); Brochu,
+//! Edwards and Bridson 2012 (exact parity of crossings). Departures:
 //!
 //! 1. A miss is proven by directions; no root of a cubic is looked for, and no box in three
 //!    parameters is divided.
 //! 2. A hit is proven, not only not excluded: there is no tolerance that makes false hits.
 //! 3. Touching is decided, by isolated roots over the integers.
+//! 4. That the rim of a part does not cross itself is proven, where most methods leave it out, and
+//!    so is that normals stay on one side over the frame.
 
 mod arcs;
 #[cfg(feature = "exact")]
