@@ -48,29 +48,37 @@ fn segments(a: Point, b: Point, c: Point, d: Point) -> f64 {
     }
 }
 
-/// Whether a segment passes through a triangle (Moeller and Trumbore 1997).
-fn passes(a: Point, b: Point, t: &Triangle) -> bool {
+/// Where a segment passes through a triangle (Moeller and Trumbore 1997): the point as one of the segment and as one of the
+/// triangle. Both are the same but for rounding, which is large if the segment is nearly in the triangle's plane.
+fn passes(a: Point, b: Point, t: &Triangle) -> Option<[Point; 2]> {
     let (e, f, d) = (sub(t[1], t[0]), sub(t[2], t[0]), sub(b, a));
     let h = cross(d, f);
     let det = dot(e, h);
     if det == 0.0 {
-        return false;
+        return None;
     }
     let s = sub(a, t[0]);
     let u = dot(s, h) / det;
     let q = cross(s, e);
     let v = dot(d, q) / det;
     let at = dot(f, q) / det;
-    u >= 0.0 && v >= 0.0 && u + v <= 1.0 && (0.0..=1.0).contains(&at)
+    let is_inside = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && (0.0..=1.0).contains(&at);
+    is_inside.then(|| [add(a, scale(d, at)), add(t[0], add(scale(e, u), scale(f, v)))])
 }
 
 /// The distance of two triangles.
 pub fn triangles(p: &Triangle, q: &Triangle) -> f64 {
     let side = |t: &Triangle, i: usize| (t[i], t[(i + 1) % 3]);
+    let size = p.iter().chain(q).map(|x| norm(sub(*x, p[0]))).fold(0.0, f64::max);
+    let mut best = f64::INFINITY;
     for i in 0..3 {
         let ((a, b), (c, d)) = (side(p, i), side(q, i));
-        if passes(a, b, q) || passes(c, d, p) {
-            return 0.0;
+        for [x, y] in passes(a, b, q).into_iter().chain(passes(c, d, p)) {
+            let apart = norm(sub(x, y));
+            if apart <= 1e-12 * size {
+                return 0.0;
+            }
+            best = best.min(apart);
         }
     }
     let corners = p
@@ -81,7 +89,7 @@ pub fn triangles(p: &Triangle, q: &Triangle) -> f64 {
         let ((a, b), (c, d)) = (side(p, k / 3), side(q, k % 3));
         segments(a, b, c, d)
     });
-    corners.chain(edges).fold(f64::INFINITY, f64::min)
+    corners.chain(edges).fold(best, f64::min)
 }
 
 /// The least distance over all pairs of triangles, and its pair. Pairs whose balls are farther are passed over.
@@ -121,4 +129,38 @@ pub fn winding(soup: &Soup, p: Point) -> f64 {
         2.0 * above.atan2(below)
     };
     (0..soup.triangles.len()).map(|t| angle(soup.corners(t))).sum::<f64>() / (4.0 * std::f64::consts::PI)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::exact_meshes::square;
+    use crate::rational::sqrt;
+    use crate::rng::Rng;
+
+    /// In one plane but for the rounding of a rotation, where quotients of volumes are noise.
+    #[test]
+    fn triangles_in_one_plane_are_as_far_apart_as_exact_arithmetic_says() {
+        let mut rng = Rng::new(7);
+        let (mut zeros, mut apart) = (0, 0);
+        for k in 0..3_000 {
+            let pose = Pose {
+                q: rng.quat(),
+                t: [0.3, -0.2, 0.7],
+            };
+            let mut corner = |off: f64| pose.apply([rng.range(-1.0, 1.0) + off, rng.range(-1.0, 1.0), 0.0]);
+            let off = [0.0, 1.0, 2.5][k % 3];
+            let [p, q] = [0.0, off].map(|off| [(); 3].map(|()| corner(off)));
+            let area = |t: &Triangle| norm(cross(sub(t[1], t[0]), sub(t[2], t[0])));
+            if area(&p) < 1e-3 || area(&q) < 1e-3 {
+                continue;
+            }
+            let exact = sqrt(&square(&p, &q, &Pose::IDENTITY)).0;
+            let found = triangles(&p, &q);
+            assert!((found - exact).abs() < 1e-9, "{k} {found} {exact} {p:?} {q:?}");
+            zeros += usize::from(exact < 1e-9);
+            apart += usize::from(exact > 1e-9);
+        }
+        assert!(zeros > 500 && apart > 1_000, "{zeros} {apart}");
+    }
 }

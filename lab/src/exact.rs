@@ -20,22 +20,28 @@ use crate::{Point, Pose};
 use dashu::integer::IBig;
 use dashu::rational::RBig;
 
-/// A square as numerator and positive denominator.
-type Frac = (IBig, IBig);
+/// A square of a length as numerator and positive denominator.
+pub(crate) type Frac = (IBig, IBig);
 
-fn less(a: Frac, b: Frac) -> Frac {
+pub(crate) fn less(a: Frac, b: Frac) -> Frac {
     if &a.0 * &b.1 <= &b.0 * &a.1 { a } else { b }
 }
 
+/// Point against a corner.
+pub(crate) fn to_corner(p: &IntVec, q: &IntVec) -> Frac {
+    let w = sub(p, q);
+    (dot(&w, &w), IBig::ONE)
+}
+
 /// Point against the inside of an edge.
-fn to_edge(p: &IntVec, [a, b]: &Edge) -> Option<Frac> {
+pub(crate) fn to_edge(p: &IntVec, [a, b]: &Edge) -> Option<Frac> {
     let (u, w) = (sub(b, a), sub(p, a));
     let (along, len2, off) = (dot(&u, &w), dot(&u, &u), cross(&u, &w));
     (along > IBig::ZERO && along < len2).then(|| (dot(&off, &off), len2))
 }
 
-/// Point against a face above or below which it lies.
-fn to_face(p: &IntVec, corners: &[IntVec], n: &IntVec) -> Option<Frac> {
+/// Point against a face above or below which it lies, of a normal that is not zero.
+pub(crate) fn to_face(p: &IntVec, corners: &[IntVec], n: &IntVec) -> Option<Frac> {
     let mut sides = corners.iter().zip(corners.iter().cycle().skip(1));
     let over = sides.all(|(a, b)| dot(&cross(n, &sub(b, a)), &sub(p, a)) >= IBig::ZERO);
     let height = dot(n, &sub(p, &corners[0]));
@@ -43,7 +49,7 @@ fn to_face(p: &IntVec, corners: &[IntVec], n: &IntVec) -> Option<Frac> {
 }
 
 /// Two edges whose lines are closest within both.
-fn edge_edge([a, b]: &Edge, [c, d]: &Edge) -> Option<Frac> {
+pub(crate) fn edge_edge([a, b]: &Edge, [c, d]: &Edge) -> Option<Frac> {
     let (u, v, w) = (sub(b, a), sub(d, c), sub(c, a));
     let n = cross(&u, &v);
     let (n2, s, t) = (dot(&n, &n), dot(&cross(&w, &v), &n), dot(&cross(&w, &u), &n));
@@ -54,7 +60,7 @@ fn edge_edge([a, b]: &Edge, [c, d]: &Edge) -> Option<Frac> {
 
 /// Squared distance of `p` from the nearest feature of `body`.
 fn nearest(p: &IntVec, body: &Placed) -> Frac {
-    let corner = body.points.iter().map(|v| (dot(&sub(p, v), &sub(p, v)), IBig::ONE));
+    let corner = body.points.iter().map(|v| to_corner(p, v));
     let edge = body.edges.iter().filter_map(|e| to_edge(p, e));
     let face = body.faces.iter().filter_map(|(c, n)| to_face(p, c, n));
     corner.chain(edge).chain(face).reduce(less).expect("a body has points")

@@ -5,6 +5,7 @@
 //! that is far more than its error.
 
 use crate::brute::{self, Triangle};
+use crate::exact::{Frac, edge_edge, less, to_corner, to_edge, to_face};
 use crate::pose::norm;
 use crate::rational::{self, IntVec, common, cross, dot, exact, placed, sub};
 use crate::soups::Soup;
@@ -12,54 +13,11 @@ use crate::{Point, Pose};
 use dashu::integer::IBig;
 use dashu::rational::RBig;
 
-/// A square of a length as numerator and positive denominator.
-type Square = (IBig, IBig);
-
-fn less(a: Square, b: Square) -> Square {
-    if &a.0 * &b.1 <= &b.0 * &a.1 { a } else { b }
-}
-
-/// A point and an edge, which may be a point.
-fn to_edge(p: &IntVec, a: &IntVec, b: &IntVec) -> Square {
-    let (u, w) = (sub(b, a), sub(p, a));
-    let (along, length) = (dot(&u, &w), dot(&u, &u));
-    if along <= IBig::ZERO {
-        (dot(&w, &w), IBig::ONE)
-    } else if along >= length {
-        let w = sub(p, b);
-        (dot(&w, &w), IBig::ONE)
-    } else {
-        let off = cross(&u, &w);
-        (dot(&off, &off), length)
-    }
-}
-
-fn normal([a, b, c]: &[IntVec; 3]) -> IntVec {
-    cross(&sub(b, a), &sub(c, a))
-}
-
-/// A point over the inside of a triangle that has an area.
-fn to_face(p: &IntVec, t: &[IntVec; 3], n: &IntVec) -> Option<Square> {
-    let square = dot(n, n);
-    let over = (0..3).all(|i| dot(&cross(n, &sub(&t[(i + 1) % 3], &t[i])), &sub(p, &t[i])) >= IBig::ZERO);
-    (square > IBig::ZERO && over).then(|| {
-        let height = dot(n, &sub(p, &t[0]));
-        (&height * &height, square)
-    })
-}
-
-/// Two edges whose lines are closest within both.
-fn edges([a, b]: [&IntVec; 2], [c, d]: [&IntVec; 2]) -> Option<Square> {
-    let (u, v, w) = (sub(b, a), sub(d, c), sub(c, a));
-    let n = cross(&u, &v);
-    let (square, s, t) = (dot(&n, &n), dot(&cross(&w, &v), &n), dot(&cross(&w, &u), &n));
-    let inside = |x: &IBig| *x >= IBig::ZERO && *x <= square;
-    let height = dot(&w, &n);
-    (square > IBig::ZERO && inside(&s) && inside(&t)).then(|| (&height * &height, square))
-}
+/// A triangle over the integers.
+type IntTriangle = [IntVec; 3];
 
 /// Whether a segment whose ends lie on different sides of a triangle passes through it.
-fn passes(p: &IntVec, q: &IntVec, t: &[IntVec; 3], n: &IntVec) -> bool {
+fn passes(p: &IntVec, q: &IntVec, t: &IntTriangle, n: &IntVec) -> bool {
     let (h, k) = (dot(n, &sub(p, &t[0])), dot(n, &sub(q, &t[0])));
     let differs = h > IBig::ZERO && k < IBig::ZERO || h < IBig::ZERO && k > IBig::ZERO;
     if !differs {
@@ -71,24 +29,30 @@ fn passes(p: &IntVec, q: &IntVec, t: &[IntVec; 3], n: &IntVec) -> bool {
 }
 
 /// The squared distance of two triangles, which may have no area.
-fn squared(x: &[IntVec; 3], y: &[IntVec; 3]) -> Square {
-    let mut best: Option<Square> = None;
-    let mut offer = |s: Square| best = Some(best.take().map_or(s.clone(), |b| less(b, s)));
+fn squared(x: &IntTriangle, y: &IntTriangle) -> Frac {
+    let sides = |t: &IntTriangle| [0, 1, 2].map(|i| [t[i].clone(), t[(i + 1) % 3].clone()]);
+    let mut best = to_corner(&x[0], &y[0]);
+    let mut offer = |s: Frac| best = less(best.clone(), s);
     for (p, q) in [(x, y), (y, x)] {
-        let n = normal(q);
+        let (edges, n) = (sides(q), cross(&sub(&q[1], &q[0]), &sub(&q[2], &q[0])));
         for i in 0..3 {
             if passes(&p[i], &p[(i + 1) % 3], q, &n) {
                 return (IBig::ZERO, IBig::ONE);
             }
-            to_face(&p[i], q, &n).into_iter().for_each(&mut offer);
-            (0..3).for_each(|j| offer(to_edge(&p[i], &q[j], &q[(j + 1) % 3])));
+            if n.iter().any(|c| !c.is_zero()) {
+                to_face(&p[i], q, &n).into_iter().for_each(&mut offer);
+            }
+            q.iter().for_each(|corner| offer(to_corner(&p[i], corner)));
+            edges
+                .iter()
+                .filter_map(|edge| to_edge(&p[i], edge))
+                .for_each(&mut offer);
         }
     }
-    for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
-        let found = edges([&x[i], &x[(i + 1) % 3]], [&y[j], &y[(j + 1) % 3]]);
-        found.into_iter().for_each(&mut offer);
+    for (of_x, of_y) in sides(x).iter().flat_map(|e| sides(y).map(|f| (e.clone(), f))) {
+        edge_edge(&of_x, &of_y).into_iter().for_each(&mut offer);
     }
-    best.expect("triangles have corners")
+    best
 }
 
 /// The squared distance of two triangles, the second at a pose.

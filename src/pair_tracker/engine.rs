@@ -18,7 +18,7 @@ use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::convex::contact::{Manifold, ManifoldOptions, Query};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::{Tracker, Workspace};
-use crate::pair::outcome::{Accuracy, Class, Decision, Outcome, Until};
+use crate::pair::outcome::{Accuracy, Decision, Outcome, Until};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::pair_tracker::geometry::{Geometry, GeometryRef, Lent};
@@ -202,9 +202,9 @@ impl AnyTracker {
 
     /// Starts the next query of two convex bodies, one of them curved, along a direction from A to
     /// B, as after an answer of a class.
-    pub(super) fn begin_along(&mut self, n: &Vector3<f64>, class: Class) {
+    pub(super) fn begin_along(&mut self, n: &Vector3<f64>) {
         if let Self::Mixed(tracker) = self {
-            tracker.begin_along(n, class);
+            tracker.begin_along(n);
         }
     }
 

@@ -108,9 +108,9 @@ impl MixedTracker {
 
     /// Starts the next query of two convex bodies along a direction from A to B, as after an answer
     /// of a class.
-    pub(super) fn begin_along(&mut self, n: &Vector3<f64>, class: Class) {
+    pub(super) fn begin_along(&mut self, n: &Vector3<f64>) {
         if let Some(tracked) = self.shapes_mut() {
-            tracked.tracker = ShapeTracker::along(n, class);
+            tracked.tracker = ShapeTracker::along(n);
         }
     }
 

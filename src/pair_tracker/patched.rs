@@ -11,10 +11,13 @@ use super::mixed::StoredTracker;
 use super::pair::{Asked, of_sets};
 use super::tracked::{AnyKinds, PairOfKinds, Tracked, counters};
 use super::work::PairWork;
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tuning::patch::SCENE_WIDTH;
 use crate::body::shape::Shape;
+use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
+use crate::composite::separation::ball_about;
 use crate::pair::outcome::Decision;
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
@@ -24,8 +27,32 @@ use crate::patch::{
 };
 use crate::time::separation::Separation;
 
+/// The surface that stands for a mesh, and the fingerprint of the mesh with its vertices then.
+type MeshSurface = (Fingerprint, Arc<Surface>);
+
 /// Two surfaces, or a surface and a mesh for which one stands.
-pub(super) type TrackedSurfaces = Tracked<SurfaceTracker, Surface>;
+#[derive(Clone, Debug, Default)]
+pub(super) struct TrackedSurfaces {
+    pub(super) tracker: SurfaceTracker,
+    stand_ins: [Option<MeshSurface>; 2],
+}
+
+impl TrackedSurfaces {
+    /// Makes the surface that stands for a mesh, and again if the mesh has bent since.
+    fn follow(&mut self, (a, b): BodyShapes<'_>) {
+        for (own, stand_in) in [a, b].into_iter().zip(&mut self.stand_ins) {
+            let Some(mesh) = own.mesh() else { continue };
+            if stand_in.as_ref().is_none_or(|(of, _)| *of != mesh.fingerprint) {
+                *stand_in = as_surface(mesh).map(|surface| (mesh.fingerprint, surface));
+            }
+        }
+    }
+}
+
+/// Returns the surface itself, or the one that stands for a mesh.
+fn surface_of<'p>(own: GeometryRef<'p>, stand_in: Option<&'p MeshSurface>) -> Option<&'p Surface> {
+    own.surface().or(stand_in.map(|(_, surface)| surface.as_ref()))
+}
 
 /// A surface and a convex shape, in either order.
 type TrackedSurfaceAndShape = Tracked<SurfaceShapeTracker, Shape>;
@@ -37,7 +64,7 @@ type TrackedSurfaceAndPieces = Tracked<SurfaceCompositeTracker, Composite>;
 pub(super) fn tracker((a, b): BodyShapes<'_>) -> Option<Box<dyn AnyKinds>> {
     use Lent::{Composite as C, Mesh as M, Surface as S};
     match (a.0, b.0) {
-        (S(_), S(_) | M(_)) | (M(_), S(_)) => Some(TrackedSurfaces::new([as_surface(a), as_surface(b)])),
+        (S(_), S(_) | M(_)) | (M(_), S(_)) => Some(Box::<TrackedSurfaces>::default()),
         (S(_), C(_)) | (C(_), S(_)) => Some(TrackedSurfaceAndPieces::new([None, None])),
         (S(_), _) | (_, S(_)) => Some(TrackedSurfaceAndShape::new([
             a.polyhedron_as_shape(),
@@ -49,8 +76,8 @@ pub(super) fn tracker((a, b): BodyShapes<'_>) -> Option<Box<dyn AnyKinds>> {
 
 /// Returns the surface that stands for a mesh; `None` for a mesh of coordinates that are too large
 /// for surfaces, and for all other geometries.
-fn as_surface(own: GeometryRef) -> Option<Arc<Surface>> {
-    Surface::from_mesh(own.mesh()?).ok().map(Arc::new)
+fn as_surface(mesh: &Mesh) -> Option<Arc<Surface>> {
+    Surface::from_mesh(mesh).ok().map(Arc::new)
 }
 
 /// Returns the surface of a pair with one, the other geometry, and which of both is the surface.
@@ -79,14 +106,27 @@ impl PairOfKinds for TrackedSurfaces {
     type Pair<'p> = SurfacePair<'p>;
 
     fn pair<'p>(&'p mut self, (a, b): BodyShapes<'p>) -> Option<SurfacePair<'p>> {
+        self.follow((a, b));
         let of_a = a.mesh().map(|mesh| (Operand::A, mesh));
         let mesh = of_a.or(b.mesh().map(|mesh| (Operand::B, mesh)));
-        let (tracker, [a, b]) = self.sides([a.surface(), b.surface()])?;
-        Some(SurfacePair { a, b, mesh, tracker })
+        let [x, y] = &self.stand_ins;
+        Some(SurfacePair {
+            a: surface_of(a, x.as_ref())?,
+            b: surface_of(b, y.as_ref())?,
+            mesh,
+            tracker: &mut self.tracker,
+        })
     }
 
     fn ball(&self, (a, b): BodyShapes<'_>, of: Operand) -> Option<(Point3<f64>, f64)> {
-        self.side([a.surface(), b.surface()], of).map(Surface::bounding_ball)
+        let own = if of == Operand::A { a } else { b };
+        let stand_in = self.stand_ins[usize::from(of == Operand::B)].as_ref();
+        // A mesh that no query has seen as it is now.
+        let is_new = |mesh: &&Mesh| stand_in.is_none_or(|(of, _)| *of != mesh.fingerprint);
+        match own.mesh().filter(is_new) {
+            Some(mesh) => Some(ball_about(mesh.aabb())),
+            None => surface_of(own, stand_in).map(Surface::bounding_ball),
+        }
     }
 
     counters!(of_surfaces, Patches);

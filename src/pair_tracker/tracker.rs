@@ -15,7 +15,7 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 #[cfg(feature = "meshes")]
 use crate::composite::contact::ContactTracker;
-use crate::pair::outcome::{Class, Decision, Distance};
+use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::pair_tracker::geometry::GeometryRef;
@@ -118,10 +118,9 @@ impl PairTracker {
 
     /// Returns a tracker whose first query of two convex geometries, of which one is a cylinder,
     /// cone, ellipsoid or superquadric, starts along a direction from A to B in the frame of A: for
-    /// callers who keep the normal and the class of the last answer in state of their own, and no
-    /// tracker. If a manifold asks for a local depth, that of an overlap is searched first. Other
+    /// callers who keep the normal of the last answer in state of their own, and no tracker. Other
     /// pairs begin without a start. What the start may change is what the state of a tracker may
-    /// change: a wrong direction or class costs time and never a bound.
+    /// change: a wrong direction costs time and never a bound.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -136,8 +135,7 @@ impl PairTracker {
     /// let before = PairTracker::new().closest(&floor, &can, &pose(0.0)?);
     ///
     /// // In the next frame, from what the caller kept:
-    /// let (normal, class) = (&before.normal, before.class);
-    /// let mut pair = PairTracker::starting_along(normal, class, &floor, &can);
+    /// let mut pair = PairTracker::starting_along(&before.normal, &floor, &can);
     /// let now = pair.closest(&floor, &can, &pose(0.01)?);
     /// assert!((now.distance - before.distance).abs() < 1e-12);
     /// assert!(now.work.steps < before.work.steps);
@@ -146,16 +144,11 @@ impl PairTracker {
     #[must_use]
     pub fn starting_along<'g>(
         normal: &Unit<Vector3<f64>>,
-        class: Class,
         a: impl Into<GeometryRef<'g>>,
         b: impl Into<GeometryRef<'g>>,
     ) -> Self {
-        let (a, b) = (a.into(), b.into());
-        // The cores of rounded shapes that overlap are mostly apart.
-        let is_rounded = [a, b].iter().any(|body| body.shape().is_some_and(|s| s.round() > 0.0));
-        let class = if is_rounded { Class::Separated } else { class };
         let mut tracker = Self::new();
-        tracker.of(a, b).tracker.begin_along(normal, class);
+        tracker.of(a.into(), b.into()).tracker.begin_along(normal);
         tracker
     }
 

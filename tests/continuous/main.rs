@@ -1,6 +1,8 @@
 //! Promise: first contacts of vertices on straight paths are those of exact arithmetic: no miss is wrong, no hit false, and
 //! touching is decided.
 
+mod arcs;
+mod kinds;
 mod meshes;
 
 use lab::paths::families::{self, KINDS};
@@ -25,7 +27,7 @@ fn given<const N: usize>(paths: &[Path]) -> [continuous::Path; N] {
     })
 }
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Tally {
     apart: usize,
     start: usize,

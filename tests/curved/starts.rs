@@ -1,4 +1,4 @@
-//! Promise: a start along a normal, and a class told with it, change the work of a query and never its bounds.
+//! Promise: a start along a normal changes the work of a query and never its bounds.
 
 use lab::curved::{Kind, Place};
 use lab::rng::Rng;
@@ -62,7 +62,7 @@ fn starts_along_normals_change_the_work_alone() {
             let (x, y, pose) = (a.shape(), b.shape(), next.pose());
             let before = PairTracker::new().closest(&x, &y, &place.pose());
             let cold = PairTracker::new().closest(&x, &y, &pose).outcome;
-            let told = PairTracker::starting_along(&before.normal, before.class, &x, &y)
+            let told = PairTracker::starting_along(&before.normal, &x, &y)
                 .closest(&x, &y, &pose)
                 .outcome;
             agree(&told, &cold);
@@ -70,16 +70,14 @@ fn starts_along_normals_change_the_work_alone() {
             let (pose_a, pose_b) = place.pose().poses();
             let in_world = pose_a.rotation * before.normal.into_inner();
             let back = Unit::new_normalize(-pose_b.rotation.inverse_transform_vector(&in_world));
-            let swapped = PairTracker::starting_along(&back, before.class, &y, &x)
+            let swapped = PairTracker::starting_along(&back, &y, &x)
                 .closest(&y, &x, &pose.swapped())
                 .outcome;
             agree(&swapped, &cold);
-            for class in [Class::Separated, Class::Overlapping] {
-                let wrong = Unit::new_normalize(Vector3::from(rng.unit()));
-                let wrong = PairTracker::starting_along(&wrong, class, &x, &y).closest(&x, &y, &pose);
-                agree(&wrong, &cold);
-                wrong_work.add(&wrong);
-            }
+            let wrong = Unit::new_normalize(Vector3::from(rng.unit()));
+            let wrong = PairTracker::starting_along(&wrong, &x, &y).closest(&x, &y, &pose);
+            agree(&wrong, &cold);
+            wrong_work.add(&wrong);
             if cold.class == Class::Separated {
                 mix.judge(&a, &b, &next, &told);
                 apart += 1;
@@ -100,42 +98,6 @@ fn starts_along_normals_change_the_work_alone() {
     assert!(told_work.mean() < 0.9 * cold_work.mean(), "{told_work:?} {cold_work:?}");
 }
 
-/// A class that is told leads to the same local depths, for no more work.
-#[test]
-fn the_class_of_an_overlap_costs_no_work() {
-    let [mut plain, mut told] = [0; 2].map(|_| Work::default());
-    let mut same = 0;
-    for (k, (first, second)) in pairs().enumerate() {
-        let mut rng = Rng::new(2400 + k as u64);
-        for _ in 0..count() / 5 {
-            let ([a, b], [place, next]) = draw(first, second, &mut rng);
-            let (x, y) = (a.shape(), b.shape());
-            let before = PairTracker::new().closest(&x, &y, &place.pose());
-            if before.class != Class::Overlapping {
-                continue;
-            }
-            let options = ManifoldOptions::within(0.0).local_depth(true);
-            let mut depths = [0.0; 2];
-            let ways = [(Class::Separated, &mut plain), (Class::Overlapping, &mut told)];
-            for ((class, work), depth) in ways.into_iter().zip(&mut depths) {
-                let (mut pair, mut found) = (
-                    PairTracker::starting_along(&before.normal, class, &x, &y),
-                    Manifold::new(),
-                );
-                pair.manifold(&x, &y, &next.pose(), &options, &mut found)
-                    .expect("convex shapes");
-                *depth = found.lower();
-                work.steps += pair.work().convex.steps;
-                work.queries += 1;
-            }
-            same += u32::from((depths[0] - depths[1]).abs() < 1e-6 * next.size(&a, &b));
-        }
-    }
-    assert!(u64::from(same) > plain.queries * 19 / 20, "{same} of {}", plain.queries);
-    println!("plain {:.1} told {:.1}", plain.mean(), told.mean());
-    assert!(told.mean() < 1.05 * plain.mean(), "{told:?} {plain:?}");
-}
-
 /// Polyhedra and meshes begin without a start, as before.
 #[test]
 fn other_pairs_take_no_start() {
@@ -148,8 +110,7 @@ fn other_pairs_take_no_start() {
         };
         let cold = PairTracker::new().closest(&cube, &cube, &place.pose());
         let normal = Unit::new_normalize(Vector3::from(rng.unit()));
-        let told =
-            PairTracker::starting_along(&normal, Class::Overlapping, &cube, &cube).closest(&cube, &cube, &place.pose());
+        let told = PairTracker::starting_along(&normal, &cube, &cube).closest(&cube, &cube, &place.pose());
         assert_eq!(
             (told.lower, told.upper, told.features),
             (cold.lower, cold.upper, cold.features)
@@ -170,7 +131,7 @@ fn local_depths_of_curved_shapes_part_them() {
             let full = PairTracker::new().closest(&x, &y, &pose);
             let options = ManifoldOptions::within(0.0).local_depth(true);
             let mut manifold = Manifold::new();
-            PairTracker::starting_along(&before.normal, before.class, &x, &y)
+            PairTracker::starting_along(&before.normal, &x, &y)
                 .manifold(&x, &y, &pose, &options, &mut manifold)
                 .expect("convex shapes");
             let size = next.size(&a, &b);

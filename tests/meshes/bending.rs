@@ -207,6 +207,30 @@ fn parts_of_the_vertices_and_new_trees_equal_brute_force() {
     }
 }
 
+/// Rolls a sheet of side 2 up along x by so many turns.
+fn rolled(turns: f64, [x, y, z]: Point) -> Point {
+    let angle = turns * std::f64::consts::PI * (x + 1.0);
+    let radius = (1.0 + 0.024 * angle) / (turns * std::f64::consts::PI);
+    if turns == 0.0 {
+        [x, y, z]
+    } else {
+        [radius * angle.sin(), y, radius * angle.cos()]
+    }
+}
+
+#[test]
+fn sheets_that_are_rolled_up_equal_brute_force() {
+    let (rest, other) = (sheet(28), soups::rock(1, 3).map(|p| scale(p, 0.3)));
+    let (mut m, n) = (mesh(&rest), mesh(&other));
+    let mut tracker = PairTracker::new();
+    for (frame, pose) in motion(48, 17).iter().enumerate() {
+        let now = rest.clone().map(|p| rolled(3.0 * (frame as f64 / 47.0), p));
+        m.set_vertices(&vertices(&now)).unwrap();
+        judge_by_surfaces(&mut tracker, (&now, &other), (&m, &n), pose);
+        tracker.check(&m, &n, &relative(pose)).unwrap();
+    }
+}
+
 #[test]
 fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
     let ball = Shape::ball(0.5).unwrap();

@@ -2,6 +2,7 @@
 
 mod ahead;
 mod bending;
+mod bent_kinds;
 mod bumps;
 mod contacts;
 mod contain;

@@ -1,7 +1,7 @@
 //! Four or six vertices on straight paths, hard on purpose: of each kind of query that Wang, Ferguson, Schneider, Jiang,
 //! Attene and Panozzo (2021) collected by hand, made anew by seeds.
 
-use super::Path;
+use super::{Moving, Path, Truth, first_contact};
 use crate::Point;
 use crate::rng::Rng;
 
@@ -228,4 +228,68 @@ pub fn make(kind: &str, (a, b): Split, r: &mut Rng) -> Vec<Path> {
     let scale = 2f64.powi(*r.pick(&[0, 0, 0, -40, 40, -330, 330]));
     all.iter_mut().flatten().for_each(|p| *p = p.map(|c| c * scale));
     all
+}
+
+/// Two meshes of a few triangles, each with a triangle of a query of a kind. Triangles about it share vertices, stand at equal
+/// places, continue planes and edges, or carry on the other mesh; with `is_fast` all of A passes B in the frame.
+pub fn meshes(kind: &str, is_fast: bool, r: &mut Rng) -> [Moving; 2] {
+    let both = make(kind, (3, 3), r);
+    let mut all = [&both[..3], &both[3..]].map(|paths| Moving {
+        paths: paths.to_vec(),
+        triangles: vec![[0, 1, 2]],
+    });
+    // Most triangles about the query are apart at the begin, so that they do not hide the query.
+    let hides = |all: &[Moving; 2]| {
+        let begin = |m: &Moving| Moving {
+            paths: m.paths.iter().map(|p| [p[0]; 2]).collect(),
+            triangles: m.triangles.clone(),
+        };
+        matches!(first_contact(&begin(&all[0]), &begin(&all[1])), Truth::Start)
+    };
+    let is_start = hides(&all);
+    for k in 0..2 {
+        for _ in 0..2 + r.below(6) {
+            let mut grown = all.clone();
+            grow(&mut grown[k], &all[1 - k].paths, r);
+            if is_start || r.chance(0.02) || !hides(&grown) {
+                all = grown;
+            }
+        }
+    }
+    if is_fast {
+        let way = add(
+            *r.pick(&both[3..].iter().map(|p| p[1]).collect::<Vec<_>>()),
+            both[0][0],
+            -1.0,
+        );
+        for path in &mut all[0].paths {
+            path[1] = add(path[0], way, 4.0);
+        }
+    }
+    all
+}
+
+/// Adds a triangle at an edge, with a vertex of its own.
+fn grow(mesh: &mut Moving, other: &[Path], r: &mut Rng) {
+    let [mut i, mut j, k] = *r.pick(&mesh.triangles);
+    let own = |v: u32| mesh.paths[v as usize];
+    let combined = |p: Path, q: Path, s: Path, x: f64| [0, 1].map(|t| add(add(p[t], q[t], 1.0), s[t], -x));
+    let path = match r.below(6) {
+        // The parallelogram: in the plane of the triangle, on the lattice of its numbers.
+        0 | 1 => combined(own(i), own(j), own(k), 1.0),
+        // A vertex where another one is.
+        2 => own(k),
+        3 => *r.pick(other),
+        // Away from the plane, with the velocity of a vertex.
+        4 => {
+            let off = add(*r.pick(&own(j)), own(k)[0], -1.0);
+            own(i).map(|p| add(p, [off[1], off[2], off[0]], 1.0))
+        }
+        _ => combined(own(i), *r.pick(other), own(j), 1.0),
+    };
+    if r.chance(0.5) {
+        (i, j) = (j, i);
+    }
+    mesh.paths.push(path);
+    mesh.triangles.push([i, j, mesh.paths.len() as u32 - 1]);
 }

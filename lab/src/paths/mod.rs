@@ -6,7 +6,10 @@
 //! are asked for their signs, at roots that Sturm sequences isolate.
 
 pub mod families;
+mod meshes;
 mod sturm;
+
+pub use meshes::{Moving, first_contact, self_contact};
 
 use crate::Point;
 use crate::rational::exact;
@@ -28,10 +31,20 @@ pub enum Truth {
     At(RBig, RBig),
 }
 
-type Moving = [Poly; 3];
+impl Truth {
+    fn or_earlier(self, next: Self) -> Self {
+        match (&self, &next) {
+            (Self::Start, _) | (_, Self::Apart) => self,
+            (Self::At(low, _), Self::At(other, _)) if low <= other => self,
+            _ => next,
+        }
+    }
+}
+
+type Vector = [Poly; 3];
 
 /// The paths over the integers.
-fn moving(paths: &[Path]) -> Vec<Moving> {
+fn moving(paths: &[Path]) -> Vec<Vector> {
     let most = paths
         .iter()
         .flatten()
@@ -53,13 +66,13 @@ fn moving(paths: &[Path]) -> Vec<Moving> {
 }
 
 /// Twice the area of the shadow of three points along an axis.
-fn area(axis: usize, [a, b, c]: [&Moving; 3]) -> Poly {
+fn area(axis: usize, [a, b, c]: [&Vector; 3]) -> Poly {
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
-    let d = |p: &Moving, k: usize| p[k].minus(&a[k]);
+    let d = |p: &Vector, k: usize| p[k].minus(&a[k]);
     d(b, i).times(&d(c, j)).minus(&d(b, j).times(&d(c, i)))
 }
 
-fn volume([a, b, c, d]: [&Moving; 4]) -> Poly {
+fn volume([a, b, c, d]: [&Vector; 4]) -> Poly {
     let e = |k: usize| d[k].minus(&a[k]);
     let along = |k: usize| area(k, [a, b, c]).times(&e(k));
     along(0).plus(&along(1)).plus(&along(2))
@@ -76,7 +89,7 @@ struct Question {
 }
 
 /// For each axis three areas; for each coordinate the differences of the vertex from the three corners.
-fn of_face(m: &[Moving]) -> Question {
+fn of_face(m: &[Vector]) -> Question {
     let (p, t) = (&m[0], [&m[1], &m[2], &m[3]]);
     let mut signs = vec![volume([p, t[0], t[1], t[2]])];
     for axis in 0..3 {
@@ -96,7 +109,7 @@ fn of_face(m: &[Moving]) -> Question {
 }
 
 /// For each axis four areas; for each coordinate the four differences of the ends of both edges.
-fn of_edges(m: &[Moving]) -> Question {
+fn of_edges(m: &[Vector]) -> Question {
     let [a, b, c, d] = [&m[0], &m[1], &m[2], &m[3]];
     let mut signs = vec![volume([a, b, c, d])];
     for axis in 0..3 {
@@ -177,11 +190,7 @@ pub fn triangles(a: &[Path; 3], b: &[Path; 3]) -> Truth {
             all.push(edge_edge(&[a[k], a[(k + 1) % 3], b[j], b[(j + 1) % 3]]));
         }
     }
-    all.into_iter().fold(Truth::Apart, |first, next| match (&first, &next) {
-        (Truth::Start, _) | (_, Truth::Apart) => first,
-        (Truth::At(low, _), Truth::At(other, _)) if low <= other => first,
-        _ => next,
-    })
+    all.into_iter().fold(Truth::Apart, Truth::or_earlier)
 }
 
 /// Whether an edge of `a` passes from one side of `b` to the other within it, at time zero.

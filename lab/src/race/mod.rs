@@ -69,22 +69,27 @@ impl Options {
     }
 }
 
-/// Results as CSV: scene, shape, number of vertices or bodies, engine, nanoseconds.
+/// Results as CSV: scene, shape, number of vertices or bodies, engine, and nanoseconds or another unit.
 #[derive(Debug)]
 pub struct Rows {
     text: String,
 }
 
 impl Default for Rows {
-    /// Returns a table without rows.
+    /// Returns a table of nanoseconds without rows.
     fn default() -> Self {
-        Self {
-            text: "scene,shape,n,engine,ns\n".into(),
-        }
+        Self::of("ns")
     }
 }
 
 impl Rows {
+    /// Returns a table without rows whose results are of this unit.
+    pub fn of(unit: &str) -> Self {
+        Self {
+            text: format!("scene,shape,n,engine,{unit}\n"),
+        }
+    }
+
     /// One result with so many digits behind the point.
     pub fn push(&mut self, (scene, shape, n): (&str, &str, usize), engine: &str, ns: f64, digits: usize) {
         let _ = writeln!(self.text, "{scene},{shape},{n},{engine},{ns:.digits$}");

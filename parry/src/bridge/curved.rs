@@ -4,7 +4,7 @@
 //! engine kept is tried first. The solver starts along that normal.
 
 use lin_canny::nalgebra::{Unit, Vector3};
-use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, PairTracker, RelativePose};
+use lin_canny::{ContactPoint, Manifold, ManifoldOptions, PairTracker, RelativePose};
 
 use super::dispatcher::ContactOptions;
 use super::far::Planes;
@@ -53,7 +53,7 @@ pub(super) fn write<M, C: Default + Copy>(
     (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
     let mut manifold = Manifold::new();
     let mut tracker = match hint(out, &of_a) {
-        Some((normal, class)) => PairTracker::starting_along(&normal, class, &of_a.shape, &of_b.shape),
+        Some(normal) => PairTracker::starting_along(&normal, &of_a.shape, &of_b.shape),
         None => PairTracker::new(),
     };
     let mut ask = |chosen: &ManifoldOptions, manifold: &mut Manifold| {
@@ -93,12 +93,8 @@ pub(super) fn write<M, C: Default + Copy>(
     true
 }
 
-/// Returns the normal of the contacts that were kept, in the frame of the shape of [`lin_canny`], and
-/// whether the shapes overlapped.
-fn hint<M, C>(kept: &ContactManifold<M, C>, a: &Placed) -> Option<(Unit<Vector3<f64>>, Class)> {
+/// Returns the normal of the contacts that were kept, in the frame of the shape of [`lin_canny`].
+fn hint<M, C>(kept: &ContactManifold<M, C>, a: &Placed) -> Option<Unit<Vector3<f64>>> {
     kept.points.first()?;
-    let is_deep = kept.points.iter().any(|p| p.dist < 0.0);
-    let class = if is_deep { Class::Overlapping } else { Class::Separated };
-    let normal = Unit::try_new(a.at.rotation.inverse_transform_vector(&wide(kept.local_n1)), 0.5)?;
-    Some((normal, class))
+    Unit::try_new(a.at.rotation.inverse_transform_vector(&wide(kept.local_n1)), 0.5)
 }

@@ -100,4 +100,4 @@ pub(crate) const CLOSED_FORM: f64 = 256.0;
 /// (10). Errors of the double-double direction itself are below `2^-17` UNIT, as `CLOSED_FORM`
 /// leaves a distance only where its error is below a quarter of a unit in the last place.
 #[cfg(feature = "exact")]
-pub(crate) const CLEARLY: f64 = 128.0 * UNIT;
+pub(crate) const CLEAR_SIGN: f64 = 128.0 * UNIT;

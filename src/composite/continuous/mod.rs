@@ -68,14 +68,18 @@
 //! 2. A hit is proven, not only not excluded: there is no tolerance that makes false hits.
 //! 3. Touching is decided, by isolated roots over the integers.
 
+mod arcs;
 #[cfg(feature = "exact")]
 mod exact;
+mod frame;
+mod height_field;
 mod meshes;
 mod pair;
 pub(crate) mod paths;
 mod search;
 
-pub use meshes::{MeshOverFrame, meshes, self_contact};
+pub use frame::MeshOverFrame;
+pub use meshes::{meshes, self_contact};
 pub use paths::Path;
 
 use nalgebra::{Point3, Unit, Vector3};

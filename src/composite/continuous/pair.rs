@@ -2,7 +2,7 @@
 
 use super::paths::{Path, VertexPaths};
 use super::search::{FirstContact, LEAST_WIDTH, SearchWork, first_contact, search};
-use crate::base::tuning::composite::{PATH_INTERVALS, TRIANGLE_INTERVALS};
+use crate::base::tuning::composite::TRIANGLE_INTERVALS;
 use crate::composite::meet::triangle::Triangle;
 
 /// Returns the first contact of a vertex and a face, in a bracket at most `width` wide if rounding
@@ -125,27 +125,19 @@ fn elements(a: &[Path; 3], b: &[Path; 3]) -> impl Iterator<Item = Elements> {
 /// Triangles apart at time zero first meet where a vertex meets a face or two edges meet: at the
 /// first contact a plane supports both, and what they share lies in that plane.
 pub(super) fn triangles(a: &[Path; 3], b: &[Path; 3], width: f64, work: &mut SearchWork) -> FirstContact {
-    triangles_until((a, b), 0.0, (1.0, width), work)
+    triangles_until((a, b), (1.0, width), work)
 }
 
 /// Returns the first contact of two triangles as [`triangles`] does, and misses after `until` as
-/// well. For paths that may be off by a `slack` together, only that they are apart is proven.
+/// well.
 pub(super) fn triangles_until(
     (a, b): (&[Path; 3], &[Path; 3]),
-    slack: f64,
     (until, width): (f64, f64),
     work: &mut SearchWork,
 ) -> FirstContact {
     let Some(paths) = VertexPaths::new(a, b) else {
-        return if slack > 0.0 {
-            FirstContact::Open { safe: 0.0 }
-        } else {
-            FirstContact::Start
-        };
+        return FirstContact::Start;
     };
-    if slack > 0.0 {
-        return search(&paths.within(slack), until, PATH_INTERVALS, work, |_, _, _| None);
-    }
     let FirstContact::Open { safe } = search(&paths, until, TRIANGLE_INTERVALS, work, |_, _, _| None) else {
         return FirstContact::Miss;
     };

@@ -112,7 +112,7 @@ pub(crate) fn place([begin, end]: &[Vector3<f64>; 2], time: f64) -> Vector3<f64>
 /// Returns the sum of the magnitudes of a direction's coordinates; zero if it is no direction to
 /// use.
 #[inline(always)]
-fn size(n: &Vector3<f64>) -> f64 {
+pub(super) fn size(n: &Vector3<f64>) -> f64 {
     let size = n.x.abs() + n.y.abs() + n.z.abs();
     // Beside such directions, products that underflow do not count.
     if size > PATH_DIRECTION && size < 1.0 / PATH_DIRECTION {

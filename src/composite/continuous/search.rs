@@ -104,7 +104,7 @@ where
 
 /// Returns whether a direction proves the pair apart between two instants, or the four vertices
 /// are never in one plane.
-fn is_free<const A: usize, const B: usize>(
+pub(super) fn is_free<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
     [s, e]: [f64; 2],
     both: [&VertexPlaces<A, B>; 2],

@@ -258,6 +258,20 @@ impl InTreeOrder {
         watch.stage("tree", Some(given.len()))?;
         let (tree, order) = Tree::split(points, given, LEAF, watch);
         watch.stage("boxes", Some(tree.len()))?;
+        let mut new = Self::arranged(tree, order, points, given);
+        new.tree.fit(&new.points, &new.triangles, 0.0, watch);
+        Ok(new)
+    }
+
+    /// Makes the upper part of a tree anew, over triangles in its order.
+    pub(super) fn with_new_top(tree: &Tree, points: &[Vector3<f64>], given: &[[u32; 3]]) -> Self {
+        let (tree, order, fresh) = tree.with_new_top(points, given);
+        let mut new = Self::arranged(tree, order, points, given);
+        new.tree.fit_again(&new.points, &new.triangles, &fresh);
+        new
+    }
+
+    fn arranged(tree: Tree, order: Vec<u32>, points: &[Vector3<f64>], given: &[[u32; 3]]) -> Self {
         let mut new = Self {
             tree,
             points: Vec::new(),
@@ -271,8 +285,7 @@ impl InTreeOrder {
             new.triangles.push(corners);
         }
         new.points = new.source.iter().map(|&v| points[v as usize]).collect();
-        new.tree.fit(&new.points, &new.triangles, 0.0, watch);
-        Ok(new)
+        new
     }
 
     /// Returns the caller's index of each triangle, from those in the order before.

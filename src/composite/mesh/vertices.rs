@@ -14,10 +14,10 @@ use super::weld::Units;
 use super::{Mesh, VertexError};
 use crate::base::notice::progress::Watch;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
-use crate::base::num::scalar::sqrt;
+use crate::base::num::scalar::{greater, lesser, sqrt};
 use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN, PLACE_MAX, UNIT};
-use crate::base::tuning::composite::{GROWN, SHRUNK, STATES};
-use crate::body::polyhedron::{bounding_box, power_of_two};
+use crate::base::tuning::composite::{COUNT_PATH, GROWN, LOOSE, REBUILD_WORK, SHRUNK, STATES};
+use crate::body::polyhedron::power_of_two;
 use crate::composite::tree::{Paths, Refit};
 
 /// Why the vertices of a mesh cannot be replaced: its triangles would not be the same body.
@@ -37,6 +37,12 @@ pub(super) struct Bending {
     /// The vertices as built, by number.
     pub(super) built: Vec<Point3<f64>>,
     refit: Refit,
+    /// How many boxes held points of the surface when the tree was made.
+    held: u64,
+    /// The path of the tree beyond which boxes are counted.
+    tight_until: u64,
+    /// Vertices given since the tree was made.
+    given: usize,
     /// Of the mesh as built.
     lineage: Fingerprint,
     /// Of the mesh before its last replacements.
@@ -61,6 +67,9 @@ impl Bending {
             built: order.iter().map(|&v| mesh.given(&mesh.points[v as usize])).collect(),
             order,
             refit: Refit::new(&mesh.tree, &mesh.points, &mesh.triangles),
+            held: mesh.tree.held(&mesh.points, &mesh.triangles),
+            tight_until: Paths::units(COUNT_PATH).map_or(0, u64::from),
+            given: 0,
             lineage: mesh.fingerprint,
             past: [mesh.fingerprint; STATES],
             replacements: 0,
@@ -123,11 +132,19 @@ impl Mesh {
     /// mesh whose last few replacements it has not seen. The [report](Self::report) remains that of
     /// the build.
     ///
-    /// The tree is fitted to the vertices, not made anew: if the mesh is folded so that other parts
-    /// are near each other, queries take longer until [`rebuild`](Self::rebuild) makes another
-    /// tree; so do flush contacts of large flat parts, which only a new tree proves at once. If a
-    /// mesh has moved, grown or shrunk by twice its size and more, trackers begin anew. The first
-    /// call makes what later ones need.
+    /// The tree is fitted to the vertices. Its upper part is made anew, over parts of up to 64
+    /// triangles, once the tree has become loose: if a quarter more of its boxes hold points of the
+    /// surface than when it was made, as of a sheet that is rolled up. Boxes are counted each time
+    /// the vertices have moved by some hundredths of the size of the mesh, and not before all
+    /// vertices have been replaced 16 times since the last tree was made. So a call now and then
+    /// takes some ten times as long as others, and trackers begin anew after it; when, is settled
+    /// by the vertices given alone, not by queries. A
+    /// [`MeshOverFrame`](crate::continuous::MeshOverFrame) needs the same tree at both ends: after
+    /// such a call its begin is a clone of the mesh that is given the vertices of before.
+    ///
+    /// Flush contacts of large flat parts take longer until [`rebuild`](Self::rebuild) makes a
+    /// whole new tree. If a mesh has moved, grown or shrunk by twice its size and more, trackers
+    /// begin anew. The first call makes what later ones need.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -204,29 +221,55 @@ impl Mesh {
         }
         let mut bending = match self.bending.take() {
             Some(bending) => bending,
-            None => Box::new(Bending::new(self)),
+            // The tree of the build may be made anew at once.
+            None => Box::new(Bending {
+                given: REBUILD_WORK * count,
+                ..Bending::new(self)
+            }),
         };
         let result = self.replace(&mut bending, first, vertices);
+        bending.given = bending.given.saturating_add(vertices.len());
+        let is_loose = self.is_loose(&mut bending);
         self.bending = Some(bending);
+        if is_loose {
+            self.take_tree(InTreeOrder::with_new_top(&self.tree, &self.points, &self.triangles));
+        }
         result
     }
 
-    /// Makes the tree of the mesh anew, for vertices that were replaced: in the time of a build.
-    /// Trackers begin anew. Does nothing for a mesh whose vertices never were.
+    /// Returns whether the tree has become loose: counted if vertices have moved far since the last
+    /// count, and the tree has served for some time.
+    fn is_loose(&self, bending: &mut Bending) -> bool {
+        let is_early = bending.given < REBUILD_WORK * self.vertex_count();
+        if is_early || self.tree.paths.total < bending.tight_until {
+            return false;
+        }
+        bending.tight_until = self.tree.paths.total + Paths::units(COUNT_PATH).map_or(0, u64::from);
+        self.tree.held(&self.points, &self.triangles) as f64 > LOOSE * bending.held as f64
+    }
+
+    /// Makes the whole tree of the mesh anew, for vertices that were replaced: in the time of a
+    /// build. Trackers begin anew. Does nothing for a mesh whose vertices never were.
     ///
-    /// When it pays is told by the work of queries: `bounds` of
-    /// [`PairTracker::work`](crate::PairTracker::work), for each query, beside what they were after
-    /// the last build at a like distance. Sheets that wave, tori that are twisted by half a turn
-    /// and crumpled ones hardly have more bounds than with a new tree, a folded sheet has three
-    /// times as many. The areas of boxes are no measure: those of a crumpled torus grow by far, and
-    /// its queries do not. No tree is made anew by itself.
+    /// [`set_vertices`](Self::set_vertices) makes the upper part anew once it is loose. A whole new
+    /// tree pays if the mesh stays nearly as it is for many queries, and for flush contacts of
+    /// large flat parts. If the mesh goes on to bend, the tree of the build may be better: triangles near
+    /// each other on the surface remain so, those of layers that slide on each other do not.
     pub fn rebuild(&mut self) {
-        let Some(bending) = self.bending.take() else { return };
+        if self.bending.is_none() {
+            return;
+        }
         // A build that is not watched is not stopped.
         let Ok(new) = InTreeOrder::new(&self.points, &self.triangles, &mut Watch::none()) else {
-            self.bending = Some(bending);
             return;
         };
+        self.take_tree(new);
+    }
+
+    /// Takes another tree over the same triangles, as they are now. No state of a tracker is
+    /// recognised any more.
+    fn take_tree(&mut self, new: InTreeOrder) {
+        let Some(bending) = self.bending.take() else { return };
         self.source_triangles = new.sources(&self.source_triangles);
         self.source_points = new.source.iter().map(|&v| self.source_points[v as usize]).collect();
         let vertices = self.part_vertices.iter_mut().flatten();
@@ -254,30 +297,18 @@ impl Mesh {
 
     /// Takes vertices that exist and are finite.
     fn replace(&mut self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
-        let replaced = &bending.order[first..first + vertices.len()];
-        let (next, stored) = (&mut bending.next, power_of_two(-self.exponent));
-        next.clone_from(&self.points);
-        for (&v, p) in replaced.iter().zip(vertices) {
-            if p.coords.amax() > PLACE_MAX {
-                return Err(VertexError::OutOfRange {
-                    extent: p.coords.amax(),
-                });
-            }
-            next[v as usize] = p.coords * stored;
-        }
-        let (low, high) = bounding_box(next.iter());
-        let extent = (high - low).max() * self.unit();
+        self.place(bending, first, vertices)?;
+        let moves = self.moves(bending);
+        let extent = (moves.high - moves.low).max() * self.unit();
         if !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
             return Err(VertexError::OutOfRange { extent });
         }
-        let units = Units::of(&((high - low) * self.unit()));
-        let is_near = self.steps(bending, &low, &high) && units.exponent == self.exponent;
-        if is_near && bending.steps.iter().all(|s| *s == 0) {
+        let units = Units::of(&((moves.high - moves.low) * self.unit()));
+        let is_near = self.is_near(&moves) && units.exponent == self.exponent;
+        if is_near && moves.longest == 0 {
             return Ok(0.0);
         }
-        let square = |(p, q): (&Vector3<f64>, &Vector3<f64>)| (q - p).norm_squared();
-        let moved = self.points.iter().zip(&bending.next).map(square).fold(0.0, f64::max);
-        let moved = sqrt(moved) * (1.0 + 8.0 * UNIT) * self.unit();
+        let moved = sqrt(moves.square) * (1.0 + 8.0 * UNIT) * self.unit();
         let before = self.fingerprint;
         self.fingerprint = Bending::fingerprint(before, first, vertices);
         self.take_points(bending, &units);
@@ -286,43 +317,89 @@ impl Mesh {
             bending.replacements += 1;
         } else {
             bending.past.fill(self.fingerprint);
-            bending.steps.clear();
-            bending.steps.resize(self.points.len(), 1);
+            bending.steps.fill(1);
             self.tree.centre_on(&self.low, &self.high);
+            bending.tight_until = 0;
         }
         self.tree
             .refit(&mut bending.refit, &self.points, &self.triangles, &bending.steps);
         Ok(moved)
     }
 
-    /// Finds how far each vertex moves to its next place. Returns whether the next places, between
-    /// two corners, are near enough to the tree's origin, and far enough apart, for the unit of the
-    /// tree.
-    fn steps(&self, bending: &mut Bending, low: &Vector3<f64>, high: &Vector3<f64>) -> bool {
-        let scale = 1.0 / self.tree.unit();
-        bending.steps.clear();
-        for (p, q) in self.points.iter().zip(&bending.next) {
-            let Some(step) = Paths::units(sqrt((q - p).norm_squared()) * scale) else {
-                return false;
-            };
-            bending.steps.push(step);
+    /// Sets the next points.
+    fn place(&self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
+        let replaced = &bending.order[first..first + vertices.len()];
+        let (next, stored) = (&mut bending.next, power_of_two(-self.exponent));
+        if vertices.len() < self.points.len() || next.len() < self.points.len() {
+            next.clone_from(&self.points);
         }
+        for (&v, p) in replaced.iter().zip(vertices) {
+            if p.coords.amax() > PLACE_MAX {
+                return Err(VertexError::OutOfRange {
+                    extent: p.coords.amax(),
+                });
+            }
+            next[v as usize] = p.coords * stored;
+        }
+        Ok(())
+    }
+
+    /// Finds how far each vertex moves to its next place.
+    fn moves(&self, bending: &mut Bending) -> Moves {
+        let scale = 1.0 / self.tree.unit();
+        let start = Vector3::repeat(f64::INFINITY);
+        let mut moves = Moves {
+            low: start,
+            high: -start,
+            square: 0.0,
+            longest: 0,
+        };
+        bending.steps.resize(self.points.len(), 0);
+        for ((p, q), step) in self.points.iter().zip(&bending.next).zip(&mut bending.steps) {
+            let square = (q - p).norm_squared();
+            // Too long a step is longer than all others, and of no use.
+            *step = Paths::units(sqrt(square) * scale).unwrap_or(u32::MAX);
+            moves.longest = moves.longest.max(*step);
+            moves.square = greater(moves.square, square);
+            moves.low = moves.low.zip_map(q, lesser);
+            moves.high = moves.high.zip_map(q, greater);
+        }
+        moves
+    }
+
+    /// Returns whether the next places are near enough to the tree's origin, and far enough apart,
+    /// for the unit of the tree.
+    fn is_near(&self, moves: &Moves) -> bool {
+        let (low, high, scale) = (moves.low, moves.high, 1.0 / self.tree.unit());
         let farthest = (low - self.tree.centre).abs().sup(&(high - self.tree.centre).abs());
         let half = sqrt(((high - low) * 0.5).norm_squared()) * scale;
-        farthest.amax() * scale < GROWN && half > SHRUNK
+        moves.longest < u32::MAX && farthest.amax() * scale < GROWN && half > SHRUNK
     }
 
     /// Makes the next points those of the mesh.
     fn take_points(&mut self, bending: &mut Bending, units: &Units) {
         core::mem::swap(&mut self.points, &mut bending.next);
         let ratio = power_of_two((self.exponent - units.exponent).clamp(-1000, 1000));
-        let mut square = 0.0f64;
+        let start = Vector3::repeat(f64::INFINITY);
+        let (mut low, mut high, mut square) = (start, -start, 0.0f64);
         for p in &mut self.points {
             *p = p.map(|x| units.flushed(x * ratio));
-            square = square.max(p.norm_squared());
+            square = greater(square, p.norm_squared());
+            (low, high) = (low.zip_map(p, lesser), high.zip_map(p, greater));
         }
         self.exponent = units.exponent;
         self.radius = sqrt(square) * (1.0 + 4.0 * UNIT);
-        (self.low, self.high) = bounding_box(&self.points);
+        (self.low, self.high) = (low, high);
     }
+}
+
+/// How points move to their next places, in stored coordinates.
+struct Moves {
+    /// The corners of the box about the next places.
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+    /// The square of the longest move.
+    square: f64,
+    /// The longest step, in units of a path.
+    longest: u32,
 }

@@ -5,8 +5,9 @@ use nalgebra::Vector3;
 use wide::{f32x4, f32x8, f64x8};
 
 use super::OrientedBox;
-use crate::base::num::scalar::sqrt;
-use crate::base::tolerance::{BOX_SKEW, UNIT_SINGLE};
+use super::axes::BoxAxes;
+use crate::base::num::scalar::{greater, sqrt};
+use crate::base::tolerance::UNIT_SINGLE;
 
 /// Boxes fitted at once.
 pub(super) const LANES: usize = 8;
@@ -15,6 +16,9 @@ pub(super) const LANES: usize = 8;
 pub(super) const NARROW: f64 = 1.0 / (1u64 << 40) as f64;
 
 type Lanes = [f32x8; 3];
+/// Axes of eight boxes by axis, coordinate and lane.
+pub(super) type StoredAxes = [[[f32; LANES]; 3]; 3];
+
 type Columns = [[f64x8; 3]; 3];
 
 /// The places of the vertices in the tree's coordinates, in single precision: by vertex and by
@@ -28,19 +32,24 @@ pub(super) struct Places {
 impl Places {
     /// Takes the places; returns an upper bound of their distances from the tree's origin.
     pub(super) fn take(&mut self, points: &[Vector3<f64>], centre: &Vector3<f64>, scale: f64) -> f64 {
-        self.rows.clear();
-        self.columns.iter_mut().for_each(Vec::clear);
+        self.rows.resize(points.len(), f32x4::ZERO);
+        self.columns.iter_mut().for_each(|c| c.resize(points.len(), 0.0));
+        let [xs, ys, zs] = &mut self.columns;
+        let columns = xs.iter_mut().zip(ys).zip(zs);
         let mut farthest = 0.0f64;
-        for p in points {
+        for ((p, row), ((x, y), z)) in points.iter().zip(&mut self.rows).zip(columns) {
             let place = (p - centre) * scale;
-            farthest = farthest.max(place.norm_squared());
-            let [x, y, z] = [place.x as f32, place.y as f32, place.z as f32];
-            self.rows.push(f32x4::new([x, y, z, 0.0]));
-            for (column, x) in self.columns.iter_mut().zip([x, y, z]) {
-                column.push(x);
-            }
+            farthest = greater(farthest, place.norm_squared());
+            (*x, *y, *z) = (place.x as f32, place.y as f32, place.z as f32);
+            *row = f32x4::new([*x, *y, *z, 0.0]);
         }
         sqrt(farthest) * (1.0 + UNIT_SINGLE)
+    }
+
+    /// Returns the heights of a vertex along three axes.
+    #[inline(always)]
+    pub(super) fn heights_of(&self, vertex: u32, axes: &BoxAxes) -> f32x4 {
+        axes.heights(self.rows[vertex as usize])
     }
 
     /// Returns the places of eight vertices.
@@ -56,40 +65,53 @@ impl Places {
     }
 
     /// Returns the least and greatest heights of consecutive vertices and of others.
-    fn heights(&self, own: core::ops::Range<usize>, others: &[u32], axes: &[[f32; 3]; 3]) -> ([f32; 3], [f32; 3]) {
-        let (mut low, mut high) = ([f32x8::splat(f32::MAX); 3], [f32x8::splat(-f32::MAX); 3]);
-        let mut take = |[x, y, z]: Lanes| {
-            for k in 0..3 {
-                let h = x * f32x8::splat(axes[k][0]) + y * f32x8::splat(axes[k][1]) + z * f32x8::splat(axes[k][2]);
-                (low[k], high[k]) = (low[k].fast_min(h), high[k].fast_max(h));
-            }
-        };
+    fn heights(&self, own: core::ops::Range<usize>, others: &[u32], axes: &BoxAxes) -> (f32x4, f32x4) {
         let [xs, ys, zs] = [0, 1, 2].map(|k| self.columns[k][own.clone()].as_chunks::<LANES>());
-        for ((x, y), z) in xs.0.iter().zip(ys.0).zip(zs.0) {
-            take([f32x8::new(*x), f32x8::new(*y), f32x8::new(*z)]);
-        }
-        // The last ones again in the lanes that are left.
         let rest = own.end - xs.1.len()..own.end;
-        if let Some(&last) = rest.clone().last().as_ref() {
-            take(self.gather(&core::array::from_fn(|k| (rest.start + k).min(last) as u32)));
+        let start = (f32x4::splat(f32::MAX), f32x4::splat(-f32::MAX));
+        let singly = rest.map(|v| v as u32).chain(others.iter().copied());
+        let (low, high) = singly.fold(start, |(low, high), v| {
+            let h = self.heights_of(v, axes);
+            (low.fast_min(h), high.fast_max(h))
+        });
+        if xs.0.is_empty() {
+            return (low, high);
         }
-        for eight in others.chunks(LANES) {
-            take(self.gather(&core::array::from_fn(|k| eight[k.min(eight.len() - 1)])));
+        let (mut lows, mut highs) = ([f32x8::splat(f32::MAX); 3], [f32x8::splat(-f32::MAX); 3]);
+        for ((x, y), z) in xs.0.iter().zip(ys.0).zip(zs.0) {
+            let [x, y, z] = [x, y, z].map(|c| f32x8::new(*c));
+            for (k, axis) in axes.rows.iter().enumerate() {
+                let h = x * f32x8::splat(axis[0]) + y * f32x8::splat(axis[1]) + z * f32x8::splat(axis[2]);
+                (lows[k], highs[k]) = (lows[k].fast_min(h), highs[k].fast_max(h));
+            }
         }
         (
-            low.map(|v| v.to_array().into_iter().fold(f32::MAX, f32::min)),
-            high.map(|v| v.to_array().into_iter().fold(-f32::MAX, f32::max)),
+            low.fast_min(across(lows, f32x4::fast_min)),
+            high.fast_max(across(highs, f32x4::fast_max)),
         )
     }
 }
 
-/// Where the vertices of eight nodes stand.
-#[derive(Clone, Debug)]
-pub(super) enum Below8 {
-    /// Of small nodes: the first and the last round of a list, one vertex of each node a round.
-    Rounds(u32, u32),
-    /// Of large ones, for each node: consecutive vertices, and the first and last of a list.
-    Ranges([[u32; 4]; LANES]),
+/// Returns the least or the greatest of the lanes of each of three.
+#[inline(always)]
+fn across(of: Lanes, better: impl Fn(f32x4, f32x4) -> f32x4) -> f32x4 {
+    let halves = of.map(|v| {
+        let [a, b, c, d, e, f, g, h] = v.to_array();
+        better(f32x4::new([a, b, c, d]), f32x4::new([e, f, g, h]))
+    });
+    let [p, q, r, s] = f32x4::transpose([halves[0], halves[1], halves[2], f32x4::ZERO]);
+    better(better(p, q), better(r, s))
+}
+
+/// Where the vertices of a node stand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VerticesBelow {
+    /// Consecutive ones, from one number to the next.
+    pub(super) own: [u32; 2],
+    /// The others, as part of a list.
+    pub(super) others: [u32; 2],
+    /// Of a group, the number after the last node below it.
+    pub(super) end: u32,
 }
 
 /// Eight nodes as they were when their tree was made.
@@ -100,48 +122,31 @@ pub(super) struct EightAtRest {
     pub(super) three: [[u32; LANES]; 3],
     /// The rotation from the frame of the three to the axes, as quaternions; zero if there is none.
     pub(super) rotation: [[f32; LANES]; 4],
-    pub(super) below: Below8,
+    pub(super) below: [VerticesBelow; LANES],
 }
 
 impl EightAtRest {
-    /// Fits the boxes of the nodes to the places of their vertices; heights err by `slack`. Returns
-    /// how far the boxes reach from the tree's origin.
-    pub(super) fn fit(
-        &self,
-        places: &Places,
-        (rounds, others): (&[[u32; LANES]], &[u32]),
-        slack: f32,
-        boxes: &mut [OrientedBox],
-    ) -> f32 {
-        let axes = self.stored_axes(places, boxes);
-        let lanes: [Lanes; 3] = axes.map(|axis| axis.map(f32x8::new));
-        let (low, high) = match &self.below {
-            Below8::Rounds(first, last) => heights(places, &rounds[*first as usize..*last as usize], &lanes),
-            Below8::Ranges(ranges) => {
-                let (mut low, mut high) = ([[0.0; LANES]; 3], [[0.0; LANES]; 3]);
-                for (lane, &[first, last, from, to]) in ranges.iter().enumerate() {
-                    let own = first as usize..last as usize;
-                    let axes = axes.map(|axis| axis.map(|x| x[lane]));
-                    let found = places.heights(own, &others[from as usize..to as usize], &axes);
-                    for k in 0..3 {
-                        (low[k][lane], high[k][lane]) = (found.0[k], found.1[k]);
-                    }
-                }
-                (low.map(f32x8::new), high.map(f32x8::new))
-            }
-        };
-        let fitted = FittedEight::new(lanes, low, high, slack);
-        self.nodes
-            .iter()
-            .enumerate()
-            .for_each(|(lane, &node)| boxes[node as usize] = fitted.of(lane));
-        fitted.reach()
+    /// Fits the boxes of the nodes to the places of their vertices, of which `others` lists those
+    /// that are not consecutive; heights err by `slack`. Returns how far the boxes reach from the
+    /// tree's origin.
+    pub(super) fn fit(&self, places: &Places, others: &[u32], slack: f32, boxes: &mut [OrientedBox]) -> f32 {
+        let (axes, mut reach) = (self.stored_axes(places, boxes), 0.0f32);
+        for (lane, below) in self.below.iter().enumerate() {
+            let axes = BoxAxes::new(axes.map(|axis| axis.map(|x| x[lane])));
+            let own = below.own[0] as usize..below.own[1] as usize;
+            let others = &others[below.others[0] as usize..below.others[1] as usize];
+            let (low, high) = places.heights(own, others, &axes);
+            let fitted = axes.fitted(low, high, slack);
+            reach = reach.max(fitted.reach());
+            boxes[self.nodes[lane] as usize] = fitted;
+        }
+        reach
     }
 
     /// Returns the axes as they are stored, by axis, coordinate and lane: turned with the three
     /// vertices, or as they were if these have no frame now.
     #[inline(always)]
-    fn stored_axes(&self, places: &Places, boxes: &[OrientedBox]) -> [[[f32; LANES]; 3]; 3] {
+    pub(super) fn stored_axes(&self, places: &Places, boxes: &[OrientedBox]) -> StoredAxes {
         let (axes, exists) = self.axes(places);
         let mut stored = axes.map(|axis| axis.map(|x| x.to_array().map(|x| x as f32)));
         for lane in (0..LANES).filter(|lane| !exists[*lane]) {
@@ -181,94 +186,6 @@ impl EightAtRest {
         ];
         let axes = rotated.map(|[p, q, r]| core::array::from_fn(|k| e[k] * p + f[k] * q + n[k] * r));
         (axes, exists)
-    }
-}
-
-/// Returns the least and greatest heights of the vertices of eight nodes, one of each a round.
-#[inline(always)]
-fn heights(places: &Places, rounds: &[[u32; LANES]], axes: &[Lanes; 3]) -> (Lanes, Lanes) {
-    let (mut low, mut high) = ([f32x8::splat(f32::MAX); 3], [f32x8::splat(-f32::MAX); 3]);
-    for vertices in rounds {
-        let [x, y, z] = places.gather(vertices);
-        for k in 0..3 {
-            let h = x * axes[k][0] + y * axes[k][1] + z * axes[k][2];
-            (low[k], high[k]) = (low[k].fast_min(h), high[k].fast_max(h));
-        }
-    }
-    (low, high)
-}
-
-/// Eight boxes by component.
-struct FittedEight {
-    axes: [[[f32; LANES]; 3]; 3],
-    centre: [[f32; LANES]; 3],
-    half: [[f32; LANES]; 3],
-    radius: [f32; LANES],
-}
-
-impl FittedEight {
-    /// Returns boxes that hold all points whose heights along the axes as stored are at least `low`
-    /// and at most `high`, up to `slack`, the longest side first.
-    ///
-    /// Heights `h` about the centre are the coordinates `s` of a point, `p = sum of s_k axis_k`, up
-    /// to the products of the axes: `h = G s` with the matrix G of products, which is the unit
-    /// matrix up to `e = 8 UNIT_SINGLE` in every place. So `|s_k - h_k| <= e sum |s_j|`, and `sum
-    /// |s_j| <= sum |h_j| / (1 - 3 e)`; `|p|^2 = s . G s <= (1 + 3 e) |s|^2`. The last factors hold
-    /// the roundings of the sums of positive numbers.
-    #[inline(always)]
-    fn new(mut axes: [Lanes; 3], mut low: Lanes, mut high: Lanes, slack: f32) -> Self {
-        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
-            let swaps = (high[j] - low[j]).simd_gt(high[i] - low[i]);
-            let swap = |p: &mut f32x8, q: &mut f32x8| (*p, *q) = (swaps.select(*q, *p), swaps.select(*p, *q));
-            let (first, second) = axes.split_at_mut(j);
-            for (p, q) in first[i].iter_mut().zip(&mut second[0]) {
-                swap(p, q);
-            }
-            for side in [&mut low, &mut high] {
-                let (first, second) = side.split_at_mut(j);
-                swap(&mut first[i], &mut second[0]);
-            }
-        }
-        let middle = |k: usize| (low[k] + high[k]) * f32x8::splat(0.5);
-        let (p, q, r) = (middle(0), middle(1), middle(2));
-        let centre: Lanes = core::array::from_fn(|k| axes[0][k] * p + axes[1][k] * q + axes[2][k] * r);
-        let reach: Lanes = core::array::from_fn(|k| {
-            let at = axes[k][0] * centre[0] + axes[k][1] * centre[1] + axes[k][2] * centre[2];
-            (high[k] - at).fast_max(at - low[k]) + f32x8::splat(slack)
-        });
-        let skew = (reach[0] + reach[1] + reach[2]) * f32x8::splat(BOX_SKEW as f32);
-        let up = f32x8::splat(1.0 + 8.0 * f32::EPSILON);
-        let half = reach.map(|h| (h + skew) * up);
-        let square = half[0] * half[0] + half[1] * half[1] + half[2] * half[2];
-        let radius = square.sqrt() * f32x8::splat(1.0 + 3.0 * BOX_SKEW as f32) * up;
-        Self {
-            axes: axes.map(|axis| axis.map(|x| x.to_array())),
-            centre: centre.map(|x| x.to_array()),
-            half: half.map(|x| x.to_array()),
-            radius: radius.to_array(),
-        }
-    }
-
-    /// Returns one of the boxes.
-    #[inline(always)]
-    fn of(&self, k: usize) -> OrientedBox {
-        let ([x, y, z], [p, q, r], [a, b, c]) = (self.axes, self.centre, self.half);
-        OrientedBox {
-            rows: [
-                [x[0][k], x[1][k], x[2][k], y[0][k]],
-                [y[1][k], y[2][k], z[0][k], z[1][k]],
-                [z[2][k], p[k], q[k], r[k]],
-                [a[k], b[k], c[k], self.radius[k]],
-            ],
-        }
-    }
-
-    /// Returns how far the boxes reach from the tree's origin, up to rounding.
-    #[inline(always)]
-    fn reach(&self) -> f32 {
-        let [x, y, z] = self.centre.map(f32x8::new);
-        let reach = (x * x + y * y + z * z).sqrt() + f32x8::new(self.radius);
-        reach.to_array().into_iter().fold(0.0, f32::max)
     }
 }
 

@@ -74,13 +74,7 @@ impl Tree {
         error: f64,
         watch: &mut Watch<'_>,
     ) {
-        let scale = crate::body::polyhedron::power_of_two(-self.exponent);
-        let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
-        // The rounding of the shift to the tree's origin.
-        let farthest = points.iter().fold(self.centre.amax(), |m, p| m.max(p.amax()));
-        let slack = BOX_EXTENT * (1.0 + farthest * scale) + error * scale;
-        let farthest = points.iter().fold(0.0, |m: f64, p| m.max(p.norm_squared()));
-        let vertices = Vertices::new(places, points, SLAB_HEIGHT * sqrt(farthest) + error, items);
+        let (vertices, slack) = self.vertices(points, items, error);
         let ranges = self.ranges();
         self.nearest = vec![u32::MAX; ranges.len()];
         for (node, &range) in ranges.iter().enumerate().take_while(|(node, _)| watch.done(*node)) {
@@ -94,6 +88,40 @@ impl Tree {
             self.nearest = Vec::new();
         }
         self.slabs.shrink_to_fit();
+        self.set_reach();
+    }
+
+    /// Sets the extents of the boxes of some nodes as [`fit`](Self::fit) does, of a tree without
+    /// slabs.
+    pub(crate) fn fit_again<I: AsRef<[u32]>>(&mut self, points: &[Vector3<f64>], items: &[I], nodes: &[u32]) {
+        let (vertices, slack) = self.vertices(points, items, 0.0);
+        let ranges = self.ranges();
+        self.nearest = vec![u32::MAX; ranges.len()];
+        for &node in nodes {
+            self.fit_node(node as usize, ranges[node as usize], &vertices, slack);
+        }
+        (self.slabs, self.nearest) = (Vec::new(), Vec::new());
+        self.set_reach();
+    }
+
+    /// Returns vertices in the tree's coordinates, and by how much they may be off.
+    fn vertices<'a, I: AsRef<[u32]>>(
+        &self,
+        points: &'a [Vector3<f64>],
+        items: &'a [I],
+        error: f64,
+    ) -> (Vertices<'a, I>, f64) {
+        let scale = crate::body::polyhedron::power_of_two(-self.exponent);
+        let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
+        // The rounding of the shift to the tree's origin.
+        let farthest = points.iter().fold(self.centre.amax(), |m, p| m.max(p.amax()));
+        let slack = BOX_EXTENT * (1.0 + farthest * scale) + error * scale;
+        let farthest = points.iter().fold(0.0, |m: f64, p| m.max(p.norm_squared()));
+        let doubt = SLAB_HEIGHT * sqrt(farthest) + error;
+        (Vertices::new(places, points, doubt, items), slack)
+    }
+
+    fn set_reach(&mut self) {
         let reach = |b: &OrientedBox| sqrt(b.centre().norm_squared()) + f64::from(b.radius());
         let reach = self.boxes.iter().map(reach).fold(0.0, f64::max);
         self.reach = up(reach * (1.0 + 8.0 * UNIT));

@@ -4,13 +4,17 @@
 //! the surface is oblique, an oriented one only as thick as the surface is curved: near contact the
 //! first cost pairs in proportion to size over gap, the second its logarithm.
 
+mod axes;
 mod eigen;
 mod eight;
 mod fit;
+mod group;
 pub(in crate::composite) mod height;
+mod looseness;
 pub(in crate::composite) mod maximum;
 mod refit;
 mod split;
+mod top;
 pub(super) use fit::up;
 pub(super) use refit::{Paths, Refit};
 
@@ -69,6 +73,13 @@ impl OrientedBox {
         let around = sqrt(f64::from(square)) as f32 * (1.0 + 16.0 * f32::EPSILON);
         let [x, y, z, _] = self.rows[0];
         (around, [x * long, y * long, z * long])
+    }
+
+    /// Returns how far the box reaches from the tree's origin, up to rounding.
+    #[inline(always)]
+    pub(super) fn reach(&self) -> f32 {
+        let [_, x, y, z] = self.rows[2];
+        sqrt(f64::from(x * x + y * y + z * z)) as f32 + self.radius()
     }
 
     /// Returns an eighth of the surface of the box.

@@ -3,7 +3,8 @@
 //! Order and links of the tree stay. A node keeps three of its vertices that are far from each
 //! other; its axes turn as the triangle of the three turns, and extents are taken of all vertices
 //! below the node, never of the boxes of its children: boxes about boxes grow by a half at each
-//! level. Only nodes with a vertex that moved are fitted anew.
+//! level. Small nodes have the axes of the root of their group. Only nodes with a vertex that moved
+//! are fitted anew.
 //!
 //! Source: refitting of bounding volumes: van den Bergen 1997; the frame of three vertices is ours.
 
@@ -12,11 +13,12 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-use super::eight::{Below8, EightAtRest, LANES, NARROW, Places};
-use super::{Below, Tree, up};
+use super::eight::{EightAtRest, LANES, NARROW, Places, VerticesBelow};
+use super::group::{GroupCorners, GroupFit};
+use super::{Below, OrientedBox, Tree, up};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
-use crate::base::tuning::composite::SMALL_NODE;
+use crate::base::tuning::composite::{FAR_SAMPLES, GROUP};
 
 /// One length of the tree in units of a path.
 const PATH_UNITS: f64 = (1u32 << 24) as f64;
@@ -59,42 +61,29 @@ impl Paths {
     }
 }
 
-/// A node as it was when the tree was made.
+/// A node that has axes of its own, as it was when the tree was made.
 struct NodeAtRest {
     number: u32,
-    /// The vertices that triangles below the node use first: from one number to the next.
+    items: (usize, usize),
     own: [u32; 2],
-    /// All others.
+    /// Its vertices that triangles before it use.
     others: Vec<u32>,
+    /// The number after the last node below it, of the root of a group; zero for larger nodes.
+    end: u32,
     three: [u32; 3],
     /// The rotation from the frame of the three to the axes.
     rotation: [f32; 4],
 }
 
-impl NodeAtRest {
-    fn count(&self) -> usize {
-        (self.own[1] - self.own[0]) as usize + self.others.len()
-    }
-
-    /// Returns the vertices of a round: the last one again beyond the last.
-    fn vertex(&self, round: usize) -> u32 {
-        let own = (self.own[1] - self.own[0]) as usize;
-        let round = round.min(self.count() - 1);
-        if round < own {
-            self.own[0] + round as u32
-        } else {
-            self.others[round - own]
-        }
-    }
-}
-
 /// What fits the boxes of a tree to other places of the same vertices.
 #[derive(Clone, Debug)]
 pub(crate) struct Refit {
+    /// Large nodes, then the roots of groups.
     eights: Arc<[EightAtRest]>,
-    /// Vertices of small nodes by rounds, and those of large ones.
-    rounds: Arc<[[u32; LANES]]>,
+    /// How many of these are of large nodes.
+    large: usize,
     others: Arc<[u32]>,
+    corners: GroupCorners,
     places: Places,
     /// The longest step of a vertex below each node.
     steps: Vec<u32>,
@@ -109,41 +98,65 @@ impl Refit {
             most = item.iter().fold(most, |m, &v| m.max(v + 1));
             before.push(most);
         }
-        let at_rest = |(node, (first, last)): (usize, (usize, usize))| {
-            let own = [before[first], before[last]];
-            let items = &items[first..last];
-            let mut others: Vec<u32> = items.iter().flatten().copied().filter(|v| *v < own[0]).collect();
-            others.sort_unstable();
-            others.dedup();
-            let three = far_apart(points, items);
-            let axes = [0, 1].map(|k| tree.boxes[node].axis(k));
-            let turned = frame_of(three.map(|v| points[v as usize])).and_then(|frame| rotation_of(&frame, axes));
-            NodeAtRest {
-                number: node as u32,
-                own,
-                others,
-                three,
-                rotation: turned.unwrap_or_default(),
+        let (mut large, mut groups) = (Vec::new(), Vec::new());
+        let (ranges, mut stack) = (tree.ranges(), vec![0]);
+        while let Some(node) = stack.pop() {
+            let (first, last) = ranges[node as usize];
+            let at_rest = node_at_rest(
+                tree,
+                points,
+                (node, (first, last), [before[first], before[last]]),
+                items,
+            );
+            if at_rest.end > 0 {
+                groups.push(at_rest);
+                continue;
             }
-        };
-        let mut nodes: Vec<NodeAtRest> = tree.ranges().into_iter().enumerate().map(at_rest).collect();
-        // Nodes of like numbers of vertices side by side, else in the order of the tree.
-        nodes.sort_by_key(|n| {
-            if n.count() > SMALL_NODE {
-                usize::MAX
-            } else {
-                n.count().div_ceil(2)
+            large.push(at_rest);
+            if let Below::Children(c) = tree.below(node) {
+                stack.extend([c + 1, c]);
             }
-        });
-        let mut refit = Lists::default();
-        nodes.chunks(LANES).for_each(|eight| refit.push(eight));
+        }
+        let of_group = |g: &'_ NodeAtRest| (g.items, g.own, g.others.clone());
+        let corners = GroupCorners::new(items, groups.iter().map(of_group));
+        let mut others = Vec::new();
+        let mut eights: Vec<_> = large
+            .chunks(LANES)
+            .map(|eight| eight_at_rest(eight, &mut others))
+            .collect();
+        let large = eights.len();
+        eights.extend(groups.chunks(LANES).map(|eight| eight_at_rest(eight, &mut others)));
         Self {
-            eights: refit.eights.into(),
-            rounds: refit.rounds.into(),
-            others: refit.others.into(),
+            eights: eights.into(),
+            large,
+            others: others.into(),
+            corners,
             places: Places::default(),
             steps: Vec::new(),
         }
+    }
+
+    /// Fits the boxes of a tree, which are lent, to the places; heights err by `slack`. Returns how
+    /// far those reach that were fitted from the tree's origin, and whether all were.
+    fn fit(&self, tree: &Tree, slack: f32, boxes: &mut [OrientedBox]) -> (f32, bool) {
+        let (mut reach, mut is_whole) = (0.0f32, true);
+        let groups = GroupFit {
+            tree,
+            places: &self.places,
+            corners: &self.corners,
+            others: &self.others,
+            slack,
+        };
+        for (k, eight) in self.eights.iter().enumerate() {
+            if eight.nodes.iter().all(|node| self.steps[*node as usize] == 0) {
+                is_whole = false;
+            } else if k < self.large {
+                reach = reach.max(eight.fit(&self.places, &self.others, slack, boxes));
+            } else {
+                reach = reach.max(groups.fit(eight, boxes));
+            }
+        }
+        (up(f64::from(reach) * (1.0 + 8.0 * UNIT_SINGLE)), is_whole)
     }
 
     /// Sets the longest step of every node, by the steps of the vertices.
@@ -162,38 +175,48 @@ impl Refit {
     }
 }
 
-/// What a [`Refit`] keeps of its nodes, while it is made.
-#[derive(Default)]
-struct Lists {
-    eights: Vec<EightAtRest>,
-    rounds: Vec<[u32; LANES]>,
-    others: Vec<u32>,
+/// Returns a node with its items and consecutive vertices as it is.
+fn node_at_rest(
+    tree: &Tree,
+    points: &[Vector3<f64>],
+    (number, items, own): (u32, (usize, usize), [u32; 2]),
+    all: &[[u32; 3]],
+) -> NodeAtRest {
+    let below = &all[items.0..items.1];
+    let mut others: Vec<u32> = below.iter().flatten().copied().filter(|v| *v < own[0]).collect();
+    others.sort_unstable();
+    others.dedup();
+    let three = far_apart(points, below);
+    let axes = [0, 1].map(|k| tree.boxes[number as usize].axis(k));
+    let turned = frame_of(three.map(|v| points[v as usize])).and_then(|frame| rotation_of(&frame, axes));
+    let is_group = below.len() <= GROUP;
+    NodeAtRest {
+        number,
+        items,
+        own,
+        others,
+        end: if is_group { tree.last_below(number) + 1 } else { 0 },
+        three,
+        rotation: turned.unwrap_or_default(),
+    }
 }
 
-impl Lists {
-    /// Adds up to eight nodes; the last one stands in the lanes that are left.
-    fn push(&mut self, nodes: &[NodeAtRest]) {
-        let node = |lane: usize| &nodes[lane.min(nodes.len() - 1)];
-        let most = nodes.iter().map(NodeAtRest::count).max().unwrap_or(0);
-        let below = if most > SMALL_NODE {
-            Below8::Ranges(core::array::from_fn(|lane| {
-                let from = self.others.len() as u32;
-                self.others.extend(&node(lane).others);
-                let [first, last] = node(lane).own;
-                [first, last, from, self.others.len() as u32]
-            }))
-        } else {
-            let first = self.rounds.len() as u32;
-            let round = |k: usize| core::array::from_fn(|lane| node(lane).vertex(k));
-            self.rounds.extend((0..most).map(round));
-            Below8::Rounds(first, self.rounds.len() as u32)
-        };
-        self.eights.push(EightAtRest {
-            nodes: core::array::from_fn(|lane| node(lane).number),
-            three: [0, 1, 2].map(|k| core::array::from_fn(|lane| node(lane).three[k])),
-            rotation: [0, 1, 2, 3].map(|k| core::array::from_fn(|lane| node(lane).rotation[k])),
-            below,
-        });
+/// Returns up to eight nodes side by side; the last one stands in the lanes that are left.
+fn eight_at_rest(nodes: &[NodeAtRest], others: &mut Vec<u32>) -> EightAtRest {
+    let node = |lane: usize| &nodes[lane.min(nodes.len() - 1)];
+    EightAtRest {
+        nodes: core::array::from_fn(|lane| node(lane).number),
+        three: [0, 1, 2].map(|k| core::array::from_fn(|lane| node(lane).three[k])),
+        rotation: [0, 1, 2, 3].map(|k| core::array::from_fn(|lane| node(lane).rotation[k])),
+        below: core::array::from_fn(|lane| {
+            let from = others.len() as u32;
+            others.extend(&node(lane).others);
+            VerticesBelow {
+                own: node(lane).own,
+                others: [from, others.len() as u32],
+                end: node(lane).end,
+            }
+        }),
     }
 }
 
@@ -209,9 +232,9 @@ impl Tree {
     /// far each vertex has moved, in units of a path. Slabs are dropped.
     pub(crate) fn refit(&mut self, refit: &mut Refit, points: &[Vector3<f64>], items: &[[u32; 3]], steps: &[u32]) {
         let scale = crate::body::polyhedron::power_of_two(-self.exponent);
-        let farthest = points.iter().fold(self.centre.amax(), |m, p| m.max(p.amax()));
         let far = refit.places.take(points, &self.centre, scale);
-        let slack = up(BOX_EXTENT * (1.0 + far + farthest * scale) + REFIT_HEIGHT * far);
+        // Coordinates are at most those of the origin and `far`.
+        let slack = up(BOX_EXTENT * (1.0 + 2.0 * far + self.centre.amax() * scale) + REFIT_HEIGHT * far);
         refit.spread_steps(self, steps, items);
         (self.slabs, self.nearest) = (Vec::new(), Vec::new());
         self.paths.of_node.resize(self.links.len(), 0);
@@ -219,23 +242,18 @@ impl Tree {
         for (path, step) in self.paths.of_node.iter_mut().zip(&refit.steps) {
             *path = path.wrapping_add(*step);
         }
-        let (mut reach, mut is_whole) = (0.0f32, true);
-        for eight in refit.eights.iter() {
-            if eight.nodes.iter().all(|node| refit.steps[*node as usize] == 0) {
-                is_whole = false;
-                continue;
-            }
-            let lists = (&refit.rounds[..], &refit.others[..]);
-            reach = reach.max(eight.fit(&refit.places, lists, slack, &mut self.boxes));
-        }
-        let reach = up(f64::from(reach) * (1.0 + 8.0 * UNIT_SINGLE));
+        let mut boxes = core::mem::take(&mut self.boxes);
+        let (reach, is_whole) = refit.fit(self, slack, &mut boxes);
+        self.boxes = boxes;
         self.reach = if is_whole { reach } else { reach.max(self.reach) };
     }
 }
 
-/// Returns a vertex, the farthest from it, and the farthest from the line of both.
+/// Returns a vertex, the farthest from it, and the farthest from the line of both, among those of
+/// some of the items.
 fn far_apart(points: &[Vector3<f64>], items: &[[u32; 3]]) -> [u32; 3] {
-    let all = || items.iter().flatten().copied();
+    let step = items.len().div_ceil(FAR_SAMPLES).max(1);
+    let all = || items.iter().step_by(step).flatten().copied();
     let at = |v: u32| points[v as usize];
     let start = all().next().unwrap_or(0);
     let farthest = |of: &dyn Fn(u32) -> f64| {

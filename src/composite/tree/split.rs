@@ -39,27 +39,7 @@ impl Tree {
         let used = given.iter().flat_map(|i| i.as_ref()).map(|&v| &points[v as usize]);
         let (low, high) = bounding_box(used);
         let (centre, exponent) = Self::place_of(&low, &high);
-        let mut splitter = Splitter {
-            points,
-            given,
-            most,
-            centre,
-            scale: power_of_two(-exponent),
-            items: Vec::with_capacity(given.len()),
-            tree: Self {
-                centre,
-                exponent,
-                boxes: Vec::with_capacity(given.len()),
-                links: Vec::with_capacity(given.len()),
-                ..Self::default()
-            },
-        };
-        splitter.collect();
-        splitter.run(watch);
-        let order = splitter.items.iter().map(|i| i.number).collect();
-        splitter.tree.boxes.shrink_to_fit();
-        splitter.tree.links.shrink_to_fit();
-        (splitter.tree, order)
+        Splitter::new((centre, exponent), points, given, most).divided(watch)
     }
 
     /// Returns the origin and the exponent of the unit of a tree over points between two corners.
@@ -71,7 +51,7 @@ impl Tree {
     }
 }
 
-struct Splitter<'a, I> {
+pub(super) struct Splitter<'a, I> {
     points: &'a [Vector3<f64>],
     given: &'a [I],
     most: usize,
@@ -81,7 +61,43 @@ struct Splitter<'a, I> {
     tree: Tree,
 }
 
-impl<I: AsRef<[u32]>> Splitter<'_, I> {
+impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
+    /// Takes points and items, and the origin and the exponent of the unit of the tree.
+    pub(super) fn new(
+        (centre, exponent): (Vector3<f64>, i32),
+        points: &'a [Vector3<f64>],
+        given: &'a [I],
+        most: usize,
+    ) -> Self {
+        Self {
+            points,
+            given,
+            most,
+            centre,
+            scale: power_of_two(-exponent),
+            items: Vec::new(),
+            tree: Tree {
+                centre,
+                exponent,
+                ..Tree::default()
+            },
+        }
+    }
+
+    /// Divides the items: the tree, with axes and without extents, and their order.
+    pub(super) fn divided(mut self, watch: &mut Watch<'_>) -> (Tree, Vec<u32>) {
+        let count = self.given.len();
+        self.items.reserve_exact(count);
+        self.tree.boxes.reserve(count);
+        self.tree.links.reserve(count);
+        self.collect();
+        self.run(watch);
+        let order = self.items.iter().map(|i| i.number).collect();
+        self.tree.boxes.shrink_to_fit();
+        self.tree.links.shrink_to_fit();
+        (self.tree, order)
+    }
+
     fn corners(&self, item: u32) -> impl Iterator<Item = Vector3<f64>> + Clone + '_ {
         let place = |v: &u32| (self.points[*v as usize] - self.centre) * self.scale;
         self.given[item as usize].as_ref().iter().map(place)

@@ -12,7 +12,7 @@ use crate::body::shape::{Core, Shape};
 use crate::convex::replay::Replay;
 use crate::convex::smooth;
 use crate::convex::tracker::{Totals, Tracker};
-use crate::pair::outcome::{Accuracy, Class, Outcome, Until};
+use crate::pair::outcome::{Accuracy, Outcome, Until};
 pub(crate) use face::{along_face, swapped};
 
 /// Closest features of the last answer of one pair of shapes, from which the next query starts.
@@ -35,10 +35,10 @@ impl ShapeTracker {
     }
 
     /// Returns a tracker whose first query of two shapes of which one is curved starts along a
-    /// direction from A to B, in the frame of A, as after an answer of a class.
-    pub(crate) fn along(n: &Vector3<f64>, class: Class) -> Self {
+    /// direction from A to B, in the frame of A.
+    pub(crate) fn along(n: &Vector3<f64>) -> Self {
         Self {
-            curved: smooth::WarmStart::along(n, class),
+            curved: smooth::WarmStart::along(n),
             ..Self::default()
         }
     }

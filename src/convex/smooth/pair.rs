@@ -35,19 +35,14 @@ pub(crate) struct WarmStart {
     turn: Vec3<f64>,
     #[cfg_attr(feature = "serde", serde(default))]
     before: Vec3<f64>,
-    /// Whether the start is told to be that of an overlap.
-    #[cfg_attr(feature = "serde", serde(default))]
-    is_deep: bool,
 }
 
 impl WarmStart {
     /// Returns a start along a direction from A to B, in the frame of A, of which no branches are
-    /// known: the supports along it stand for them. After an overlap a local depth is searched
-    /// first.
-    pub(crate) fn along(n: &Vector3<f64>, class: Class) -> Self {
+    /// known: the supports along it stand for them.
+    pub(crate) fn along(n: &Vector3<f64>) -> Self {
         Self {
             start: Some(((*n).into(), BranchSet::default())),
-            is_deep: class == Class::Overlapping,
             ..Self::default()
         }
     }
@@ -92,7 +87,6 @@ impl WarmStart {
         self.before = self.turn;
         self.turn = self.start.map_or([0.0; 3], |(before, _)| sub(&n, &before));
         self.start = Some((n, set));
-        self.is_deep = false;
     }
 }
 
@@ -199,17 +193,12 @@ pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
     let mut best = ProvenBounds::new();
     let (mut solver, mut set) = (Solver::Walk, None);
     let start = memory.start().map(|(n, set)| (n, set.or_about(&posed, n)));
-    let mut deep = |known: &ProvenBounds<f64>, corners| {
+    let deep = |known: &ProvenBounds<f64>, corners| {
         let proven = deepen(&posed, known, corners, setting.until, &mut outcome);
         set = proven.or(set);
         proven.is_some()
     };
-    // The depth of a direction alone is seldom proven to be the least.
-    let told = start.filter(|_| memory.is_deep && setting.until == Until::LocalDepth);
-    let ended = match told {
-        Some((n, set)) if deep(&ProvenBounds { n, set, ..best }, None) => Ended::Deep,
-        _ => separate(&posed, start, &mut best, &mut solver, deep),
-    };
+    let ended = separate(&posed, start, &mut best, &mut solver, deep);
     outcome.work.steps += best.evaluations;
     if outcome.solver == Solver::Walk {
         outcome.solver = solver;

@@ -20,7 +20,7 @@ use nalgebra::Vector3;
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, magnitude, root, sqrt};
 use crate::base::pose::Operand;
-use crate::base::tolerance::{CLEARLY, CLOSED_FORM, LEAST_RISE};
+use crate::base::tolerance::{CLEAR_SIGN, CLOSED_FORM, LEAST_RISE};
 use crate::base::tuning::solve::FAN;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::convex::minimum::start::triangle;
@@ -71,7 +71,7 @@ fn vertex_edge<P: OrderedPair>(posed: &PosedPair, pair: &P, p: VertexId, edge: E
     let u = side(body, v, head);
     let (w_near, u_near) = (rounded(&w), rounded(&u));
     let (along, squared) = (w_near.dot(&u_near), u_near.norm_squared());
-    let doubt = CLEARLY * sqrt(squared) * w_near.norm();
+    let doubt = CLEAR_SIGN * sqrt(squared) * w_near.norm();
     if !(along > doubt && squared - along > doubt) {
         return None;
     }
@@ -98,7 +98,7 @@ fn vertex_face<P: OrderedPair>(
     let height = dot(&w, &n);
     let [w_near, e_near, f_near, n_near] = [&w, &e, &f, &n].map(rounded);
     let (lengths, normal) = (e_near.norm() * f_near.norm(), n_near.norm());
-    let doubt = CLEARLY * normal * w_near.norm();
+    let doubt = CLEAR_SIGN * normal * w_near.norm();
     let (beside_f, beside_e) = (n_near.dot(&w_near.cross(&f_near)), n_near.dot(&e_near.cross(&w_near)));
     let inside = beside_f > doubt * f_near.norm()
         && beside_e > doubt * e_near.norm()
@@ -119,7 +119,7 @@ fn edges<P: OrderedPair>(posed: &PosedPair, pair: &P, first: EdgeId, second: Edg
     let height = dot(&w, &n);
     let [w_near, u_near, g_near, n_near] = [&w, &u, &g, &n].map(rounded);
     let (lengths, normal) = (u_near.norm() * g_near.norm(), n_near.norm());
-    let doubt = CLEARLY * normal * w_near.norm();
+    let doubt = CLEAR_SIGN * normal * w_near.norm();
     let (on_u, on_g) = (n_near.dot(&w_near.cross(&g_near)), n_near.dot(&w_near.cross(&u_near)));
     let squared = normal * normal;
     let within = |part: f64, length: f64| part > doubt * length && squared - part > doubt * length;
@@ -175,7 +175,7 @@ fn is_support(body: &ConvexPolyhedron, level: &[VertexId], n: &Vector3<f64>) -> 
         return false;
     }
     let n = n / magnitude(largest);
-    let least = CLEARLY * n.norm();
+    let least = CLEAR_SIGN * n.norm();
     level.iter().all(|&v| {
         let mut falls = body.topology.fan(v).len() <= FAN;
         body.topology.each_leaving(v, |_, to| {

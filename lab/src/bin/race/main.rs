@@ -9,6 +9,7 @@ mod cad;
 mod contact;
 mod curved;
 mod impact;
+mod instructions;
 mod meshes;
 mod pairs;
 mod patches;
@@ -24,7 +25,7 @@ use std::process::ExitCode;
 
 /// Ours against other libraries: closest points of two bodies, of two curved shapes, their contacts,
 /// boxes of many bodies, whole scenes, casts of moving bodies, meshes, segments of planners, curved
-/// surfaces, rays, hulls of points
+/// surfaces, rays, hulls of points; instructions of queries
 #[derive(Parser)]
 struct Command {
     /// Which race
@@ -32,6 +33,9 @@ struct Command {
     race: Race,
     #[command(flatten)]
     options: Options,
+    /// One cell of the instructions, to be asked by itself
+    #[arg(long, hide = true)]
+    cell: Option<String>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -47,13 +51,17 @@ enum Race {
     Patches,
     Rays,
     Hulls,
+    Instructions,
 }
 
 fn main() -> ExitCode {
     lab::command::main(race)
 }
 
-fn race(Command { race, options }: &Command) -> Result<(), String> {
+fn race(Command { race, options, cell }: &Command) -> Result<(), String> {
+    if let Some(cell) = cell {
+        return instructions::run_cell(cell);
+    }
     let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match race {
         Race::Pairs => (pairs::SCENES.into(), pairs::run),
         Race::Curved => (curved::SCENES.into(), curved::run),
@@ -66,6 +74,10 @@ fn race(Command { race, options }: &Command) -> Result<(), String> {
         Race::Patches => (patches::SCENES.into(), patches::run),
         Race::Rays => (rays::SCENES.into(), rays::run),
         Race::Hulls => (points::SCENES.into(), points::run),
+        Race::Instructions => {
+            options.check(&instructions::SCENES)?;
+            return options.save(&instructions::run(options)?);
+        }
     };
     options.check(&scenes)?;
     options.save(&run(options))

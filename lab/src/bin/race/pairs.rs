@@ -29,7 +29,7 @@ struct Body {
 }
 
 /// A pair of bodies and its motion.
-struct Pair {
+pub(crate) struct Pair {
     a: Body,
     b: Body,
     frames: Vec<Frame>,
@@ -37,7 +37,7 @@ struct Pair {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Engine {
+pub(crate) enum Engine {
     Ours,
     Walk,
     Exact,
@@ -54,7 +54,7 @@ impl Engine {
         Engine::ParryDistance,
     ];
 
-    fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Engine::Ours => "ours",
             Engine::Walk => "ours-walk",
@@ -81,7 +81,14 @@ fn body(points: &[Point], with_parry: bool) -> Body {
     }
 }
 
-fn pair(shape: &str, n: usize, degrees: Option<f64>, frames: usize, rng: &mut Rng, with_parry: bool) -> Pair {
+pub(crate) fn pair(
+    shape: &str,
+    n: usize,
+    degrees: Option<f64>,
+    frames: usize,
+    rng: &mut Rng,
+    with_parry: bool,
+) -> Pair {
     let a = body(&workload::points(shape, n, rng), with_parry);
     let b = body(&workload::points(shape, n, rng), with_parry);
     let frames = workload::motion(degrees, frames, rng, |f| {
@@ -100,16 +107,16 @@ fn pair(shape: &str, n: usize, degrees: Option<f64>, frames: usize, rng: &mut Rn
 
 /// What one engine keeps for one pair.
 #[derive(Default)]
-struct State {
+pub(crate) struct State {
     tracker: Tracker,
     gjk: GjkCached,
 }
 
 /// Distance and witnesses in the world, of one frame.
-type Answer = (f64, Point, Point);
+pub(crate) type Answer = (f64, Point, Point);
 
 #[inline(always)]
-fn ask(engine: Engine, pair: &Pair, frame: usize, state: &mut State) -> Answer {
+pub(crate) fn ask(engine: Engine, pair: &Pair, frame: usize, state: &mut State) -> Answer {
     let none = (f64::NAN, [0.0; 3], [0.0; 3]);
     match engine {
         Engine::Ours | Engine::Exact => {
@@ -328,7 +335,7 @@ fn plan() -> Vec<(&'static str, &'static str, usize)> {
     list
 }
 
-fn degrees(scene: &str) -> Option<f64> {
+pub(crate) fn degrees(scene: &str) -> Option<f64> {
     match scene {
         "coherent-0" => Some(0.0),
         "coherent-5" => Some(5.0),

@@ -38,7 +38,7 @@ fn row(part: &'static str, error: Polynomial) -> Bound {
 }
 
 fn clearly(part: &'static str, error: RBig) -> Bound {
-    Bound::whole("CLEARLY", "convex::solve::closed_form", error).case(part)
+    Bound::whole("CLEAR_SIGN", "convex::solve::closed_form", error).case(part)
 }
 
 fn variable(letter: char) -> Polynomial {

@@ -30,8 +30,8 @@ pub(super) const ALL: &[Climb] = &[
         let [u, v] = [20, 23].map(|k| TracedTwice::vector(&x[k..]));
         over_plane(x, [u, closed_form::turned::<Double>(Placed::new(x).rotations, v)])
     }),
-    climb("CLEARLY", "a vertex falls", 26, falls),
-    climb("CLEARLY", "a point beside an edge", 18, |x| {
+    climb("CLEAR_SIGN", "a vertex falls", 26, falls),
+    climb("CLEAR_SIGN", "a point beside an edge", 18, |x| {
         let [a, b, c] = [0, 6, 12].map(|k| between(&x[k..]));
         dot(a, cross(b, c)).error.abs() / (length(a) * length(b) * length(c)) / UNIT
     }),

@@ -1,0 +1,139 @@
+//! How loose a tree has become whose points have moved: how many of its boxes hold a point of the
+//! surface, against how many did when the tree was made.
+//!
+//! A search near a point of the surface goes down into all boxes that hold it. Areas of boxes are
+//! no measure: they also grow where a surface becomes rough, which no other tree mends, and not
+//! where sheets slide into each other. The count is taken of the vertices alone, never of queries.
+
+use alloc::vec;
+use nalgebra::Vector3;
+
+use super::{Below, Tree};
+use crate::base::tuning::composite::{SURFACE_REACH, SURFACE_SAMPLES};
+
+impl Tree {
+    /// Returns how many boxes hold the middles of some of the items, in all.
+    pub(crate) fn held(&self, points: &[Vector3<f64>], items: &[[u32; 3]]) -> u64 {
+        let (samples, scale) = (items.len().min(SURFACE_SAMPLES), 1.0 / self.unit());
+        let (mut held, mut stack) = (0, vec![]);
+        for sample in 0..samples {
+            let item = (2 * sample + 1) * items.len() / (2 * samples);
+            let [a, b, c] = items[item].map(|v| points[v as usize] - self.centre);
+            let middle = ((a + b + c) * (scale / 3.0)).map(|x| x as f32);
+            stack.push(0);
+            while let Some(node) = stack.pop() {
+                if self.holds(node, &middle) {
+                    held += 1;
+                    if let Below::Children(c) = self.below(node) {
+                        stack.extend([c, c + 1]);
+                    }
+                }
+            }
+        }
+        held
+    }
+
+    /// Returns whether a point is in a box, or not far from it, up to rounding.
+    fn holds(&self, node: u32, point: &Vector3<f32>) -> bool {
+        let [[xx, xy, xz, yx], [yy, yz, zx, zy], [zz, cx, cy, cz], [a, b, c, _]] = self.boxes[node as usize].rows;
+        let (x, y, z) = (point.x - cx, point.y - cy, point.z - cz);
+        (xx * x + xy * y + xz * z).abs() <= a + SURFACE_REACH
+            && (yx * x + yy * y + yz * z).abs() <= b + SURFACE_REACH
+            && (zx * x + zy * y + zz * z).abs() <= c + SURFACE_REACH
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use core::f64::consts::TAU;
+    use nalgebra::Point3;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::composite::mesh::Mesh;
+
+    /// A strip of 80 by 20 squares of side 1 / 40 about the origin.
+    fn strip() -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+        let at = |i: u32, j: u32| Point3::new(f64::from(i) / 40.0 - 1.0, f64::from(j) / 40.0, 0.0);
+        let points = (0..=80).flat_map(|i| (0..=20).map(move |j| at(i, j))).collect();
+        let square = |i: u32, j: u32| {
+            let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(k, l)| (i + k) * 21 + j + l);
+            [[a, b, c], [a, c, d]]
+        };
+        (
+            points,
+            (0..80).flat_map(|i| (0..20).flat_map(move |j| square(i, j))).collect(),
+        )
+    }
+
+    /// Rolls up what is beyond x = 0 by so many turns: a spiral whose layers are some way apart.
+    fn rolled(p: &Point3<f64>, turns: f64) -> Point3<f64> {
+        if p.x <= 0.0 || turns == 0.0 {
+            return *p;
+        }
+        let angle = turns * TAU * p.x;
+        let radius = (1.0 + 0.02 * angle) / (turns * TAU);
+        let start = 1.0 / (turns * TAU);
+        Point3::new(radius * angle.sin(), p.y, start - radius * angle.cos())
+    }
+
+    /// Checks that all boxes hold their vertices and that the leaves have every triangle once.
+    fn check(mesh: &Mesh) {
+        let tree = &mesh.tree;
+        let mut next = 0;
+        let mut stack = vec![0];
+        while let Some(node) = stack.pop() {
+            let (first, last) = tree.range(node);
+            let b = &tree.boxes[node as usize];
+            for v in mesh.triangles[first as usize..last as usize].as_flattened() {
+                let d = (mesh.points[*v as usize] - tree.centre) / tree.unit() - b.centre();
+                assert!((0..3).all(|k| b.axis(k).dot(&d).abs() <= b.half()[k] + 1e-6), "{node}");
+            }
+            match tree.below(node) {
+                Below::Children(c) => stack.extend([c + 1, c]),
+                Below::Leaf(first, count) => {
+                    assert_eq!(first, next);
+                    next += count;
+                }
+            }
+        }
+        assert_eq!(next as usize, mesh.triangle_count());
+    }
+
+    #[test]
+    fn a_strip_that_is_rolled_up_gets_another_upper_part() {
+        let (points, triangles) = strip();
+        let mut mesh = Mesh::new(&points, &triangles).unwrap();
+        let mut other = mesh.clone();
+        let mut anew = 0;
+        for frame in 1..=120 {
+            let turns = 4.0 * (f64::from(frame) * core::f64::consts::PI / 120.0).sin();
+            let now: Vec<_> = points.iter().map(|p| rolled(p, turns)).collect();
+            let before = mesh.source_triangles.clone();
+            mesh.set_vertices(&now).unwrap();
+            check(&mesh);
+            anew += u32::from(before != mesh.source_triangles);
+            assert_eq!(mesh.vertices(), now);
+            // The same calls, with a tracker's queries or without: the same bits.
+            other.set_vertices(&now).unwrap();
+            assert!(other.tree == mesh.tree && other.fingerprint == mesh.fingerprint);
+        }
+        assert!((1..=8).contains(&anew), "{anew}");
+    }
+
+    #[test]
+    fn a_mesh_that_moves_as_a_whole_or_waves_keeps_its_tree() {
+        let (points, triangles) = strip();
+        let mut mesh = Mesh::new(&points, &triangles).unwrap();
+        let order = mesh.source_triangles.clone();
+        for frame in 0..100 {
+            let t = f64::from(frame) * 0.05;
+            let moved = |p: &Point3<f64>| Point3::new(p.x + t, p.y, p.z + 0.2 * (5.0 * p.x + t).sin());
+            mesh.set_vertices(&points.iter().map(moved).collect::<Vec<_>>())
+                .unwrap();
+        }
+        assert_eq!(mesh.source_triangles, order);
+        check(&mesh);
+    }
+}
