@@ -64,6 +64,7 @@ impl OverTime<'_> {
 }
 
 impl Separation for OverTime<'_> {
+    #[inline]
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
         match &self.0 {
             Kinds::Polyhedra(pair) => pair.ball(of),
@@ -76,6 +77,7 @@ impl Separation for OverTime<'_> {
         }
     }
 
+    #[inline]
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
         self.asked(|pair| pair.measure(a_from_b))
     }

@@ -152,13 +152,20 @@ impl Course {
     /// the motion.
     #[inline]
     pub(crate) fn is_known(&self) -> bool {
-        // Zero times a finite number is zero, and NaN times any other: no branch a number.
-        let none = |numbers: &[f64]| numbers.iter().fold(0.0, |sum, x| sum + 0.0 * x);
-        let least = |drift: &Drift| drift.0.iter().fold(0.0, |least, d| lesser(least, *d));
-        let vectors = [&self.pivot.coords, &self.linear, &self.angular, &self.acceleration];
-        let vectors = vectors.map(|v| none(v.as_slice()));
-        let bounds = [&self.shift, &self.turn].map(|drift| none(&drift.0) + least(drift));
-        none(&vectors) + (bounds[0] + bounds[1]) == 0.0
+        // Zero times a finite number is zero, and NaN times any other: no branch a number. Two sums
+        // side by side take one instruction a step.
+        let (p, v, w, a) = (&self.pivot.coords, &self.linear, &self.angular, &self.acceleration);
+        let (Drift(s), Drift(t)) = (self.shift, self.turn);
+        let mut sums = [0.0; 2];
+        for [x, y] in [[p.x, p.y], [p.z, v.x], [v.y, v.z], [w.x, w.y], [w.z, a.x], [a.y, a.z]] {
+            sums = [sums[0] + 0.0 * x, sums[1] + 0.0 * y];
+        }
+        let mut least = [0.0; 2];
+        for [x, y] in [[s[0], s[1]], [s[2], s[3]], [t[0], t[1]], [t[2], t[3]]] {
+            sums = [sums[0] + 0.0 * x, sums[1] + 0.0 * y];
+            least = [lesser(least[0], x), lesser(least[1], y)];
+        }
+        (sums[0] + sums[1]) + (least[0] + least[1]) == 0.0
     }
 
     /// Returns the course on a clock with this unit, a power of two.
@@ -213,14 +220,14 @@ pub(crate) fn length(v: &Vector3<f64>) -> f64 {
     if square > SQUARE_MIN && square < 1.0 / SQUARE_MIN {
         return sqrt(square);
     }
+    if v.x == 0.0 && v.y == 0.0 && v.z == 0.0 {
+        return 0.0;
+    }
     length_of_any_size(v)
 }
 
 #[cold]
 fn length_of_any_size(v: &Vector3<f64>) -> f64 {
-    if v.x == 0.0 && v.y == 0.0 && v.z == 0.0 {
-        return 0.0;
-    }
     let unit = magnitude(v.amax());
     unit * sqrt((v / unit).norm_squared())
 }

@@ -5,7 +5,7 @@ use nalgebra::{Isometry3, Vector3};
 use super::straight::cut;
 use super::{Flight, Separation};
 use crate::base::motion::{Course, Drift, length};
-use crate::base::num::scalar::{magnitude, sqrt};
+use crate::base::num::scalar::{greater, magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{BALLS, PLANE, ROOT};
 use crate::base::tuning::separation::ROUNDS;
@@ -70,7 +70,11 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
     // What grows faster than evenly may take half of the gap: as far ahead as that.
     let Drift([_, d1, d2, d3]) = drift;
     let growth = Drift([0.0, d1, d2 + length(&flight.acceleration()) * tick * tick, d3]);
-    let ahead = until_as_far(&growth, 0.5 * (distance - near), span);
+    let ahead = if growth == Drift::default() {
+        span
+    } else {
+        until_as_far(&growth, 0.5 * (distance - near), span)
+    };
     let radius = near + growth.at(ahead);
     let until = until_as_near(&between, &velocity, radius);
     Apart {
@@ -86,7 +90,8 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
 /// origin; infinite if for ever.
 fn until_as_near(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> f64 {
     // Products are of degree four, so lengths and velocities are scaled to about one.
-    let (unit, pace) = (magnitude(from.amax().max(radius)), magnitude(velocity.amax()));
+    let most = |v: &Vector3<f64>| greater(greater(v.x.abs(), v.y.abs()), v.z.abs());
+    let (unit, pace) = (magnitude(greater(most(from), radius)), magnitude(most(velocity)));
     let (from, velocity, radius) = (from / unit, velocity / pace, radius / unit);
     let [above, approach, _, root] = flight_of_ball(&from, &velocity, radius);
     if !(above > 0.0) {
