@@ -2,7 +2,7 @@
 
 use crate::base::notice::log;
 use crate::base::num::count::{Counter, sum_of_counters};
-use crate::base::tuning::tracker::{CLIMBS, ELLIPSOIDS};
+use crate::base::tuning::tracker::{CLIMBS, ELLIPSOIDS, FADING, SAMPLES, TRIALS};
 use crate::pair::outcome::{Solver, Work};
 use crate::pair::world::AnsweredBy;
 
@@ -15,9 +15,12 @@ use crate::pair::world::AnsweredBy;
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub(super) struct Starts {
-    /// Running means in sixteenths of a step.
+    /// Running means in thirty-seconds of a step.
     warm: u16,
     cold: u16,
+    /// Whether the last start was warm.
+    #[cfg_attr(feature = "serde", serde(default))]
+    was_warm: bool,
 }
 
 impl Starts {
@@ -31,19 +34,22 @@ impl Starts {
     #[inline(always)]
     pub(super) fn learn(&mut self, warm: bool, work: &Work) {
         let steps = work.steps + ELLIPSOIDS * work.ellipsoids;
-        let cost = 16 * (steps + if warm { 0 } else { CLIMBS }).min(1000) as u16;
+        let cost = 32 * (steps + if warm { 0 } else { CLIMBS }).min(1000) as u16;
         let (taken, other) = if warm {
             (&mut self.warm, &mut self.cold)
         } else {
             (&mut self.cold, &mut self.warm)
         };
-        // The first cost is the mean; later ones weigh a quarter.
+        // The first cost is the mean. That of a trial of the other way weighs more than later ones,
+        // as the mean is of long ago and has faded: or a trial that fails would be repeated soon.
+        let samples = if warm == self.was_warm { SAMPLES } else { TRIALS };
         *taken = if *taken == 0 {
             cost
         } else {
-            *taken - *taken / 4 + cost / 4
+            *taken - *taken / samples + cost / samples
         };
-        *other -= *other / 128;
+        *other -= *other / FADING;
+        self.was_warm = warm;
     }
 }
 
