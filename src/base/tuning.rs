@@ -230,8 +230,8 @@ pub(crate) mod tracker {
     pub(crate) const TRIALS: u16 = 2;
 
     /// Queries in which the mean of the way not taken fades to some third, so that this way is
-    /// tried again. Means of less than this many thirty-seconds of a step, 8 steps, fade no further:
-    /// ways as cheap differ little. Measured with [`SAMPLES`] of 128 and 256.
+    /// tried again. Means of less than this many thirty-seconds of a step, 8 steps, fade no
+    /// further: ways as cheap differ little. Measured with [`SAMPLES`] of 128 and 256.
     pub(crate) const FADING: u16 = 256;
 
     /// Cost of the direction of two ellipsoids, in steps of the walk. Not measured.

@@ -2,6 +2,7 @@
 //! touching is decided.
 
 mod arcs;
+mod height_fields;
 mod kinds;
 mod meshes;
 

@@ -69,7 +69,7 @@ fn brute(a: [&Soup; 2], b: [&Soup; 2], is_self: bool) -> Option<[f64; 2]> {
 }
 
 /// Judges a cast; returns 0 for a miss, 1 for a start, 2 for a hit.
-fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool, what: &str) -> usize {
+pub(crate) fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool, what: &str) -> usize {
     let truth = brute(a, b, is_self);
     let named = |pieces: [u32; 2]| {
         let [i, j] = pieces.map(|k| k as usize);

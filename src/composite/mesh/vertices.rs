@@ -220,7 +220,7 @@ impl Mesh {
         let mut bending = self.take_bending();
         let result = self.replace(&mut bending, first, vertices);
         bending.given = bending.given.saturating_add(vertices.len());
-        let is_loose = self.is_loose(&mut bending);
+        let is_loose = result.is_ok() && self.is_loose(&mut bending);
         self.bending = Some(bending);
         if is_loose {
             self.take_tree(InTreeOrder::with_new_top(&self.tree, &self.points, &self.triangles));
@@ -271,8 +271,9 @@ impl Mesh {
     ///
     /// [`set_vertices`](Self::set_vertices) makes the upper part anew once it is loose. A whole new
     /// tree pays if the mesh stays nearly as it is for many queries, and for flush contacts of
-    /// large flat parts. If the mesh goes on to bend, the tree of the build may be better: triangles near
-    /// each other on the surface remain so, those of layers that slide on each other do not.
+    /// large flat parts. If the mesh goes on to bend, the tree of the build may be better:
+    /// triangles near each other on the surface remain so, those of layers that slide on each other
+    /// do not.
     pub fn rebuild(&mut self) {
         if self.bending.is_none() {
             return;
