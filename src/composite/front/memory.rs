@@ -210,8 +210,9 @@ impl FrontMemory {
         search.work.failed += self.failed.len() as u64;
     }
 
-    /// Proves entries that failed by the boxes as they are, along the direction that they have: for
-    /// bodies that bend, whose claims lose the paths of all points, in whatever direction.
+    /// Proves entries that failed by the boxes as they are, and leaves by their items, along the
+    /// direction that they have: for bodies that bend, whose claims lose the paths of all points, in
+    /// whatever direction.
     fn hold_by_boxes<J: Judge>(&mut self, search: &mut TreeSearch<J>, level: f32) {
         let (single, trees, front) = (&search.frame.single, (search.a, search.b), &mut self.front);
         let mut left = 0;
@@ -219,12 +220,15 @@ impl FrontMemory {
             let batch: [EntryId; WIDTH] = core::array::from_fn(|k| self.failed[(first + k).min(self.failed.len() - 1)]);
             let count = WIDTH.min(self.failed.len() - first);
             let normals = batch.map(|at| front.normal(single, at));
-            let found = along(single, trees, &batch.map(|at| front.pair(at)), &normals);
+            let pairs = batch.map(|at| front.pair(at));
+            let found = along(single, trees, &pairs, &normals);
             search.work.bounds += count as u64;
             for k in 0..count {
                 let proven = found.gap[k] - single.error;
                 if proven >= level {
                     front.set(single, trees, batch[k], found.normal[k], proven);
+                } else if let Some((n, gap)) = search.by_items(pairs[k], normals[k]) {
+                    front.set(single, trees, batch[k], n, gap);
                 } else {
                     self.failed[left] = batch[k];
                     left += 1;

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::scalar::{greater, lesser};
 use crate::base::tuning::composite::{AT_ONCE, CROWD, FEW_ITEMS};
 use crate::composite::front::{Front, NodePair};
 use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
@@ -351,6 +352,20 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             }
         }
         None
+    }
+
+    /// Tries to prove two leaves along a direction in A's frame, by the items themselves.
+    pub(in crate::composite) fn by_items(&mut self, [x, y]: NodePair, normal: [f32; 3]) -> Option<GapProof> {
+        let (Below::Leaf(i, of_a), Below::Leaf(j, of_b)) = (self.a.below(x), self.b.below(y)) else {
+            return None;
+        };
+        let n = self.own_direction(normal)?;
+        self.work.looks += 1;
+        let low = (j..j + of_b).map(|k| self.judge.lowest_in_b(k, &n.in_b));
+        let high = (i..i + of_a).map(|k| self.judge.highest_in_a(k, &n.in_a));
+        let (low, high) = (low.fold(f64::INFINITY, lesser), high.fold(f64::NEG_INFINITY, greater));
+        let gap = low + n.lift - 2.0 * self.frame.error - high;
+        self.passes(gap).then(|| self.proof(&n.in_a, gap))
     }
 
     /// Returns the direction along which two boxes are parted best.
