@@ -37,7 +37,7 @@ use crate::base::tuning::composite::ALIKE;
 use crate::composite::front::NodePair;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::TreeFrame;
-use crate::composite::meet::search::split_pair;
+use crate::composite::meet::frame::split_pair;
 use crate::composite::pieces::CompositeTracker;
 use crate::composite::placement::Placed;
 use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};

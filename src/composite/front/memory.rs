@@ -211,8 +211,8 @@ impl FrontMemory {
     }
 
     /// Proves entries that failed by the boxes as they are, and leaves by their items, along the
-    /// direction that they have: for bodies that bend, whose claims lose the paths of all points, in
-    /// whatever direction.
+    /// direction that they have: for bodies that bend, whose claims lose the paths of all points,
+    /// in whatever direction.
     fn hold_by_boxes<J: Judge>(&mut self, search: &mut TreeSearch<J>, level: f32) {
         let (single, trees, front) = (&search.frame.single, (search.a, search.b), &mut self.front);
         let mut left = 0;

@@ -7,7 +7,8 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
 use crate::body::polyhedron::power_of_two;
-use crate::composite::tree::{Paths, Tree, up};
+use crate::composite::front::NodePair;
+use crate::composite::tree::{Below, Paths, Tree, up};
 
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]
@@ -224,4 +225,25 @@ pub(in crate::composite) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -
     let distance = length * norm * 16.0;
     let reach = a.radius * power_of_two(a.exponent) + b.radius * power_of_two(b.exponent);
     (distance, distance * (CERTIFICATE * UNIT) + reach, n / norm)
+}
+
+/// Returns the two halves of a pair: of the box with the larger surface, unless that is a leaf. Not
+/// of the longer box: parts of a long thin one may be as long.
+pub(in crate::composite) fn split_pair(
+    (a, b): (&Tree, &Tree),
+    frame: &TreeFrame,
+    [x, y]: NodePair,
+) -> Option<[NodePair; 2]> {
+    let is_a_larger = || {
+        let (of_a, of_b) = (&a.boxes[x as usize], &b.boxes[y as usize]);
+        let (scale_a, scale_b) = (frame.single.scale_a, frame.single.scale_b);
+        of_a.area() * (scale_a * scale_a) >= of_b.area() * (scale_b * scale_b)
+    };
+    match (a.below(x), b.below(y)) {
+        (Below::Children(c), Below::Leaf(..)) => Some([[c, y], [c + 1, y]]),
+        (Below::Leaf(..), Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        (Below::Children(c), Below::Children(_)) if is_a_larger() => Some([[c, y], [c + 1, y]]),
+        (_, Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        _ => None,
+    }
 }

@@ -28,7 +28,7 @@ use crate::base::tuning::composite::{AHEAD_ITEMS, AHEAD_PAIRS, HORIZONS};
 use crate::composite::front::NodePair;
 use crate::composite::front::memory::FrontMemory;
 use crate::composite::meet::bounds::{BoundAim, bounds};
-use crate::composite::meet::search::split_pair;
+use crate::composite::meet::frame::split_pair;
 use crate::composite::meet::state::PosedTrees;
 use crate::composite::parts::Parted;
 use crate::composite::tree::height::height;

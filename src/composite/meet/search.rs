@@ -3,14 +3,13 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use crate::base::num::scalar::{greater, lesser};
 use crate::base::tuning::composite::{AT_ONCE, CROWD, FEW_ITEMS};
 use crate::composite::front::{Front, NodePair};
 use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
-use crate::composite::meet::frame::TreeFrame;
+use crate::composite::meet::frame::{TreeFrame, split_pair};
 use crate::composite::meet::shared::Touching;
+use crate::composite::tree::Tree;
 use crate::composite::tree::height::{height, unit};
-use crate::composite::tree::{Below, Tree};
 use crate::composite::work::MeshWork;
 
 /// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
@@ -356,16 +355,26 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Tries to prove two leaves along a direction in A's frame, by the items themselves.
     pub(in crate::composite) fn by_items(&mut self, [x, y]: NodePair, normal: [f32; 3]) -> Option<GapProof> {
-        let (Below::Leaf(i, of_a), Below::Leaf(j, of_b)) = (self.a.below(x), self.b.below(y)) else {
+        if !(self.a.is_leaf(x) && self.b.is_leaf(y)) {
             return None;
-        };
+        }
         let n = self.own_direction(normal)?;
         self.work.looks += 1;
-        let low = (j..j + of_b).map(|k| self.judge.lowest_in_b(k, &n.in_b));
-        let high = (i..i + of_a).map(|k| self.judge.highest_in_a(k, &n.in_a));
-        let (low, high) = (low.fold(f64::INFINITY, lesser), high.fold(f64::NEG_INFINITY, greater));
+        let (low, high) = (self.lowest(self.b.range(y), &n), self.highest(self.a.range(x), &n));
         let gap = low + n.lift - 2.0 * self.frame.error - high;
         self.passes(gap).then(|| self.proof(&n.in_a, gap))
+    }
+
+    /// Returns the least height of items of B.
+    fn lowest(&self, (first, last): (u32, u32), n: &TriedDirection) -> f64 {
+        (first..last).fold(f64::INFINITY, |low, k| low.min(self.judge.lowest_in_b(k, &n.in_b)))
+    }
+
+    /// Returns the greatest height of items of A.
+    fn highest(&self, (first, last): (u32, u32), n: &TriedDirection) -> f64 {
+        (first..last).fold(f64::NEG_INFINITY, |high, k| {
+            high.max(self.judge.highest_in_a(k, &n.in_a))
+        })
     }
 
     /// Returns the direction along which two boxes are parted best.
@@ -393,17 +402,13 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         let level = self.level() - self.frame.tie;
         let is_short = |gap: f64| gap < level && gap + hidden >= level;
         if is_short(low + lift - high) {
-            if let Some((first, last)) = few(self.b, y) {
-                low = (first..last)
-                    .map(|k| self.judge.lowest_in_b(k, &n.in_b))
-                    .fold(f64::INFINITY, f64::min);
+            if let Some(items) = few(self.b, y) {
+                low = self.lowest(items, n);
             }
             if is_short(low + lift - high)
-                && let Some((first, last)) = few(self.a, x)
+                && let Some(items) = few(self.a, x)
             {
-                high = (first..last)
-                    .map(|k| self.judge.highest_in_a(k, &n.in_a))
-                    .fold(f64::NEG_INFINITY, f64::max);
+                high = self.highest(items, n);
             }
         }
         low + lift - high
@@ -477,27 +482,6 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             }
             None => stack.push(root),
         }
-    }
-}
-
-/// Returns the two halves of a pair: of the box with the larger surface, unless that is a leaf. Not
-/// of the longer box: parts of a long thin one may be as long.
-pub(in crate::composite) fn split_pair(
-    (a, b): (&Tree, &Tree),
-    frame: &TreeFrame,
-    [x, y]: NodePair,
-) -> Option<[NodePair; 2]> {
-    let is_a_larger = || {
-        let (of_a, of_b) = (&a.boxes[x as usize], &b.boxes[y as usize]);
-        let (scale_a, scale_b) = (frame.single.scale_a, frame.single.scale_b);
-        of_a.area() * (scale_a * scale_a) >= of_b.area() * (scale_b * scale_b)
-    };
-    match (a.below(x), b.below(y)) {
-        (Below::Children(c), Below::Leaf(..)) => Some([[c, y], [c + 1, y]]),
-        (Below::Leaf(..), Below::Children(c)) => Some([[x, c], [x, c + 1]]),
-        (Below::Children(c), Below::Children(_)) if is_a_larger() => Some([[c, y], [c + 1, y]]),
-        (_, Below::Children(c)) => Some([[x, c], [x, c + 1]]),
-        _ => None,
     }
 }
 

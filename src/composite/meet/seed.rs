@@ -2,7 +2,8 @@
 
 use crate::base::tuning::composite::AT_ONCE;
 use crate::composite::front::NodePair;
-use crate::composite::meet::search::{Judge, TreeSearch, split_pair};
+use crate::composite::meet::frame::split_pair;
+use crate::composite::meet::search::{Judge, TreeSearch};
 
 impl<J: Judge> TreeSearch<'_, J> {
     /// Finds a close pair of items: the few most promising pairs of nodes, level by level.

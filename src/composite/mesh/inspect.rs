@@ -10,7 +10,7 @@ use crate::base::num::sign;
 use crate::base::pose::RelativePose;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::TreeFrame;
-use crate::composite::meet::search::split_pair;
+use crate::composite::meet::frame::split_pair;
 use crate::composite::parts::Parted;
 use crate::composite::tree::Below;
 

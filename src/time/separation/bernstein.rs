@@ -38,8 +38,8 @@ pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
 pub(super) fn line_positive_until(first: f64, last: f64) -> f64 {
     let margin = BERNSTEIN * greater(first.abs(), last.abs());
     let (first, last) = (first - margin, last - margin);
-    // Written so that NaN ends at zero; an infinite number leaves NaN.
-    if !(first > 0.0 && last - last == 0.0) {
+    // Written so that NaN ends at zero.
+    if !(first > 0.0 && last.is_finite()) {
         0.0
     } else if last >= 0.0 {
         1.0
