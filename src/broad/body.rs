@@ -18,7 +18,7 @@ use super::{Aabb, BodyOptions, Groups};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
-use place::{PlaceContext, checked, fraction, grown, placed};
+use place::{PlaceContext, checked, fraction, grown};
 use record::{LOOSE, NOTED};
 
 pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
@@ -201,19 +201,18 @@ impl Bodies {
     pub(crate) fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
         let i = self.index_of(id)?;
         let context = PlaceContext {
+            origin: &self.origin,
             grid: &self.grid,
             details: &self.details,
             step: self.step,
         };
-        let record = &mut self.records[i];
-        let bounds = match self.grid.axis {
-            0 => placed::<0>(aabb, &self.origin, &self.grid, record.flags()),
-            1 => placed::<1>(aabb, &self.origin, &self.grid, record.flags()),
-            _ => placed::<2>(aabb, &self.origin, &self.grid, record.flags()),
+        let (record, marks) = (&mut self.records[i], &mut self.marks);
+        let placed = match self.grid.axis {
+            0 => context.place::<0>(record, id.index, aabb, marks),
+            1 => context.place::<1>(record, id.index, aabb, marks),
+            _ => context.place::<2>(record, id.index, aabb, marks),
         };
-        let bounds = bounds.map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))?;
-        context.place(record, id.index, bounds, &mut self.marks);
-        Ok(())
+        placed.map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))
     }
 
     /// Returns the stored form of a box that no body has yet; the box must be finite unless the

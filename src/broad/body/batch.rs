@@ -1,11 +1,10 @@
 //! Setting many boxes at once.
 
-use super::place::{PlaceContext, placed};
+use super::place::PlaceContext;
 use super::{Bodies, Marks, Record};
 use crate::broad::parallel::{Threads, ascends, join};
 use crate::broad::slots::is_living;
 use crate::broad::{Aabb, BatchError, BodyId, BroadPhaseError};
-use nalgebra::Point3;
 
 /// A run of records that starts at index `first`.
 struct BodyRun<'a> {
@@ -28,6 +27,7 @@ impl Bodies {
 
     fn set_boxes_in<const AXIS: usize>(&mut self, batch: &[(BodyId, Aabb)], threads: usize) -> Option<BatchError> {
         let context = PlaceContext {
+            origin: &self.origin,
             grid: &self.grid,
             details: &self.details,
             step: self.step,
@@ -42,11 +42,11 @@ impl Bodies {
         if threads > 1 && ascends(batch, |entry| entry.0.index, threads) {
             self.shares.resize_with(threads.max(self.shares.len()), Marks::default);
             let shares = &mut self.shares[..threads];
-            let error = split::<AXIS>(&context, run, batch, &self.origin, shares);
+            let error = split::<AXIS>(&context, run, batch, shares);
             shares.iter_mut().for_each(|share| self.marks.append(share));
             return error;
         }
-        run.apply::<AXIS>(&context, batch, &self.origin, &mut self.marks)
+        run.apply::<AXIS>(&context, batch, &mut self.marks)
     }
 }
 
@@ -56,13 +56,12 @@ fn split<const AXIS: usize>(
     context: &PlaceContext<'_>,
     run: BodyRun<'_>,
     batch: &[(BodyId, Aabb)],
-    origin: &Point3<f64>,
     shares: &mut [Marks],
 ) -> Option<BatchError> {
     let half = batch.len() / 2;
     if shares.len() <= 1 || half == 0 {
         let marks = shares.first_mut()?;
-        return run.apply::<AXIS>(context, batch, origin, marks);
+        return run.apply::<AXIS>(context, batch, marks);
     }
     let (low, high) = batch.split_at(half);
     let border = (high[0].0.index - run.first) as usize;
@@ -82,8 +81,8 @@ fn split<const AXIS: usize>(
     let (shares_low, shares_high) = shares.split_at_mut(shares.len() / 2);
     let (mut error_low, mut error_high) = (None, None);
     join(
-        || error_low = split::<AXIS>(context, run_low, low, origin, shares_low),
-        || error_high = split::<AXIS>(context, run_high, high, origin, shares_high),
+        || error_low = split::<AXIS>(context, run_low, low, shares_low),
+        || error_high = split::<AXIS>(context, run_high, high, shares_high),
     );
     let error_high = error_high.map(|e| BatchError {
         index: e.index + half,
@@ -97,7 +96,6 @@ impl BodyRun<'_> {
         self,
         context: &PlaceContext<'_>,
         batch: &[(BodyId, Aabb)],
-        origin: &Point3<f64>,
         marks: &mut Marks,
     ) -> Option<BatchError> {
         let mut error = None;
@@ -109,15 +107,10 @@ impl BodyRun<'_> {
                 error = BatchError::joined(error, Some(BatchError::one(place, stale)));
                 continue;
             };
-            let bounds = match placed::<AXIS>(aabb, origin, context.grid, record.flags()) {
-                Ok(bounds) => bounds,
-                Err(fault) => {
-                    let fault = BroadPhaseError::from_fault(fault, Some(*id));
-                    error = BatchError::joined(error, Some(BatchError::one(place, fault)));
-                    continue;
-                }
-            };
-            context.place(record, id.index, bounds, marks);
+            if let Err(fault) = context.place::<AXIS>(record, id.index, aabb, marks) {
+                let fault = BroadPhaseError::from_fault(fault, Some(*id));
+                error = BatchError::joined(error, Some(BatchError::one(place, fault)));
+            }
         }
         error
     }

@@ -11,15 +11,45 @@ use wide::f32x4;
 
 /// The input of placing a box, besides the record.
 pub(super) struct PlaceContext<'a> {
+    pub(super) origin: &'a Point3<f64>,
     pub(super) grid: &'a Grid,
     pub(super) details: &'a [BodyDetail],
     pub(super) step: u32,
 }
 
 impl PlaceContext<'_> {
-    /// Stores a new box and notes changes. The common case touches only the record.
+    /// Stores a new box and notes changes. Returns the fault of the box, if any. `AXIS` must be the swept
+    /// axis of the grid.
     #[inline(always)]
-    pub(super) fn place(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
+    pub(super) fn place<const AXIS: usize>(
+        &self,
+        record: &mut Record,
+        index: u32,
+        aabb: &Aabb,
+        marks: &mut Marks,
+    ) -> Result<(), BoxFault> {
+        match Bounds::outward::<AXIS>(aabb, self.origin) {
+            Some(bounds) => {
+                self.store(record, index, bounds, marks);
+                Ok(())
+            }
+            None => self.place_slowly(record, index, aabb, marks),
+        }
+    }
+
+    /// Places faulty, unbounded and far boxes. The two paths must not join before the box is stored:
+    /// the box of the fast path would then go through memory, written and read in pieces of different
+    /// sizes, which costs as much as all the rest.
+    #[inline(never)]
+    fn place_slowly(&self, record: &mut Record, index: u32, aabb: &Aabb, marks: &mut Marks) -> Result<(), BoxFault> {
+        let stored = checked(aabb, self.origin, self.grid, record.flags())?;
+        self.store(record, index, Bounds::from_box(&stored), marks);
+        Ok(())
+    }
+
+    /// Stores new bounds. The common case touches only the record.
+    #[inline(always)]
+    fn store(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
         let present = record.now();
         let mut bounds = given;
         if record.flags() & LOOSE != 0 {
@@ -69,24 +99,7 @@ impl PlaceContext<'_> {
     }
 }
 
-/// Returns the bounds of a box in the axes of the grid, or the fault of the box. `AXIS` must be the
-/// swept axis of the grid.
-#[inline(always)]
-pub(super) fn placed<const AXIS: usize>(
-    aabb: &Aabb,
-    origin: &Point3<f64>,
-    grid: &Grid,
-    flags: u32,
-) -> Result<Bounds, BoxFault> {
-    match Bounds::outward::<AXIS>(aabb, origin) {
-        Some(bounds) => Ok(bounds),
-        // Faulty, unbounded or far boxes take the slow path.
-        None => checked(aabb, origin, grid, flags).map(|stored| Bounds::from_box(&stored)),
-    }
-}
-
 /// Returns the stored form of a box, or the fault of the box.
-#[inline(never)]
 pub(super) fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<StoredBox, BoxFault> {
     let fault = if flags & UNBOUNDED == 0 {
         aabb.fault()
