@@ -18,8 +18,8 @@ pub(super) struct PlaceContext<'a> {
 }
 
 impl PlaceContext<'_> {
-    /// Stores a new box and notes changes. Returns the fault of the box, if any. `AXIS` must be the swept
-    /// axis of the grid.
+    /// Stores a new box and notes changes. Returns the fault of the box, if any. `AXIS` must be the
+    /// swept axis of the grid.
     #[inline(always)]
     pub(super) fn place<const AXIS: usize>(
         &self,
@@ -37,9 +37,9 @@ impl PlaceContext<'_> {
         }
     }
 
-    /// Places faulty, unbounded and far boxes. The two paths must not join before the box is stored:
-    /// the box of the fast path would then go through memory, written and read in pieces of different
-    /// sizes, which costs as much as all the rest.
+    /// Places faulty, unbounded and far boxes. The two paths must not join before the box is
+    /// stored: the box of the fast path would then go through memory, written and read in
+    /// pieces of different sizes, which costs as much as all the rest.
     #[inline(never)]
     fn place_slowly(&self, record: &mut Record, index: u32, aabb: &Aabb, marks: &mut Marks) -> Result<(), BoxFault> {
         let stored = checked(aabb, self.origin, self.grid, record.flags())?;
