@@ -48,28 +48,47 @@ pub(super) struct GroupFit<'a> {
 /// Extents along three axes.
 type Extents = (f32x4, f32x4);
 
+/// Room for the work on a group: heights of its vertices, and extents of its nodes.
+pub(super) struct GroupRoom {
+    heights: [f32x4; 3 * GROUP],
+    extents: [Extents; 2 * GROUP],
+}
+
+impl GroupRoom {
+    pub(super) fn new() -> Self {
+        Self {
+            heights: [f32x4::ZERO; 3 * GROUP],
+            extents: [(f32x4::ZERO, f32x4::ZERO); 2 * GROUP],
+        }
+    }
+}
+
 impl GroupFit<'_> {
     /// Fits the boxes of eight groups. Returns how far they reach from the tree's origin.
-    pub(super) fn fit(&self, eight: &EightAtRest, boxes: &mut [OrientedBox]) -> f32 {
+    pub(super) fn fit(&self, eight: &EightAtRest, boxes: &mut [OrientedBox], room: &mut GroupRoom) -> f32 {
         let (axes, mut reach) = (eight.stored_axes(self.places, boxes), 0.0f32);
         for (lane, (&node, below)) in eight.nodes.iter().zip(&eight.below).enumerate() {
             if lane == 0 || node != eight.nodes[lane - 1] {
                 let axes = BoxAxes::new(axes.map(|axis| axis.map(|x| x[lane])));
-                self.fit_group(node, below, &axes, boxes);
+                self.fit_group((node, below), &axes, boxes, room);
                 reach = reach.max(boxes[node as usize].reach());
             }
         }
         reach
     }
 
-    fn fit_group(&self, root: u32, below: &VerticesBelow, axes: &BoxAxes, boxes: &mut [OrientedBox]) {
-        let mut heights = [f32x4::ZERO; 3 * GROUP];
+    fn fit_group(
+        &self,
+        (root, below): (u32, &VerticesBelow),
+        axes: &BoxAxes,
+        boxes: &mut [OrientedBox],
+        GroupRoom { heights, extents }: &mut GroupRoom,
+    ) {
         let others = &self.others[below.others[0] as usize..below.others[1] as usize];
         let vertices = (below.own[0]..below.own[1]).chain(others.iter().copied());
         for (heights, vertex) in heights.iter_mut().zip(vertices) {
             *heights = self.places.heights_of(vertex, axes);
         }
-        let mut extents = [(f32x4::ZERO, f32x4::ZERO); 2 * GROUP];
         // The root, then the nodes below it, whose children have higher numbers.
         let first = match self.tree.below(root) {
             Below::Children(c) => c,
@@ -78,7 +97,7 @@ impl GroupFit<'_> {
         for k in (0..=(below.end - first) as usize).rev() {
             let node = if k == 0 { root } else { first + k as u32 - 1 };
             let (low, high) = match self.tree.below(node) {
-                Below::Leaf(item, count) => self.of_leaf(item as usize, count as usize, &heights),
+                Below::Leaf(item, count) => self.of_leaf(item as usize, count as usize, heights),
                 Below::Children(c) => {
                     let c = (c - first) as usize + 1;
                     let ((low, high), (l, h)) = (extents[c], extents[c + 1]);

@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use super::eight::{EightAtRest, LANES, NARROW, Places, VerticesBelow};
-use super::group::{GroupCorners, GroupFit};
+use super::group::{GroupCorners, GroupFit, GroupRoom};
 use super::{Below, OrientedBox, Tree, up};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
@@ -147,13 +147,14 @@ impl Refit {
             others: &self.others,
             slack,
         };
+        let mut room = GroupRoom::new();
         for (k, eight) in self.eights.iter().enumerate() {
             if eight.nodes.iter().all(|node| self.steps[*node as usize] == 0) {
                 is_whole = false;
             } else if k < self.large {
                 reach = reach.max(eight.fit(&self.places, &self.others, slack, boxes));
             } else {
-                reach = reach.max(groups.fit(eight, boxes));
+                reach = reach.max(groups.fit(eight, boxes, &mut room));
             }
         }
         (up(f64::from(reach) * (1.0 + 8.0 * UNIT_SINGLE)), is_whole)
