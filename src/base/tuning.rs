@@ -268,6 +268,16 @@ pub(crate) mod separation {
     /// wins up to 40 % of the steps measured for the time of a second plane.
     pub(crate) const FAR: f64 = 0.05;
 
+    /// In a cast a plane keeps its normal if turns give no point more than this part of the
+    /// velocity at which the pivots approach each other: the plane then proves three quarters of
+    /// the way to contact and more, for a tenth of the work of a plane that turns.
+    pub(crate) const FIXED_SHARE: f64 = 0.3;
+
+    /// In a cast a plane turns with the features if the gap is less than this part of the sum of
+    /// both radii, as its steps converge quadratically. Measured from 1e-4 to 0.4 on casts of hulls
+    /// of 8 to 512 vertices: .001 to .005 take 9 to 18 % less time than planes that always turn.
+    pub(crate) const FIXED_GAP: f64 = 0.002;
+
     /// Faces with longer boundaries are not divided into triangles for the guess of an overlap: the
     /// search takes linear time. Not measured.
     pub(crate) const RIM: usize = 64;

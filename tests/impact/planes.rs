@@ -4,7 +4,7 @@ use super::{bodies, radius};
 use lab::casts;
 use lab::rng::Rng;
 use lin_canny::Tracker;
-use lin_canny::impact::free_until;
+use lin_canny::impact::{Certificate, Tolerance, cast_proving, free_until};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::separation::Proof;
@@ -30,28 +30,73 @@ struct Seen {
     balls: u32,
     whole: u32,
     cut: u32,
+    /// Which part of the time that a plane truly has was proven.
     part: Vec<f64>,
+    /// Steps by planes that keep their normal, and the same of them.
+    kept: u32,
+    kept_part: Vec<f64>,
 }
 
+impl Seen {
+    /// Asserts that casts took planes that keep their normal, and that these are good ones.
+    fn assert_kept(&mut self, least: u32) {
+        let part = median(&mut self.kept_part);
+        eprintln!("{} planes that keep their normal, median part {part}", self.kept);
+        assert!(self.kept > least && part > 0.75, "{} {part}", self.kept);
+    }
+}
+
+/// Judges one look, and every step of a cast.
 fn judge<A: Motion, B: Motion>(
-    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
-    (ma, mb): (&A, &B),
+    bodies: (&ConvexPolyhedron, &ConvexPolyhedron),
+    motions: (&A, &B),
     from: f64,
     distance: f64,
     seen: &mut Seen,
 ) {
     let mut tracker = Tracker::new();
-    let mut pair = tracker.over(a, b);
-    let certificate = free_until(&mut pair, ma, mb, (from, 1.0), distance).expect("an answer");
-    let Proof::Plane { .. } = certificate.proof else {
+    let mut pair = tracker.over(bodies.0, bodies.1);
+    let (interval, (ma, mb)) = ((from, 1.0), motions);
+    let look = free_until(&mut pair, ma, mb, interval, distance).expect("an answer");
+    if let Some(part) = holds(bodies, motions, &look) {
+        seen.planes += 1;
+        seen.cut += u32::from(part < 1.0);
+        seen.whole += u32::from(look.until == 1.0);
+        if look.until < 1.0 {
+            seen.part.push(part);
+        }
+    } else {
         seen.balls += 1;
-        return;
-    };
-    let until = certificate.until;
-    if until == from {
-        return;
     }
-    seen.planes += 1;
+    let mut steps = Vec::new();
+    let tolerance = Tolerance::Distance(1e-9);
+    cast_proving(&mut pair, ma, mb, interval, tolerance, distance, &mut steps).expect("a cast");
+    for step in steps {
+        let keeps = matches!(step.proof, Proof::Plane { spin, .. } if spin == Vector3::zeros());
+        if let Some(part) = holds(bodies, motions, &step)
+            && keeps
+        {
+            seen.kept += 1;
+            if step.until < 1.0 {
+                seen.kept_part.push(part);
+            }
+        }
+    }
+}
+
+/// Asserts that the plane of a certificate parts all vertices as long as it says. Returns which part
+/// of the time was proven that the plane truly has; `None` if no plane proves it.
+fn holds<A: Motion, B: Motion>(
+    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+    (ma, mb): (&A, &B),
+    certificate: &Certificate,
+) -> Option<f64> {
+    let Certificate {
+        from, until, distance, ..
+    } = *certificate;
+    let mut tracker = Tracker::new();
+    let mut pair = tracker.over(a, b);
+    certificate.normal(from).filter(|_| until > from)?;
     let at = |t: f64| {
         let n = certificate.normal(t).expect("a plane");
         gap(a, &ma.pose(t), b, &mb.pose(t), &n)
@@ -70,17 +115,9 @@ fn judge<A: Motion, B: Motion>(
             "{g} {by_supports}"
         );
     }
-    if until == 1.0 {
-        seen.whole += 1;
-        return;
-    }
-    // How much of what this plane truly has was proven.
-    let mut t = until;
-    while t < 1.0 && at(t) > distance {
-        t += 0.01 * (until - from);
-    }
-    seen.cut += 1;
-    seen.part.push((until - from) / (t - from));
+    let later = (0..400).map(|k| until + 0.01 * f64::from(k) * (until - from));
+    let end = later.clone().find(|t| *t >= 1.0 || at(*t) <= distance);
+    Some((until - from) / (end.or(later.last()).expect("a time") - from))
 }
 
 fn median(list: &mut [f64]) -> f64 {
@@ -106,15 +143,10 @@ fn planes_hold_over_all_vertices() {
         judge((&a, &b), (&ma, &mb), from, distance, &mut seen);
     }
     let part = median(&mut seen.part);
-    let Seen {
-        planes,
-        balls,
-        whole,
-        cut,
-        ..
-    } = seen;
+    let (planes, balls, whole, cut) = (seen.planes, seen.balls, seen.whole, seen.cut);
     eprintln!("{planes} planes, {balls} by balls, {whole} to the end, {cut} cut, median part {part}");
     assert!(planes > 4_000 && cut > 1_500 && whole > 300 && part > 0.75);
+    seen.assert_kept(4_000);
 }
 
 /// Pivots that are not the origin, accelerations, sweeps by nlerp, bodies far from their own origins.
@@ -146,4 +178,5 @@ fn planes_hold_for_every_motion() {
     let part = median(&mut seen.part);
     eprintln!("{} planes, {} cut, median part {part}", seen.planes, seen.cut);
     assert!(seen.planes > 1_500 && seen.cut > 500, "{} {}", seen.planes, seen.cut);
+    seen.assert_kept(1_000);
 }

@@ -183,7 +183,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             }
             let aim = if gap <= allowed { 0.0 } else { AIM * allowed };
             flight.keep = self.distance + aim;
-            let free = self.pair.free_for(seen, flight);
+            let by_fixed = flight.by_fixed_normal(&*self.pair, seen);
+            let free = by_fixed.unwrap_or_else(|| self.pair.free_for(seen, flight));
             if free.span >= flight.span {
                 self.note((time, self.until), flight.keep, free.proof);
                 return Ok(Next::Found(Impact::Miss));

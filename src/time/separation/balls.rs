@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Vector3};
 
-use super::straight::cut;
+use super::fixed_normal::cut;
 use super::{Flight, Separation};
 use crate::base::motion::{Course, Drift, length};
 use crate::base::num::scalar::{greater, magnitude, sqrt};

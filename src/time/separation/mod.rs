@@ -12,10 +12,10 @@
 
 pub(crate) mod balls;
 pub(crate) mod bernstein;
+mod fixed_normal;
 pub(crate) mod plane;
 pub(crate) mod polyhedra;
 mod shapes;
-mod straight;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 

@@ -56,7 +56,7 @@
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use super::bernstein::positive_until;
-use super::straight::{cut, one_norm, straight_until, time_to, turns_neither};
+use super::fixed_normal::{FixedNormal, cut, one_norm, time_to, turns_neither};
 use super::{Flight, Free, Measure, Proof, Separation, Tangent};
 use crate::base::motion::{Course, Drift, length};
 use crate::base::num::scalar::{greater, magnitude};
@@ -68,11 +68,7 @@ use crate::base::tuning::separation::{AHEAD, ENOUGH, FAR, TRIES};
 pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
     if seen.by_plane && turns_neither(flight) {
         let normal = flight.pose_a.rotation * seen.normal.into_inner();
-        let spin = Vector3::zeros();
-        return Free {
-            span: straight_until(pair, flight, &normal, seen.lower),
-            proof: Proof::Plane { normal, spin },
-        };
+        return FixedNormal::new(pair, flight, &normal, seen.lower).proof();
     }
     let (timed, tick) = flight.on_own_clock();
     let free = free_on_own_clock(pair, seen, &timed);
@@ -452,6 +448,6 @@ impl PlaneBetween<'_> {
 }
 
 /// Upper bound of the length of the cross product of a rate with a unit vector, from the product.
-fn tilt(product: &Vector3<f64>, rate: &Vector3<f64>) -> f64 {
+pub(super) fn tilt(product: &Vector3<f64>, rate: &Vector3<f64>) -> f64 {
     length(product) + TILT * one_norm(rate)
 }

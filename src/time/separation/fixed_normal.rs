@@ -1,0 +1,238 @@
+//! A plane that keeps its normal: the gap along the normal is at least a parabola.
+//!
+//! Shapes that do not turn need no other plane. In a cast far from contact it proves most of what a
+//! plane that turns with the features does, without supports; a step of it leaves the part of the
+//! gap by which the shapes may turn into each other, so that planes that turn do the last ones.
+
+use nalgebra::Vector3;
+
+use super::bernstein::{line_positive_until, positive_until};
+use super::plane::tilt;
+use super::{Flight, Free, Measure, Proof, Separation};
+use crate::base::motion::{Course, Drift};
+use crate::base::num::scalar::{greater, magnitude, sqrt};
+use crate::base::pose::Operand;
+use crate::base::tolerance::PLANE;
+use crate::base::tuning::separation::{AHEAD, CUT, CUT_FAR, CUT_MOST, FIXED_GAP, FIXED_SHARE};
+
+/// Returns whether neither shape turns: then the gap along a normal is a parabola, exactly.
+pub(super) fn turns_neither(flight: &Flight) -> bool {
+    flight.course_a.angular == Vector3::zeros() && flight.course_b.angular == Vector3::zeros()
+}
+
+/// A plane that keeps its normal while the shapes move, on the flight's own clock (see
+/// [`Flight::on_own_clock`]).
+///
+/// A point `x` of a shape that turns at `w` has the velocity `w x x` about the pivot, along the
+/// normal `(n x w) . x`: at most `|n x w|` times the reach of the shape. So the gap along the
+/// normal is at least a parabola.
+pub(super) struct FixedNormal<'a> {
+    flight: &'a Flight,
+    n: &'a Vector3<f64>,
+    /// The gap along the normal now.
+    gap: f64,
+    tick: f64,
+    reach: [f64; 2],
+    velocity: Vector3<f64>,
+    /// The velocity of the pivots along the normal, B's less A's.
+    slope: f64,
+    /// No point of A or B approaches the other shape by more than this, beside its pivot.
+    turning: f64,
+}
+
+impl<'a> FixedNormal<'a> {
+    pub(super) fn new<S: Separation + ?Sized>(
+        pair: &S,
+        flight: &'a Flight,
+        n: &'a Vector3<f64>,
+        gap: f64,
+    ) -> FixedNormal<'a> {
+        let reach = |which: Operand, course: &Course| {
+            let (centre, radius) = pair.ball(which);
+            radius + one_norm(&(centre - course.pivot))
+        };
+        let (a, b) = (&flight.course_a, &flight.course_b);
+        let tick = magnitude(flight.span);
+        let reach = [reach(Operand::A, a), reach(Operand::B, b)];
+        let velocity = flight.velocity() * tick;
+        let pace = |angular: &Vector3<f64>| {
+            if *angular == Vector3::zeros() {
+                return 0.0;
+            }
+            let angular = angular * tick;
+            tilt(&angular.cross(n), &angular)
+        };
+        Self {
+            flight,
+            n,
+            gap,
+            tick,
+            reach,
+            slope: n.dot(&velocity),
+            velocity,
+            turning: pace(&a.angular) * reach[0] + pace(&b.angular) * reach[1],
+        }
+    }
+
+    /// Returns whether the plane is expected to prove most of what a plane that turns can: most of
+    /// the way to a contact that is not near, or all of the flight.
+    pub(super) fn lasts(&self) -> bool {
+        let gap = self.gap - self.flight.keep;
+        let is_far = gap > FIXED_GAP * (self.reach[0] + self.reach[1]);
+        is_far && self.turning <= -FIXED_SHARE * self.slope
+            || gap > (self.turning - self.slope) * (self.flight.span / self.tick)
+    }
+
+    /// Returns the time for which the plane parts the shapes, and the plane.
+    pub(super) fn proof(&self) -> Free {
+        let proof = Proof::Plane {
+            normal: *self.n,
+            spin: Vector3::zeros(),
+        };
+        Free {
+            span: self.until(),
+            proof,
+        }
+    }
+
+    fn until(&self) -> f64 {
+        let (flight, tick, [reach_a, reach_b]) = (self.flight, self.tick, self.reach);
+        let size = flight.size(reach_a + reach_b);
+        let drift = flight.course_a.drift(reach_a) + flight.course_b.drift(reach_b);
+        let Drift([d0, d1, d2, d3]) = drift.on_clock(tick);
+        let d1 = d1 + self.turning;
+        let acceleration = flight.acceleration() * tick * tick;
+        let (slope, bend) = (self.slope, self.n.dot(&acceleration));
+        let rates = one_norm(&self.velocity) + self.turning;
+        let margin = |length: f64| PLANE * length * (rates + length * one_norm(&acceleration));
+        let now = self.gap - (PLANE * size + flight.keep + d0 + f64::MIN_POSITIVE);
+        let mut length = (flight.span / tick).min(AHEAD * time_to(self.gap, slope - d1, bend - d2));
+        if !(length < f64::INFINITY && now > 0.0) {
+            return 0.0;
+        }
+        while margin(length) > 0.5 * now && length > f64::MIN_POSITIVE {
+            length *= cut(margin(length) / (0.5 * now));
+        }
+        let b0 = now - margin(length);
+        let way = |k: f64| slope * length * (k / 3.0);
+        let (late, square) = (d1 * length, 0.5 * (bend - d2) * length * length);
+        let cube = d3 * length * length * length * (1.0 / 6.0);
+        if square == 0.0 && cube == 0.0 {
+            return line_positive_until(b0, b0 + way(3.0) - late) * length * tick;
+        }
+        let part = positive_until([
+            b0,
+            b0 + way(1.0) - late * (1.0 / 3.0),
+            b0 + way(2.0) - late * (2.0 / 3.0) + square * (1.0 / 3.0),
+            b0 + way(3.0) - late + square - cube,
+        ]);
+        part * length * tick
+    }
+}
+
+impl Flight {
+    /// Returns a proof by a plane that keeps its normal, if it is expected to prove most of what a
+    /// plane that turns can, which costs ten times as much.
+    pub(crate) fn by_fixed_normal<S: Separation + ?Sized>(&self, pair: &S, seen: &Measure) -> Option<Free> {
+        if !seen.by_plane {
+            return None;
+        }
+        let normal = self.pose_a.rotation * seen.normal.into_inner();
+        let plane = FixedNormal::new(pair, self, &normal, seen.lower);
+        plane.lasts().then(|| plane.proof())
+    }
+
+    /// Returns the velocity of B's pivot less that of A's.
+    pub(super) fn velocity(&self) -> Vector3<f64> {
+        self.course_b.linear - self.course_a.linear
+    }
+
+    pub(super) fn acceleration(&self) -> Vector3<f64> {
+        self.course_b.acceleration - self.course_a.acceleration
+    }
+
+    /// Returns lengths to which rounding is relative, without the displacements of the pivots;
+    /// `reach` is the sum of those of both shapes.
+    pub(super) fn size(&self, reach: f64) -> f64 {
+        let offset = self.pose_b.translation.vector - self.pose_a.translation.vector;
+        let pivots = one_norm(&self.course_a.pivot.coords) + one_norm(&self.course_b.pivot.coords);
+        reach + one_norm(&offset) + 2.0 * pivots + self.keep
+    }
+}
+
+/// Returns the first time at which `way + slope s + bend s^2 / 2` is zero; infinite if never.
+pub(super) fn time_to(way: f64, slope: f64, bend: f64) -> f64 {
+    let square = slope * slope - 2.0 * way * bend;
+    let pace = sqrt(square.max(0.0)) - slope;
+    if square >= 0.0 && pace > 0.0 {
+        2.0 * way / pace
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// Returns the factor by which an interval is cut if a bound over the interval is `excess` times
+/// what is allowed: a quarter off while the bound is near, so that no cut is much too deep; far
+/// off, as much as a bound of degree eight needs at least, so that some hundred cuts end at any
+/// bound. An infinite bound is cut as deep as may be.
+pub(super) fn cut(excess: f64) -> f64 {
+    if excess < CUT_FAR {
+        CUT
+    } else {
+        greater(sqrt(sqrt(sqrt(1.0 / excess))), CUT_MOST)
+    }
+}
+
+/// Returns the sum of the absolute coordinates: no less than the length.
+pub(super) fn one_norm(v: &Vector3<f64>) -> f64 {
+    v.x.abs() + v.y.abs() + v.z.abs()
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::rng::Rng;
+
+    /// Bounds of every degree and size, and infinite ones: a hundred cuts or so, and none much too
+    /// deep.
+    #[test]
+    fn cuts_end_soon_and_none_is_much_too_deep() {
+        let mut rng = Rng::new(29);
+        let mut most = 0;
+        for case in 0..3000 {
+            let terms: [f64; 8] = core::array::from_fn(|_| {
+                if rng.chance(0.3) {
+                    rng.log_range(1e-290, 1e290)
+                } else {
+                    0.0
+                }
+            });
+            let allowed = rng.log_range(1e-290, 1e290);
+            let bound = |x: f64| {
+                terms
+                    .iter()
+                    .fold((0.0, x), |(sum, power), c| (sum + c * power, power * x))
+                    .0
+            };
+            let mut interval = rng.log_range(1e-300, 2.0);
+            let mut cuts = 0;
+            let mut last = interval;
+            while bound(interval) > allowed && interval > f64::MIN_POSITIVE {
+                last = interval;
+                interval *= cut(bound(interval) / allowed);
+                cuts += 1;
+            }
+            assert!(cuts < 150, "{case}: {terms:?} {allowed} {cuts}");
+            // Powers of such intervals are no longer normal.
+            let is_known = bound(last) < f64::INFINITY && interval > 1e-37;
+            assert!(
+                !is_known || cuts == 0 || bound(1.34 * interval) > allowed,
+                "{case}: {terms:?} {allowed} {interval}"
+            );
+            most = cuts.max(most);
+        }
+        assert!(most > 30, "{most}");
+        assert_eq!([cut(1.0), cut(f64::INFINITY), cut(f64::NAN)], [CUT, CUT_MOST, CUT_MOST]);
+    }
+}
