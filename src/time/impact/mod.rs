@@ -32,7 +32,7 @@
 //! 2. **Planes**: a look measures the pair and bounds the time for which a separating plane that
 //!    turns with the closest features stays between the shapes
 //!    ([`separation`](crate::separation)); the next look is at the end of this time. Looks converge
-//!    quadratically: four to six for a hit, whatever the tolerance. While contact is far and the
+//!    quadratically: two to six for a hit, whatever the tolerance. While contact is far and the
 //!    shapes approach each other faster than they turn, the plane keeps its normal instead, which
 //!    proves most of the same for a tenth of the work.
 //! 3. **Proof**: looks aim at a gap of a part of the tolerance, never at contact itself, since a

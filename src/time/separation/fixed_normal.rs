@@ -74,12 +74,13 @@ impl<'a> FixedNormal<'a> {
         }
     }
 
-    /// Returns whether the plane is expected to prove most of what a plane that turns can: most of
-    /// the way to a contact that is not near, or all of the flight.
+    /// Returns whether the plane is expected to prove most of what a plane that turns can: of shapes
+    /// that do not turn, most of the way to a contact that is not near, or all of the flight.
     pub(super) fn lasts(&self) -> bool {
         let gap = self.gap - self.flight.keep;
         let is_far = gap > FIXED_GAP * (self.reach[0] + self.reach[1]);
-        is_far && self.turning <= -FIXED_SHARE * self.slope
+        self.turning == 0.0
+            || is_far && self.turning <= -FIXED_SHARE * self.slope
             || gap > (self.turning - self.slope) * (self.flight.span / self.tick)
     }
 
