@@ -115,9 +115,9 @@ fn holds<A: Motion, B: Motion>(
             "{g} {by_supports}"
         );
     }
-    let later = (0..400).map(|k| until + 0.01 * f64::from(k) * (until - from));
-    let end = later.clone().find(|t| *t >= 1.0 || at(*t) <= distance);
-    Some((until - from) / (end.or(later.last()).expect("a time") - from))
+    let later = |k: u32| until + 0.01 * f64::from(k) * (until - from);
+    let end = (0..400).map(later).find(|t| *t >= 1.0 || at(*t) <= distance);
+    Some((until - from) / (end.unwrap_or(later(400)) - from))
 }
 
 fn median(list: &mut [f64]) -> f64 {

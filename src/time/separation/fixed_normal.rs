@@ -75,7 +75,8 @@ impl<'a> FixedNormal<'a> {
     }
 
     /// Returns whether the plane is expected to prove most of what a plane that turns can: of
-    /// shapes that do not turn, most of the way to a contact that is not near, or all of the flight.
+    /// shapes that do not turn, most of the way to a contact that is not near, or the whole
+    /// flight.
     pub(super) fn lasts(&self) -> bool {
         let gap = self.gap - self.flight.keep;
         let is_far = gap > FIXED_GAP * (self.reach[0] + self.reach[1]);
