@@ -33,12 +33,15 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
     let (mut start, mut closed) = (start, None);
     loop {
         if let Some((n, set)) = start {
-            match warm::track(posed, n, &set, best) {
-                Err(RunEnd::Closed) => return Ended::Closed,
-                Err(RunEnd::Inside) if closed.is_none() && deep(&ProvenBounds { n, set, ..*best }, None) => {
-                    return Ended::Deep;
-                }
-                _ => {}
+            let end = warm::track(posed, n, &set, best);
+            if end == Err(RunEnd::Closed) {
+                return Ended::Closed;
+            }
+            // A lower bound goes with its own direction; a start is about of length one.
+            let is_proven = best.lower > T::from(f64::NEG_INFINITY);
+            let n = unit(&n).filter(|_| !is_proven).unwrap_or(best.n);
+            if end == Err(RunEnd::Inside) && closed.is_none() && deep(&ProvenBounds { n, set, ..*best }, None) {
+                return Ended::Deep;
             }
         }
         if let Some(closed) = closed {
