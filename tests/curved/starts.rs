@@ -1,8 +1,8 @@
 //! Promise: a start along a normal changes the work of a query and never its bounds.
 
-use lab::curved::{Kind, Place};
+use lab::curved::{Kind, Place, wide};
 use lab::rng::Rng;
-use lin_canny::nalgebra::{Unit, Vector3};
+use lin_canny::nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
 
 use super::{Mix, at_gap, count, pairs};
@@ -155,4 +155,43 @@ fn local_depths_of_curved_shapes_part_them() {
     assert!(deep > 500, "{deep}");
     println!("{deeper} of {deep} deeper than the least");
     assert!(deeper < deep / 50, "{deeper} of {deep}");
+}
+
+/// A tracked overlap, deep and spinning: the normal is of length one and proves the lower bound, whatever the start was.
+#[test]
+fn normals_of_tracked_overlaps_prove_their_bounds() {
+    let mut rng = Rng::new(4_117);
+    let mut overlaps = 0;
+    for (first, second) in [
+        ("cone", "ellipsoid"),
+        ("cylinder", "cylinder"),
+        ("ellipsoid", "cone"),
+        ("cone", "cone"),
+    ] {
+        for _ in 0..40 {
+            let (kinds, [place, _]) = draw(first, second, &mut rng);
+            let shapes = kinds.each_ref().map(Kind::shape);
+            let mut pair = PairTracker::new();
+            let (deep, axis) = (rng.range(0.05, 0.9), Vector3::from(rng.unit()));
+            for k in 0..40 {
+                let turn = UnitQuaternion::from_scaled_axis(axis * (0.1 * f64::from(k)));
+                let [x, y, z, w] = place.q;
+                let q = (turn * UnitQuaternion::new_normalize(Quaternion::new(w, x, y, z))).coords;
+                let place = Place {
+                    q: [q.x, q.y, q.z, q.w],
+                    t: place.t.map(|x| x * deep),
+                };
+                let o = pair.closest(&shapes[0], &shapes[1], &place.pose());
+                let size = place.size(&kinds[0], &kinds[1]);
+                assert!((o.normal.norm() - 1.0).abs() <= 1e-15, "{kinds:?} {o:?}");
+                let proof = place.height(&kinds[0], &kinds[1], &wide((*o.normal).into())).0;
+                assert!(
+                    o.class != Class::Overlapping || o.lower <= proof + 1e-14 * size,
+                    "{proof} {kinds:?} {o:?}"
+                );
+                overlaps += u32::from(o.class == Class::Overlapping);
+            }
+        }
+    }
+    assert!(overlaps > 3_000, "{overlaps}");
 }
