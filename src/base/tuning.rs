@@ -270,7 +270,7 @@ pub(crate) mod separation {
 
     /// In a cast a plane keeps its normal if turns give no point more than this part of the
     /// velocity at which the pivots approach each other: the plane then proves three quarters of
-    /// the way to contact and more, for a tenth of the work of a plane that turns.
+    /// the way to contact and more, without support points.
     pub(crate) const FIXED_SHARE: f64 = 0.3;
 
     /// In a cast a plane turns with the features if the gap is less than this part of the sum of

@@ -34,7 +34,7 @@
 //!    ([`separation`](crate::separation)); the next look is at the end of this time. Looks converge
 //!    quadratically: two to six for a hit, whatever the tolerance. While contact is far and the
 //!    shapes approach each other faster than they turn, the plane keeps its normal instead, which
-//!    proves most of the same for a tenth of the work.
+//!    proves most of the same without support points.
 //! 3. **Proof**: looks aim at a gap of a part of the tolerance, never at contact itself, since a
 //!    query at contact is ten times as slow. From there the cast steps over contact to an equal
 //!    depth, and proves the overlap by one predicate.

@@ -75,14 +75,17 @@ impl<'a> FixedNormal<'a> {
     }
 
     /// Returns whether the plane is expected to prove most of what a plane that turns can: of
-    /// shapes that do not turn, most of the way to a contact that is not near, or the whole
-    /// flight.
-    pub(super) fn lasts(&self) -> bool {
+    /// shapes that do not turn, and most of the way to a contact that is not near.
+    fn lasts(&self) -> bool {
         let gap = self.gap - self.flight.keep;
         let is_far = gap > FIXED_GAP * (self.reach[0] + self.reach[1]);
-        self.turning == 0.0
-            || is_far && self.turning <= -FIXED_SHARE * self.slope
-            || gap > (self.turning - self.slope) * (self.flight.span / self.tick)
+        self.turning == 0.0 || is_far && self.turning <= -FIXED_SHARE * self.slope
+    }
+
+    /// Returns whether the plane may prove all of the flight: without the drifts of motions.
+    fn may_prove_all(&self) -> bool {
+        let way = (self.turning - self.slope) * (self.flight.span / self.tick);
+        self.gap - self.flight.keep > way
     }
 
     /// Returns the time for which the plane parts the shapes, and the plane.
@@ -133,15 +136,19 @@ impl<'a> FixedNormal<'a> {
 }
 
 impl Flight {
-    /// Returns a proof by a plane that keeps its normal, if it is expected to prove most of what a
-    /// plane that turns can, which costs ten times as much.
+    /// Returns a proof by a plane that keeps its normal, if it proves the whole flight or is
+    /// expected to prove most of what a plane that turns can, which takes support points.
     pub(crate) fn by_fixed_normal<S: Separation + ?Sized>(&self, pair: &S, seen: &Measure) -> Option<Free> {
         if !seen.by_plane {
             return None;
         }
         let normal = self.pose_a.rotation * seen.normal.into_inner();
         let plane = FixedNormal::new(pair, self, &normal, seen.lower);
-        plane.lasts().then(|| plane.proof())
+        let lasts = plane.lasts();
+        if !lasts && !plane.may_prove_all() {
+            return None;
+        }
+        Some(plane.proof()).filter(|free| lasts || free.span >= self.span)
     }
 
     /// Returns the velocity of B's pivot less that of A's.
