@@ -59,6 +59,16 @@ struct Options {
     trial: Option<u64>,
 }
 
+impl Options {
+    /// The command that plays a trial again.
+    fn command(&self, trial: u64) -> String {
+        format!(
+            "cargo run --release --all-features -p lab --bin soak -- --seed {} --trial {trial}",
+            self.seed
+        )
+    }
+}
+
 /// One motion with all that is kept along it.
 struct Run<'a> {
     options: &'a Options,
@@ -80,9 +90,9 @@ impl Run<'_> {
             "seed {} trial {} frame {frame}: {} ({}) and {} ({}), {}\n{what}",
             self.options.seed, self.number, a.family, a.shape.name, b.family, b.shape.name, self.trial.motion
         );
-        eprintln!("{head}\n");
         let replay = before.replay(&a.body, &b.body, pose, Accuracy::Certified);
         let text: String = head.lines().map(|l| format!("# {l}\n")).collect();
+        eprintln!("{text}{replay}\n{}\n", self.options.command(self.number));
         let name = format!("{}-{}-{frame}.txt", self.options.seed, self.number);
         let file = self.options.out.join(name);
         let written =
@@ -200,95 +210,80 @@ fn run(options: &Options, number: u64) -> Tally {
     if catch_unwind(AssertUnwindSafe(|| run.frames())).is_err() {
         run.tally.failures += 1;
         eprintln!(
-            "seed {} trial {number}: a panic beside the first query of a frame",
-            options.seed
+            "a panic outside the first query of a frame\n{}\n",
+            options.command(number)
         );
     }
-    worlds(options, number, &mut run.tally);
-    curves(options, number, &mut run.tally);
-    meshes(options, number, &mut run.tally);
-    scenes_of_bodies(options, number, &mut run.tally);
+    drive(options, number, &mut run.tally);
     let frames = run.tally.frames;
     run.tally.body(trial.a.family, frames);
     run.tally.body(trial.b.family, frames);
     run.tally
 }
 
-/// Worlds of equal boxes a trial.
-const WORLDS: u64 = 16;
-
-/// The broad phase on lattices, bricks and stacks, each step against brute force. The soak used to draw pairs of bodies alone,
-/// and nowhere were equal bounds, an index used again and slow motion drawn together.
-fn worlds(options: &Options, number: u64, tally: &mut Tally) {
-    for k in 0..WORLDS {
-        let seed = Rng::of_case(options.seed ^ 0x1a77, number * WORLDS + k).bits();
-        let played = catch_unwind(|| lattice::sequence(seed, PencilSweep::new()));
-        let what = match played {
-            Ok(Ok(mix)) => {
-                tally.worlds.add(&mix);
-                continue;
-            }
-            Ok(Err(what)) => what,
-            Err(_) => "a panic".to_owned(),
-        };
-        tally.failures += 1;
-        eprintln!("seed {} trial {number}: world {seed}: {what}", options.seed);
-    }
+/// What a trial plays besides its motion: a sequence that is drawn from a seed and judged by arithmetic of its own.
+struct Driver {
+    name: &'static str,
+    /// Mixed into the seed, so that no two drivers draw the same numbers.
+    salt: u64,
+    /// Sequences a trial.
+    count: u64,
+    /// Plays the sequence of a seed; an error says what is wrong.
+    play: fn(u64, &mut Tally) -> Result<(), String>,
 }
 
-/// Motions of curved shapes a trial.
-const CURVES: u64 = 4;
-
-/// Curved and rounded shapes; a failure is written as the numbers of the pair, since only polyhedra can be replayed.
-fn curves(options: &Options, number: u64, tally: &mut Tally) {
-    for k in 0..CURVES {
-        let seed = Rng::of_case(options.seed ^ 0xc0c0, number * CURVES + k).bits();
-        match curved::play(seed) {
-            Ok(mix) => tally.curves.add(&mix),
-            Err(what) => {
-                tally.failures += 1;
-                eprintln!("seed {} trial {number}: curved motion {seed}: {what}\n", options.seed);
-            }
-        }
-    }
-}
-
-/// Pairs of meshes with faults a trial.
-const MESHES: u64 = 2;
-
-/// Meshes with triangles without area, cut edges, repeats and slivers, beside the same meshes without them.
-fn meshes(options: &Options, number: u64, tally: &mut Tally) {
-    for k in 0..MESHES {
-        let seed = Rng::of_case(options.seed ^ 0xfa17, number * MESHES + k).bits();
-        match faulty::play(seed) {
-            Ok(mix) => tally.faulty.add(&mix),
-            Err(what) => {
-                tally.failures += 1;
-                eprintln!("seed {} trial {number}: faulty meshes {seed}: {what}\n", options.seed);
-            }
-        }
-    }
-}
-
-/// Scenes a trial, and the bytes of their calls.
-const SCENES: u64 = 3;
+/// Bytes of the calls of a scene.
 const CALLS: usize = 1500;
 
-/// Scenes of bodies of every kind, each step against brute force. Nowhere else were bodies without velocities, ticks, jumps and
-/// files drawn together.
-fn scenes_of_bodies(options: &Options, number: u64, tally: &mut Tally) {
-    for k in 0..SCENES {
-        let mut rng = Rng::of_case(options.seed ^ 0x5ce2, number * SCENES + k);
-        let bytes: Vec<u8> = (0..CALLS).map(|_| rng.bits() as u8).collect();
-        match catch_unwind(|| scenes::drive(&bytes, read_back)) {
-            Ok(mix) => tally.scenes.add(&mix),
-            Err(_) => {
-                tally.failures += 1;
-                eprintln!(
-                    "seed {} trial {number}: scene {k} is not that of brute force",
-                    options.seed
-                );
-            }
+const DRIVERS: [Driver; 4] = [
+    // Lattices, bricks and stacks: equal bounds, an index used again and slow motion together, each step against brute force.
+    Driver {
+        name: "world of equal boxes",
+        salt: 0x1a77,
+        count: 16,
+        play: |seed, tally| lattice::sequence(seed, PencilSweep::new()).map(|mix| tally.worlds.add(&mix)),
+    },
+    // A failure is written as the numbers of the pair, because only polyhedra can be replayed.
+    Driver {
+        name: "motion of curved and rounded shapes",
+        salt: 0xc0c0,
+        count: 4,
+        play: |seed, tally| curved::play(seed).map(|mix| tally.curves.add(&mix)),
+    },
+    // Triangles without area, cut edges, repeats and slivers, compared with the same meshes without them.
+    Driver {
+        name: "pair of meshes with faults",
+        salt: 0xfa17,
+        count: 2,
+        play: |seed, tally| faulty::play(seed).map(|mix| tally.faulty.add(&mix)),
+    },
+    // Bodies without velocities, ticks, jumps and files together, each step against brute force.
+    Driver {
+        name: "scene of bodies of every kind",
+        salt: 0x5ce2,
+        count: 3,
+        play: |seed, tally| {
+            let mut rng = Rng::new(seed);
+            let bytes: Vec<u8> = (0..CALLS).map(|_| rng.bits() as u8).collect();
+            tally.scenes.add(&scenes::drive(&bytes, read_back));
+            Ok(())
+        },
+    },
+];
+
+/// All sequences of a trial.
+fn drive(options: &Options, number: u64, tally: &mut Tally) {
+    for driver in &DRIVERS {
+        for k in 0..driver.count {
+            let seed = Rng::of_case(options.seed ^ driver.salt, number * driver.count + k).bits();
+            let played = catch_unwind(AssertUnwindSafe(|| (driver.play)(seed, tally)));
+            let what = match played {
+                Ok(Ok(())) => continue,
+                Ok(Err(what)) => what,
+                Err(_) => "a panic, or another answer than brute force gives (see above)".to_owned(),
+            };
+            tally.failures += 1;
+            eprintln!("{} {seed}: {what}\n{}\n", driver.name, options.command(number));
         }
     }
 }
@@ -332,13 +327,12 @@ fn main() -> ExitCode {
 }
 
 fn judge_all(options: &Options) -> Result<(), String> {
-    println!("failures go to {}", options.out.display());
+    println!("seed {}, failures go to {}", options.seed, options.out.display());
     let began = Instant::now();
     let (tally, seconds) = match options.trial {
         Some(number) => (run(options, number), began.elapsed().as_secs_f64()),
         None => soak(options),
     };
-    println!("seed {}, {} threads", options.seed, options.threads);
     tally.print(seconds);
     match tally.failures {
         0 => Ok(()),
