@@ -4,7 +4,7 @@
 //! target. `f64::clamp` panics if its bounds cross. The functions here are comparisons and
 //! selections, so one result is right, and they never panic.
 
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 /// Choices between two numbers.
 pub(crate) trait Extremes: Copy {
@@ -83,6 +83,19 @@ impl Extremes for Vector3<f64> {
     }
 }
 
+/// Coordinate by coordinate.
+impl Extremes for Point3<f64> {
+    #[inline(always)]
+    fn larger(self, other: Self) -> Self {
+        self.coords.larger(other.coords).into()
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        self.coords.smaller(other.coords).into()
+    }
+}
+
 /// Returns the largest of some numbers; negative infinity if there are none.
 #[inline]
 pub(crate) fn largest<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> f64 {
@@ -99,7 +112,17 @@ pub(crate) fn smallest<'a>(numbers: impl IntoIterator<Item = &'a f64>) -> f64 {
 mod tests {
     use super::*;
 
-    const ODD: [f64; 9] = [-f64::INFINITY, -1.0, -5e-324, -0.0, 0.0, 5e-324, 1.0, f64::INFINITY, f64::NAN];
+    const ODD: [f64; 9] = [
+        -f64::INFINITY,
+        -1.0,
+        -5e-324,
+        -0.0,
+        0.0,
+        5e-324,
+        1.0,
+        f64::INFINITY,
+        f64::NAN,
+    ];
 
     /// Bit by bit, but for NaN.
     fn are_same(x: f64, y: f64) -> bool {
