@@ -98,8 +98,39 @@ mod tests {
             bits(roll_pitch_yaw([1.5, 0.704, -0.917])),
             bits(from_z(&axis)),
         ];
-        assert_eq!(found, PINNED, "{found:#x?}");
+        assert_eq!(found, PINNED, "{found:x?}");
     }
 
-    const PINNED: [[u64; 4]; 5] = [[0; 4]; 5];
+    const PINNED: [[u64; 4]; 5] = [
+        [
+            0x0000_0000_0000_0000,
+            0x0000_0000_0000_0000,
+            0x3fe8_1786_306e_3aaf,
+            0x3fe5_0fb5_1d4d_8bb0,
+        ],
+        [
+            0x3fd6_3a0e_783f_66ff,
+            0xbfd7_b564_c487_e555,
+            0x3fd1_c80b_9365_ebff,
+            0x3fea_1832_1921_b0a6,
+        ],
+        [
+            0x3fec_5617_f29f_6a86,
+            0x3fb7_d070_781c_1989,
+            0x3fdc_ad6b_f7b5_2a91,
+            0xbfb4_8b04_8bf9_7521,
+        ],
+        [
+            0x3fe5_eeea_13c7_d1ba,
+            0xbfad_2cf2_e1a8_10ec,
+            0xbfe0_78ad_9fe9_ba6f,
+            0x3fe0_613f_0d91_7f52,
+        ],
+        [
+            0x3fd7_ceb9_6550_443b,
+            0x3fd6_51cd_cefb_3ff6,
+            0x8000_0000_0000_0000,
+            0x3feb_8706_5d24_cee3,
+        ],
+    ];
 }
