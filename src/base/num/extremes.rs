@@ -144,7 +144,7 @@ mod tests {
                 assert!(are_same(x.at_most(y), x.min(y)), "{x} {y}");
             }
         }
-        assert_eq!((-0.0).at_least(0.0).to_bits(), 0);
+        assert_eq!((-0.0f64).at_least(0.0).to_bits(), 0);
         let (p, q) = (Vector3::new(-0.0, 1.0, 3.0), Vector3::new(0.0, 2.0, -4.0));
         assert_eq!(p.larger(q), Vector3::new(0.0, 2.0, 3.0));
         assert_eq!((largest(&p), smallest(&q)), (3.0, -4.0));
@@ -163,6 +163,6 @@ mod tests {
                 }
             }
         }
-        assert_eq!(0.5.clamped(1.0, 1.0 - 1e-16), 1.0 - 1e-16);
+        assert_eq!(0.5f64.clamped(1.0, 1.0 - 1e-16), 1.0 - 1e-16);
     }
 }
