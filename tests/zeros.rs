@@ -1,12 +1,10 @@
 //! No zero of an answer has a sign: lattices of bodies that touch, zeros of both signs in poses,
 //! quaternions and vertices.
 
-use lin_canny::composite::{Composite, Mesh};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids::cuboid;
 use lin_canny::scene::{Body, Effects, Group, Scene};
-use lin_canny::shape::Shape;
-use lin_canny::{ConvexPolyhedron, Geometry, PairTracker, RelativePose};
+use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
 
 fn bits(x: f64) -> u64 {
     x.to_bits()
@@ -36,14 +34,15 @@ fn of_ties_at_zero_the_first_pair_is_the_closest() {
     let mixed: [(Geometry, _); 2] = [(sheet().into(), at(0.0, 0.0, 0.0)), (can.into(), at(0.0, -0.5, -1.0))];
     for order in [[cubes.clone(), mixed.clone()], [mixed, cubes]] {
         let mut scene = Scene::new();
-        scene.call_for(Group::DEFAULT, Group::DEFAULT, Effects::none().events(true));
+        let group = Group::new(0).unwrap();
+        scene.call_for(group, group, Effects::none().distance(0.5)).unwrap();
         let ids: Vec<_> = order
             .into_iter()
             .flatten()
             .map(|(g, pose)| scene.insert(Body::moving(g), pose).unwrap())
             .collect();
         scene.step();
-        let found = scene.closest_pair(Group::DEFAULT, Group::DEFAULT).unwrap().unwrap();
+        let found = scene.closest_pair(group, group).unwrap().unwrap();
         assert_eq!((found.a, found.b), (ids[0], ids[1]));
         assert_eq!(bits(found.outcome.distance), 0);
     }
@@ -64,7 +63,7 @@ fn bodies(state: &mut u64) -> Vec<Geometry> {
     let mut all: Vec<Geometry> = vec![
         cuboid(Vector3::repeat(0.5)).unwrap().into(),
         ConvexPolyhedron::point(point()).unwrap().into(),
-        Shape::sphere(0.5).unwrap().into(),
+        Shape::ball(0.5).unwrap().into(),
         Shape::cylinder(0.5, 0.5).unwrap().into(),
         Shape::cone(0.5, 0.5).unwrap().into(),
         sheet().into(),
@@ -77,9 +76,11 @@ fn bodies(state: &mut u64) -> Vec<Geometry> {
     }
     let turned = [(0.5, 0.0), (-0.5, -0.0)].map(|(x, y)| {
         let piece = Shape::from(cuboid(Vector3::new(0.5, 0.25, 0.5)).unwrap());
-        (piece, Isometry3::translation(x, y, -0.0))
+        let mut piece = Piece::new(piece);
+        piece.pose = Isometry3::translation(x, y, -0.0);
+        piece
     });
-    all.push(Composite::new(turned).unwrap().into());
+    all.push(Composite::new(turned.to_vec()).unwrap().into());
     all
 }
 
