@@ -170,7 +170,7 @@ mod tests {
     fn bounds_that_cross_are_written_in_order() {
         let cube = cuboid(Vector3::repeat(0.5)).unwrap();
         let pose = RelativePose::from_isometry(&nalgebra::Isometry3::translation(3.0, 0.0, 0.0)).unwrap();
-        let posed = PosedPair::new(&cube, &cube, &pose);
+        let posed = PosedPair::new(&cube, &cube, &pose).ok().unwrap();
         let frame = Transform::of(&posed);
         let mut draft = Draft::starting_at(FeaturePair::FIRST);
         let start = vertex_of(&posed, &frame, draft.features);
