@@ -122,6 +122,8 @@
 //! * A body's extent lies between 1e-100 and 1e100; one body may be any number of times larger than
 //!   the other. Coordinates below 2^-200 of a body's radius are stored as zero and counted in the
 //!   build report.
+//! * Answers have the same bits on every target with IEEE 754 arithmetic. On 32-bit x86 without
+//!   SSE2 the crate does not compile: the x87 unit rounds twice, and no bound would hold.
 //! * Of an overlap, the witnesses lie on the supporting planes of the features named, not always on
 //!   the features: see [`Outcome::features`].
 //! * The depth of an overlap takes half a microsecond to two if the motions are small; ten at
@@ -308,9 +310,14 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(not(feature = "surfaces"), allow(dead_code, unused_imports, unused_macros))]
 #![no_std]
+// Bits that differ by target are refused by `clippy.toml`; tests are free.
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 extern crate alloc;
 #[cfg(any(test, feature = "std"))]
 extern crate std;
+
+#[cfg(all(target_arch = "x86", not(target_feature = "sse2")))]
+compile_error!("lin-canny needs IEEE 754 arithmetic: the x87 unit rounds twice; enable `sse2`");
 
 mod base;
 mod body;

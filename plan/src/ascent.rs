@@ -12,6 +12,7 @@ use std::vec::Vec;
 use crate::checker::Checker;
 use crate::clearance::NearPair;
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use crate::space::ConfigurationSpace;
 use crate::tuning::{ASCENT, EXCHANGES, FLAT, GOOD, PLANES};
 
@@ -52,7 +53,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// the clearance, up to the precision of the slice.
     pub(crate) fn ascend(&mut self, start: Vec<f64>, slice: &Slice) -> Result<Vec<ClearConfiguration>, PlanError> {
         let mut centre = self.place(start, slice.longest)?;
-        let mut mu = (0.5 * centre.distance.abs()).clamp(slice.shortest * 4.0, slice.longest);
+        let mut mu = (0.5 * centre.distance.abs()).clamped(slice.shortest * 4.0, slice.longest);
         let mut passed = Vec::new();
         let mut planes = planes_at(&centre, mu);
         let mut own = planes.len();
@@ -72,7 +73,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             }
             let tried = self.place(self.space.moved(&centre.q, &step), mu)?;
             if tried.distance >= centre.distance + GOOD * gain {
-                mu = (2.0 * mu).min(slice.longest);
+                mu = (2.0 * mu).smaller(slice.longest);
                 planes = planes_at(&tried, mu);
                 own = planes.len();
                 passed.push(core::mem::replace(&mut centre, tried));
@@ -122,7 +123,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             let value = near.distance - dot(&near.gradient, &z);
             // The clearance is not concave: a bound below the value at the centre is none.
             planes.push(ClearancePlane {
-                value: value.max(centre.distance),
+                value: value.larger(centre.distance),
                 gradient: near.gradient.clone(),
             });
         }
@@ -172,7 +173,7 @@ fn maximum(planes: &[ClearancePlane], mu: f64, fixed: &[bool]) -> (Vec<f64>, f64
     let of = |k: usize| gradients.iter().zip(&weights).map(move |(g, w)| mu * w * g[k]).sum();
     let z: Vec<f64> = (0..fixed.len()).map(of).collect();
     let least = planes.iter().zip(&gradients).map(|(p, g)| p.value + dot(g, &z));
-    let least = least.fold(f64::INFINITY, f64::min);
+    let least = least.fold(f64::INFINITY, f64::smaller);
     (z, least)
 }
 
@@ -190,7 +191,7 @@ fn exchange(weights: &mut [f64], values: &mut [f64], products: &[Vec<f64>], mu: 
         if !(gap > FLAT * FLAT * mu && square > 0.0) {
             break;
         }
-        let part = (gap / (mu * square)).min(weights[high]);
+        let part = (gap / (mu * square)).smaller(weights[high]);
         weights[high] -= part;
         weights[low] += part;
         for (k, value) in values.iter_mut().enumerate() {

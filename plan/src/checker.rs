@@ -5,6 +5,7 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Point3};
 
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use crate::pairs::{Pairs, Stretch, even_span, swept_box};
 use crate::space::{BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
 use crate::tuning::CONTACT;
@@ -233,7 +234,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             while from < 1.0 {
                 let (pose, course) = segment.placed(0, body, from, 1.0 - from);
                 let ball = self.pairs.robot_balls[body];
-                let until = f64::min(1.0, from + even_span(ball, &course, 1.0 - from));
+                let until = f64::smaller(1.0, from + even_span(ball, &course, 1.0 - from));
                 let swept = swept_box(ball, &pose, &course, until - from, self.margin);
                 self.pairs.near_within(body, &swept, (from, until), stretches)?;
                 from = until;
@@ -258,7 +259,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             if stretch.from > until {
                 break;
             }
-            let (k, interval) = (stretch.pair, (stretch.from, stretch.until.min(until)));
+            let (k, interval) = (stretch.pair, (stretch.from, stretch.until.smaller(until)));
             let found = self.cast(k, segment, interval, clearance, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
             let (safe, hit) = match found.impact {

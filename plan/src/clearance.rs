@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::checker::Checker;
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use crate::pairs::swept_box;
 use crate::space::ConfigurationSpace;
 use crate::tolerance::{PLACED, PLACED_BALL};
@@ -113,7 +114,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             };
         }
         if least + slack < f64::INFINITY {
-            self.reach = (least + slack).max(self.pairs.robot_radius);
+            self.reach = (least + slack).larger(self.pairs.robot_radius);
         }
         found.retain(|m| m.near.distance <= least + slack);
         found.sort_by(|x, y| {
@@ -164,7 +165,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 continue;
             }
             let (near, normal) = self.measure(index, poses)?;
-            *least = least.min(near.distance);
+            *least = least.smaller(near.distance);
             found.push(MeasuredPair {
                 gap,
                 index,
@@ -306,7 +307,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                 // An answer that is not known here proves nothing.
                 _ => break,
             }
-            keep = keep.min(found.upper) * (1.0 - relative);
+            keep = keep.smaller(found.upper) * (1.0 - relative);
             if !(keep > 0.0) {
                 break;
             }

@@ -55,7 +55,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         order.extend(candidates.filter_map(|&k| Some((self.near_by(k, poses)?, k))));
         // Pairs hit before come first.
         let rank = |k: usize| self.hits.iter().position(|&h| h == k).unwrap_or(HITS);
-        order.sort_unstable_by(|x, y| rank(x.1).cmp(&rank(y.1)).then(x.0.total_cmp(&y.0)));
+        order.sort_unstable_by(|x, y| rank(x.1).cmp(&rank(y.1)).then(x.0.total_cmp(&y.0)).then(x.1.cmp(&y.1)));
         let mut found = Ok(None);
         for &(_, index) in &order {
             match self.keeps_margin(index, poses) {

@@ -5,6 +5,7 @@ use std::vec::Vec;
 use crate::ascent::{ClearConfiguration, Slice};
 use crate::checker::Checker;
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use crate::space::ConfigurationSpace;
 use crate::tuning::{CLOSED, HOP, TRACE};
 
@@ -40,7 +41,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         slice: &Slice,
     ) -> Result<(Vec<ClearConfiguration>, FreewayEnd), PlanError> {
         let mut places: Vec<ClearConfiguration> = Vec::new();
-        let mut way = start.distance.clamp(8.0 * slice.shortest, slice.longest);
+        let mut way = start.distance.clamped(8.0 * slice.shortest, slice.longest);
         for _ in 0..TRACE {
             let here = places.last().unwrap_or(start);
             let before = match places.len() {
@@ -56,8 +57,8 @@ impl<C: ConfigurationSpace> Checker<C> {
             match self.corrected(&here.q.clone(), ahead, way, slice)? {
                 Tried::Kept(place) => {
                     way = (1.5 * way)
-                        .min(slice.longest)
-                        .min(4.0 * place.distance.max(CLOSED * slice.shortest));
+                        .smaller(slice.longest)
+                        .smaller(4.0 * place.distance.larger(CLOSED * slice.shortest));
                     places.push(place);
                 }
                 Tried::Lost(end) => {
@@ -85,7 +86,11 @@ impl<C: ConfigurationSpace> Checker<C> {
         if let Some(before) = before {
             let past = self.space.difference(&before.q, &here.q);
             let along = past[coordinate] * scales[coordinate];
-            let aside = past.iter().zip(scales).map(|(x, s)| (x * s).abs()).fold(0.0, f64::max);
+            let aside = past
+                .iter()
+                .zip(scales)
+                .map(|(x, s)| (x * s).abs())
+                .fold(0.0, f64::larger);
             // A secant across the sweep is a bad guess.
             if along * way > 0.0 && aside <= HOP * along.abs() {
                 step = past.iter().map(|x| x * (way / along)).collect();
@@ -99,7 +104,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// not proven free.
     fn corrected(&mut self, here: &[f64], ahead: Vec<f64>, way: f64, slice: &Slice) -> Result<Tried, PlanError> {
         let near = Slice {
-            longest: way.max(8.0 * slice.shortest),
+            longest: way.larger(8.0 * slice.shortest),
             ..slice.clone()
         };
         let guess = ahead.clone();

@@ -115,12 +115,14 @@
 //! 4. Straight links and feelers join parts of the roadmap before bridges are searched.
 
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
 mod arm;
 mod ascent;
 mod checker;
 mod clearance;
 mod error;
+mod extremes;
 mod free;
 mod freeway;
 mod links;

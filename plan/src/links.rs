@@ -4,6 +4,7 @@ use std::vec::Vec;
 
 use crate::ascent::ClearConfiguration;
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use crate::opportunistic::PathSearch;
 use crate::roadmap::EdgeKind;
 use crate::space::ConfigurationSpace;
@@ -129,7 +130,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
 /// Lower bound of the distance of two configurations, by their sweep coordinates alone.
 pub(crate) fn apart<C: ConfigurationSpace>(space: &C, a: &[f64], b: &[f64]) -> f64 {
     let each = a.iter().zip(b).zip(space.scales()).take(space.bounds().len());
-    each.map(|((x, y), s)| ((x - y) * s).abs()).fold(0.0, f64::max)
+    each.map(|((x, y), s)| ((x - y) * s).abs()).fold(0.0, f64::larger)
 }
 
 /// Returns a few nodes of a freeway, both ends among them.

@@ -8,6 +8,7 @@ use lin_canny::Progress;
 use crate::ascent::Slice;
 use crate::checker::Checker;
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use crate::path::Path;
 use crate::random::Random;
 use crate::roadmap::Roadmap;
@@ -158,7 +159,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     fn lengths(&self, options: &PlanOptions) -> Result<Slice, PlanError> {
         let bounds = self.space.bounds().iter().zip(self.space.scales());
         let extents = bounds.map(|([low, high], scale)| (high - low) * scale);
-        let extent = extents.fold(0.0, f64::max);
+        let extent = extents.fold(0.0, f64::larger);
         if !(extent > 0.0) {
             let what = "extent of the bounds";
             return Err(PlanError::Value { what, value: extent });

@@ -5,6 +5,7 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Point3};
 
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use crate::tolerance::PLACED;
 use crate::tuning::SWEPT;
 use crate::world::{World, WorldId, WorldPair};
@@ -72,7 +73,7 @@ impl Pairs {
             robot_radius: 0.0,
             forgotten: 0,
         };
-        pairs.robot_radius = pairs.robot_balls.iter().map(|b| b.1).fold(0.0, f64::max);
+        pairs.robot_radius = pairs.robot_balls.iter().map(|b| b.1).fold(0.0, f64::larger);
         for (_, shape, pose) in &world.obstacles {
             pairs.obstacle(shape, pose)?;
         }

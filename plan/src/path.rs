@@ -4,6 +4,7 @@ use std::vec::Vec;
 
 use crate::checker::Checker;
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use crate::random::Random;
 use crate::space::ConfigurationSpace;
 use crate::verdict::Verdict;
@@ -170,7 +171,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         if !(short > 0.0) || square == 0.0 {
             return Ok(());
         }
-        let mut way = short.min(0.5 * longest);
+        let mut way = short.smaller(0.5 * longest);
         for _ in 0..4 {
             let parts = near.gradient.iter().zip(self.space.scales());
             let step: Vec<f64> = parts.map(|(g, s)| g * way / (square * s)).collect();
@@ -188,7 +189,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     fn divided(&self, path: &[Vec<f64>], longest: f64) -> Path {
         let mut all: Path = path.iter().take(1).cloned().collect();
         for ends in path.windows(2) {
-            let parts = (self.space.distance(&ends[0], &ends[1]) / longest).min(PARTS as f64) as usize + 1;
+            let parts = (self.space.distance(&ends[0], &ends[1]) / longest).at_most(PARTS as f64) as usize + 1;
             let inner = (1..parts).map(|k| self.space.between(&ends[0], &ends[1], k as f64 / parts as f64));
             all.extend(inner);
             all.push(ends[1].clone());
@@ -207,7 +208,7 @@ const PARTS: usize = 1024;
 fn place(lengths: &[f64], mut at: f64) -> (usize, f64) {
     for (k, &length) in lengths.iter().enumerate() {
         if at < length || k + 1 == lengths.len() {
-            return (k, if length > 0.0 { (at / length).min(1.0) } else { 0.0 });
+            return (k, if length > 0.0 { (at / length).at_most(1.0) } else { 0.0 });
         }
         at -= length;
     }

@@ -5,6 +5,7 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use lin_canny::motion::{Course, Motion, Steady};
 
 /// A configuration space: configurations are lists of numbers, and each places all bodies of a
@@ -254,5 +255,5 @@ pub(crate) fn check_bounds(what: &'static str, bounds: &[[f64; 2]]) -> Result<()
 
 /// Returns a sweep coordinate after a step, within its bounds.
 pub(crate) fn within(value: f64, [low, high]: [f64; 2]) -> f64 {
-    value.max(low).min(high)
+    value.larger(low).smaller(high)
 }

@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 
 use crate::arm::JointKind;
 use crate::error::PlanError;
+use crate::extremes::Extremes;
 use crate::space::{ConfigurationSpace, check, check_bounds, within};
 use crate::tree_motion::{LinkTree, TreeSegment};
 use lin_canny::motion::Velocity;
@@ -100,7 +101,7 @@ impl TreeJoint {
         let Some([low, high]) = limits.get(drive.coordinate) else {
             return refused("coordinate of a drive", drive.coordinate as f64);
         };
-        let most = drive.factor.abs() * low.abs().max(high.abs()) + drive.offset.abs();
+        let most = drive.factor.abs() * low.abs().larger(high.abs()) + drive.offset.abs();
         if most <= EXTENT_MAX {
             Ok(())
         } else {
@@ -237,14 +238,14 @@ fn scales(joints: &[TreeJoint], limits: &[[f64; 2]], mut beyond: Vec<f64>) -> Ve
                 JointKind::Revolute => reach,
                 JointKind::Prismatic => {
                     let ends = limits[drive.coordinate].map(|q| (drive.factor * q + drive.offset).abs());
-                    reach += ends[0].max(ends[1]);
+                    reach += ends[0].larger(ends[1]);
                     1.0
                 }
             };
-            scales[drive.coordinate] = scales[drive.coordinate].max(scale * drive.factor.abs());
+            scales[drive.coordinate] = scales[drive.coordinate].larger(scale * drive.factor.abs());
         }
         reach += joint.origin.translation.vector.norm();
-        beyond[joint.parent] = beyond[joint.parent].max(reach);
+        beyond[joint.parent] = beyond[joint.parent].larger(reach);
     }
     let known = |scale: f64| if scale > 0.0 { scale } else { 1.0 };
     scales.into_iter().map(known).collect()

@@ -24,6 +24,7 @@ use std::vec::Vec;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use crate::arm::JointKind;
+use crate::extremes::Extremes;
 use crate::space::SegmentMotion;
 use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE};
 use crate::tree::TreeJoint;
@@ -104,13 +105,13 @@ impl JointCourse {
     fn new(joint: &TreeJoint, from: &[f64], to: &[f64]) -> Self {
         let ends = [joint.value(from), joint.value(to)];
         let size = joint.drive.map_or(0.0, |drive| {
-            let most = from[drive.coordinate].abs().max(to[drive.coordinate].abs());
+            let most = from[drive.coordinate].abs().larger(to[drive.coordinate].abs());
             drive.factor.abs() * most + drive.offset.abs()
         });
         Self {
             from: ends[0],
             rate: ends[1] - ends[0],
-            most: ends[0].abs().max(ends[1].abs()),
+            most: ends[0].abs().larger(ends[1].abs()),
             size,
         }
     }
@@ -234,7 +235,7 @@ impl RateBounds {
         self.turn += ARM_TURN + ARM_VALUE * course.size;
         if kind == JointKind::Prismatic {
             // What the rounding of a value that mimics exceeds the part in `ARM_PLACE` by.
-            self.place += ARM_VALUE * (course.size - course.most).max(0.0);
+            self.place += ARM_VALUE * (course.size - course.most).at_least(0.0);
         }
     }
 }

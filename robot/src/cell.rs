@@ -9,6 +9,7 @@ use crate::error::{FileError, FileProblem};
 use crate::geometry::{self, MeshOptions, MeshUse, Solid};
 use crate::packages::Packages;
 use crate::space::Setup;
+use crate::turn::roll_pitch_yaw;
 
 /// An obstacle of a cell.
 #[derive(Clone, Debug)]
@@ -178,7 +179,7 @@ impl BodyText {
     fn pose(&self) -> Result<Isometry3<f64>, FileProblem> {
         let turn = match (self.rpy, self.xyzw) {
             (Some(_), Some(_)) => return Err(FileProblem::Malformed("rpy and xyzw exclude each other".into())),
-            (Some([roll, pitch, yaw]), None) => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+            (Some(rpy), None) => roll_pitch_yaw(rpy),
             (None, Some(xyzw)) => {
                 let quaternion = lin_canny::nalgebra::Quaternion::from(xyzw);
                 UnitQuaternion::try_new(quaternion, 1e-3).ok_or(FileProblem::Range {

@@ -6,10 +6,11 @@
 
 use std::collections::HashMap;
 
-use lin_canny::nalgebra::{Matrix4, Point3, Rotation3, Unit, Vector3};
+use lin_canny::nalgebra::{Matrix4, Point3, Unit, Vector3};
 use roxmltree::{Document, Node};
 
 use crate::mesh_file::Soup;
+use crate::turn::matrix_about;
 
 /// Places of nodes, at most: a node that is an instance of itself has no end.
 const PLACES: usize = 100_000;
@@ -102,7 +103,7 @@ impl<'a> File<'a> {
                 ("rotate", &[x, y, z, degrees]) => {
                     let axis = Unit::try_new(Vector3::new(x, y, z), 0.0);
                     let axis = axis.ok_or_else(|| self.told(child, "the axis has no length"))?;
-                    Rotation3::from_axis_angle(&axis, degrees.to_radians()).to_homogeneous()
+                    matrix_about(&axis, degrees.to_radians()).to_homogeneous()
                 }
                 _ => return Err(self.told(child, "no transform that is read here")),
             };

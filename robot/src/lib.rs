@@ -48,6 +48,7 @@
 //!
 //! A [`FileError`] names file, line and element. Nothing here panics on a file.
 #![cfg_attr(docsrs, feature(doc_cfg))]
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![forbid(unsafe_code)]
 
 mod cell;
@@ -63,6 +64,7 @@ mod robot;
 mod space;
 mod srdf;
 mod trajectory;
+mod turn;
 mod urdf;
 mod xml;
 

@@ -3,12 +3,13 @@
 use std::collections::BTreeSet;
 
 use lin_canny::Geometry;
-use lin_canny::nalgebra::{Isometry3, Unit, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Isometry3, Unit, Vector3};
 use lin_canny_plan::{Checker, Drive, JointKind, JointTree, PlanError, TreeJoint, World};
 
 use crate::geometry::radius;
 use crate::robot::{Coordinate, MotionKind, Robot};
 use crate::srdf::Srdf;
+use crate::turn::from_z;
 
 /// Robots at their places and the obstacles about them, to make a [`Checker`] of.
 ///
@@ -100,7 +101,9 @@ impl Setup {
                     self.add(TreeJoint::fixed(at, body.origin))
                 };
                 let reach = radius(&body.geometry);
-                self.radii[link_of_body] = self.radii[link_of_body].max(reach);
+                if reach > self.radii[link_of_body] {
+                    self.radii[link_of_body] = reach;
+                }
                 self.bodies.push(SetupBody {
                     name: named(&link.name),
                     link: link_of_body,
@@ -215,9 +218,7 @@ fn parts(kind: MotionKind, axis: &Unit<Vector3<f64>>, origin: &Isometry3<f64>, d
         MotionKind::Revolute => vec![joint(JointKind::Revolute, *axis, drive)],
         MotionKind::Prismatic => vec![joint(JointKind::Prismatic, *axis, drive)],
         MotionKind::Planar => {
-            // The shortest turn from z to the axis; a half turn about x for the opposite of z.
-            let half = UnitQuaternion::from_axis_angle(&x, std::f64::consts::PI);
-            let frame = UnitQuaternion::rotation_between(&z, axis).unwrap_or(half);
+            let frame = from_z(axis);
             vec![slide(frame * x, 0), slide(frame * y, 1), turn(*axis, 2)]
         }
         // The rotation is the product of yaw, pitch and roll.

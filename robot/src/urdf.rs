@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use lin_canny::RelativePose;
-use lin_canny::nalgebra::{Isometry3, Translation3, Unit, UnitQuaternion, Vector3};
+use lin_canny::nalgebra::{Isometry3, Translation3, Unit, Vector3};
 use lin_canny_plan::Drive;
 use urdf_rs::JointType;
 
@@ -12,6 +12,7 @@ use crate::error::{FileError, FileProblem};
 use crate::geometry::{self, Solid};
 use crate::packages::Packages;
 use crate::robot::{Coordinate, LinkBody, LoadOptions, MotionKind, Robot, RobotJoint, RobotLink};
+use crate::turn::roll_pitch_yaw;
 use crate::xml::{Xml, children};
 
 /// The largest coordinate of a body, as in [`lin_canny`].
@@ -330,8 +331,7 @@ impl Reader<'_> {
 }
 
 fn pose(origin: &urdf_rs::Pose) -> Result<Isometry3<f64>, FileProblem> {
-    let [roll, pitch, yaw] = *origin.rpy;
-    let turn = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+    let turn = roll_pitch_yaw(*origin.rpy);
     let pose = Isometry3::from_parts(Translation3::from(Vector3::from(*origin.xyz)), turn);
     let value = pose.translation.vector.amax();
     if !(value <= EXTENT_MAX) {

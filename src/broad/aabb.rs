@@ -1,6 +1,7 @@
 //! Axis-aligned boxes: as given by callers (`f64`) and as stored by the broad phase (`f32`, rounded
 //! outward).
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use nalgebra::{Point3, Vector3};
 
 /// An axis-aligned box with `f64` corners, as given by a caller. Closed: the faces belong to the
@@ -100,8 +101,8 @@ impl Aabb {
     pub fn swept(&self, motion: &Vector3<f64>) -> Self {
         let zero = Vector3::zeros();
         Self {
-            min: self.min + motion.inf(&zero),
-            max: self.max + motion.sup(&zero),
+            min: self.min + motion.smaller(zero),
+            max: self.max + motion.larger(zero),
         }
     }
 
@@ -109,8 +110,8 @@ impl Aabb {
     #[must_use]
     pub fn united(&self, other: &Self) -> Self {
         Self {
-            min: self.min.inf(&other.min),
-            max: self.max.sup(&other.max),
+            min: self.min.smaller(other.min),
+            max: self.max.larger(other.max),
         }
     }
 
@@ -254,17 +255,10 @@ impl StoredBox {
         let gap = |k: usize| {
             let before = f64::from(other.lo[k]) - f64::from(self.hi[k]);
             let after = f64::from(self.lo[k]) - f64::from(other.hi[k]);
-            before.max(after).max(0.0)
+            before.larger(after).at_least(0.0)
         };
         (0..3).map(|k| gap(k) * gap(k)).sum()
     }
-}
-
-/// Maximum by plain comparison: the core's `f32::max` has NaN rules that cost instructions, and no
-/// NaN gets here.
-#[inline(always)]
-pub(crate) fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
 }
 
 /// Returns the largest `f32` at or below `v`, clamped to `FARTHEST`; exact if `v` is an `f32`.

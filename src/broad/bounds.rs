@@ -1,6 +1,7 @@
 //! A stored box in two SIMD registers: the form in which all hot loops compute.
 
 use super::aabb::{Aabb, FARTHEST, StoredBox};
+use crate::base::num::extremes::Bounded;
 use nalgebra::Point3;
 use wide::{f32x4, f64x4, i32x4};
 
@@ -94,7 +95,7 @@ pub(crate) fn any_above(v: f32x4, bounds: f32x4) -> bool {
 #[inline(always)]
 pub(crate) fn largest(v: f32x4) -> f32 {
     let [a, b, c, _] = v.to_array();
-    super::aabb::max(a, super::aabb::max(b, c))
+    a.at_least(b.at_least(c))
 }
 
 /// Returns the largest `f32` at or below each lane; exact if a lane is an `f32`. No branches.

@@ -6,6 +6,7 @@ use super::change::{Changes, pair_key};
 use super::pairs::PairSlots;
 use super::parallel::Threads;
 use super::{Aabb, BodyId, BodyOptions, BroadPhase, BroadPhaseError, Pair, PairId, StoredBox};
+use crate::base::num::extremes::Extremes;
 use alloc::vec::Vec;
 use nalgebra::Point3;
 
@@ -156,7 +157,7 @@ pub(super) fn nearest<B: BroadPhase + ?Sized>(
         return Ok(out);
     }
     let mut found = Vec::new();
-    let mut reach = f64::from(bodies.grid.width).min(farthest);
+    let mut reach = f64::from(bodies.grid.width).smaller(farthest);
     loop {
         found.clear();
         broad.overlapping_stored(&asked.grown(reach), &mut found);
@@ -175,7 +176,7 @@ pub(super) fn nearest<B: BroadPhase + ?Sized>(
         if out.len() >= count || reach >= farthest || reach > 1e39 {
             break;
         }
-        reach = (reach * 2.0).min(farthest);
+        reach = (reach * 2.0).smaller(farthest);
     }
     out.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.body.cmp(&b.body)));
     out.truncate(count);

@@ -2,8 +2,8 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use crate::base::num::extremes::Bounded;
 use crate::base::num::fingerprint::Fingerprint;
-use crate::base::num::scalar::greater;
 use crate::base::tuning::composite::MIDDLES;
 use crate::body::shape::Shape;
 use crate::composite::meet::frame::TreeSide;
@@ -114,7 +114,7 @@ impl Parted for Mesh {
     #[inline(always)]
     fn highest(&self, item: u32, n: &Vector3<f64>) -> f64 {
         let [a, b, c] = self.corners(item);
-        greater(greater(n.dot(&a), n.dot(&b)), n.dot(&c))
+        n.dot(&a).at_least(n.dot(&b)).at_least(n.dot(&c))
     }
 
     fn number(&self, item: u32) -> u32 {

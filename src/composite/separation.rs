@@ -7,6 +7,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::BOX_TURNED;
@@ -59,7 +60,7 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
         && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
         && let Some(posed) = PosedTrees::new(a, b, &pose)
     {
-        span = span.max(LookAhead::new(&posed, flight, apart.noise, apart.radii).span(kept, seen));
+        span = span.larger(LookAhead::new(&posed, flight, apart.noise, apart.radii).span(kept, seen));
     }
     Free {
         span: span * tick,

@@ -3,6 +3,7 @@
 
 use nalgebra::{Unit, Vector3};
 
+use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{AGREE, CERTIFICATE, UNIT};
@@ -37,7 +38,7 @@ pub(crate) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f6
     let norm = sqrt(n.norm_squared());
     let distance = length * norm * 16.0;
     let slack = distance * (CERTIFICATE * UNIT) + 2.0 * (reach[0] + reach[1]);
-    ((distance - slack).max(0.0), distance + slack, n / norm)
+    ((distance - slack).at_least(0.0), distance + slack, n / norm)
 }
 
 /// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of

@@ -44,9 +44,10 @@ impl Draft {
         self.point_on_b = b.to_user(&self.point_on_b.coords);
     }
 
-    /// Returns the finished answer.
+    /// Returns the finished answer, in which no zero has a sign.
     #[inline(always)]
-    pub(crate) fn into_outcome(self) -> Outcome {
+    pub(crate) fn into_outcome(mut self) -> Outcome {
+        self.0.unsign_zeros();
         self.0
     }
 }

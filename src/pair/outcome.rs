@@ -268,6 +268,16 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Makes each zero of the distance and the bounds a positive zero: ranks by `total_cmp` tell
+    /// `-0.0` from `0.0`.
+    #[inline(always)]
+    pub(crate) fn unsign_zeros(&mut self) {
+        // The sum is exact, and zero of either sign plus zero is a positive zero.
+        self.distance += 0.0;
+        self.lower += 0.0;
+        self.upper += 0.0;
+    }
+
     /// Returns an outcome that bounds nothing.
     #[inline(always)]
     pub(crate) fn starting_at(pair: FeaturePair) -> Self {

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Bounded;
 use crate::base::num::packed::PackedVec3;
 use crate::base::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
 use crate::body::polyhedron::axis::Axis;
@@ -73,7 +74,7 @@ impl ConvexPolyhedron {
         }
         let half_edge = self.nearest_edge(v, &-n);
         FanMinimum {
-            value: along(half_edge).min(0.0),
+            value: along(half_edge).at_most(0.0),
             half_edge,
         }
     }
@@ -118,7 +119,7 @@ impl ConvexPolyhedron {
         (alpha, beta): (f64, f64),
         squared: f64,
     ) -> f64 {
-        let weights = (alpha.max(0.0), beta.max(0.0));
+        let weights = (alpha.at_least(0.0), beta.at_least(0.0));
         two_planes_bound(n, [left, right], weights, squared, self.radius)
     }
 }

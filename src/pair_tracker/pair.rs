@@ -6,6 +6,7 @@ use alloc::string::String;
 use nalgebra::{Point3, Unit};
 
 use super::engine::BodyShapes;
+use crate::base::num::extremes::Bounded;
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::FeaturePair;
 use crate::body::shape::Shape;
@@ -30,7 +31,7 @@ pub(super) trait Asked: Separation {
 
     /// Returns a lower bound of the distance, the cheapest to be had.
     fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
-        self.answer(pose, &Question::new()).lower.max(0.0)
+        self.answer(pose, &Question::new()).lower.at_least(0.0)
     }
 
     /// Returns bounds of the penetration depth of two solids.

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use crate::base::motion::{MotionError, Steady, Velocity};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{PLACED_BALL, RAY};
@@ -89,7 +90,7 @@ impl Ray {
         if sqrt(aside.norm_squared()) > reach {
             return None;
         }
-        let (from, until) = ((along - reach).max(0.0), (along + reach).min(length));
+        let (from, until) = ((along - reach).at_least(0.0), (along + reach).smaller(length));
         (from <= until).then_some((from, until))
     }
 }
@@ -287,7 +288,7 @@ fn crossing(body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray, (safe, until): 
     let rest = RelativePose::from_isometry(&Isometry3::identity()).ok()?;
     let mut tracker = PairTracker::new();
     (0..RAY_CROSSINGS).find_map(|k| {
-        let end = (safe + width * f64::from(1u32 << k)).min(until);
+        let end = (safe + width * f64::from(1u32 << k)).smaller(until);
         let piece = ConvexPolyhedron::segment(place(safe), place(end)).ok()?;
         tracker.intersects(body, &piece, &rest).is_yes().then_some(end)
     })

@@ -3,6 +3,7 @@
 use nalgebra::{Isometry3, Unit};
 
 use super::ray::{Ray, RayCast, RayHit, placed};
+use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::RAY;
 use crate::base::tuning::impact::RAY_CROSSINGS;
 use crate::composite::mesh::Mesh;
@@ -39,7 +40,7 @@ pub(super) fn pierce(
         return Some(RayCast::Miss);
     }
     let hit = (1..RAY_CROSSINGS).find_map(|k| {
-        let until = (safe + width * f64::from(1u32 << k)).min(until);
+        let until = (safe + width * f64::from(1u32 << k)).smaller(until);
         let (start, end) = piece(safe, until)?;
         mesh.is_crossed(&start, &end, 0.0).then_some(until)
     })?;

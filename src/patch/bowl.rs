@@ -23,6 +23,7 @@ use super::frame::NetFrame;
 use super::height::bounded;
 use super::net::SurfaceJet;
 use super::tree::{Net, Node};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BENT, ROUND_UP, SLOPE};
 use crate::base::tuning::patch::{CROSSING, MARGIN};
@@ -114,7 +115,7 @@ fn above(below: Matrix2<f64>, rim: &Rim) -> Matrix2<f64> {
     let across = MARGIN * sqrt(below.norm_squared());
     match rim {
         Rim::Along(f, bend) => {
-            let half = 0.5 * (bend - f.dot(&(below * f))).max(0.0);
+            let half = 0.5 * (bend - f.dot(&(below * f))).at_least(0.0);
             below + Matrix2::identity() * across + f * f.transpose() * (half - across)
         }
         _ => below + Matrix2::identity() * across,
@@ -217,7 +218,7 @@ impl BowlSide {
             self.n.dot(&x) + 0.5 * s.dot(&(self.form * s))
         };
         let [a, b, c, d] = [0, q, last, last + q].map(height);
-        a.max(b).max(c.max(d))
+        a.larger(b).larger(c.larger(d))
     }
 
     /// Returns an upper bound of the heights of the part of a surface below a node, errors of the
@@ -241,8 +242,8 @@ impl BowlSide {
         let most = height(&pairs[start]);
         let of = bounded(pairs, degrees, start, (most, f64::INFINITY))?;
         let slope = self.slope(node);
-        let rounding = BENT * slope.max(1.0) * (node.reach + self.at.abs().sum());
-        Some(of.min(most) + (1.0 + slope) * node.error + rounding)
+        let rounding = BENT * slope.at_least(1.0) * (node.reach + self.at.abs().sum());
+        Some(of.smaller(most) + (1.0 + slope) * node.error + rounding)
     }
 
     /// Writes the coefficients of the numerator and the denominator of the heights.

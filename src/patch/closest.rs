@@ -11,6 +11,7 @@ use super::bowl::Bowl;
 use super::cut::Cut;
 use super::frame::NetFrame;
 use super::net::{Patch, SurfaceJet};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{AGREE, PARALLEL, UNIT};
 use crate::base::tuning::patch::NEWTON;
@@ -225,7 +226,7 @@ impl PatchPair<'_> {
         }
         for _ in 0..6 {
             let mut damped = gauss;
-            (0..4).for_each(|k| damped[k][k] += *damping * (gauss[k][k] + gauss[0][0].max(gauss[2][2]) / 1024.0));
+            (0..4).for_each(|k| damped[k][k] += *damping * (gauss[k][k] + gauss[0][0].larger(gauss[2][2]) / 1024.0));
             let step = solve(&damped, &gradient, &held);
             if let Some(next) = step.and_then(|s| self.tried(now, &s, 1)) {
                 *damping /= 16.0;
@@ -240,7 +241,7 @@ impl PatchPair<'_> {
     fn tried(&self, now: &ClosestState, step: &Parameters, times: usize) -> Option<ClosestState> {
         let mut part = 1.0;
         for _ in 0..times {
-            let next = self.state(core::array::from_fn(|k| (now.at[k] - part * step[k]).clamp(0.0, 1.0)));
+            let next = self.state(core::array::from_fn(|k| (now.at[k] - part * step[k]).clamped(0.0, 1.0)));
             if next.square < now.square {
                 return Some(next);
             }

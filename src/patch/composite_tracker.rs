@@ -8,6 +8,7 @@ use super::search::NetGoal;
 use super::separation::BesideSurface;
 use super::shape_tracker::{SurfaceShapeTracker, far_apart, lower_to};
 use super::surface::Surface;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
@@ -87,7 +88,7 @@ impl BesideSurface for SurfaceCompositeTracker {
         let mut lower = best.lower;
         for k in (0..pieces.len()).filter(|&k| k != first) {
             let Some(found) = ask(k, best.upper) else { continue };
-            lower = lower.min(found.lower);
+            lower = lower.smaller(found.lower);
             if found.upper < best.upper {
                 (last, best) = (k, found);
             }

@@ -11,6 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::closest::{Meeting, PatchPair};
 use super::net::Patch;
+use crate::base::num::extremes::{Bounded, Extremes, largest};
 use crate::base::tolerance::PATCH_SLOPE;
 
 /// Ways along the curve of intersection at which the proof is tried, for points near a border.
@@ -23,12 +24,12 @@ pub(super) fn crosses(pair: &PatchPair, meeting: &Meeting, upper: f64) -> bool {
     // The parameters move along the curve by the null vector of the derivative.
     let volume = |i: usize, j: usize, k: usize| columns[i].dot(&columns[j].cross(&columns[k]));
     let null = [volume(1, 2, 3), -volume(0, 2, 3), volume(0, 1, 3), -volume(0, 1, 2)];
-    let longest = null.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let longest = null.iter().fold(0.0_f64, |m, x| m.larger(x.abs()));
     if !(longest > 0.0) {
         return false;
     }
     ASIDE.iter().any(|way| {
-        let at = core::array::from_fn(|k| (meeting.at[k] + way * null[k] / longest).clamp(0.0, 1.0));
+        let at = core::array::from_fn(|k| (meeting.at[k] + way * null[k] / longest).clamped(0.0, 1.0));
         let moved = if *way == 0.0 {
             *meeting
         } else {
@@ -47,11 +48,11 @@ fn shares(pair: &PatchPair, meeting: &Meeting, fixed: usize) -> bool {
     let slope = Matrix3::from_columns(&free.map(|k| columns[k]));
     let Some(c) = slope.try_inverse() else { return false };
     let off = meeting.w.abs().add_scalar(pair.frame.error + pair.frame.points);
-    let eta = (c.abs() * off).max();
+    let eta = largest(&(c.abs() * off));
     let rho = 2.0 * eta;
     let [of_a, of_b] = [bends(pair.a), bends(pair.b)];
-    let bend = of_a.1.max(of_b.1);
-    let error = PATCH_SLOPE * of_a.0.max(of_b.0);
+    let bend = of_a.1.larger(of_b.1);
+    let error = PATCH_SLOPE * of_a.0.larger(of_b.0);
     // A derivative moves by two second derivatives at most; one more covers roundings.
     let change = 3.0 * (3.0 * bend * rho + error);
     let residual = (Matrix3::identity() - c * slope).abs() * Vector3::repeat(1.0);
@@ -60,7 +61,7 @@ fn shares(pair: &PatchPair, meeting: &Meeting, fixed: usize) -> bool {
         .iter()
         .all(|&k| meeting.at[k] - rho >= 0.0 && meeting.at[k] + rho <= 1.0);
     // NaN fails the comparison.
-    is_inside && (residual + shift).max() < 0.49
+    is_inside && largest(&(residual + shift)) < 0.49
 }
 
 /// Returns bounds of all first and second derivatives of a patch. With R the reach, d the sum of
@@ -69,7 +70,7 @@ fn shares(pair: &PatchPair, meeting: &Meeting, fixed: usize) -> bool {
 /// omega^2`.
 fn bends(patch: &Patch) -> (f64, f64) {
     let weights = || patch.net.iter().map(|h| h[3]);
-    let ratio = weights().fold(0.0, f64::max) / weights().fold(f64::INFINITY, f64::min);
+    let ratio = weights().fold(0.0, f64::larger) / weights().fold(f64::INFINITY, f64::smaller);
     let d = (patch.degrees[0] + patch.degrees[1]) as f64 * ratio;
     (3.0 * d * patch.reach, 14.0 * d * d * patch.reach)
 }

@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::bezier::NET;
 use super::net::Patch;
 use super::tree::{Net, Node};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{NET as NET_ERROR, NET_CUT};
 
@@ -56,7 +57,7 @@ impl Cut {
         let count = self.node.count as usize;
         let centre = (net.point(0) + net.point(count - 1)) * 0.5;
         let far = |k: usize| (net.point(k) - centre).norm_squared();
-        let most = (0..count).map(far).fold(0.0, f64::max);
+        let most = (0..count).map(far).fold(0.0, f64::larger);
         (centre, sqrt(most))
     }
 }

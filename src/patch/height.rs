@@ -17,6 +17,7 @@ use nalgebra::Vector3;
 
 use super::bezier::{Jet, NET, jet};
 use super::tree::{Net, Node};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{COEFFICIENT, CURVATURE, TAYLOR, UNIT};
 use crate::base::tuning::patch::CLIMB;
 
@@ -62,19 +63,13 @@ impl Net<'_> {
     pub(super) fn highest_corner(&self, [p, q]: [usize; 2], n: &Vector3<f64>) -> f64 {
         let last = p * (q + 1);
         let heights = [0, q, last, last + q].map(|k| n.dot(&self.point(k)));
-        heights[0].max(heights[1]).max(heights[2].max(heights[3]))
+        heights[0].larger(heights[1]).larger(heights[2].larger(heights[3]))
     }
 
     #[inline]
     pub(super) fn point(&self, k: usize) -> Vector3<f64> {
         Vector3::new(self.points[0][k], self.points[1][k], self.points[2][k])
     }
-}
-
-/// Returns the larger of two numbers by one comparison.
-#[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
-    if b > a { b } else { a }
 }
 
 /// Bounds of second derivatives: uu and vv from above, |uv|.
@@ -92,20 +87,20 @@ impl Curvature {
         for i in 0..p.saturating_sub(1) {
             for j in 0..=q {
                 let k = i * width + j;
-                uu = larger(uu, g[k][0] - 2.0 * g[k + width][0] + g[k + 2 * width][0]);
+                uu = (g[k][0] - 2.0 * g[k + width][0] + g[k + 2 * width][0]).at_least(uu);
             }
         }
         for i in 0..=p {
             for j in 0..q.saturating_sub(1) {
                 let k = i * width + j;
-                vv = larger(vv, g[k][0] - 2.0 * g[k + 1][0] + g[k + 2][0]);
+                vv = (g[k][0] - 2.0 * g[k + 1][0] + g[k + 2][0]).at_least(vv);
             }
         }
         for i in 0..p {
             for j in 0..q {
                 let k = i * width + j;
                 let (near, far) = (g[k + 1][0] - g[k][0], g[k + width + 1][0] - g[k + width][0]);
-                uv = larger(uv, (far - near).abs());
+                uv = ((far - near).abs()).at_least(uv);
             }
         }
         let (p, q) = (p as f64, q as f64);
@@ -122,10 +117,10 @@ impl Curvature {
     /// `a du^2 + b dv^2 + 2 c |du dv| <= k du^2 + l dv^2`.
     fn excess(&self) -> [[f64; 2]; 3] {
         let Self { uu, vv, uv } = *self;
-        let both = [(uu + uv).max(0.0), (vv + uv).max(0.0)];
+        let both = [(uu + uv).at_least(0.0), (vv + uv).at_least(0.0)];
         let square = uv * uv * (1.0 + 8.0 * UNIT);
-        let of_v = [0.0, (vv + square / -uu).max(0.0)];
-        let of_u = [(uu + square / -vv).max(0.0), 0.0];
+        let of_v = [0.0, (vv + square / -uu).at_least(0.0)];
+        let of_u = [(uu + square / -vv).at_least(0.0), 0.0];
         [
             both,
             if uu < 0.0 { of_v } else { both },
@@ -168,14 +163,14 @@ pub(super) fn bounded(
     let f = jet::<1>(g, degrees, at);
     let rise = |d: f64, k: f64, at: f64| {
         let to = |x: f64| x * (d + 0.5 * k * x);
-        to(-at).max(to(1.0 - at)).max(0.0)
+        to(-at).larger(to(1.0 - at)).at_least(0.0)
     };
     let over = excess.map(|[k, l]| rise(f.u[0], k, at[0]) + rise(f.v[0], l, at[1]));
-    let over = over[0].min(over[1]).min(over[2]);
+    let over = over[0].smaller(over[1]).smaller(over[2]);
     let degree = (degrees[0] + degrees[1]) as f64;
     let error = TAYLOR * degree * degree * size + 4.0 * UNIT * over;
-    let least_weight = pairs.iter().map(|p| p[1]).fold(f64::INFINITY, f64::min);
-    let most = (f.value[0].max(0.0) + over + error) / least_weight;
+    let least_weight = pairs.iter().map(|p| p[1]).fold(f64::INFINITY, f64::smaller);
+    let most = (f.value[0].at_least(0.0) + over + error) / least_weight;
     Some(c + most * (1.0 + 4.0 * UNIT))
 }
 
@@ -185,7 +180,7 @@ fn shifted(pairs: &[[f64; 2]], c: f64, g: &mut [[f64; 1]]) -> f64 {
     let mut size = 0.0_f64;
     for (g, [h, w]) in g.iter_mut().zip(pairs) {
         g[0] = h - c * w;
-        size = size.max(g[0].abs());
+        size = size.larger(g[0].abs());
     }
     size
 }
@@ -258,7 +253,7 @@ fn newton(at: [f64; 2], f: &Jet<1>) -> [f64; 2] {
     let is_held = |k: usize| at[k] == 0.0 && gradient[k] <= 0.0 || at[k] == 1.0 && gradient[k] >= 0.0;
     let alone = |k: usize, slope: f64| {
         if bend[k] < 0.0 {
-            (at[k] - slope / bend[k]).clamp(0.0, 1.0)
+            (at[k] - slope / bend[k]).clamped(0.0, 1.0)
         } else if slope > 0.0 {
             1.0
         } else {
@@ -280,11 +275,11 @@ fn newton(at: [f64; 2], f: &Jet<1>) -> [f64; 2] {
                 return [u, v];
             }
             // The parameter that leaves the node first stays at the border.
-            if (u - u.clamp(0.0, 1.0)).abs() >= (v - v.clamp(0.0, 1.0)).abs() {
-                let u = u.clamp(0.0, 1.0);
+            if (u - u.clamped(0.0, 1.0)).abs() >= (v - v.clamped(0.0, 1.0)).abs() {
+                let u = u.clamped(0.0, 1.0);
                 [u, alone(1, gradient[1] + uv * (u - at[0]))]
             } else {
-                let v = v.clamp(0.0, 1.0);
+                let v = v.clamped(0.0, 1.0);
                 [alone(0, gradient[0] + uv * (v - at[1])), v]
             }
         }

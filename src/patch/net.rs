@@ -6,6 +6,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use super::bezier::{Jet, ORDER, jet, value};
 use super::error::PatchError;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
 
@@ -113,7 +114,7 @@ impl Patch {
         }
         let mut patch = Self::assembled([degree; 2], net);
         patch.is_triangular = true;
-        patch.reach = patch.reach.max(reach(points));
+        patch.reach = patch.reach.larger(reach(points));
         patch.noise = if degree > 1 { RAISED } else { 0.0 };
         Ok(patch)
     }
@@ -163,7 +164,7 @@ impl Patch {
     /// Returns the point at (u, v), clamped to 0..=1.
     #[must_use]
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
-        let [x, y, z, w] = value::<4>(&self.net, self.degrees, [u, v].map(|t| t.clamp(0.0, 1.0)));
+        let [x, y, z, w] = value::<4>(&self.net, self.degrees, [u, v].map(|t| t.clamped(0.0, 1.0)));
         if self.is_rational {
             Point3::new(x / w, y / w, z / w)
         } else {
@@ -183,7 +184,7 @@ impl Patch {
     /// the patch; `None` if it vanishes there as well.
     #[must_use]
     pub fn normal(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
-        let inside = |t: f64| t.clamp(0.0, 1.0) + (0.5 - t.clamp(0.0, 1.0)) / 65_536.0;
+        let inside = |t: f64| t.clamped(0.0, 1.0) + (0.5 - t.clamped(0.0, 1.0)) / 65_536.0;
         [[u, v], [inside(u), inside(v)]].into_iter().find_map(|at| {
             let jet = self.jet(at);
             let n = jet.u.cross(&jet.v);
@@ -210,7 +211,7 @@ impl Patch {
         }
         parts.map(|net| {
             let half = Self::assembled(self.degrees, net);
-            let reach = half.reach.max(self.reach);
+            let reach = half.reach.larger(self.reach);
             Self {
                 noise: self.noise,
                 is_triangular: false,
@@ -225,11 +226,11 @@ impl Patch {
     pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
         let start = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
         self.control_points()
-            .fold(start, |(low, high), (p, _)| (low.inf(&p), high.sup(&p)))
+            .fold(start, |(low, high), (p, _)| (low.smaller(p), high.larger(p)))
     }
 
     pub(super) fn jet(&self, at: [f64; 2]) -> SurfaceJet {
-        let at = at.map(|t| t.clamp(0.0, 1.0));
+        let at = at.map(|t| t.clamped(0.0, 1.0));
         let Jet {
             value,
             u,
@@ -268,7 +269,7 @@ impl Patch {
 /// Returns the largest distance of a point from the origin, rounded up.
 pub(super) fn reach(points: &[Point3<f64>]) -> f64 {
     let far = |p: &Point3<f64>| sqrt(p.coords.norm_squared()) * ROUND_UP;
-    points.iter().map(far).fold(0.0, f64::max)
+    points.iter().map(far).fold(0.0, f64::larger)
 }
 
 /// Raises the degree of a curve from n to n + 1.
@@ -326,7 +327,7 @@ pub(super) fn check_weights(weights: &[f64], expected: usize) -> Result<f64, Pat
     if given != expected {
         return Err(PatchError::WeightCount { given, expected });
     }
-    let largest = weights.iter().copied().fold(0.0, f64::max);
+    let largest = weights.iter().copied().fold(0.0, f64::larger);
     let is_bad = |w: f64| !((1.0 / PATCH_MAX..=PATCH_MAX).contains(&w) && w >= largest * WEIGHT_RATIO);
     match weights.iter().position(|&w| is_bad(w)) {
         Some(index) => Err(PatchError::Weight {

@@ -12,6 +12,7 @@ use nalgebra::Point3;
 use super::bezier::{NET, ORDER};
 use super::error::PatchError;
 use super::net::{Patch, check_degrees, check_points, check_weights, homogeneous, reach};
+use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{KNOTS, PATCH_MAX};
 
 /// A NURBS surface as files hold it.
@@ -60,7 +61,7 @@ impl Nurbs<'_> {
             for v in &spans[1] {
                 let mut patch = Patch::assembled(self.degrees, self.taken_out(&given, counts[1], [u, v]));
                 patch.noise = KNOTS;
-                patch.reach = patch.reach.max(reach);
+                patch.reach = patch.reach.larger(reach);
                 parts.push((patch, [u.ends, v.ends]));
             }
         }

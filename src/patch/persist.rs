@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::PatchError;
 use super::net::{Patch, check_degrees};
 use super::surface::Surface;
+use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{KNOTS, PATCH_MAX, RAISED, WEIGHT_RATIO};
 
 /// Serialized form of a patch.
@@ -65,7 +66,7 @@ fn check_net(net: &[[f64; 4]], expected: usize) -> Result<(), PatchError> {
     if given != expected {
         return Err(PatchError::Count { given, expected });
     }
-    let largest = net.iter().map(|h| h[3]).fold(0.0, f64::max);
+    let largest = net.iter().map(|h| h[3]).fold(0.0, f64::larger);
     for (index, h) in net.iter().enumerate() {
         let value = h[3];
         // NaN fails the comparisons.

@@ -15,6 +15,7 @@ use super::gap::Trees;
 use super::height::taylor;
 use super::side::NetSide;
 use super::tree::Node;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BENT_POSE, REGION};
 
@@ -58,7 +59,7 @@ impl Region {
             let length = sqrt(best.tangents[k].norm_squared());
             // A parameter that moves no point may have any value.
             let half = if way < length { way / length } else { 1.0 };
-            [(best.at[k] - half).max(0.0), (best.at[k] + half).min(1.0)]
+            [(best.at[k] - half).at_least(0.0), (best.at[k] + half).at_most(1.0)]
         });
         let [u, v, s, t] = sides;
         let a = points.cut(0, best.patches[0], [u, v])?;
@@ -96,7 +97,7 @@ fn is_apart<B: NetSide>(a: &Cut, b: Option<&Cut>, n: &Vector3<f64>, target: f64,
     let need = target - (most - high_b - high_a);
     let top = |part: &Cut, n: &Vector3<f64>, highest: f64| {
         let of = taylor(&part.node, &part.net(), n, highest, need);
-        of.unwrap_or(highest).min(highest)
+        of.unwrap_or(highest).smaller(highest)
     };
     let top_a = top(a, n, high_a);
     let top_b = b.map_or(high_b, |b| top(b, &m, high_b));

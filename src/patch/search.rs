@@ -13,6 +13,7 @@ use super::outcome::SurfaceWork;
 use super::region::Region;
 use super::side::NetSide;
 use super::tree::Node;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::ranked::Ranked;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT;
@@ -119,9 +120,9 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     fn level(&self) -> f64 {
         let limit = self.trees.frame.limit;
         match self.goal {
-            NetGoal::Width(width) => self.upper - limit.max(width),
-            NetGoal::Part(part) => self.upper - (part * self.upper).max(limit),
-            NetGoal::Within(d) => d.next_up().min(self.upper - limit),
+            NetGoal::Width(width) => self.upper - limit.larger(width),
+            NetGoal::Part(part) => self.upper - (part * self.upper).larger(limit),
+            NetGoal::Within(d) => d.next_up().smaller(self.upper - limit),
         }
     }
 
@@ -170,16 +171,16 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         while k < self.front.entries.len() {
             let entry = self.front.entries[k];
             let carried = entry.gap(self.trees.frame);
-            if carried.max(0.0) >= self.level() {
-                self.least = self.least.min(carried);
+            if carried.at_least(0.0) >= self.level() {
+                self.least = self.least.smaller(carried);
                 k += 1;
                 continue;
             }
             self.work.failed += 1;
             let n = entry.direction(self.trees.frame);
             let gap = self.bound(entry.pair, &n);
-            if gap.gap.max(0.0) >= self.level() {
-                self.least = self.least.min(gap.gap);
+            if gap.gap.at_least(0.0) >= self.level() {
+                self.least = self.least.smaller(gap.gap);
                 self.front.entries[k] = NetEntry::new(self.trees, entry.pair, &gap);
                 k += 1;
             } else {
@@ -193,7 +194,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     fn sort(&mut self, pair: NetPair, along: &Vector3<f64>) {
         let level = self.level();
         let gap = self.bound(pair, along);
-        if gap.gap.max(0.0) >= level {
+        if gap.gap.at_least(0.0) >= level {
             self.close(pair, &gap);
         } else {
             self.open(pair, gap);
@@ -269,7 +270,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     fn is_small(&self, pair: NetPair) -> bool {
         let (x, y) = (self.trees.a.node(pair[0]), self.trees.b.node(pair[1]));
         let size = if y.can_split() {
-            x.radius.max(y.radius)
+            x.radius.larger(y.radius)
         } else {
             x.radius
         };
@@ -280,7 +281,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     fn first_way(&self) -> f64 {
         self.way.unwrap_or_else(|| {
             let radius = |node: &Node| if node.can_split() { node.radius } else { f64::INFINITY };
-            BEGINNING * radius(self.trees.a.node(0)).min(radius(self.trees.b.node(0)))
+            BEGINNING * radius(self.trees.a.node(0)).smaller(radius(self.trees.b.node(0)))
         })
     }
 
@@ -317,7 +318,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     }
 
     fn close(&mut self, pair: NetPair, gap: &Gap) {
-        self.least = self.least.min(gap.gap);
+        self.least = self.least.smaller(gap.gap);
         self.front.entries.push(NetEntry::new(self.trees, pair, gap));
     }
 
@@ -327,7 +328,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         while !self.is_over() {
             let Some(open) = self.heap.pop() else { break };
             self.improve(&open);
-            let is_over = open.rank.max(0.0) >= self.level() || !self.is_worth(&open);
+            let is_over = open.rank.at_least(0.0) >= self.level() || !self.is_worth(&open);
             if is_over || !self.split(&open) {
                 self.close(open.key, &open.item);
                 if is_over || self.budget == 0 {
@@ -341,7 +342,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         }
         *self.heap = rest;
         self.heap.clear();
-        self.least.clamp(0.0, self.upper)
+        self.least.clamped(0.0, self.upper)
     }
 
     /// Puts a pair on the heap.

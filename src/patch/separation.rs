@@ -10,6 +10,7 @@ use nalgebra::Point3;
 
 use super::search::NetGoal;
 use super::surface::Surface;
+use crate::base::num::extremes::Extremes;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tuning::patch::{HOPE, MEASURED, NARROWER};
 use crate::pair::answer::unit;
@@ -116,7 +117,7 @@ pub(super) fn held<S: Separation>(
         && bound - flight.keep < (1.0 - NARROWER) * left
         && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
     {
-        bound = bound.max(lower(pair, &pose, MEASURED * left));
+        bound = bound.larger(lower(pair, &pose, MEASURED * left));
     }
     let proof = Proof::Own;
     if bound - flight.keep < HOPE * left {

@@ -11,6 +11,7 @@ use super::solid::{Feet, ShapeNode};
 use super::state::SurfaceMemory;
 use super::surface::Surface;
 use super::tree::{Grown, Nodes};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{ROUND_UP, SHAPE_POINT, SURFACE_POINT};
@@ -106,7 +107,7 @@ impl SurfaceShapeTracker {
                 let on = [best.place(0), Spot::new(0, best.feature)];
                 let outcome = Outcome {
                     class: class(lower, best.upper),
-                    distance: best.distance.clamp(lower, best.upper),
+                    distance: best.distance.clamped(lower, best.upper),
                     lower,
                     upper: best.upper,
                     point_on_a: best.on_a.into(),
@@ -185,8 +186,8 @@ pub(super) fn far_apart(a: &Surface, b: &Shape, a_from_b: &RelativePose) -> Answ
 /// Lowers the lower bound of an answer to that of other pieces.
 pub(super) fn lower_to(answer: &mut Answer, lower: f64, goal: NetGoal) {
     let o = &mut answer.outcome;
-    o.lower = o.lower.min(lower);
-    o.distance = o.distance.max(o.lower);
+    o.lower = o.lower.smaller(lower);
+    o.distance = o.distance.larger(o.lower);
     o.class = class(o.lower, o.upper);
     answer.is_reached = goal.is_reached(o.lower, o.upper);
 }

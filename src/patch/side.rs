@@ -1,5 +1,6 @@
 //! What a search asks of a body: nodes and their heights.
 
+use crate::base::num::extremes::Extremes;
 use nalgebra::Vector3;
 
 use super::bowl::BowlSide;
@@ -73,7 +74,7 @@ impl NetSide for Nodes<'_> {
     #[inline]
     fn cap(&self, id: u32, n: &Vector3<f64>, highest: f64, need: f64) -> f64 {
         let of = taylor(self.node(id), &self.net(id), n, highest, need);
-        of.unwrap_or(highest).min(highest)
+        of.unwrap_or(highest).smaller(highest)
     }
 
     fn least_above(&self, id: u32, half: &BowlSide) -> Option<f64> {

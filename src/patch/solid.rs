@@ -10,6 +10,7 @@ use super::frame::NetFrame;
 use super::net::{Patch, SurfaceJet};
 use super::side::NetSide;
 use super::tree::Node;
+use crate::base::num::extremes::Bounded;
 use crate::base::pose::{RelativePose, normalize};
 use crate::base::tolerance::UNIT;
 use crate::base::tuning::patch::{BACK, DAMPINGS, NEWTON, PROBE};
@@ -206,15 +207,15 @@ impl<'a> Feet<'a> {
             let by = (n - turned) / PROBE;
             form[k] = [by.dot(&j[0]), by.dot(&j[1])];
         }
-        let (uu, vv) = (form[0][0].max(0.0), form[1][1].max(0.0));
+        let (uu, vv) = (form[0][0].at_least(0.0), form[1][1].at_least(0.0));
         let most = crate::base::num::scalar::sqrt(uu * vv);
-        Some([uu, (0.5 * (form[0][1] + form[1][0])).clamp(-most, most), vv])
+        Some([uu, (0.5 * (form[0][1] + form[1][0])).clamped(-most, most), vv])
     }
 
     fn tried(&mut self, patch: &Patch, now: &ShapeFoot, step: &Parameters) -> Option<ShapeFoot> {
         let mut part = 1.0;
         for _ in 0..2 {
-            let at = [0, 1].map(|k| (now.at[k] - part * step[k]).clamp(0.0, 1.0));
+            let at = [0, 1].map(|k| (now.at[k] - part * step[k]).clamped(0.0, 1.0));
             let next = self.foot(patch, at)?;
             if next.found.distance < now.found.distance {
                 return Some(next);
@@ -244,7 +245,7 @@ impl<'a> Feet<'a> {
     /// is within rounding, and that of the shape may be farther away.
     fn meeting(&mut self, number: u32, foot: &ShapeFoot) -> Meeting {
         let (p, found) = (foot.jet.point, &foot.found);
-        let upper = (found.upper + self.error()).max(0.0);
+        let upper = (found.upper + self.error()).at_least(0.0);
         let on_b = if found.distance <= 0.0 && upper > 0.0 {
             self.frame.rotation.tr_mul(&(p - self.frame.translation))
         } else {
@@ -258,7 +259,7 @@ impl<'a> Feet<'a> {
             on_b,
             w: self.frame.place(&on_b) - p,
             tangents: [foot.jet.u, foot.jet.v, zero, zero],
-            distance: found.distance.max(0.0),
+            distance: found.distance.at_least(0.0),
             upper,
             normal: Some(*found.normal),
             along: Some(self.along(foot)),

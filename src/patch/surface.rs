@@ -7,6 +7,7 @@ use super::error::PatchError;
 use super::net::Patch;
 use super::nurbs::Nurbs;
 use super::tree::NetTree;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::tolerance::{SEAM, SURFACE_POINT};
 use crate::body::polyhedron::ConvexPolyhedron;
@@ -108,7 +109,7 @@ impl Surface {
         if patches.is_empty() {
             return Err(PatchError::Empty);
         }
-        let reach = patches.iter().map(|p| p.reach).fold(0.0, f64::max);
+        let reach = patches.iter().map(|p| p.reach).fold(0.0, f64::larger);
         let tree = NetTree::new(&patches);
         let (fingerprint, is_closed) = (fingerprint(&patches), is_closed(&patches, reach));
         Ok(Self {
@@ -182,7 +183,7 @@ impl Surface {
         self.patches
             .iter()
             .map(Patch::aabb)
-            .fold(start, |s, b| (s.0.inf(&b.0), s.1.sup(&b.1)))
+            .fold(start, |s, b| (s.0.smaller(b.0), s.1.larger(b.1)))
     }
 }
 

@@ -11,6 +11,7 @@ use super::search::NetGoal;
 use super::state::SurfaceMemory;
 use super::surface::Surface;
 use super::tree::{Grown, Nodes};
+use crate::base::num::extremes::Bounded;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::SURFACE_POINT;
 use crate::base::tuning::patch::{KEPT, SPLITS};
@@ -90,7 +91,7 @@ impl SurfaceTracker {
         };
         let outcome = Outcome {
             class,
-            distance: found.distance.clamp(found.lower, found.upper),
+            distance: found.distance.clamped(found.lower, found.upper),
             lower: found.lower,
             upper: found.upper,
             point_on_a: found.points[0],

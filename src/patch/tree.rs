@@ -11,6 +11,7 @@ use nalgebra::Vector3;
 
 use super::bezier::{NET, halves};
 use super::net::Patch;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{NET as NET_ERROR, NET_STEP, ROUND_UP};
 use crate::base::tuning::patch::DEEPEST;
@@ -149,7 +150,9 @@ impl NetTree {
                 continue;
             }
             let some = order[from..to].iter().map(|&k| boxes[k as usize]);
-            let (low, high) = some.reduce(|a, b| (a.0.inf(&b.0), a.1.sup(&b.1))).unwrap_or_default();
+            let (low, high) = some
+                .reduce(|a, b| (a.0.smaller(b.0), a.1.larger(b.1)))
+                .unwrap_or_default();
             let axis = (high - low).imax();
             let key = |k: &u32| boxes[*k as usize].0[axis] + boxes[*k as usize].1[axis];
             order[from..to].sort_by(|a, b| key(a).total_cmp(&key(b)));
@@ -168,7 +171,7 @@ impl NetTree {
             let corner = |k: usize| if k >> axis & 1 == 0 { low[axis] } else { high[axis] };
             self.numbers.extend((0..8).map(corner));
         }
-        let reach = sqrt(low.abs().sup(&high.abs()).norm_squared()) * ROUND_UP;
+        let reach = sqrt(low.abs().larger(high.abs()).norm_squared()) * ROUND_UP;
         let (centre, radius) = self.ball(at as usize, 8);
         self.nodes[node] = Node {
             child,
@@ -270,8 +273,8 @@ impl NetTree {
     fn ball(&self, at: usize, count: usize) -> (Vector3<f64>, f64) {
         let plane = |k: usize| &self.numbers[at + k * count..][..count];
         let centre = Vector3::from_fn(|k, _| {
-            let low = plane(k).iter().copied().fold(f64::INFINITY, f64::min);
-            let high = plane(k).iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let low = plane(k).iter().copied().fold(f64::INFINITY, f64::smaller);
+            let high = plane(k).iter().copied().fold(f64::NEG_INFINITY, f64::larger);
             0.5 * low + 0.5 * high
         });
         let [x, y, z] = [plane(0), plane(1), plane(2)];
@@ -279,7 +282,7 @@ impl NetTree {
             let (a, b, c) = (x[i] - centre.x, y[i] - centre.y, z[i] - centre.z);
             a * a + b * b + c * c
         };
-        let most = (0..count).map(square).fold(0.0, f64::max);
+        let most = (0..count).map(square).fold(0.0, f64::larger);
         (centre, sqrt(most) * ROUND_UP)
     }
 
@@ -291,7 +294,7 @@ impl NetTree {
         let longest = |d: usize| {
             let (rows, columns, step) = if d == 0 { (p, width, width) } else { (p + 1, q, 1) };
             let all = (0..rows).flat_map(|i| (0..columns).map(move |j| i * width + j));
-            all.map(|k| leg(k, k + step)).fold(0.0, f64::max) * ([p, q][d] * [p, q][d]) as f64
+            all.map(|k| leg(k, k + step)).fold(0.0, f64::larger) * ([p, q][d] * [p, q][d]) as f64
         };
         u8::from(longest(1) > longest(0))
     }

@@ -24,6 +24,7 @@ use super::narrow_phase::{StepContext, Tally};
 use super::pair_table::{PairFlags, PairHeader};
 use super::report::Counts;
 use crate::base::motion::{Motion, Steady, Velocity};
+use crate::base::num::extremes::Extremes;
 use crate::base::tuning::scene::TICKS;
 use crate::pair::outcome::Outcome;
 use crate::pair_tracker::PairEngine;
@@ -80,7 +81,7 @@ impl StepContext<'_> {
         let free = tracker.over_time(shapes, Some(outcome), |separation, seen| {
             let apart = flight.apart(separation).span;
             let by_plane = seen.map_or(0.0, |seen| separation.free_for(&seen, &flight).span);
-            apart.max(by_plane)
+            apart.larger(by_plane)
         });
         let whole = ticks(free, length).min(TICKS);
         if whole > 0 {

@@ -2,6 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{CENTRE, LEAST_SQUARE, RADIUS_UP, ROUND_DOWN, ROUND_UP};
 use crate::body::polyhedron::ConvexPolyhedron;
@@ -74,12 +75,12 @@ impl Ball {
 /// Returns the radius of the ball about the origin that contains a body.
 fn about_origin(body: &ConvexPolyhedron) -> f64 {
     // Scaled, so that squares stay in range.
-    let size = body.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
+    let size = body.vertex_points().fold(0.0, |m: f64, p| m.larger(p.coords.amax()));
     if size == 0.0 {
         return 0.0;
     }
     let square = |p: Point3<f64>| (p.coords / size).norm_squared();
-    size * sqrt(body.vertex_points().map(square).fold(0.0, f64::max)) * RADIUS_UP
+    size * sqrt(body.vertex_points().map(square).fold(0.0, f64::larger)) * RADIUS_UP
 }
 
 /// Returns a lower bound of the distance of the contents of two balls; may be negative.
@@ -87,6 +88,6 @@ fn about_origin(body: &ConvexPolyhedron) -> f64 {
 pub(super) fn least_distance(a: &Ball, b: &Ball) -> f64 {
     let between = b.centre - a.centre;
     // Squares lose less than LEAST_SQUARE below the normal numbers.
-    let squared = (between.norm_squared() - LEAST_SQUARE).max(0.0);
+    let squared = (between.norm_squared() - LEAST_SQUARE).at_least(0.0);
     sqrt(squared) * ROUND_DOWN - (a.radius + b.radius) * ROUND_UP
 }

@@ -12,6 +12,7 @@ use super::kinds::Member;
 use super::moving::{Moving, Sweep, Ticks};
 use super::{BodyId, SceneError};
 use crate::base::motion::{Velocity, displacement};
+use crate::base::num::extremes::Extremes;
 use crate::base::pose::{PoseError, RelativePose, is_unit};
 use crate::base::tolerance::{RADIUS_UP, ROUND_UP, SCENE_REACH};
 use crate::body::polyhedron::BoxHint;
@@ -91,7 +92,7 @@ impl BodySolid {
     /// Returns the solid of a body. Refuses shapes that no pose puts within a scene.
     pub(super) fn new(body: Body) -> Result<Self, SceneError> {
         let reach = match &body.shape {
-            Geometry::Polyhedron(shape) => shape.vertex_points().fold(0.0, |m: f64, p| m.max(p.coords.amax())),
+            Geometry::Polyhedron(shape) => shape.vertex_points().fold(0.0, |m: f64, p| m.larger(p.coords.amax())),
             other => {
                 let (centre, radius) = other.bounding_ball();
                 centre.coords.amax() + radius
@@ -340,7 +341,9 @@ impl BodyTable {
         let ball = solid.ball.at(pose);
         let way = solid.displacement((&self.poses[i], &self.balls[i]), (pose, &ball));
         // A point may go out and come back within a sweep.
-        let farthest = sweep.map_or(way, |s| way.max(s.displacement(solid.reach(), self.ticks.length.abs())));
+        let farthest = sweep.map_or(way, |s| {
+            way.larger(s.displacement(solid.reach(), self.ticks.length.abs()))
+        });
         if let Some(sweep) = sweep {
             self.keep_sweep(i, sweep);
         }
@@ -484,8 +487,8 @@ pub(super) fn swept_box(bodies: &BodyTable, i: usize, sweep: &Sweep, growth: f64
     let time = bodies.ticks.length.abs();
     let poses = [sweep.from, sweep.velocity.applied(&sweep.from, time), bodies.poses[i]];
     let [first, second, third] = poses.map(|pose| solid.shape.aabb_at(&pose, hint));
-    let low = first.0.inf(&second.0).inf(&third.0);
-    let high = first.1.sup(&second.1).sup(&third.1);
+    let low = first.0.smaller(second.0).smaller(third.0);
+    let high = first.1.larger(second.1).larger(third.1);
     let growth = growth + sweep.bulge(solid.reach(), time);
     Some(Aabb::new(low, high).grown(growth * ROUND_UP))
 }

@@ -12,6 +12,7 @@ use super::ball::least_distance;
 use super::effects::Group;
 use super::search::ClosestPair;
 use super::{Scene, SceneError};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::BOX_DISTANCE_DOWN;
 use crate::broad::{BroadPhase, StoredBox};
@@ -142,7 +143,7 @@ impl ClosestSearch<'_> {
             return Ok(many.iter().copied().filter(pairs).map(bounded).collect());
         }
         let mut found = Vec::new();
-        let around = self.scene.box_around(i as usize, upper.max(0.0));
+        let around = self.scene.box_around(i as usize, upper.at_least(0.0));
         self.scene.broad.overlapping(&around, &mut found)?;
         let others = found.iter().map(|p| self.scene.bodies.body_of_proxy[p.index as usize]);
         let others = others.filter(|j| many.binary_search(j).is_ok()).filter(pairs);
@@ -156,7 +157,7 @@ impl ClosestSearch<'_> {
         let balls = least_distance(&bodies.balls[i as usize], &bodies.balls[j as usize]);
         let boxes = stored(i).zip(stored(j)).map_or(0.0, |(x, y)| least_between(&x, &y));
         // Boxes that overlap bound nothing.
-        let bound = if boxes > 0.0 { balls.max(boxes) } else { balls };
+        let bound = if boxes > 0.0 { balls.larger(boxes) } else { balls };
         let (a, b) = if self.is_first_smaller { (i, j) } else { (j, i) };
         (bound, a, b)
     }

@@ -4,6 +4,7 @@
 use alloc::boxed::Box;
 
 use super::SceneError;
+use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::SCENE_REACH;
 use crate::convex::contact::ManifoldOptions;
 use crate::pair::outcome::Until;
@@ -260,7 +261,7 @@ impl Effects {
             _ => Detail::Nothing,
         };
         let prediction = self.manifold.map_or(NEVER, |m| m.prediction);
-        let range = range.unwrap_or(NEVER).max(prediction);
+        let range = range.unwrap_or(NEVER).larger(prediction);
         PairPlan {
             detail,
             boxes: self.boxes,
@@ -270,7 +271,7 @@ impl Effects {
             until: self.until(),
             manifold: self.manifold,
             impact: self.impact,
-            reach: least.max(within).max(range),
+            reach: least.larger(within).larger(range),
         }
     }
 }
@@ -384,7 +385,7 @@ impl Table {
     /// the other half.
     pub(super) fn growth(&self, g: Group) -> f64 {
         let reach = |h: u8| self.plan(group_pair_of(g, Group(h))).reach;
-        0.5 * (0..GROUPS as u8).map(reach).fold(0.0, f64::max)
+        0.5 * (0..GROUPS as u8).map(reach).fold(0.0, f64::larger)
     }
 
     /// Iterates over the pairs of groups with any effect, each pair once.
@@ -402,8 +403,10 @@ impl Table {
 mod range {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+    use crate::base::num::extremes::Bounded;
+
     pub(super) fn serialize<S: Serializer>(range: &Option<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-        range.map(|d| d.min(f64::MAX)).serialize(serializer)
+        range.map(|d| d.at_most(f64::MAX)).serialize(serializer)
     }
 
     pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {

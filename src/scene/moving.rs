@@ -11,6 +11,7 @@ use nalgebra::Isometry3;
 
 use crate::base::motion::{Motion, Steady, Velocity, displacement};
 use crate::base::num::count::Counter;
+use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{PLACED_CENTRE, ROUND_UP};
 
 /// Velocity of a body, and the steps in which the motion last changed.
@@ -76,7 +77,7 @@ impl Sweep {
         let course = self.motion().map(|motion| motion.course(0.0, time));
         let [shift, turn] = course.map_or([0.0; 2], |course| [course.shift.at(time), course.turn.at(time)]);
         // The least of a number and NaN is the number.
-        (radius * (0.125 * angle * angle + turn)).min(2.0 * radius) + shift
+        (radius * (0.125 * angle * angle + turn)).smaller(2.0 * radius) + shift
     }
 
     /// Returns an upper bound of the displacement of any point of the body from its start, at every
@@ -89,7 +90,7 @@ impl Sweep {
         let most = (straight + rounding + 2.0 * radius) * ROUND_UP;
         let course = self.motion().map(|motion| motion.course(0.0, time));
         // The least of a number and NaN is the number.
-        course.map_or(most, |course| course.displacement(radius, time).min(most))
+        course.map_or(most, |course| course.displacement(radius, time).smaller(most))
     }
 }
 

@@ -11,6 +11,7 @@ use super::events::{Change, PairChange, PairImpact};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::report::Counts;
 use super::stored_answer::StoredAnswer;
+use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::convex::tracker::Workspace;
 use crate::pair::outcome::{Class, Outcome};
@@ -216,7 +217,7 @@ fn slack_of(plan: &PairPlan, outcome: &Outcome) -> f64 {
     };
     let thresholds = [contact, plan.within, plan.range];
     let called = thresholds.iter().filter(|t| **t != NEVER);
-    called.fold(f64::INFINITY, |s, t| s.min(slack(*t, outcome.lower, upper)))
+    called.fold(f64::INFINITY, |s, t| s.smaller(slack(*t, outcome.lower, upper)))
 }
 
 fn note_changes(before: PairFlags, header: &PairHeader, changes: &mut Vec<PairChange>) {

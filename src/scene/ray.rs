@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::Point3;
 
 use super::{BodyId, Scene, SceneError};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::RAY;
 use crate::broad::{Aabb, BroadPhase};
 use crate::pair_tracker::ray::{Ray, RayCast, RayCaster, placed_ball};
@@ -86,7 +87,7 @@ impl Scene {
 fn box_of(ray: &Ray, length: f64) -> Aabb {
     let way = |d: f64| if d == 0.0 { 0.0 } else { d * length };
     let end = Point3::from(ray.origin.coords + ray.direction.map(way));
-    let low = ray.origin.inf(&end);
-    let high = ray.origin.sup(&end);
-    Aabb::new(low, high).grown(RAY * (ray.origin.coords.abs().sum() + length.min(1e37)))
+    let low = ray.origin.smaller(end);
+    let high = ray.origin.larger(end);
+    Aabb::new(low, high).grown(RAY * (ray.origin.coords.abs().sum() + length.at_most(1e37)))
 }

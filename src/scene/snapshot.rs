@@ -19,6 +19,7 @@ use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
 use super::report::Report;
 use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, PairImpact, Scene, Settings};
+use crate::base::num::extremes::Bounded;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::slots::Slots;
 use crate::broad::{self, BroadPhase, PencilSweep};
@@ -202,7 +203,7 @@ impl SceneSnapshot {
             due: bodies.due.clone(),
             step: bodies.step,
             effects: scene.table.entries().collect(),
-            growths: scene.growths.iter().map(|g| g.min(f64::MAX)).collect(),
+            growths: scene.growths.iter().map(|g| g.at_most(f64::MAX)).collect(),
             partners: scene.partners,
             broad: scene.broad.clone(),
             ignored: scene.ignored.iter().collect(),

@@ -7,6 +7,7 @@ use nalgebra::Point3;
 use super::ball::Ball;
 use super::body::BodyTable;
 use super::{BodyId, Scene, SceneError};
+use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::SCENE_REACH;
 use crate::pair_tracker::geometry::Geometry;
 
@@ -43,7 +44,7 @@ impl BodyTable {
             return Err(SceneError::NotAMesh { body: id });
         };
         // A ball about the box reaches no farther than thrice the largest coordinate.
-        let reach = vertices.iter().fold(0.0, |m: f64, p| m.max(p.coords.amax()));
+        let reach = vertices.iter().fold(0.0, |m: f64, p| m.larger(p.coords.amax()));
         if reach.is_finite() && reach > SCENE_REACH / 4.0 {
             return Err(SceneError::TooLarge { reach });
         }

@@ -33,7 +33,8 @@ mod way;
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::base::num::scalar::{lesser, magnitude, sqrt};
+use crate::base::num::extremes::Bounded;
+use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::tolerance::{SQUARE_MIN, UNIT};
 
 pub use error::MotionError;
@@ -143,7 +144,7 @@ impl Course {
         // Products with the time first: the ways are lengths, and what they lose by underflow is
         // less than the least normal number.
         let straight = length(&(self.linear * span)) + 0.5 * length(&(self.acceleration * span * span));
-        let turned = length(&(self.angular * span)).min(2.0);
+        let turned = length(&(self.angular * span)).at_most(2.0);
         let most = straight + self.shift.at(span) + radius * (turned + self.turn.at(span));
         most * (1.0 + 16.0 * UNIT) + f64::MIN_POSITIVE
     }
@@ -163,7 +164,7 @@ impl Course {
         let mut least = [0.0; 2];
         for [x, y] in [[s[0], s[1]], [s[2], s[3]], [t[0], t[1]], [t[2], t[3]]] {
             sums = [sums[0] + 0.0 * x, sums[1] + 0.0 * y];
-            least = [lesser(least[0], x), lesser(least[1], y)];
+            least = [least[0].at_most(x), least[1].at_most(y)];
         }
         (sums[0] + sums[1]) + (least[0] + least[1]) == 0.0
     }

@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 
 use super::steady::{in_range, normalised, positive, turned};
 use super::{Course, Drift, Motion, MotionError};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
@@ -133,18 +134,18 @@ impl Motion for Nlerp {
 
     fn course(&self, time: f64, span: f64) -> Course {
         let (x, end) = (time / self.duration, (time + span) / self.duration);
-        let latest = x.abs().max(end.abs());
+        let latest = x.abs().larger(end.abs());
         let length = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
         let off = PLACED_CENTRE * (length(&self.centre) + latest * length(&self.way));
         let rate = 2.0 / (self.square(x - 0.5) * self.duration);
         // The second derivative of the angle, `4 sin b (1 - cos b) |1 - 2 x| / p^2`, is at most its
         // greatest numerator over its least denominator.
         let (far, near) = (
-            (x - 0.5).abs().max((end - 0.5).abs()),
+            (x - 0.5).abs().larger((end - 0.5).abs()),
             if (x - 0.5) * (end - 0.5) <= 0.0 {
                 0.0
             } else {
-                (x - 0.5).abs().min((end - 0.5).abs())
+                (x - 0.5).abs().smaller((end - 0.5).abs())
             },
         );
         let least = self.square(near) * self.duration;

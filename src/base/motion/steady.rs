@@ -5,6 +5,7 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 
 use super::turn::Spin;
 use super::{Course, Drift, Motion, MotionError, Velocity};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{EXTENT_MAX, PLACED_CENTRE, PLACED_PIVOT, TURN, UNIT};
@@ -236,7 +237,7 @@ impl Motion for Steady {
 
     #[inline]
     fn course(&self, time: f64, span: f64) -> Course {
-        let latest = time.abs().max((time + span).abs());
+        let latest = time.abs().larger((time + span).abs());
         let length = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
         let gone = latest * (length(&self.velocity.linear) + latest * length(&self.acceleration));
         let off = PLACED_CENTRE * (length(&self.centre) + gone) + PLACED_PIVOT * length(&self.pivot.coords);

@@ -1,6 +1,6 @@
 //! Rotation by a constant angular velocity over a time.
 
-use nalgebra::{Quaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::base::num::double_double::{DoubleDouble, two_product};
 use crate::base::num::scalar::{magnitude, sqrt};
@@ -56,6 +56,11 @@ impl Spin {
     }
 }
 
+/// Returns the rotation by a constant angular velocity over a time.
+pub(crate) fn turned(angular: &Vector3<f64>, time: f64) -> UnitQuaternion<f64> {
+    UnitQuaternion::new_unchecked(Spin::new(angular).after(time))
+}
+
 /// Returns the quaternion of a turn about an axis, of sine and cosine of half its angle but for a
 /// small rest.
 #[inline(always)]
@@ -67,7 +72,6 @@ pub(crate) fn half_turn(axis: &Vector3<f64>, (sine, cosine): (f64, f64), rest: f
 mod tests {
     extern crate std;
     use super::*;
-    use nalgebra::UnitQuaternion;
 
     #[test]
     fn rotations_are_those_of_sine_and_cosine() {

@@ -9,6 +9,7 @@
 
 use nalgebra::{Matrix3, UnitQuaternion, Vector3};
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;
 use crate::base::tolerance::{DISPLACEMENT, FAR, LEAST_SQUARE, NEAR, WAY};
@@ -31,7 +32,7 @@ pub(crate) fn displacement(
     to: &UnitQuaternion<f64>,
 ) -> f64 {
     let (less, more) = (to.coords - from.coords, to.coords + from.coords);
-    let chord = less.norm_squared().min(more.norm_squared());
+    let chord = less.norm_squared().smaller(more.norm_squared());
     let gone = sqrt(shift.norm_squared() + LEAST_SQUARE) + 2.0 * radius * sqrt(chord + LEAST_SQUARE);
     gone * (1.0 + WAY)
 }

@@ -3,6 +3,7 @@
 
 pub(crate) mod count;
 pub(crate) mod double_double;
+pub(crate) mod extremes;
 pub(crate) mod fingerprint;
 pub(crate) mod packed;
 pub(crate) mod ranked;

@@ -1,5 +1,7 @@
 //! Scalar types of the solvers: f64 or double-double.
 
+use crate::base::num::extremes::Bounded;
+
 /// Returns the square root, correctly rounded with and without std.
 #[inline]
 pub(crate) fn sqrt(x: f64) -> f64 {
@@ -15,22 +17,10 @@ pub(crate) fn sqrt(x: f64) -> f64 {
 #[inline]
 pub(crate) fn magnitude(x: f64) -> f64 {
     if x > 0.0 && x < f64::INFINITY {
-        f64::from_bits(x.to_bits() & f64::INFINITY.to_bits()).max(f64::MIN_POSITIVE)
+        f64::from_bits(x.to_bits() & f64::INFINITY.to_bits()).at_least(f64::MIN_POSITIVE)
     } else {
         1.0
     }
-}
-
-/// Returns the greater of two numbers, the second if one is NaN: a single instruction.
-#[inline(always)]
-pub(crate) fn greater(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-/// Returns the lesser of two numbers, the second if one is NaN: a single instruction.
-#[inline(always)]
-pub(crate) fn lesser(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
 }
 
 /// Arithmetic of a solver: the generic code runs in f64 and in double-double.
@@ -111,8 +101,10 @@ pub(crate) fn cross<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
 pub(crate) mod infinite {
     use serde::{Deserialize, Deserializer, Serializer};
 
+    use crate::base::num::extremes::Bounded;
+
     pub(crate) fn serialize<S: Serializer>(x: &f64, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_f64(x.clamp(f64::MIN, f64::MAX))
+        serializer.serialize_f64(x.clamped(f64::MIN, f64::MAX))
     }
 
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {

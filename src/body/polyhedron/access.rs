@@ -3,6 +3,7 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::RADIUS_UP;
 use crate::base::tuning::polyhedron::SCANNED;
@@ -206,7 +207,7 @@ impl ConvexPolyhedron {
         // Distances are taken from the rounded centre, in stored units so that squares stay in
         // range.
         let far = self.points.iter().fold(0.0f64, |r, p| {
-            r.max(((self.to_user(p) - centre) * scale).norm_squared())
+            r.larger(((self.to_user(p) - centre) * scale).norm_squared())
         });
         (centre, sqrt(far) * RADIUS_UP * self.unit())
     }

@@ -4,6 +4,7 @@
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::{DoubleDouble, Expansion, two_sum};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::tolerance::{CROSS_CANCELLED, PLANE_OFFSET};
 use crate::body::polyhedron::Plane;
@@ -111,10 +112,10 @@ fn cross(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> ([DoubleDouble
     let mut cross = [DoubleDouble::default(); 3];
     for k in 0..3 {
         let (p, q) = (u[(k + 1) % 3] * v[(k + 2) % 3], u[(k + 2) % 3] * v[(k + 1) % 3]);
-        size = size.max(p.value().abs()).max(q.value().abs());
+        size = size.larger(p.value().abs()).larger(q.value().abs());
         cross[k] = p - q;
     }
-    let largest = |x: &[DoubleDouble; 3]| x.iter().fold(0.0f64, |m, x| m.max(x.value().abs()));
+    let largest = |x: &[DoubleDouble; 3]| x.iter().fold(0.0f64, |m, x| m.larger(x.value().abs()));
     if largest(&cross) < CROSS_CANCELLED * size {
         cross =
             core::array::from_fn(|k| exact_difference(u[(k + 1) % 3], v[(k + 2) % 3], u[(k + 2) % 3], v[(k + 1) % 3]));

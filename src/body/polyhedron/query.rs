@@ -2,6 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign::{projection, turn};
 use crate::base::tolerance::{FAR_POINT, FOOT, NEAR_PLANE};
@@ -110,7 +111,7 @@ impl ConvexPolyhedron {
     /// Returns the point in stored coordinates. A point beyond 2^60 radii is moved in along its
     /// ray; the closest point stays the same.
     fn nearby(&self, point: &Point3<f64>) -> Vector3<f64> {
-        let far = FAR_POINT * self.radius.max(f64::MIN_POSITIVE);
+        let far = FAR_POINT * self.radius.at_least(f64::MIN_POSITIVE);
         // Halves keep the difference finite.
         let half = point.coords * 0.5 - self.origin * 0.5;
         let size = half.amax() / self.unit();

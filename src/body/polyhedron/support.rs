@@ -14,6 +14,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::packed::PackedVec3;
 use crate::base::num::sign::edge_sign;
 use crate::base::tolerance::EDGE_SIGN;
@@ -318,12 +319,12 @@ impl CubeMap {
 fn stretch(points: &[Vector3<f64>]) -> Vector3<f64> {
     let (mut low, mut high) = (points[0], points[0]);
     for p in points {
-        (low, high) = (low.inf(p), high.sup(p));
+        (low, high) = (low.smaller(*p), high.larger(*p));
     }
     let half = (high - low) * 0.5;
     let least = half.amax() * FLATTEST;
     if least > 0.0 {
-        half.map(|h| h.max(least))
+        half.map(|h| h.larger(least))
     } else {
         Vector3::repeat(1.0)
     }

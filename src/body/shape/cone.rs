@@ -7,6 +7,7 @@ use nalgebra::{Point3, Vector3};
 use super::cylinder::{circle_bent, of_circle, on_circle};
 use super::support::{Disc, Flat, Support};
 use super::{Curved, Mass};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::base::tolerance::UNIT;
@@ -120,10 +121,10 @@ impl Support for Cone {
         let room = if n.z < 0.0 {
             to_side(p) * slant / (slant + r)
         } else {
-            (off(p) * slant / height).min((p.z + h) * slant / (slant + r))
+            (off(p) * slant / height).smaller((p.z + h) * slant / (slant + r))
         };
-        let centre = p - n * room.max(0.0);
-        (centre, to_side(&centre).min(centre.z + h).max(0.0))
+        let centre = p - n * room.at_least(0.0);
+        (centre, to_side(&centre).smaller(centre.z + h).at_least(0.0))
     }
 
     /// Returns the normals of the base and of the side; the meridian is a triangle, half of which

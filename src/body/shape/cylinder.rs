@@ -6,6 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::support::{Disc, Flat, Support};
 use super::{Curved, Mass};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, root, sqrt};
 use crate::base::tolerance::{PIVOT, UNIT};
@@ -134,12 +135,12 @@ impl Support for Cylinder {
         let (r, h) = (self.radius, self.half_height);
         let off = |p: &Vector3<f64>| sqrt(p.x * p.x + p.y * p.y);
         let room = if n.z * n.z > 0.5 {
-            h.min(r - off(p))
+            h.smaller(r - off(p))
         } else {
-            r.min(h - p.z.abs())
+            r.smaller(h - p.z.abs())
         };
-        let centre = p - n * room.max(0.0);
-        (centre, (h - centre.z.abs()).min(r - off(&centre)).max(0.0))
+        let centre = p - n * room.at_least(0.0);
+        (centre, (h - centre.z.abs()).smaller(r - off(&centre)).at_least(0.0))
     }
 
     fn meridian(&self) -> Option<[[f64; 2]; 3]> {

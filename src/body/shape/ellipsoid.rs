@@ -6,6 +6,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::support::{Disc, Support};
 use super::{Curved, Mass};
+use crate::base::num::extremes::{largest, smallest};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
 use crate::base::tolerance::INNER;
@@ -67,7 +68,7 @@ impl Support for Ellipsoid {
     const IS_SMOOTH: bool = true;
 
     fn reach(&self) -> f64 {
-        self.semi_axes.max()
+        largest(&self.semi_axes)
     }
 
     #[inline(always)]
@@ -104,7 +105,7 @@ impl Support for Ellipsoid {
     /// Returns the ball of radius `rho = c^2 / h` about `s - rho n`, with `c` the least semi-axis:
     /// `s` is the nearest point of the surface to `s - rho n` if and only if `rho h <= c^2`.
     fn inner_ball(&self, s: &Vector3<f64>, n: &Vector3<f64>) -> (Vector3<f64>, f64) {
-        let c = self.semi_axes.min();
+        let c = smallest(&self.semi_axes);
         let rho = c * (c / n.dot(s)) * INNER;
         (s - n * rho, rho)
     }

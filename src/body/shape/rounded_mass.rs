@@ -19,6 +19,7 @@ use core::f64::consts::PI;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::mass::Mass;
+use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, VertexId};
 
@@ -121,7 +122,7 @@ impl Rounded<'_> {
         );
         // The edge runs counter-clockwise about the first of its faces: that face lies to its left.
         let out = along.cross(&n);
-        let (sine, cosine) = (m.dot(&out).max(0.0), m.dot(&n));
+        let (sine, cosine) = (m.dot(&out).at_least(0.0), m.dot(&n));
         Some(NormalArc {
             ends,
             axes: [n, out],
@@ -149,7 +150,7 @@ impl Rounded<'_> {
             second -= arc.sum() * away.transpose() / 3.0;
             before = Some(to);
         }
-        let solid = solid.max(0.0);
+        let solid = solid.at_least(0.0);
         second += Matrix3::identity() * (solid / 3.0);
         let third = r * r * r / 3.0;
         sum.volume += third * solid;

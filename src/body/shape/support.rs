@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::{Scalar, Vec3, root};
 use crate::body::polyhedron::Feature;
 
@@ -48,7 +49,7 @@ impl Flat {
             Self::Line([p, q]) => {
                 let u = q - p;
                 let t = u.dot(&(Vector3::from(*place) - p)) / u.norm_squared();
-                (p + u * t.clamp(0.0, 1.0)).into()
+                (p + u * t.clamped(0.0, 1.0)).into()
             }
         }
     }

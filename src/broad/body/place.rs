@@ -3,6 +3,7 @@
 
 use super::record::{LOOSE, NOTED, Record, UNBOUNDED};
 use super::{BodyDetail, Marks};
+use crate::base::num::extremes::Bounded;
 use crate::broad::aabb::{Aabb, BoxFault, FARTHEST, StoredBox};
 use crate::broad::bounds::{Bounds, any_above};
 use crate::broad::grid::Grid;
@@ -91,8 +92,8 @@ impl PlaceContext<'_> {
         if ahead > 0.0 {
             for k in 0..3 {
                 let travel = 0.5 * (given.lo[k] - present.lo[k] + given.hi[k] - present.hi[k]) * ahead;
-                stored.lo[k] = (stored.lo[k] + travel.min(0.0)).max(-FARTHEST);
-                stored.hi[k] = (stored.hi[k] + travel.max(0.0)).min(FARTHEST);
+                stored.lo[k] = (stored.lo[k] + travel.at_most(0.0)).at_least(-FARTHEST);
+                stored.hi[k] = (stored.hi[k] + travel.at_least(0.0)).at_most(FARTHEST);
             }
         }
         Bounds::from_box(&stored)
@@ -115,8 +116,8 @@ pub(super) fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32
 pub(super) fn grown(stored: &StoredBox, margin: f32) -> StoredBox {
     let mut out = *stored;
     for k in 0..3 {
-        out.lo[k] = (stored.lo[k] - margin).max(-FARTHEST);
-        out.hi[k] = (stored.hi[k] + margin).min(FARTHEST);
+        out.lo[k] = (stored.lo[k] - margin).at_least(-FARTHEST);
+        out.hi[k] = (stored.hi[k] + margin).at_most(FARTHEST);
     }
     out
 }

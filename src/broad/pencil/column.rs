@@ -1,6 +1,7 @@
 //! A column: its bodies in the order of their lower bound on the swept axis.
 
-use crate::broad::aabb::{max, order_key};
+use crate::base::num::extremes::Bounded;
+use crate::broad::aabb::order_key;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record, UNBOUNDED};
 use crate::broad::prefetch::read_ahead;
 use alloc::vec::Vec;
@@ -84,7 +85,7 @@ impl Column {
         for (i, record) in bodies.records.iter().enumerate().filter(|(_, r)| listed(r)) {
             let old = record.before(bodies.step).to_box();
             out.entries.push(entry(old.lo[0], who(i as u32, 0)));
-            out.longest = max(out.longest, old.hi[0] - old.lo[0]);
+            out.longest = out.longest.at_least(old.hi[0] - old.lo[0]);
         }
         out.entries.sort_unstable();
         out.settled = out.entries.len();

@@ -2,8 +2,9 @@
 
 use super::PencilSweep;
 use super::column::{Column, index_of};
+use crate::base::num::extremes::Bounded;
 use crate::base::tolerance::COLUMN_SEARCH;
-use crate::broad::aabb::{StoredBox, max, order_key};
+use crate::broad::aabb::{StoredBox, order_key};
 use crate::broad::body::{Bodies, Record};
 use crate::broad::bounds::Bounds;
 
@@ -24,7 +25,7 @@ pub(super) fn overlapping(
         let Some(column) = columns.get(bodies.grid.index(cell)) else {
             continue;
         };
-        let slack = COLUMN_SEARCH * max(start.abs(), column.longest);
+        let slack = COLUMN_SEARCH * start.abs().at_least(column.longest);
         let first = order_key(start - column.longest - slack);
         let last = order_key(end);
         let from = column.entries.partition_point(|e| ((e >> 32) as u32) < first);

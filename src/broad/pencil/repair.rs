@@ -2,9 +2,10 @@
 
 use super::column::{ARRIVING, Column, EntryBoxes, entry, index_of, who};
 use super::scan::{Worker, decide};
+use crate::base::num::extremes::Bounded;
 use crate::base::tolerance::{COLUMN_REACH, COLUMN_SEARCH};
 use crate::base::tuning::broad::{COLUMN_SHARE, MOST_PARTED, MOST_SCANNED};
-use crate::broad::aabb::{max, order_key};
+use crate::broad::aabb::order_key;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::overlap;
@@ -94,7 +95,7 @@ impl Worker {
                 let item = entry(new_start, who(index, ARRIVING));
                 let place = column.entries.partition_point(|e| *e < item);
                 column.entries.insert(place, item);
-                column.longest = max(column.longest, length(&new));
+                column.longest = column.longest.at_least(length(&new));
                 self.active.push(item);
             }
             if !stays {
@@ -105,8 +106,8 @@ impl Worker {
                 let moved = entry(new_start, who(index, 0));
                 self.swaps += shift(&mut column.entries, item, moved);
                 item = moved;
-                column.longest = max(column.longest, length(&old.united(&new)));
-                self.reach = max(self.reach, largest(old.displacement(&new)));
+                column.longest = column.longest.at_least(length(&old.united(&new)));
+                self.reach = self.reach.at_least(largest(old.displacement(&new)));
             }
             self.active.push(item);
         }
@@ -121,7 +122,7 @@ impl Worker {
         let step = bodies.step;
         let cover = box_of(who, record, cell, step);
         let union = cover.to_box();
-        let slack = COLUMN_SEARCH * max(union.lo[0].abs(), union.hi[0].abs());
+        let slack = COLUMN_SEARCH * union.lo[0].abs().at_least(union.hi[0].abs());
         let first = order_key(union.lo[0] - column.longest * COLUMN_REACH - slack);
         let last = order_key(union.hi[0] + self.reach * COLUMN_REACH + slack);
         let place = column.entries.partition_point(|e| ((e >> 32) as u32) < first);

@@ -21,9 +21,10 @@
 
 use super::column::{ARRIVING, Column, Entry, EntryBoxes, index_of};
 use super::tune::StepCounts;
+use crate::base::num::extremes::Bounded;
 use crate::base::tolerance::{COLUMN_MOVE, COLUMN_SUM};
 use crate::base::tuning::broad::PENDING;
-use crate::broad::aabb::{StoredBox, max};
+use crate::broad::aabb::StoredBox;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
 use alloc::vec::Vec;
@@ -191,7 +192,7 @@ impl Worker {
             longest = longest.fast_max(length);
         }
         self.boxes.pad(n);
-        let most = |v: f32x4| v.to_array().into_iter().fold(0.0, max);
+        let most = |v: f32x4| v.to_array().into_iter().fold(0.0, f32::at_least);
         (column.longest, self.reach) = (most(longest), most(farthest));
         self.reach > 0.0 || !self.alone.is_empty()
     }

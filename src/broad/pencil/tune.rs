@@ -10,6 +10,7 @@
 //! the entries of the last check ends the calm, and so does a check that finds the bodies spread
 //! along another axis: axis and width are then chosen as for a new world.
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
 use crate::base::tuning::broad::{COLUMN, EMPTY_COLUMN, ENTRY, GAIN, MOST_ENTRIES, PATIENCE, SAMPLE, SURGE, WINDOW};
 use crate::broad::body::{Bodies, UNBOUNDED};
@@ -68,26 +69,28 @@ impl Survey {
         };
         // Selected, not sorted: this is done within a step.
         let (below, low, above) = centers.select_nth_unstable_by(few, f64::total_cmp);
-        let (low, least) = (*low, below.iter().fold(*low, |a, b| a.min(*b)));
+        let (low, least) = (*low, below.iter().fold(*low, |a, b| a.smaller(*b)));
         let (high, most) = if last - few > few {
             let (_, high, beyond) = above.select_nth_unstable_by(last - 2 * few - 1, f64::total_cmp);
-            (*high, beyond.iter().fold(*high, |a, b| a.max(*b)))
+            (*high, beyond.iter().fold(*high, |a, b| a.larger(*b)))
         } else {
             (low, low)
         };
         let room = 0.25 * (high - low) + self.mean[k];
-        self.lo[k] = least.max(low - room);
-        self.hi[k] = most.min(high + room);
+        self.lo[k] = least.larger(low - room);
+        self.hi[k] = most.smaller(high + room);
     }
 
     fn extent(&self, k: usize) -> f64 {
-        (self.hi[k] - self.lo[k]).max(self.mean[k]).max(f64::MIN_POSITIVE)
+        (self.hi[k] - self.lo[k])
+            .larger(self.mean[k])
+            .at_least(f64::MIN_POSITIVE)
     }
 
     /// Returns the axis along which bodies are spread farthest, in units of their size. The present
     /// axis (axis 0) stays unless another is clearly better.
     pub(super) fn best_axis(&self) -> usize {
-        let spread = |k: usize| self.extent(k) / self.mean[k].max(LEAST_MEAN * self.extent(k));
+        let spread = |k: usize| self.extent(k) / self.mean[k].larger(LEAST_MEAN * self.extent(k));
         let mut best = 0;
         for k in 1..3 {
             if spread(k) > 1.5 * spread(best) {
@@ -127,9 +130,9 @@ impl Survey {
     fn cost(&self, width: f64, tests: f64, held: f64) -> f64 {
         let entries = self.entries(width);
         let window = tests / entries;
-        let count = self.count.max(1.0);
+        let count = self.count.at_least(1.0);
         let columns = self.columns(width) / count;
-        let held = columns.min(entries).min(held / count);
+        let held = columns.smaller(entries).smaller(held / count);
         entries * (ENTRY + WINDOW * (1.0 + window * window / (8.0 * (window + 8.0))))
             + COLUMN * held
             + EMPTY_COLUMN * (columns - held)
@@ -163,16 +166,16 @@ impl Survey {
     /// hold about two entries more or are three times as long, and a jump costs about as much as
     /// two entries: however far bodies move, a sweep costs a few times the cost at rest.
     fn leap(&self, width: f64, columns: f64) -> f32 {
-        let listed = (self.count * self.entries(width) / columns).max(1.0);
-        self.mean[0].max(self.extent(0) / listed) as f32
+        let listed = (self.count * self.entries(width) / columns).at_least(1.0);
+        self.mean[0].larger(self.extent(0) / listed) as f32
     }
 
     fn grid(&self, axis: usize, width: f64) -> Grid {
-        let most = (2.0 * self.count).max(64.0);
-        let mut width = width.max(LEAST_WIDTH);
+        let most = (2.0 * self.count).at_least(64.0);
+        let mut width = width.at_least(LEAST_WIDTH);
         loop {
-            let size = [1, 2].map(|k| (libm::ceil(self.extent(k) / width)).clamp(1.0, 1e9));
-            if size[0] * size[1] <= most && size[0].max(size[1]) <= MOST_COLUMNS_OF_AXIS as f64 {
+            let size = [1, 2].map(|k| (libm::ceil(self.extent(k) / width)).clamped(1.0, 1e9));
+            if size[0] * size[1] <= most && size[0].larger(size[1]) <= MOST_COLUMNS_OF_AXIS as f64 {
                 return Grid::new(
                     axis,
                     [self.lo[1] as f32, self.lo[2] as f32],
@@ -294,7 +297,8 @@ fn choose(bodies: &Bodies, survey: Survey, width: Option<f64>) -> Grid {
     let survey = survey.rotated(turn);
     let axis = (bodies.grid.axis + turn) % 3;
     let width = width.unwrap_or_else(|| {
-        let start = (0.5 * (survey.mean[1] + survey.mean[2])).max(LEAST_START * survey.extent(1).min(survey.extent(2)));
+        let start =
+            (0.5 * (survey.mean[1] + survey.mean[2])).larger(LEAST_START * survey.extent(1).smaller(survey.extent(2)));
         let (better, _) = survey.best_width(start * 4.0, survey.even_tests(start * 4.0), f64::INFINITY);
         better
     });

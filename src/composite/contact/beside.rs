@@ -13,6 +13,7 @@ use super::PatchQuery;
 use super::near::PosedPatches;
 use super::surface::Borne;
 use super::union::Under;
+use crate::base::num::extremes::Extremes;
 use crate::base::tuning::composite::{EDGE_HALVINGS, SHORT_EDGE};
 use crate::body::polyhedron::{EdgeId, Feature};
 use crate::body::shape::Core;
@@ -88,12 +89,12 @@ impl PosedPatches<'_> {
         if !(end > 0.0) {
             return None;
         }
-        let (mut off, mut on) = (0.0, SHORT_EDGE.min(end));
+        let (mut off, mut on) = (0.0, SHORT_EDGE.smaller(end));
         while !is_borne(on) {
             if on >= end {
                 return None;
             }
-            (off, on) = (on, end.min(2.0 * on));
+            (off, on) = (on, end.smaller(2.0 * on));
         }
         for _ in 0..EDGE_HALVINGS {
             let middle = 0.5 * (off + on);

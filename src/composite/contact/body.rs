@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use super::clear::is_clear;
 use super::surface::{Borne, PatchedMesh};
 use super::union::{Under, is_covered, is_end, under};
+use crate::base::num::extremes::Bounded;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::body::shape::Shape;
 use crate::composite::meet::frame::TreeSide;
@@ -52,7 +53,7 @@ impl ContactPatches {
     #[must_use]
     pub fn of_mesh_within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
         let mesh: Arc<Mesh> = mesh.into();
-        let stored = tolerance.max(0.0) / mesh.unit();
+        let stored = tolerance.at_least(0.0) / mesh.unit();
         let fingerprint = of_mesh(&mesh, stored);
         Self(
             PatchedBody::Surface(Arc::new(PatchedMesh::new(mesh, stored))),
@@ -76,7 +77,7 @@ impl ContactPatches {
     /// unit, count as meeting: for decompositions whose pieces fit roughly.
     #[must_use]
     pub fn of_pieces_within(body: impl Into<Arc<Composite>>, tolerance: f64) -> Self {
-        let (body, tolerance): (Arc<Composite>, f64) = (body.into(), tolerance.max(0.0));
+        let (body, tolerance): (Arc<Composite>, f64) = (body.into(), tolerance.at_least(0.0));
         let fingerprint = body.fingerprint().with(*b"patches ", tolerance);
         Self(PatchedBody::Pieces(body, tolerance), fingerprint)
     }

@@ -30,6 +30,7 @@ use nalgebra::{Unit, Vector3};
 
 pub use body::ContactPatches;
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::ACROSS;
@@ -146,8 +147,8 @@ impl ContactTracker {
         let name = |c: &PatchContact| (c.patches, c.point.id);
         all.sort_by_key(|c| !before.contains(&name(c)));
         let is_old = all.iter().take_while(|c| before.contains(&name(c))).count();
-        let radius = a.side().radius.min(b.side().radius * frame.scale) * a.unit();
-        let merge = query.doubt.max(options.drift * radius);
+        let radius = a.side().radius.smaller(b.side().radius * frame.scale) * a.unit();
+        let merge = query.doubt.larger(options.drift * radius);
         self.found = groups(&all, is_old, (options.most(), merge, query.doubt));
         &self.found
     }
@@ -217,7 +218,7 @@ fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64
 fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
     let PatchQuery { a, b, options, .. } = query;
     let (of_a, of_b) = (a.side().tree, b.side().tree);
-    let level = frame.single_up(options.prediction.max(0.0) / a.unit());
+    let level = frame.single_up(options.prediction.at_least(0.0) / a.unit());
     let aim = BoundAim::to((level + frame.single.error).next_up());
     let (mut stack, mut found) = (alloc::vec![[0, 0]], Vec::new());
     while !stack.is_empty() {

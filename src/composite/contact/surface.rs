@@ -8,6 +8,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::grow::{PatchTriangles, corners, grow};
 use crate::base::notice::progress::Watch;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::ACROSS;
 use crate::base::tuning::composite::{CONE, DEPTH, MANY_TRIANGLES};
@@ -51,7 +52,7 @@ pub(super) struct PatchedMesh {
 impl PatchedMesh {
     /// Cuts a mesh into patches that are convex within a tolerance in stored units.
     pub(super) fn new(mesh: Arc<Mesh>, tolerance: f64) -> Self {
-        let slack = tolerance.max(ACROSS * mesh.radius);
+        let slack = tolerance.larger(ACROSS * mesh.radius);
         let patches = grow(&mesh, slack);
         let vertices: Vec<Vec<u32>> = patches.iter().map(|p| corners(&mesh, p, slack)).collect();
         let (mut tree, order) = Tree::split(&mesh.points, &vertices, 1, &mut Watch::none());
@@ -156,7 +157,7 @@ impl PatchedMesh {
                 let d = corner - place;
                 let length = sqrt(d.norm_squared());
                 if length > 2.0 * skin {
-                    rise = rise.max((n.dot(&d) - skin) / length);
+                    rise = rise.larger((n.dot(&d) - skin) / length);
                 }
             }
             let own = triangle::normal(&corners);

@@ -7,6 +7,7 @@ use super::frame::MeshOverFrame;
 use super::pair;
 use super::paths::{Path, VertexPaths, VertexPlaces, determinant};
 use super::search::{FirstContact, LEAST_WIDTH, SearchWork, is_free};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{CERTIFICATE, PATH_VOLUME, UNIT};
 use crate::base::tuning::composite::ARC_INTERVALS;
 use crate::composite::front::NodePair;
@@ -66,7 +67,7 @@ impl<'a> TrianglesOnArcs<'a> {
         work: &mut SearchWork,
     ) -> FirstContact {
         // A quarter: an edge may take some time to pass beyond doubt.
-        let width = (0.25 * width).max(LEAST_WIDTH);
+        let width = (0.25 * width).at_least(LEAST_WIDTH);
         let (mut safe, mut tried) = (from, 0);
         let mut ends = [until; 64];
         let mut count = 1;
@@ -85,7 +86,7 @@ impl<'a> TrianglesOnArcs<'a> {
                 return FirstContact::Start;
             }
             // A contact at the begin of the interval is deeper later.
-            let later = (safe + width).min(latest);
+            let later = (safe + width).smaller(latest);
             if end - safe <= 0.5 * width
                 && let Some(hit) = [end, later].into_iter().find(|t| self.is_crossed(*t, work))
             {

@@ -6,6 +6,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
 use super::paths::{Path, place};
 use crate::base::motion::{Motion, MotionError, Steady, length};
+use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::UNIT;
 use crate::composite::mesh::Mesh;
@@ -232,7 +233,7 @@ impl<'a> MeshOverFrame<'a> {
     /// Returns how far vertices are from the origin of the mesh's frame at most.
     pub(super) fn radius(&self) -> f64 {
         let [begin, end] = self.both().map(|mesh| mesh.radius * mesh.unit());
-        begin.max(end)
+        begin.larger(end)
     }
 
     /// Returns the largest coordinate of a point, or more.
@@ -241,7 +242,7 @@ impl<'a> MeshOverFrame<'a> {
             let mesh = &self.meshes[k];
             mesh.radius * mesh.unit() + self.ends[k].place.abs().sum()
         });
-        begin.max(end)
+        begin.larger(end)
     }
 
     pub(super) fn radius_of(&self, node: u32) -> f64 {
@@ -256,7 +257,7 @@ impl<'a> MeshOverFrame<'a> {
             return 0.0;
         }
         let both = begin.points.iter().zip(&end.points);
-        let most = both.fold(0.0, |m: f64, (p, q)| m.max((end.given(q) - begin.given(p)).amax()));
+        let most = both.fold(0.0, |m: f64, (p, q)| m.larger((end.given(q) - begin.given(p)).amax()));
         // The largest coordinate of a vector, times the root of three.
         1.75 * most
     }
@@ -280,8 +281,8 @@ impl<'a> MeshOverFrame<'a> {
         let mut most = (0.0f64, 0.0f64);
         for v in self.meshes[0].triangles[triangle as usize] {
             let [begin, end] = [0.0, 1.0].map(|time| self.own(v, time));
-            most.0 = most.0.max(length(&begin)).max(length(&end));
-            most.1 = most.1.max(length(&(end - begin)));
+            most.0 = most.0.larger(length(&begin)).larger(length(&end));
+            most.1 = most.1.larger(length(&(end - begin)));
         }
         self.sagitta(most.0, most.1)
     }

@@ -26,6 +26,7 @@ use nalgebra::Vector3;
 
 use super::frame::MeshOverFrame;
 use super::paths::{Path, size};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{PATH_AREA, PATH_GAP, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 
@@ -59,7 +60,7 @@ impl<'a> HeightFields<'a> {
         let first = vertices.first().map_or_else(Vector3::zeros, |p| p.begin.coords);
         let seen = |p: &Path| [p.begin, p.end].map(|x| x.coords - first);
         let mut places: Vec<_> = vertices.iter().map(seen).collect();
-        let largest = places.iter().flatten().fold(0.0, |m: f64, v| m.max(v.amax()));
+        let largest = places.iter().flatten().fold(0.0, |m: f64, v| m.larger(v.amax()));
         // A factor below the normal numbers is two factors.
         let e = if largest > 0.0 { exponent_of(largest) + 3 } else { 0 };
         let factors = [power_of_two(-e / 2), power_of_two(-e - (-e / 2))];
@@ -127,7 +128,7 @@ impl<'a> HeightFields<'a> {
         let row = |v: Vector3<f64>| {
             v.try_normalize(0.0)
                 .unwrap_or_else(Vector3::zeros)
-                .map(|x| x.clamp(-1.0, 1.0))
+                .map(|x| x.clamped(-1.0, 1.0))
         };
         let p = row(axis.cross(&row(n)));
         [p, row(row(n).cross(&p))]
@@ -180,13 +181,13 @@ impl<'a> HeightFields<'a> {
             let range = |k: usize| {
                 let all = ways.iter().flatten().map(|place| place[k]);
                 all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-                    [low.min(x), high.max(x)]
+                    [low.smaller(x), high.larger(x)]
                 })
             };
             ([range(0), range(1)], [from, to], ways)
         };
         let mut edges: Vec<_> = self.rim.iter().map(edge).collect();
-        edges.sort_unstable_by(|a, b| a.0[0][0].total_cmp(&b.0[0][0]));
+        edges.sort_unstable_by(|a, b| a.0[0][0].total_cmp(&b.0[0][0]).then(a.1.cmp(&b.1)));
         edges.iter().enumerate().all(|(i, ([x, y], ends, p))| {
             let later = edges[i + 1..]
                 .iter()
@@ -248,8 +249,10 @@ fn are_parted(p: &[PlaneWay; 2], q: &[PlaneWay; 2]) -> bool {
         let height = |place: &PlanePlace| n[0] * place[0] + n[1] * place[1];
         length > 0.0
             && [0, 1].into_iter().all(|end| {
-                let high = p.iter().fold(f64::NEG_INFINITY, |m: f64, way| m.max(height(&way[end])));
-                let low = q.iter().fold(f64::INFINITY, |m: f64, way| m.min(height(&way[end])));
+                let high = p
+                    .iter()
+                    .fold(f64::NEG_INFINITY, |m: f64, way| m.larger(height(&way[end])));
+                let low = q.iter().fold(f64::INFINITY, |m: f64, way| m.smaller(height(&way[end])));
                 low - high > PATH_GAP * length
             })
     })

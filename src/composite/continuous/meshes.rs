@@ -11,6 +11,7 @@ use super::pair::{First, triangles_until};
 use super::paths::Path;
 use super::search::{FirstContact, SearchWork};
 use super::{cast_of, measure, width};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::base::tuning::composite::{ARC_PART, ARC_STEPS};
@@ -143,8 +144,8 @@ impl<'a> FrameSearch<'a> {
     /// Goes through the frame in steps short enough for the sagitta to be small beside the meshes,
     /// until a step has a contact or something open.
     fn run(mut self) -> Cast {
-        let size = self.a.radius().min(self.b.radius());
-        let wanted = sqrt(self.sagitta / (ARC_PART * size)).min(ARC_STEPS);
+        let size = self.a.radius().smaller(self.b.radius());
+        let wanted = sqrt(self.sagitta / (ARC_PART * size)).at_most(ARC_STEPS);
         let steps = if wanted > 1.0 { wanted as u32 + 1 } else { 1 };
         for k in 0..steps {
             if steps > 1 {
@@ -191,7 +192,7 @@ impl<'a> FrameSearch<'a> {
     /// Returns the times of the step, up to the first contact known: what is later changes nothing.
     fn times(&self) -> [f64; 2] {
         let [begin, end] = self.step.map(|[a, _]| a.time);
-        [begin, self.first.hit.min(end)]
+        [begin, self.first.hit.smaller(end)]
     }
 
     /// Returns whether a direction parts two nodes from the begin of the step to the first contact
@@ -246,7 +247,7 @@ impl<'a> FrameSearch<'a> {
         if begin == 0.0 && end == 1.0 {
             return until;
         }
-        ((until - begin) / (end - begin) * (1.0 + 8.0 * UNIT)).min(1.0)
+        ((until - begin) / (end - begin) * (1.0 + 8.0 * UNIT)).at_most(1.0)
     }
 
     /// Asks two triangles, unless they share a vertex of one mesh, or were asked.
@@ -266,7 +267,7 @@ impl<'a> FrameSearch<'a> {
             let [a, b] = self.paths(pair);
             triangles_until((&a, &b), (times[1], self.width), &mut self.work)
         } else {
-            let latest = self.first.hit.min(1.0);
+            let latest = self.first.hit.at_most(1.0);
             self.on_arcs(pair)
                 .first_contact(times, (latest, self.width), &mut self.work)
         };
@@ -311,7 +312,7 @@ impl<'a> FrameSearch<'a> {
             }
             if class == Class::Separated {
                 // Of these two triangles.
-                seen.lower = (seen.lower - self.placed).max(0.0);
+                seen.lower = (seen.lower - self.placed).at_least(0.0);
                 seen.upper += self.placed;
             }
             seen

@@ -99,6 +99,7 @@ pub use paths::Path;
 
 use nalgebra::{Point3, Unit, Vector3};
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{PATH_DIRECTION, PATH_GAP};
 use crate::composite::meet::triangle;
@@ -208,8 +209,12 @@ fn width<'a>(paths: impl Iterator<Item = &'a Path>, tolerance: Tolerance) -> Res
     }
     // A distance changes by no more than the ways of two points, each sqrt 3 of its largest
     // coordinate.
-    let way = paths.fold(0.0, |m: f64, p| m.max((p.end - p.begin).amax()));
-    Ok(if way > 0.0 { (0.25 * size / way).min(1.0) } else { 1.0 })
+    let way = paths.fold(0.0, |m: f64, p| m.larger((p.end - p.begin).amax()));
+    Ok(if way > 0.0 {
+        (0.25 * size / way).at_most(1.0)
+    } else {
+        1.0
+    })
 }
 
 /// Returns the closest points of two parts at a time, in the coordinates given.
@@ -251,7 +256,7 @@ where
     let [one, two] = paths.unit;
     if class == Class::Separated {
         measure.distance = length * one * two;
-        measure.lower = (places.gap(&measure.normal) * one * two).max(0.0);
+        measure.lower = (places.gap(&measure.normal) * one * two).at_least(0.0);
         measure.upper = (length + 4.0 * PATH_GAP) * one * two;
     }
     measure

@@ -2,6 +2,7 @@
 
 use super::paths::{Path, VertexPaths};
 use super::search::{FirstContact, LEAST_WIDTH, SearchWork, first_contact, search};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tuning::composite::TRIANGLE_INTERVALS;
 use crate::composite::meet::triangle::Triangle;
 
@@ -31,7 +32,7 @@ fn edge_edge_until(a: &[Path; 2], b: &[Path; 2], time: (f64, f64), work: &mut Se
 fn unsettled(found: FirstContact, width: f64) -> Option<f64> {
     match found {
         FirstContact::Open { safe } => Some(safe),
-        FirstContact::Hit { safe, hit } if hit - safe > width.max(LEAST_WIDTH) => Some(safe),
+        FirstContact::Hit { safe, hit } if hit - safe > width.at_least(LEAST_WIDTH) => Some(safe),
         _ => None,
     }
 }
@@ -49,7 +50,7 @@ fn decided(
     work.proofs = work.proofs.saturating_add(1);
     match exactly() {
         FirstContact::Hit { safe: before, hit } => FirstContact::Hit {
-            safe: if safe < hit { before.max(safe) } else { before },
+            safe: if safe < hit { before.larger(safe) } else { before },
             hit,
         },
         FirstContact::Open { .. } => found,
@@ -150,7 +151,7 @@ pub(super) fn triangles_until(
     }
     let (mut first, mut open) = (First::default(), alloc::vec::Vec::new());
     for pair in elements(a, b) {
-        let found = pair.until((first.hit.min(until), width), work);
+        let found = pair.until((first.hit.smaller(until), width), work);
         match unsettled(found, width) {
             Some(safe) => open.push((safe, found, pair)),
             None => first.add(found),
@@ -195,10 +196,10 @@ impl First {
             FirstContact::Miss => {}
             FirstContact::Start => self.is_start = true,
             FirstContact::Hit { safe, hit } => {
-                self.safe = self.safe.min(safe);
-                self.hit = self.hit.min(hit);
+                self.safe = self.safe.smaller(safe);
+                self.hit = self.hit.smaller(hit);
             }
-            FirstContact::Open { safe } => self.safe = self.safe.min(safe),
+            FirstContact::Open { safe } => self.safe = self.safe.smaller(safe),
         }
     }
 

@@ -4,6 +4,7 @@
 use core::array::from_fn;
 use nalgebra::{Point3, Vector3};
 
+use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{PATH_AREA, PATH_DIRECTION, PATH_GAP, PATH_VOLUME, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};
 use crate::composite::meet::triangle;
@@ -56,7 +57,7 @@ impl<const A: usize, const B: usize> VertexPaths<A, B> {
         let first = &a[0];
         let seen = |p: &Path| [p.begin - first.begin, p.end - first.end];
         let (a, b) = (a.each_ref().map(seen), b.each_ref().map(seen));
-        let largest = a.iter().chain(&b).flatten().fold(0.0, |m: f64, v| m.max(v.amax()));
+        let largest = a.iter().chain(&b).flatten().fold(0.0, |m: f64, v| m.larger(v.amax()));
         if largest == 0.0 {
             return None;
         }
@@ -127,8 +128,8 @@ impl<const A: usize, const B: usize> VertexPlaces<A, B> {
     /// direction.
     #[inline(always)]
     pub(super) fn gap(&self, n: &Vector3<f64>) -> f64 {
-        let high = self.a.iter().fold(f64::NEG_INFINITY, |m: f64, p| m.max(n.dot(p)));
-        let low = self.b.iter().fold(f64::INFINITY, |m: f64, p| m.min(n.dot(p)));
+        let high = self.a.iter().fold(f64::NEG_INFINITY, |m: f64, p| m.larger(n.dot(p)));
+        let low = self.b.iter().fold(f64::INFINITY, |m: f64, p| m.smaller(n.dot(p)));
         low - high - PATH_GAP * (n.x.abs() + n.y.abs() + n.z.abs())
     }
 

@@ -4,6 +4,7 @@
 use nalgebra::Vector3;
 
 use super::paths::{FourVertices, Parts, VertexPaths, VertexPlaces, volume_sign, volumes};
+use crate::base::num::extremes::Bounded;
 use crate::base::tuning::composite::{PATH_INTERVALS, PATH_ROUNDS, PATH_WIDTH};
 
 /// Least width of a bracket: some roundings of times near one.
@@ -51,9 +52,9 @@ where
         let signs = volumes.map(volume_sign);
         // Two coefficients that may turn back may belong to three contacts.
         let is_single = signs[1] == signs[0] || signs[2] == signs[3];
-        (signs[0] * signs[3] == -1 && (is_single || e - s <= width.max(PATH_WIDTH))).then(|| {
+        (signs[0] * signs[3] == -1 && (is_single || e - s <= width.at_least(PATH_WIDTH))).then(|| {
             let [safe, hit] = if is_single {
-                narrow(paths, [s, e], volumes, width.max(LEAST_WIDTH))
+                narrow(paths, [s, e], volumes, width.at_least(LEAST_WIDTH))
             } else {
                 [s, e]
             };

@@ -18,6 +18,7 @@ use core::fmt;
 use core::ops::ControlFlow;
 
 use crate::base::notice::progress::{Progress, Watch};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
@@ -129,11 +130,11 @@ impl Decomposition {
         // The rounding of distances of points.
         let noise = CERTIFICATE * UNIT * (mesh.radius * mesh.unit() + pieces.side().radius * pieces.stored_unit());
         let fit = DecompositionFit {
-            excess_lower: (excess.0 * mesh.unit() - noise).max(0.0),
+            excess_lower: (excess.0 * mesh.unit() - noise).at_least(0.0),
             excess_upper: excess.1 * mesh.unit() + noise,
-            shortfall_lower: (shortfall.0 * mesh.unit() - noise).max(0.0),
+            shortfall_lower: (shortfall.0 * mesh.unit() - noise).at_least(0.0),
             shortfall_upper: shortfall.1 * mesh.unit() + noise,
-            depth: hulls.iter().map(PieceHull::depth).fold(0.0, f64::max) + noise,
+            depth: hulls.iter().map(PieceHull::depth).fold(0.0, f64::larger) + noise,
         };
         Ok(Self { mesh, pieces, fit })
     }
@@ -163,7 +164,7 @@ impl Decomposition {
         if found.class != Class::Separated {
             // A point of the body is in a piece, or next to one: at most the depth of the piece
             // from the piece's surface.
-            return open(found.upper.max(0.0) + fit.excess_upper + fit.depth);
+            return open(found.upper.at_least(0.0) + fit.excess_upper + fit.depth);
         }
         let Some(posed) = PosedTrees::new(&*self.mesh, other, mesh_from_other) else {
             return open(found.upper + fit.excess_upper);
@@ -180,7 +181,7 @@ impl Decomposition {
         match posed.inside(lower / unit).0 {
             Inside::No => Distance {
                 class: Class::Separated,
-                value: found.distance.clamp(lower, upper),
+                value: found.distance.clamped(lower, upper),
                 lower,
                 upper,
             },

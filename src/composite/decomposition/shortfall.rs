@@ -8,6 +8,7 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::base::notice::progress::Watch;
+use crate::base::num::extremes::{Bounded, Extremes, smallest};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tuning::composite::GAP;
@@ -79,7 +80,7 @@ impl InnerPlanes {
         let Some(plane) = self.planes.get(self.last) else {
             return Some((0.0, f64::INFINITY));
         };
-        let (mut lower, mut part) = (height(plane).max(0.0), 0.0f64);
+        let (mut lower, mut part) = (height(plane).at_least(0.0), 0.0f64);
         for (k, plane) in self.planes.iter().enumerate() {
             if lower > most {
                 return None;
@@ -90,7 +91,7 @@ impl InnerPlanes {
             }
             if h > 0.0 {
                 // This far towards the inner point the point comes below the plane.
-                part = part.max(h / (h + plane.2));
+                part = part.larger(h / (h + plane.2));
             }
         }
         Some((lower, part * sqrt((p - self.point).norm_squared())))
@@ -113,13 +114,13 @@ impl PieceHull<'_> {
         let dot = ConvexPolyhedron::point(Point3::origin()).ok()?;
         let at = RelativePose::from_isometry(&at).ok()?;
         let found = self.tracker.closest(self.body, &dot, &at);
-        Some((found.lower.max(0.0), found.upper.max(0.0)))
+        Some((found.lower.at_least(0.0), found.upper.at_least(0.0)))
     }
 
     /// Half the shortest side of the box: no point of the piece is deeper inside.
     pub(in crate::composite) fn depth(&self) -> f64 {
         let (low, high) = self.body.aabb();
-        0.5 * (high - low).min()
+        0.5 * smallest(&(high - low))
     }
 }
 
@@ -155,7 +156,7 @@ pub(in crate::composite) fn excess(
         let is_in = mesh.is_solid() && mesh.winding(&gap.centroid).is_some_and(|w| w != 0);
         if is_in {
             // The distance from a solid is zero inside.
-            (0.0, gap.upper.min((gap.radius - gap.at_centroid).max(0.0)))
+            (0.0, gap.upper.smaller((gap.radius - gap.at_centroid).at_least(0.0)))
         } else {
             (gap.at_centroid, gap.upper)
         }
@@ -185,10 +186,10 @@ pub(in crate::composite) fn shortfall(
         let radius = corners
             .iter()
             .map(|p| (p - centroid).norm_squared())
-            .fold(0.0, f64::max);
+            .fold(0.0, f64::larger);
         let by_radius = distance.1 + sqrt(radius);
         let by_piece = farthest(&mut hulls[last], &corners, by_radius, slack).unwrap_or(f64::INFINITY);
-        (distance.0 * scale, by_radius.min(by_piece) * scale)
+        (distance.0 * scale, by_radius.smaller(by_piece) * scale)
     })
 }
 
@@ -197,7 +198,7 @@ pub(in crate::composite) fn shortfall(
 fn farthest(hull: &mut PieceHull, points: &[Point3<f64>; 3], most: f64, slack: f64) -> Option<f64> {
     points
         .iter()
-        .try_fold(0.0f64, |d, p| Some(d.max(hull.distance(p, most, slack)?.1)))
+        .try_fold(0.0f64, |d, p| Some(d.larger(hull.distance(p, most, slack)?.1)))
 }
 
 /// Bounds of the distance of a point from the nearest piece, of which there is at least one. The

@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::composite::front::{Front, NodePair};
 use crate::composite::meet::frame::TreeFrame;
@@ -89,11 +90,14 @@ fn true_gap(a: &Mesh, b: &Mesh, frame: &TreeFrame, [x, y]: NodePair, n: &Vector3
         let (first, last) = mesh.tree.range(node);
         (first..last).flat_map(|t| mesh.corners(t)).collect::<Vec<_>>()
     };
-    let high = corners(a, x).iter().map(|p| n.dot(p)).fold(f64::NEG_INFINITY, f64::max);
+    let high = corners(a, x)
+        .iter()
+        .map(|p| n.dot(p))
+        .fold(f64::NEG_INFINITY, f64::larger);
     let low = corners(b, y)
         .iter()
         .map(|p| n.dot(&frame.point(p)))
-        .fold(f64::INFINITY, f64::min);
+        .fold(f64::INFINITY, f64::smaller);
     low - high
 }
 

@@ -29,6 +29,7 @@ mod worth;
 use alloc::vec::Vec;
 use wide::f32x8;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::tuning::composite::MOST_ENTRIES;
 use crate::composite::meet::bounds::WIDTH;
 use crate::composite::meet::frame::{Single, TreeMoves, Way};
@@ -121,7 +122,7 @@ impl Front {
 
     /// Takes the error of a pose. Must be called before entries are tested or made.
     pub(in crate::composite) fn meet(&mut self, frame: &Single) {
-        self.error = self.error.max(frame.error);
+        self.error = self.error.larger(frame.error);
     }
 
     /// Returns whether points below entries may have moved since they were made.

@@ -19,6 +19,7 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::{AT_ONCE, SELF_CLAIMS, SELF_FAILED};
 use crate::composite::front::NodePair;
@@ -255,11 +256,11 @@ impl NodeDrift {
     fn of_vertices<I: Iterator<Item = Vector3<f64>>>(all: impl Fn() -> I) -> Self {
         let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
         for way in all() {
-            (low, high) = (low.inf(&way), high.sup(&way));
+            (low, high) = (low.smaller(way), high.larger(way));
         }
         let middle: [f32; 3] = ((low + high) * 0.5).map(|x| x as f32).into();
         let at = Vector3::from(middle.map(f64::from));
-        let square = all().fold(0.0, |m: f64, way| m.max((way - at).norm_squared()));
+        let square = all().fold(0.0, |m: f64, way| m.larger((way - at).norm_squared()));
         let spread = up(sqrt(square)).next_up();
         Self { middle, spread }
     }
@@ -271,7 +272,7 @@ impl NodeDrift {
             let [p, q, r] = [0, 1, 2].map(|k| f64::from(of.middle[k]) - f64::from(middle[k]));
             sqrt(p * p + q * q + r * r) + f64::from(of.spread)
         };
-        let spread = up(reach(x).max(reach(y))).next_up();
+        let spread = up(reach(x).larger(reach(y))).next_up();
         Self { middle, spread }
     }
 }

@@ -3,6 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
@@ -171,7 +172,7 @@ impl Single {
 /// Returns the unit of single precision in A's stored units, and the units of both trees in it.
 fn units_of(a: TreeSide, b: TreeSide, scale: f64) -> (f64, [f32; 2]) {
     let (of_a, of_b) = (a.tree.unit(), b.tree.unit() * scale);
-    let unit = of_a.max(of_b);
+    let unit = of_a.larger(of_b);
     (unit, [(of_a / unit) as f32, (of_b / unit) as f32])
 }
 

@@ -10,6 +10,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::largest;
 use crate::base::tolerance::FLUSH_EXPONENT;
 use crate::base::tuning::composite::SEGMENTS;
 use crate::body::polyhedron::{exponent_of, power_of_two};
@@ -44,7 +45,7 @@ impl Mesh {
         } else {
             (y, -1.0, down[y])
         };
-        let size = (self.high - self.low).max();
+        let size = largest(&(self.high - self.low));
         // Slants that no round number divides, another for each attempt.
         let slant = 0.137 + 0.618_033_988 * attempt as f64;
         let (s, t) = (

@@ -3,7 +3,7 @@
 
 use nalgebra::Vector3;
 
-use crate::base::num::scalar::{greater, lesser};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::composite::front::NodePair;
 use crate::composite::meet::search::{GapProof, Judge, TreeSearch, TriedDirection};
 use crate::composite::tree::{Below, LEAF};
@@ -37,7 +37,7 @@ impl OpenLeafPair {
     #[inline(always)]
     fn prove<J: Judge>(&mut self, distance: f64) {
         if J::IS_SELF {
-            self.proven = self.proven.min(distance);
+            self.proven = self.proven.smaller(distance);
         }
     }
 
@@ -113,11 +113,11 @@ impl<J: Judge> TreeSearch<'_, J> {
         let (mut top, mut bottom) = (f64::NEG_INFINITY, f64::INFINITY);
         for (item, to) in (i..i + open.of_a.1).zip(&mut high) {
             *to = self.judge.highest_in_a(item, &n.in_a);
-            top = greater(top, *to);
+            top = top.at_least(*to);
         }
         for (item, to) in (j..j + open.of_b.1).zip(&mut low) {
             *to = self.judge.lowest_in_b(item, &n.in_b) + lift;
-            bottom = lesser(bottom, *to);
+            bottom = bottom.at_most(*to);
         }
         let least = bottom - top;
         if least > self.frame.tie && self.passes(least) {

@@ -22,7 +22,8 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Vector3};
 
 use crate::base::motion::{Course, Drift, length};
-use crate::base::num::scalar::{greater, sqrt};
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{LEAST_SQUARE, ROOT};
 use crate::base::tuning::composite::{AHEAD_ITEMS, AHEAD_PAIRS, HORIZONS};
 use crate::composite::front::NodePair;
@@ -115,7 +116,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         }
         let mut least = goal;
         while let Some(claim) = stack.pop() {
-            least = least.min(self.settle(claim, seen, least, &mut stack));
+            least = least.smaller(self.settle(claim, seen, least, &mut stack));
             if !(least > 0.0) {
                 return 0.0;
             }
@@ -147,7 +148,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
             return f64::INFINITY;
         }
         for n in [&*seen.normal, &n] {
-            time = time.max(self.time(pair, n, self.gap(pair, n)));
+            time = time.larger(self.time(pair, n, self.gap(pair, n)));
             if time >= goal {
                 return f64::INFINITY;
             }
@@ -180,9 +181,9 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         let (of_a, of_b) = (a.side().tree, b.side().tree);
         let in_b = -frame.direction_in_b(n);
         let few = |(first, last): (u32, u32)| (last - first <= AHEAD_ITEMS).then_some(first..last);
-        let top = |items: core::ops::Range<u32>| items.map(|k| a.highest(k, n)).fold(f64::NEG_INFINITY, f64::max);
+        let top = |items: core::ops::Range<u32>| items.map(|k| a.highest(k, n)).fold(f64::NEG_INFINITY, f64::larger);
         let bottom =
-            |items: core::ops::Range<u32>| items.map(|k| b.highest(k, &in_b)).fold(f64::NEG_INFINITY, f64::max);
+            |items: core::ops::Range<u32>| items.map(|k| b.highest(k, &in_b)).fold(f64::NEG_INFINITY, f64::larger);
         let high = few(of_a.range(x)).map_or_else(|| height(of_a, x, n), top);
         let low = -few(of_b.range(y)).map_or_else(|| height(of_b, y, &in_b), bottom);
         (low + n.dot(&frame.translation) - 2.0 * frame.error - high) * a.stored_unit()
@@ -231,11 +232,11 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
             let farthest = length(&between) + fastest * horizon;
             let bend = p.rate * p.rate * farthest + 2.0 * p.rate * fastest + pushed + q.rate * swung;
             let time = first_root(way - self.drift.at(horizon), pace, bend) * (1.0 - ROOT);
-            best = best.max(time.min(horizon));
+            best = best.larger(time.smaller(horizon));
             if time >= horizon {
                 break;
             }
-            horizon = (2.0 * time).clamp(horizon / 64.0, horizon / 2.0);
+            horizon = (2.0 * time).clamped(horizon / 64.0, horizon / 2.0);
         }
         best
     }
@@ -253,6 +254,6 @@ fn first_root(way: f64, pace: f64, bend: f64) -> f64 {
     if below <= 0.0 {
         f64::INFINITY
     } else {
-        greater(2.0 * way / below, 0.0)
+        (2.0 * way / below).at_least(0.0)
     }
 }

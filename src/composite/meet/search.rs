@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::tuning::composite::{AT_ONCE, CROWD, FEW_ITEMS};
 use crate::composite::front::{Front, NodePair};
 use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
@@ -192,8 +193,8 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     /// is not over.
     pub(in crate::composite) fn proven(&self) -> f64 {
         let measured = self.best.as_ref().map_or(f64::INFINITY, |b| b.lower);
-        let proven = self.lower.min(f64::from(self.least) * self.frame.single.unit);
-        proven.min(measured)
+        let proven = self.lower.smaller(f64::from(self.least) * self.frame.single.unit);
+        proven.smaller(measured)
     }
 
     /// Pruning level in f32, rounded up; the next number if equality does not prune.
@@ -240,10 +241,10 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         }
         if is_closer || self.best.is_none() {
             let before = self.best.replace(found);
-            self.lower = self.lower.min(before.map_or(f64::INFINITY, |b| b.lower));
+            self.lower = self.lower.smaller(before.map_or(f64::INFINITY, |b| b.lower));
             self.single = self.single_level();
         } else {
-            self.lower = self.lower.min(found.lower);
+            self.lower = self.lower.smaller(found.lower);
         }
         if found.distance <= self.frame.tie {
             self.close += 1;
@@ -274,7 +275,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             MeshGoal::Within(d) | MeshGoal::All(d) => gap > d,
         };
         if passes {
-            self.lower = self.lower.min(gap);
+            self.lower = self.lower.smaller(gap);
         }
         passes
     }
@@ -295,7 +296,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     pub(in crate::composite) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
         let proven = gap - self.frame.single.error;
         if proven >= self.single {
-            self.least = self.least.min(proven);
+            self.least = self.least.smaller(proven);
             return Some((normal, proven));
         }
         self.settle_close(pair, gap, normal)
@@ -367,13 +368,13 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Returns the least height of items of B.
     fn lowest(&self, (first, last): (u32, u32), n: &TriedDirection) -> f64 {
-        (first..last).fold(f64::INFINITY, |low, k| low.min(self.judge.lowest_in_b(k, &n.in_b)))
+        (first..last).fold(f64::INFINITY, |low, k| low.smaller(self.judge.lowest_in_b(k, &n.in_b)))
     }
 
     /// Returns the greatest height of items of A.
     fn highest(&self, (first, last): (u32, u32), n: &TriedDirection) -> f64 {
         (first..last).fold(f64::NEG_INFINITY, |high, k| {
-            high.max(self.judge.highest_in_a(k, &n.in_a))
+            high.larger(self.judge.highest_in_a(k, &n.in_a))
         })
     }
 
@@ -465,7 +466,8 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             }
         }
         let open = &mut open[..left];
-        open.sort_unstable_by(|p, q| q.0.total_cmp(&p.0));
+        // A stable sort: pairs of equal bounds keep their order.
+        open.sort_by(|p, q| q.0.total_cmp(&p.0));
         stack.extend(open.iter().map(|p| p.1));
     }
 

@@ -7,6 +7,7 @@
 use alloc::vec;
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::tolerance::UNIT_SINGLE;
@@ -92,7 +93,7 @@ fn is_parted(corners: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64
     normals.iter().any(|n| {
         let (x, y, z) = (n.dot(a), n.dot(b), n.dot(c));
         let (p, q) = (n.dot(from), n.dot(to));
-        let gap = (x.min(y).min(z) - p.max(q)).max(p.min(q) - x.max(y).max(z));
+        let gap = (x.smaller(y).smaller(z) - p.larger(q)).larger(p.smaller(q) - x.larger(y).larger(z));
         let least = apart * sqrt(n.norm_squared());
         // Products that underflow do not count beside a normal number.
         least >= f64::MIN_POSITIVE && gap > least

@@ -7,7 +7,8 @@
 
 use nalgebra::Vector3;
 
-use crate::base::num::scalar::{greater, sqrt};
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::{PARTED, SPREAD, TOUCHES};
 use crate::composite::front::NodePair;
 use crate::composite::meet::search::Measured;
@@ -80,7 +81,7 @@ impl<P: Fn(&Vector3<f64>) -> Vector3<f64>> Seen<'_, P> {
         let other = self
             .other
             .first_crossing(&place(middle), &place(&end), skin * self.ratio)?;
-        let point = middle + (end - middle) * (0.5 * own.min(other));
+        let point = middle + (end - middle) * (0.5 * own.smaller(other));
         (self.own.holds(&point, self.doubt) == Some(true)).then_some(point)
     }
 }
@@ -102,7 +103,7 @@ fn top(mesh: &Mesh, n: &Vector3<f64>, slack: f64) -> f64 {
             Below::Children(c) => stack.extend([c, c + 1]),
             Below::Leaf(first, count) => {
                 let corners = (first..first + count).flat_map(|t| mesh.corners(t));
-                most = corners.map(|p| n.dot(&p)).fold(most, greater);
+                most = corners.map(|p| n.dot(&p)).fold(most, f64::at_least);
             }
         }
     }

@@ -4,6 +4,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::motion::BallAtPose;
 use crate::base::num::count::Counter;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};
 use crate::composite::front::NodePair;
@@ -142,7 +143,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     /// count.
     pub(in crate::composite) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
         let (distance, slack, normal) = crate::composite::meet::frame::far(a.side(), b.side(), pose);
-        let lower = (distance - slack).max(0.0);
+        let lower = (distance - slack).at_least(0.0);
         let middle = |side: TreeSide, unit: f64| Point3::from(side.tree.centre * unit);
         TreeAnswer {
             class: if lower > 0.0 {
@@ -200,7 +201,7 @@ impl TreeState {
         let Some(best) = search.best else {
             return PosedTrees::far(posed.a, posed.b, posed.pose);
         };
-        let lower = search.lower.min(best.lower).max(0.0);
+        let lower = search.lower.smaller(best.lower).at_least(0.0);
         let mut answer = TreeAnswer::of_pair(&best, lower, [posed.a.stored_unit(), posed.b.stored_unit()]);
         if best.crosses {
             answer.share(posed.a.is_solid() && posed.b.is_solid());
@@ -283,7 +284,7 @@ impl TreeState {
             return true;
         }
         // Now all parts are proven farther apart than `d`, and one body may hold the other.
-        let lower = search.proven().max(d);
+        let lower = search.proven().larger(d);
         let is_apart = matches!(self.inside(posed, lower), Inside::No);
         self.free = is_apart.then(|| (lower, posed.place()));
         !is_apart
@@ -294,17 +295,17 @@ impl TreeState {
         let moved = |(lower, then): &(f64, BallAtPose)| lower - posed.place().displacement(then);
         let carried = self.free.as_ref().map_or(0.0, moved);
         if self.kept.front.is_empty() {
-            return carried.max(0.0) * posed.a.stored_unit();
+            return carried.at_least(0.0) * posed.a.stored_unit();
         }
         let single = &posed.frame.single;
         self.kept.front.meet(single);
         let mut least = f32::INFINITY;
-        self.kept.front.gaps(single, |_, _, gap| least = least.min(gap));
+        self.kept.front.gaps(single, |_, _, gap| least = least.smaller(gap));
         let mut bound = f64::from(least) * single.unit;
         if bound > 0.0 && !(carried > 0.0) && !matches!(self.inside(posed, bound), Inside::No) {
             bound = 0.0;
         }
-        bound.max(carried).max(0.0) * posed.a.stored_unit()
+        bound.larger(carried).at_least(0.0) * posed.a.stored_unit()
     }
 }
 

@@ -6,6 +6,7 @@
 //! parallel to the plane, and if one of its ends lies over the triangle and the other does not,
 //! an edge pair is as close. The caller judges the proposal along its own directions.
 
+use crate::base::num::extremes::Extremes;
 use nalgebra::Vector3;
 use wide::f64x4;
 
@@ -268,7 +269,7 @@ fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) ->
 /// A determinant of three differences up to `s` of points that are each off by `error` is off by
 /// `6 error s^2` to first order, its rounding by `14 UNIT s^3`; `error` is more than `64 UNIT s`.
 pub(in crate::composite) fn certainly_cross(p: &Triangle, q: &Triangle, error: f64) -> bool {
-    let s = p.iter().chain(q).fold(0.0, |m: f64, x| m.max((x - p[0]).amax()));
+    let s = p.iter().chain(q).fold(0.0, |m: f64, x| m.larger((x - p[0]).amax()));
     // Differences between any two of the six are at most twice the largest from one of them, and
     // 1.8 times their largest coordinate.
     let doubt = 8.0 * error * (4.0 * s) * (4.0 * s);
@@ -278,7 +279,7 @@ pub(in crate::composite) fn certainly_cross(p: &Triangle, q: &Triangle, error: f
         (0..3).any(|i| {
             let (from, to) = (&x[i], &x[(i + 1) % 3]);
             let (h, k) = (volume(&y[0], &y[1], &y[2], from), volume(&y[0], &y[1], &y[2], to));
-            if !(h.min(k) < -doubt && h.max(k) > doubt) {
+            if !(h.smaller(k) < -doubt && h.larger(k) > doubt) {
                 return false;
             }
             let turns = [0, 1, 2].map(|j| volume(from, to, &y[j], &y[(j + 1) % 3]));

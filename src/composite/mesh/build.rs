@@ -11,6 +11,7 @@ use super::weld::{MOST, Welded, stir, weld};
 use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
 use crate::base::notice::log;
 use crate::base::notice::progress::{Progress, Stopped, Watch};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
@@ -200,7 +201,7 @@ fn assemble(
         MeshKind::Surface
     };
     let welded_away = (0u32..).zip(&welded.same_as).filter(|(k, v)| k != *v).count();
-    let square = points.iter().fold(0.0, |r: f64, p| r.max(p.norm_squared()));
+    let square = points.iter().fold(0.0, |r: f64, p| r.larger(p.norm_squared()));
     Ok(Mesh {
         report: MeshReport {
             kind,

@@ -67,7 +67,7 @@ fn cancels(points: &[Vector3<f64>], edges: &[[u32; 2]]) -> bool {
 fn cancels_at(points: &[Vector3<f64>], at: &[(u32, u32, i64)]) -> bool {
     let end = |&(v, w, sense): &(u32, u32, i64)| (slant(&(points[w as usize] - points[v as usize])), v, w, sense);
     let mut ends: Vec<(f64, u32, u32, i64)> = at.iter().map(end).collect();
-    ends.sort_unstable_by(|x, y| x.0.total_cmp(&y.0));
+    ends.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2, x.3).cmp(&(y.1, y.2, y.3))));
     for k in 0..ends.len() {
         let (least, v, w, own) = ends[k];
         // An end that has been counted has no sense left.

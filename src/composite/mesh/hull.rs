@@ -12,6 +12,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::Mesh;
 use crate::base::notice::progress::Watch;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::composite::meet::triangle::{self, Triangle};
@@ -44,7 +45,7 @@ impl HullFit {
     #[must_use]
     pub fn air(&self) -> Option<f64> {
         let full = self.mesh_volume.filter(|_| self.hull_volume > 0.0)?;
-        Some((1.0 - full / self.hull_volume).clamp(0.0, 1.0))
+        Some((1.0 - full / self.hull_volume).clamped(0.0, 1.0))
     }
 }
 
@@ -142,7 +143,7 @@ impl Mesh {
         let centroid = (a + b + c) / 3.0;
         let nearest = self.nearest(&centroid);
         let at_centroid = sqrt(nearest.square);
-        let greatest = |of: &dyn Fn(&Vector3<f64>) -> f64| sqrt(corners.iter().map(of).fold(0.0, f64::max));
+        let greatest = |of: &dyn Fn(&Vector3<f64>) -> f64| sqrt(corners.iter().map(of).fold(0.0, f64::larger));
         let radius = greatest(&|p| (p - centroid).norm_squared());
         let other = self.corners(nearest.triangle);
         let by_triangle = greatest(&|p| triangle::nearest(p, &other).0);
@@ -150,7 +151,7 @@ impl Mesh {
             centroid,
             at_centroid,
             radius,
-            upper: (at_centroid + radius).min(by_triangle),
+            upper: (at_centroid + radius).smaller(by_triangle),
         }
     }
 }

@@ -24,6 +24,7 @@ pub use hull::HullFit;
 pub use inspect::MeshInspection;
 pub use report::{MeshError, MeshKind, MeshPart, MeshReport, VertexError};
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::sign;
 use crate::body::polyhedron::ConvexPolyhedron;
@@ -212,7 +213,7 @@ fn line([a, b, c]: &[Point3<f64>; 3]) -> Option<ConvexPolyhedron> {
     // The ends are apart along the axis of the longest side.
     let sides = [b - a, c - b, a - c];
     let axis = sides.map(|s| s.iamax()).into_iter().max_by(|&i, &j| {
-        let longest = |k: usize| sides.iter().fold(0.0f64, |m, s| m.max(s[k].abs()));
+        let longest = |k: usize| sides.iter().fold(0.0f64, |m, s| m.larger(s[k].abs()));
         longest(i).total_cmp(&longest(j))
     })?;
     let mut ends = [*a, *b, *c];

@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::{Mesh, pair};
+use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
 use crate::composite::meet::triangle;
@@ -38,7 +39,7 @@ impl<'a> From<'a> {
     pub(in crate::composite) fn least(&self, node: u32) -> f64 {
         let b = &self.tree.boxes[node as usize];
         let (d, half) = (self.place - b.centre(), b.half());
-        let out = |k: usize| (b.axis(k).dot(&d).abs() - half[k] - self.slack).max(0.0);
+        let out = |k: usize| (b.axis(k).dot(&d).abs() - half[k] - self.slack).at_least(0.0);
         let away = sqrt(out(0) * out(0) + out(1) * out(1) + out(2) * out(2));
         away * (1.0 - self.slack) * self.tree.unit()
     }

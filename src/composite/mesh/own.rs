@@ -7,6 +7,7 @@ use super::Mesh;
 use super::pair::{TriangleJudge, spots};
 use super::tracker::MeshTracker;
 use crate::base::num::count::Counter;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
@@ -98,7 +99,7 @@ impl SelfState {
             let least = all
                 .filter(|p| judge.is_asked(*p))
                 .map(apart)
-                .fold(f64::INFINITY, f64::min);
+                .fold(f64::INFINITY, f64::smaller);
             sqrt(least)
         })
     }
@@ -166,7 +167,7 @@ impl MeshTracker {
     pub(crate) fn self_closest(&mut self, mesh: &Mesh) -> Option<Answer> {
         self.ask_self(mesh, (MeshGoal::Least, None), |search| {
             let best = search.best.as_ref()?;
-            let lower = search.proven().max(0.0);
+            let lower = search.proven().at_least(0.0);
             Some(told(mesh, search.frame, best, lower))
         })?
     }

@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use crate::base::num::scalar::{lesser, sqrt};
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::SHARP;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::composite::front::NodePair;
@@ -43,12 +44,12 @@ impl<'a> TriangleJudge<'a> {
         let (p, q) = self.polygons(pair)?;
         let o: Outcome = Tracker::new().closest(&p, &q, self.posed.pose);
         let unit = 1.0 / self.posed.a.unit();
-        let distance = (o.distance * unit).max(0.0);
+        let distance = (o.distance * unit).at_least(0.0);
         Some(Measured {
             pair,
             distance,
-            lower: (o.lower * unit).max(0.0).min(distance),
-            upper: (o.upper * unit).max(distance),
+            lower: (o.lower * unit).at_least(0.0).smaller(distance),
+            upper: (o.upper * unit).larger(distance),
             normal: *o.normal,
             on_a: o.point_on_a.coords * unit,
             on_b: o.point_on_b.coords / self.posed.b.unit(),
@@ -75,13 +76,13 @@ impl<'a> TriangleJudge<'a> {
             .polygons(m.pair)
             .is_none_or(|(p, q)| Tracker::new().within(&p, &q, self.posed.pose, d));
         if is_within {
-            m.upper = m.upper.min(stored);
-            m.distance = m.distance.min(stored);
-            m.lower = m.lower.min(stored);
+            m.upper = m.upper.smaller(stored);
+            m.distance = m.distance.smaller(stored);
+            m.lower = m.lower.smaller(stored);
         } else {
             m.lower = stored.next_up();
-            m.distance = m.distance.max(m.lower);
-            m.upper = m.upper.max(m.lower) + frame.error;
+            m.distance = m.distance.larger(m.lower);
+            m.upper = m.upper.larger(m.lower) + frame.error;
         }
     }
 }
@@ -107,8 +108,8 @@ pub(in crate::composite) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> 
 /// Returns the gap of two placed triangles along a direction.
 #[inline(always)]
 fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
-    let high = p.iter().map(|x| n.dot(x)).fold(f64::NEG_INFINITY, f64::max);
-    let low = q.iter().map(|x| n.dot(x)).fold(f64::INFINITY, f64::min);
+    let high = p.iter().map(|x| n.dot(x)).fold(f64::NEG_INFINITY, f64::larger);
+    let low = q.iter().map(|x| n.dot(x)).fold(f64::INFINITY, f64::smaller);
     low - high
 }
 
@@ -146,7 +147,7 @@ impl Judge for TriangleJudge<'_> {
     #[inline(always)]
     fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
         let [a, b, c] = self.posed.b.corners(item);
-        lesser(lesser(n.dot(&a), n.dot(&b)), n.dot(&c))
+        n.dot(&a).at_most(n.dot(&b)).at_most(n.dot(&c))
     }
 
     fn settled(&self) -> u64 {
@@ -178,12 +179,12 @@ impl Judge for TriangleJudge<'_> {
         } else {
             known
         };
-        let enough = distance.min(known) - frame.tie + frame.error;
+        let enough = distance.smaller(known) - frame.tie + frame.error;
         if best >= enough {
             // Witnesses so near have a direction that errs by rounding over their distance, which
             // long triangles and whole plates in flush contact show.
             if distance < SHARP * frame.size {
-                let level = enough.max(best - frame.error);
+                let level = enough.larger(best - frame.error);
                 let sharp = |n: &Vector3<f64>| gap(&p, &q, n) >= level;
                 if let Some(n) = candidates(&p, &q, &found).iter().filter_map(unit).find(sharp) {
                     (best, normal) = (gap(&p, &q, &n), n);
@@ -200,7 +201,7 @@ impl Judge for TriangleJudge<'_> {
         let mut m = Measured {
             pair,
             distance,
-            lower: (best - frame.error).max(0.0),
+            lower: (best - frame.error).at_least(0.0),
             upper: distance + frame.error,
             normal,
             on_a: found.on_p,

@@ -13,8 +13,9 @@ use super::build::InTreeOrder;
 use super::weld::Units;
 use super::{Mesh, VertexError};
 use crate::base::notice::progress::Watch;
+use crate::base::num::extremes::{Bounded, Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
-use crate::base::num::scalar::{greater, lesser, sqrt};
+use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN, PLACE_MAX, UNIT};
 use crate::base::tuning::composite::{COUNT_PATH, GROWN, LOOSE, REBUILD_WORK, SHRUNK, STATES};
 use crate::body::polyhedron::power_of_two;
@@ -318,7 +319,7 @@ impl Mesh {
     fn replace(&mut self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
         self.place(bending, first, vertices)?;
         let moves = self.moves(bending);
-        let extent = (moves.high - moves.low).max() * self.unit();
+        let extent = largest(&(moves.high - moves.low)) * self.unit();
         if !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
             return Err(VertexError::OutOfRange { extent });
         }
@@ -379,9 +380,9 @@ impl Mesh {
             // Too long a step is longer than all others, and of no use.
             *step = Paths::units(sqrt(square) * scale).unwrap_or(u32::MAX);
             moves.longest = moves.longest.max(*step);
-            moves.square = greater(moves.square, square);
-            moves.low = moves.low.zip_map(q, lesser);
-            moves.high = moves.high.zip_map(q, greater);
+            moves.square = moves.square.at_least(square);
+            moves.low = moves.low.zip_map(q, f64::at_most);
+            moves.high = moves.high.zip_map(q, f64::at_least);
         }
         moves
     }
@@ -390,7 +391,7 @@ impl Mesh {
     /// for the unit of the tree.
     fn is_near(&self, moves: &Moves) -> bool {
         let (low, high, scale) = (moves.low, moves.high, 1.0 / self.tree.unit());
-        let farthest = (low - self.tree.centre).abs().sup(&(high - self.tree.centre).abs());
+        let farthest = (low - self.tree.centre).abs().larger((high - self.tree.centre).abs());
         let half = sqrt(((high - low) * 0.5).norm_squared()) * scale;
         moves.longest < u32::MAX && farthest.amax() * scale < GROWN && half > SHRUNK
     }
@@ -403,8 +404,8 @@ impl Mesh {
         let (mut low, mut high, mut square) = (start, -start, 0.0f64);
         for p in &mut self.points {
             *p = p.map(|x| units.flushed(x * ratio));
-            square = greater(square, p.norm_squared());
-            (low, high) = (low.zip_map(p, lesser), high.zip_map(p, greater));
+            square = square.at_least(p.norm_squared());
+            (low, high) = (low.zip_map(p, f64::at_most), high.zip_map(p, f64::at_least));
         }
         self.exponent = units.exponent;
         self.radius = sqrt(square) * (1.0 + 4.0 * UNIT);

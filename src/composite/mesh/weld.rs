@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::MeshError;
+use crate::base::num::extremes::largest;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
 use crate::body::polyhedron::{bounding_box, exponent_of, power_of_two};
@@ -35,7 +36,7 @@ pub(super) fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Weld
     let used = || given.iter().zip(&is_used).filter(|p| *p.1).map(|p| &p.0.coords);
     let (low, high) = bounding_box(used());
     let sides = high - low;
-    let extent = if triangles.is_empty() { 0.0 } else { sides.max() };
+    let extent = if triangles.is_empty() { 0.0 } else { largest(&sides) };
     let far = used().any(|p| p.amax() > PLACE_MAX);
     if far || !triangles.is_empty() && !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
         return Err(MeshError::OutOfRange { extent });

@@ -21,6 +21,7 @@ use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::ranked::Ranked;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::CELL;
@@ -36,7 +37,7 @@ use crate::composite::tree::height::height;
 /// Returns a convex body inside a solid mesh, in the caller's unit, about a point in stored
 /// coordinates, at most `reach` wide to each side; `None` if none is found.
 pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shape> {
-    let mut reach = reach.min(2.0 * mesh.radius);
+    let mut reach = reach.smaller(2.0 * mesh.radius);
     let planes = (0..CELL_HALVINGS).find_map(|_| {
         let cut = CellCut::new(mesh, place, reach).run();
         reach *= 0.5;
@@ -134,7 +135,7 @@ impl<'a> CellCut<'a> {
     /// Adds a plane before a triangle if it is beyond none.
     fn part(&mut self, number: u32) -> Option<()> {
         let corners = self.mesh.corners(number);
-        let lowest = |n: &Vector3<f64>| corners.iter().map(|p| n.dot(p)).fold(f64::INFINITY, f64::min);
+        let lowest = |n: &Vector3<f64>| corners.iter().map(|p| n.dot(p)).fold(f64::INFINITY, f64::smaller);
         if self.planes.iter().rev().any(|p| lowest(&p.n) >= p.level + self.margin) {
             return Some(());
         }
@@ -171,7 +172,7 @@ fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[CellPlane]) -> Option<Ve
         .map(|f| polar.face_plane(f).and_then(corner))
         .collect::<Option<_>>()?;
     // Rounding may put corners beyond planes.
-    let beyond = |way: &Vector3<f64>| planes.iter().map(|p| p.n.dot(way) / room(p)).fold(1.0, f64::max);
-    let most = ways.iter().map(beyond).fold(1.0, f64::max) * BEYOND;
+    let beyond = |way: &Vector3<f64>| planes.iter().map(|p| p.n.dot(way) / room(p)).fold(1.0, f64::larger);
+    let most = ways.iter().map(beyond).fold(1.0, f64::larger) * BEYOND;
     Some(ways.iter().map(|way| mesh.given(&(place + way / most))).collect())
 }

@@ -23,6 +23,7 @@ mod inner;
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
@@ -78,7 +79,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> Overlap<'_, A
         let hulls = hull(self.a.by_kind()).and_then(|a| Ok((a, hull(self.b.by_kind())?)));
         let (a, b) = hulls.ok()?;
         let found = Tracker::new().closest(&a, &b, pose);
-        let length = (-found.lower).max(least);
+        let length = (-found.lower).larger(least);
         length.is_finite().then(|| found.normal.into_inner() * length)
     }
 }
@@ -132,7 +133,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         let length = sqrt(apart.norm_squared());
         let n = if length > 0.0 { apart / length } else { Vector3::x() };
         let reach = sqrt((high_a - low_a).norm_squared()) + sqrt((high_b - low_b).norm_squared());
-        n * (0.5 * reach * BEYOND + 4.0 * self.noise - length).max(0.0)
+        n * (0.5 * reach * BEYOND + 4.0 * self.noise - length).at_least(0.0)
     }
 
     /// Moves B by the deepest overlap found until the bodies are apart.
@@ -155,7 +156,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     /// Shortens a translation that parts the bodies, to no less than `lower`.
     fn shortened(&mut self, shift: Vector3<f64>, lower: f64) -> Vector3<f64> {
         let length = sqrt(shift.norm_squared());
-        let (mut low, mut high) = ((lower / length).min(1.0), 1.0);
+        let (mut low, mut high) = ((lower / length).at_most(1.0), 1.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
             if !(middle > low && middle < high) {
@@ -182,10 +183,10 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
 
     fn run(mut self, pose: &RelativePose) -> (PenetrationBounds, u64) {
         let deepest = self.deepest(pose);
-        let mut lower = deepest.map_or(0.0, |d| (d.0 - self.noise).max(0.0));
+        let mut lower = deepest.map_or(0.0, |d| (d.0 - self.noise).at_least(0.0));
         // Convex parts about the middles: all of a convex body.
         let wholes = inner::of_wholes(self.bodies.a, self.bodies.b, pose);
-        lower = wholes.map_or(lower, |d| lower.max(d.0 - self.noise));
+        lower = wholes.map_or(lower, |d| lower.larger(d.0 - self.noise));
         let mut best = self.far();
         let starts = [
             self.bodies.by_hulls(pose, self.noise),
@@ -199,11 +200,11 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
                 if shift.norm_squared() < best.norm_squared() {
                     best = shift;
                 }
-                lower = lower.max(self.between(pose));
+                lower = lower.larger(self.between(pose));
             }
         }
         let bounds = PenetrationBounds {
-            lower: lower.min(sqrt(best.norm_squared())),
+            lower: lower.smaller(sqrt(best.norm_squared())),
             upper: sqrt(best.norm_squared()) * (1.0 + 4.0 * UNIT),
             shift: best,
             queries: self.queries,

@@ -10,6 +10,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 pub(crate) use tracker::CompositeTracker;
 
 use crate::base::notice::progress::Watch;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, UNIT};
@@ -138,8 +139,8 @@ impl Composite {
         let (low, high) = bounding_box(given);
         // A point, or a body far smaller than its distance from the origin, is as large as the
         // rounding of its place.
-        let place = low.amax().max(high.amax()) * UNIT;
-        let size = sqrt(((high - low) * 0.5).norm_squared()).max(place);
+        let place = low.amax().larger(high.amax()) * UNIT;
+        let size = sqrt(((high - low) * 0.5).norm_squared()).larger(place);
         // A point at the body's own origin has no size: any unit serves.
         let size = if size > 0.0 { size } else { 1.0 };
         let window = 2 * EXPONENT_FREE;
@@ -160,7 +161,7 @@ impl Composite {
             let (centre, radius) = p.shape.bounding_ball();
             sqrt(centre.coords.norm_squared()) + radius + sqrt(p.pose.translation.vector.norm_squared())
         };
-        let farthest = pieces.iter().map(reach).fold(0.0, f64::max) * scale;
+        let farthest = pieces.iter().map(reach).fold(0.0, f64::larger) * scale;
         tree.fit(&points, &items, CERTIFICATE * UNIT * farthest, &mut Watch::none());
         let (low, high) = bounding_box(&points);
         Self {

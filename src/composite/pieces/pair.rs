@@ -3,6 +3,7 @@
 use alloc::collections::BTreeMap;
 use nalgebra::{Isometry3, Vector3};
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::body::polyhedron::FeaturePair;
 use crate::body::shape::Shape;
 use crate::composite::front::NodePair;
@@ -103,15 +104,19 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
         // The rounding of composed poses: two products of rotations and two sums.
         let error = if exact { 0.0 } else { 2.0 * frame.error };
         let meets = o.class == Class::Overlapping;
-        let distance = if meets { 0.0 } else { (o.distance * unit).max(0.0) };
+        let distance = if meets { 0.0 } else { (o.distance * unit).at_least(0.0) };
         let mut m = Measured {
             pair,
             distance,
-            lower: if meets { 0.0 } else { (o.lower * unit - error).max(0.0) },
+            lower: if meets {
+                0.0
+            } else {
+                (o.lower * unit - error).at_least(0.0)
+            },
             upper: if meets {
                 0.0
             } else {
-                (o.upper * unit).max(distance) + error
+                (o.upper * unit).larger(distance) + error
             },
             normal: at_p.rotation * *o.normal,
             on_a: (*at_p * o.point_on_a).coords * unit,
@@ -123,11 +128,15 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
         let stored = d * unit;
         if !(m.lower > stored || m.upper <= stored) {
             if !exact || tracker.within(p, q, &pose, d) {
-                (m.lower, m.distance, m.upper) = (m.lower.min(stored), m.distance.min(stored), m.upper.min(stored));
+                (m.lower, m.distance, m.upper) = (
+                    m.lower.smaller(stored),
+                    m.distance.smaller(stored),
+                    m.upper.smaller(stored),
+                );
             } else {
                 m.lower = stored.next_up();
-                m.distance = m.distance.max(m.lower);
-                m.upper = m.upper.max(m.lower);
+                m.distance = m.distance.larger(m.lower);
+                m.upper = m.upper.larger(m.lower);
             }
         }
         m

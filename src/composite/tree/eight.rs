@@ -6,7 +6,8 @@ use wide::{f32x4, f32x8, f64x8};
 
 use super::OrientedBox;
 use super::axes::BoxAxes;
-use crate::base::num::scalar::{greater, sqrt};
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
 
 /// Boxes fitted at once.
@@ -39,7 +40,7 @@ impl Places {
         let mut farthest = 0.0f64;
         for ((p, row), ((x, y), z)) in points.iter().zip(&mut self.rows).zip(columns) {
             let place = (p - centre) * scale;
-            farthest = greater(farthest, place.norm_squared());
+            farthest = farthest.at_least(place.norm_squared());
             (*x, *y, *z) = (place.x as f32, place.y as f32, place.z as f32);
             *row = f32x4::new([*x, *y, *z, 0.0]);
         }
@@ -137,7 +138,7 @@ impl EightAtRest {
             let others = &others[below.others[0] as usize..below.others[1] as usize];
             let (low, high) = places.heights(own, others, &axes);
             let fitted = axes.fitted(low, high, slack);
-            reach = reach.max(fitted.reach());
+            reach = reach.larger(fitted.reach());
             boxes[self.nodes[lane] as usize] = fitted;
         }
         reach

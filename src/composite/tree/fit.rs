@@ -6,6 +6,7 @@ use nalgebra::Vector3;
 
 use super::{Below, OrientedBox, Slab, Tree};
 use crate::base::notice::progress::Watch;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
 use crate::base::tuning::composite::{SLAB, SLAB_ITEMS, THINNER};
@@ -114,16 +115,16 @@ impl Tree {
         let scale = crate::body::polyhedron::power_of_two(-self.exponent);
         let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
         // The rounding of the shift to the tree's origin.
-        let farthest = points.iter().fold(self.centre.amax(), |m, p| m.max(p.amax()));
+        let farthest = points.iter().fold(self.centre.amax(), |m, p| m.larger(p.amax()));
         let slack = BOX_EXTENT * (1.0 + farthest * scale) + error * scale;
-        let farthest = points.iter().fold(0.0, |m: f64, p| m.max(p.norm_squared()));
+        let farthest = points.iter().fold(0.0, |m: f64, p| m.larger(p.norm_squared()));
         let doubt = SLAB_HEIGHT * sqrt(farthest) + error;
         (Vertices::new(places, points, doubt, items), slack)
     }
 
     fn set_reach(&mut self) {
         let reach = |b: &OrientedBox| sqrt(b.centre().norm_squared()) + f64::from(b.radius());
-        let reach = self.boxes.iter().map(reach).fold(0.0, f64::max);
+        let reach = self.boxes.iter().map(reach).fold(0.0, f64::larger);
         self.reach = up(reach * (1.0 + 8.0 * UNIT));
     }
 
@@ -179,7 +180,7 @@ impl Tree {
             for ((axes, low), high) in flat.iter().zip(&mut low).zip(&mut high) {
                 for k in 0..2 {
                     let h = axes[k].dot(p);
-                    (low[k], high[k]) = (low[k].min(h), high[k].max(h));
+                    (low[k], high[k]) = (low[k].smaller(h), high[k].larger(h));
                 }
             }
         });
@@ -245,8 +246,8 @@ impl Tree {
         let (mut half, mut square): (Vector3<f64>, f64) = (Vector3::zeros(), 0.0);
         vertices.visit(range, |p| {
             let d = p - centre;
-            half = half.sup(&Vector3::from_fn(|k, _| dual[k].dot(&d).abs()));
-            square = square.max(d.norm_squared());
+            half = half.larger(Vector3::from_fn(|k, _| dual[k].dot(&d).abs()));
+            square = square.larger(d.norm_squared());
         });
         let rows = &mut self.boxes[node].rows;
         for k in 0..3 {
@@ -267,7 +268,7 @@ fn extents<I: AsRef<[u32]>>(
     let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     vertices.visit(range, |p| {
         let s = Vector3::new(dual[0].dot(p), dual[1].dot(p), dual[2].dot(p));
-        (low, high) = (low.inf(&s), high.sup(&s));
+        (low, high) = (low.smaller(s), high.larger(s));
     });
     (low, high)
 }
@@ -281,7 +282,7 @@ fn heights<I: AsRef<[u32]>>(
     let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     vertices.visit_stored(range, |p| {
         let h = Vector3::new(axes[0].dot(p), axes[1].dot(p), axes[2].dot(p));
-        (low, high) = (low.inf(&h), high.sup(&h));
+        (low, high) = (low.smaller(h), high.larger(h));
     });
     (low, high)
 }

@@ -11,6 +11,7 @@ use wide::f32x4;
 use super::axes::BoxAxes;
 use super::eight::{EightAtRest, Places, VerticesBelow};
 use super::{Below, OrientedBox, Tree};
+use crate::base::num::extremes::Extremes;
 use crate::base::tuning::composite::GROUP;
 
 /// The corners of every triangle by their number among the vertices of its group: the consecutive
@@ -71,7 +72,7 @@ impl GroupFit<'_> {
             if lane == 0 || node != eight.nodes[lane - 1] {
                 let axes = BoxAxes::new(axes.map(|axis| axis.map(|x| x[lane])));
                 self.fit_group((node, below), &axes, boxes, room);
-                reach = reach.max(boxes[node as usize].reach());
+                reach = reach.larger(boxes[node as usize].reach());
             }
         }
         reach

@@ -2,6 +2,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::composite::tree::Tree;
 
@@ -28,5 +29,5 @@ pub(in crate::composite) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> 
     // is next to nothing if n is m. The slab alone is better for its own node.
     let top = part(2, s);
     let rest = of_box(&(n - slab.axes[2] * s));
-    top + rest.min(part(0, x) + part(1, y) + slab.doubt)
+    top + rest.smaller(part(0, x) + part(1, y) + slab.doubt)
 }

@@ -3,6 +3,7 @@
 use alloc::collections::BinaryHeap;
 
 use crate::base::notice::progress::Watch;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::ranked::Ranked;
 use crate::composite::meet::triangle::Triangle;
 
@@ -33,7 +34,7 @@ pub(in crate::composite) fn greatest(
     let (mut lower, mut settled, mut open, mut done) = (0.0f64, 0.0f64, BinaryHeap::new(), 0);
     let mut examine = |corners: Triangle, open: &mut BinaryHeap<Open>| {
         let (value, upper) = judge(&corners, lower + ENOUGH * resolution);
-        lower = lower.max(value);
+        lower = lower.larger(value);
         if upper > lower + resolution {
             open.push(Ranked {
                 rank: -upper,
@@ -41,7 +42,7 @@ pub(in crate::composite) fn greatest(
                 item: corners,
             });
         } else {
-            settled = settled.max(upper);
+            settled = settled.larger(upper);
         }
         lower
     };
@@ -64,7 +65,10 @@ pub(in crate::composite) fn greatest(
             reached = examine(half, &mut open);
         }
     }
-    (lower, open.peek().map_or(0.0, |t| -t.rank).max(settled).max(lower))
+    (
+        lower,
+        open.peek().map_or(0.0, |t| -t.rank).larger(settled).larger(lower),
+    )
 }
 
 /// Returns the two halves of a triangle, cut at the middle of the longest side.

@@ -16,6 +16,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::eight::{EightAtRest, LANES, NARROW, Places, VerticesBelow};
 use super::group::{GroupCorners, GroupFit, GroupRoom};
 use super::{Below, OrientedBox, Tree, up};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
 use crate::base::tuning::composite::{FAR_SAMPLES, GROUP};
@@ -152,9 +153,9 @@ impl Refit {
             if eight.nodes.iter().all(|node| self.steps[*node as usize] == 0) {
                 is_whole = false;
             } else if k < self.large {
-                reach = reach.max(eight.fit(&self.places, &self.others, slack, boxes));
+                reach = reach.larger(eight.fit(&self.places, &self.others, slack, boxes));
             } else {
-                reach = reach.max(groups.fit(eight, boxes, &mut room));
+                reach = reach.larger(groups.fit(eight, boxes, &mut room));
             }
         }
         (up(f64::from(reach) * (1.0 + 8.0 * UNIT_SINGLE)), is_whole)
@@ -246,7 +247,7 @@ impl Tree {
         let mut boxes = core::mem::take(&mut self.boxes);
         let (reach, is_whole) = refit.fit(self, slack, &mut boxes);
         self.boxes = boxes;
-        self.reach = if is_whole { reach } else { reach.max(self.reach) };
+        self.reach = if is_whole { reach } else { reach.larger(self.reach) };
     }
 }
 

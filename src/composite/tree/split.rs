@@ -10,7 +10,8 @@ use nalgebra::{Matrix3, Vector3};
 use super::eigen::axes;
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::base::notice::progress::Watch;
-use crate::base::num::scalar::{greater, lesser, sqrt};
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT;
 use crate::base::tuning::composite::{ACROSS, COMPACT, FEW_CORNERS, HARDLY, LEVEL, LONG, LOPSIDED, MANY_ITEMS, THIN};
 use crate::body::polyhedron::{bounding_box, exponent_of, power_of_two};
@@ -45,8 +46,8 @@ impl Tree {
     /// Returns the origin and the exponent of the unit of a tree over points between two corners.
     pub(super) fn place_of(low: &Vector3<f64>, high: &Vector3<f64>) -> (Vector3<f64>, i32) {
         // No smaller than the rounding of the place.
-        let place = low.amax().max(high.amax()) * UNIT;
-        let size = sqrt(((high - low) * 0.5).norm_squared()).max(place);
+        let place = low.amax().larger(high.amax()) * UNIT;
+        let size = sqrt(((high - low) * 0.5).norm_squared()).larger(place);
         (low * 0.5 + high * 0.5, exponent_of(size))
     }
 }
@@ -112,7 +113,7 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
             let spread: f64 = corners.map(|c| (c - middle).norm_squared()).sum();
             self.items.push(Item {
                 middle: [middle.x as f32, middle.y as f32, middle.z as f32],
-                weight: (spread as f32).max(f32::MIN_POSITIVE),
+                weight: (spread as f32).at_least(f32::MIN_POSITIVE),
                 number,
             });
         }
@@ -167,7 +168,7 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
         let (mut sum, mut heaviest) = (SplitMoments::default(), 0.0f32);
         for item in &self.items[first..first + count] {
             let (weight, middle) = (f64::from(item.weight), Vector3::from(item.middle.map(f64::from)));
-            heaviest = heaviest.max(item.weight);
+            heaviest = heaviest.larger(item.weight);
             if count > FEW_CORNERS {
                 sum.add(weight, &middle);
             } else {
@@ -239,7 +240,7 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
         {
             for k in 0..3 {
                 let h = rows[k].dot(&corner);
-                (low[k], high[k]) = (lesser(low[k], h), greater(high[k], h));
+                (low[k], high[k]) = (low[k].at_most(h), high[k].at_least(h));
             }
         }
         [0, 1, 2].map(|k| high[k] - low[k])
@@ -255,7 +256,7 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
             left = self.cut(first, count, &rows[k], mean);
             let low = self.sides(first, left, rows);
             let high = self.sides(first + left, count - left, rows);
-            if k == 0 && low[0].max(high[0]) <= most {
+            if k == 0 && low[0].larger(high[0]) <= most {
                 return left;
             }
             let cost = area(low) * left as f64 + area(high) * (count - left) as f64;

@@ -16,6 +16,7 @@ use wide::f64x4;
 
 use super::candidates::{Candidates, Location};
 use super::projection::ProjectedFeature;
+use crate::base::num::extremes::Bounded;
 use crate::base::tuning::polyhedron::LARGE;
 
 /// For each edge of a projected feature, a bit mask of the opposite feature's vertices outside the
@@ -165,7 +166,7 @@ fn intersection([p, q]: &[LocalPoint; 2], [r, s]: &[LocalPoint; 2], noise: f64) 
     } else {
         let end = if along > 0.0 { 1.0 } else { 0.0 };
         let beside = foot(point(r, v, end), p, u);
-        (if beside > 0.0 { beside.min(1.0) } else { 0.0 }, end)
+        (if beside > 0.0 { beside.at_most(1.0) } else { 0.0 }, end)
     };
     let (at, opposite) = (point(p, u, t), point(r, v, along));
     let apart = [at[0] - opposite[0], at[1] - opposite[1]];

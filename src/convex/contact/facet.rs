@@ -10,6 +10,7 @@ use super::axes::Axes;
 use super::candidates::Location;
 use super::projection::LazyProjection;
 use super::promote::Promotion;
+use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::STEEP;
 use crate::base::tuning::polyhedron::LARGE;
@@ -220,7 +221,7 @@ impl ProjectedFacet {
         let [p, q] = self.ends(0);
         let u = [q[0] - p[0], q[1] - p[1]];
         let t = ((at[0] - p[0]) * u[0] + (at[1] - p[1]) * u[1]) / (u[0] * u[0] + u[1] * u[1]);
-        if t > 0.0 { t.min(1.0) } else { 0.0 }
+        if t > 0.0 { t.at_most(1.0) } else { 0.0 }
     }
 
     /// Returns the vector in space from the centre of a circle to the point of its plane over `at`.

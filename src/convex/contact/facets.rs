@@ -12,6 +12,7 @@ use super::candidates::{Candidates, ContactCandidate, Location};
 use super::clip::crossing;
 use super::facet::{Facet, ProjectedFacet};
 use super::{Choice, ContactPoint, Contacts, Manifold, Query, tangents_of};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{ACROSS, AGREE};
 use crate::base::tuning::contact::ROUND;
@@ -31,7 +32,7 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     let (axes, distance) = axes_of(query, outcome);
     // The witnesses of an overlap known to an interval may be less deep than the outcome. Deeper
     // than the proven bound they are by the error of their places alone.
-    let distance = distance.max(outcome.lower);
+    let distance = distance.larger(outcome.lower);
     contacts.points[0].separation = distance;
     let previous = before.features();
     let patch = |side: usize, closest, previous| {
@@ -62,7 +63,7 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
         before,
         is_steady: true,
         most: query.options.most(),
-        merge: noise.max(query.options.drift * query.least_radius()),
+        merge: noise.larger(query.options.drift * query.least_radius()),
         tie,
     };
     contacts.choose(candidates.all(), &choice, |candidate| {

@@ -7,6 +7,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::pair::outcome::Outcome;
 
@@ -91,6 +92,6 @@ impl Manifold {
             Gradient::at(&p.point_on_a.coords, -n).along(linear_a, angular_a)
                 + Gradient::at(&p.point_on_b.coords, m).along(linear_b, angular_b)
         });
-        rates.reduce(f64::min)
+        rates.reduce(f64::smaller)
     }
 }

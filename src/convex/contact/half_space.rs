@@ -19,6 +19,7 @@ use thiserror::Error;
 use super::candidates::{Candidates, Location};
 use super::reduce::reduce;
 use super::{MOST_POINTS, ManifoldOptions, tangents_of};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{ACROSS, CERTIFICATE, PLACE_MAX, STEEP, UNIT};
@@ -258,7 +259,7 @@ impl<'a> PlacedPlane<'a> {
             add(end);
         }
         let noise = ACROSS * self.size();
-        let merge = noise.max(options.drift * self.body.radius * self.body.unit());
+        let merge = noise.larger(options.drift * self.body.radius * self.body.unit());
         let all = candidates.all();
         for &k in reduce(all, 0, options.most(), merge, noise).all() {
             if let Some(vertex) = all[k].on[1].as_vertex() {

@@ -11,6 +11,7 @@ use super::candidates::Location;
 use super::clip::{self, LocalPoint};
 use super::projection::LazyProjection;
 use super::{ContactPoint, Contacts, Manifold, ManifoldOptions, PosedOutcome};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{AGREE, STAY};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, Feature, FeaturePair};
 
@@ -22,7 +23,7 @@ pub(super) fn margin(inside: f64, separation: f64, options: &ManifoldOptions) ->
     // Up to a sine of 1/2, the tangent is below twice the sine, and the cosine above one less the
     // sine.
     if sine <= 0.5 {
-        ((1.0 - sine) * inside - tilt_offset(separation, options)).max(0.0)
+        ((1.0 - sine) * inside - tilt_offset(separation, options)).at_least(0.0)
     } else {
         0.0
     }
@@ -93,7 +94,7 @@ impl Projections<'_> {
             if !(separation <= options.prediction) {
                 return false;
             }
-            least = least.min(separation);
+            least = least.smaller(separation);
             contacts.points[k] = ContactPoint {
                 point_on_a: posed.a.to_user(&m.points[0]),
                 point_on_b: posed.b.to_user(&m.points[1]),

@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::motion::BallAtPose;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
@@ -345,7 +346,7 @@ impl Manifold {
         }
         let apart = |o: &ContactPoint, p: &ContactPoint| {
             let on_a = (o.point_on_a - p.point_on_a).norm_squared();
-            on_a.min((o.point_on_b - p.point_on_b).norm_squared())
+            on_a.smaller((o.point_on_b - p.point_on_b).norm_squared())
         };
         for (i, p) in new.iter().enumerate() {
             if origin[i] == usize::MAX {

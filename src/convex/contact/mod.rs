@@ -38,6 +38,7 @@ mod rims;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{ACROSS, AGREE, STEEP};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
@@ -315,7 +316,7 @@ impl ProjectedPair<'_> {
             before,
             is_steady: all.len() > options.most(),
             most: options.most(),
-            merge: noise.max(options.drift * a.radius.min(b.radius)),
+            merge: noise.larger(options.drift * a.radius.smaller(b.radius)),
             tie: noise,
         };
         contacts.choose(all, &choice, |candidate| {

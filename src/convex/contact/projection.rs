@@ -6,6 +6,7 @@ use wide::f64x4;
 
 use super::axes::{Axes, FacePlane2};
 use super::candidates::Location;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::COPLANAR;
 use crate::base::tuning::polyhedron::LARGE;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
@@ -281,11 +282,11 @@ impl<'a> ProjectedFeature<'a> {
             };
         }
         let span = self.span();
-        let past_extreme = |k: usize| (at[k] - span[k][0]).min(span[k][1] - at[k]);
+        let past_extreme = |k: usize| (at[k] - span[k][0]).smaller(span[k][1] - at[k]);
         let (x, y) = (f64x4::splat(at[0]), f64x4::splat(at[1]));
         let four =
             |list: &[f64; SLOTS], k: usize| list[k..].first_chunk().map_or(f64x4::ZERO, |four| f64x4::new(*four));
-        let mut least = past_extreme(0).min(past_extreme(1));
+        let mut least = past_extreme(0).smaller(past_extreme(1));
         for k in (0..self.count).step_by(4) {
             let (px, py) = (four(&self.x, k), four(&self.y, k));
             let (ux, uy) = (four(&self.x, k + 1) - px, four(&self.y, k + 1) - py);
@@ -323,7 +324,7 @@ impl<'a> ProjectedFeature<'a> {
         let squared = u[0] * u[0] + u[1] * u[1];
         let t = ((x - p[0]) * u[0] + (y - p[1]) * u[1]) / squared;
         // On an edge of length zero returns the start.
-        if t > 0.0 { t.min(1.0) } else { 0.0 }
+        if t > 0.0 { t.at_most(1.0) } else { 0.0 }
     }
 
     /// Returns the height of edge `k` at the foot of a point of the plane.

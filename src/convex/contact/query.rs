@@ -3,6 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use crate::base::motion::BallAtPose;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
@@ -105,7 +106,7 @@ impl<'a> Query<'a> {
     /// Returns the radius of the smaller body.
     pub(super) fn least_radius(&self) -> f64 {
         let [a, b] = &self.extents;
-        (a.radius + self.radii[0]).min(b.radius + self.radii[1])
+        (a.radius + self.radii[0]).smaller(b.radius + self.radii[1])
     }
 
     /// Returns how far the bodies may move before the contacts are computed again, for an outcome

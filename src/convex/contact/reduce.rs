@@ -2,6 +2,7 @@
 
 use super::MOST_POINTS;
 use super::candidates::ContactCandidate;
+use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::STAY;
 
 /// Indices of the chosen candidates.
@@ -61,7 +62,7 @@ pub(crate) fn reduce(choices: &[ContactCandidate], kept: u64, most: usize, merge
 }
 
 fn deepest(choices: &[ContactCandidate], kept: u64, tie: f64) -> usize {
-    let least = choices.iter().fold(f64::INFINITY, |m, c| m.min(c.separation));
+    let least = choices.iter().fold(f64::INFINITY, |m, c| m.smaller(c.separation));
     let deep = |c: &ContactCandidate| c.separation <= least + tie;
     let old = (0..choices.len()).find(|&k| has_bit(kept, k) && deep(&choices[k]));
     old.or_else(|| choices.iter().position(deep)).unwrap_or(0)

@@ -26,6 +26,7 @@ use super::MOST_POINTS;
 use super::candidates::{Candidates, Location};
 use super::clip::push_crossing;
 use super::projection::ProjectedFeature;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tuning::contact::{INSIDE, MAX_LOCAL_STEPS};
 
@@ -66,7 +67,7 @@ impl ProjectedFeature<'_> {
         for k in 2..count {
             let (p, q) = (relative(k - 1), relative(k));
             area += turn(p, q);
-            reach = reach.max(dot(p, p)).max(dot(q, q));
+            reach = reach.larger(dot(p, p)).larger(dot(q, q));
         }
         // NaN counts as a sliver.
         !self.is_edge() && !(area.abs() > noise * sqrt(reach))
@@ -80,7 +81,7 @@ impl ProjectedFeature<'_> {
         let exit_at = |k: usize, p: Point2, q: Point2| {
             let (right, left) = (turn(way, p), turn(way, q));
             let s = if left > right {
-                (-right / (left - right)).clamp(0.0, 1.0)
+                (-right / (left - right)).clamped(0.0, 1.0)
             } else {
                 0.5
             };
@@ -196,7 +197,7 @@ fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>
         return Some(p);
     }
     let ((_, m), (_, n)) = (a.edge_at_witness(of_a), b.edge_at_witness(of_b));
-    let reach = sqrt(dot(of_a, of_a).min(dot(of_b, of_b)));
+    let reach = sqrt(dot(of_a, of_a).smaller(dot(of_b, of_b)));
     let between = [(m[0] + n[0]) * reach, (m[1] + n[1]) * reach];
     let mut part = 1.0;
     for _ in 0..12 {
@@ -209,7 +210,7 @@ fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>
     // A strip: half the way across.
     let across = |way: Point2| {
         let width = [a, b].map(|face| face.exit([0.0; 2], way, usize::MAX).0);
-        let half = 0.5 * width[0].min(width[1]);
+        let half = 0.5 * width[0].smaller(width[1]);
         [way[0] * half, way[1] * half]
     };
     [m, n].map(across).into_iter().find(both)
@@ -365,7 +366,7 @@ impl RimRays<'_> {
                 }
             }
         }
-        far_a.min(far_b)
+        far_a.smaller(far_b)
     }
 }
 

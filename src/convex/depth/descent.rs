@@ -21,6 +21,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::{Vec3, sqrt};
 use crate::base::pose::Operand;
@@ -171,7 +172,7 @@ fn leaving_edge(
         let rise = end.dot(&e);
         if rise > 0.0 {
             // Rounding aside, nothing rises along `start`.
-            let at = -start.dot(&e).min(0.0) / (rise - start.dot(&e).min(0.0));
+            let at = -start.dot(&e).at_most(0.0) / (rise - start.dot(&e).at_most(0.0));
             if at < first {
                 (first, met) = (at, Some(half_edge));
             }
@@ -241,12 +242,12 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         let s = self.between.cross(self.w).dot(plain) * per_square;
         let t = self.between.cross(self.u).dot(plain) * per_square;
         let off = |s: f64, edge: PackedVec3| {
-            let off = s - s.clamp(0.0, 1.0);
+            let off = s - s.clamped(0.0, 1.0);
             off * off * edge.norm_squared()
         };
         let (off_a, off_b) = (off(s, self.u), off(t, self.w));
         let close = FOOT * self.posed.size();
-        if off_a.max(off_b) <= close * close {
+        if off_a.larger(off_b) <= close * close {
             let support = self.support();
             Some(Look::Holds(LowFacet { facet, support }))
         } else if off_a >= off_b {
@@ -277,10 +278,10 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
             t.half_edge(self.names.0.half_edge()),
             u.half_edge(self.names.1.half_edge()),
         );
-        if left_a.min(right_a) < 0.0 {
+        if left_a.smaller(right_a) < 0.0 {
             let face = if left_a < 0.0 { t.half_edge(e.twin).face } else { e.face };
             Some(DifferenceFacet::vertex_face(Operand::B, g.to, face))
-        } else if left_b.min(right_b) < 0.0 {
+        } else if left_b.smaller(right_b) < 0.0 {
             let face = if left_b < 0.0 { u.half_edge(g.twin).face } else { g.face };
             Some(DifferenceFacet::vertex_face(Operand::A, e.to, face))
         } else {

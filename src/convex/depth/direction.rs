@@ -1,5 +1,6 @@
 //! Unit directions and triangle normals at every magnitude.
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, root, sub};
 use crate::base::tolerance::SQUARE_MIN;
 
@@ -11,7 +12,7 @@ pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Vec3<T> {
         let by = T::from(1.0) / root(squared);
         return v.map(|x| x * by);
     }
-    let largest = v.iter().fold(0.0f64, |m, x| m.max(x.value().abs()));
+    let largest = v.iter().fold(0.0f64, |m, x| m.larger(x.value().abs()));
     if !(largest > 0.0 && largest < f64::INFINITY) {
         return [T::from(0.0); 3];
     }
@@ -46,7 +47,7 @@ pub(super) fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
         return unit(&n);
     }
     let by_size = |e: &Vec3<T>| {
-        let m = e.iter().fold(0.0f64, |m, x| m.max(x.value().abs()));
+        let m = e.iter().fold(0.0f64, |m, x| m.larger(x.value().abs()));
         if m > 0.0 { e.map(|x| x / T::from(m)) } else { *e }
     };
     unit(&cross(&by_size(u), &by_size(v)))

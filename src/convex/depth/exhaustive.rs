@@ -12,6 +12,7 @@
 use alloc::vec::Vec;
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root};
 use crate::base::num::sign::side;
 use crate::base::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
@@ -46,7 +47,9 @@ pub(super) fn resolve_exactly(posed: &PosedPair, frame: &Transform<DoubleDouble>
 /// Keeps the pairs that may have the least height, as far as the arithmetic `T` can decide.
 fn keep_lowest<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, pairs: &mut Vec<DifferenceFacet>) {
     let heights: Vec<(f64, f64)> = pairs.iter().map(|&facet| height_bounds(posed, frame, facet)).collect();
-    let least = heights.iter().fold(f64::INFINITY, |least, (_, most)| least.min(*most));
+    let least = heights
+        .iter()
+        .fold(f64::INFINITY, |least, (_, most)| least.smaller(*most));
     let mut lowest = heights.iter().map(|(lower, _)| lower);
     // NaN keeps the pair.
     pairs.retain(|_| !lowest.next().is_some_and(|lower| *lower > least));
@@ -131,7 +134,7 @@ impl EdgeSpan<'_> {
         let noise = EXACT_FILTER * v.abs().sum();
         let (left, right) = (v.dot(&self.left.normal), v.dot(&self.right.normal));
         // NaN returns true.
-        !(left.min(right) > noise || left.max(right) < -noise)
+        !(left.smaller(right) > noise || left.larger(right) < -noise)
     }
 }
 
@@ -156,7 +159,7 @@ fn height_bounds<T: Scalar>(posed: &PosedPair, frame: &Transform<T>, facet: Diff
     let mut height = along(n);
     // If two edges pass this near the origin, the side the facet faces is unknown.
     if dot(&n, &on.w).value().abs() <= error {
-        height = height.min(along(neg(&n)));
+        height = height.smaller(along(neg(&n)));
     }
     let error = error + f64::EPSILON * height.abs();
     ((height - error).next_down(), (height + error).next_up())

@@ -3,6 +3,7 @@
 //! A triangle on the facet names the vertices; the face or the edges give a far more
 //! accurate normal than three rounded points do.
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, sqrt};
 use crate::base::tolerance::{AGREE_DEPTH, NEARLY_PARALLEL};
@@ -96,7 +97,7 @@ fn height_of_edges(posed: &PosedPair, e: EdgeId, g: EdgeId) -> Option<(Vec3<f64>
         b.weights(posed.rotation.transposed_times(PackedVec3::new(&u)), sign),
     );
     // NaN proves nothing.
-    let is_between = on_a.0.min(on_a.1).min(on_b.0).min(on_b.1) >= 0.0;
+    let is_between = on_a.0.smaller(on_a.1).smaller(on_b.0).smaller(on_b.1) >= 0.0;
     if !(is_between && squared > NEARLY_PARALLEL * u.norm_squared() * v.norm_squared()) {
         return None;
     }

@@ -29,6 +29,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{Vec3, cross, dot, sqrt, sub};
 use crate::base::tolerance::{AGREE_DEPTH, CERTIFICATE, DISC, DISC_MOST, UNIT};
 use crate::base::tuning::depth::MAX_EXCHANGES;
@@ -104,8 +105,8 @@ pub(super) fn disc_radius(
             return None;
         }
         let turned = cross(&m, &best.normal);
-        let off = r * sqrt(dot(&turned, &turned)) + sqrt((r * r - p * p).max(0.0));
-        (nearest, rho) = (p.min(nearest), (off * r / p).max(rho));
+        let off = r * sqrt(dot(&turned, &turned)) + sqrt((r * r - p * p).at_least(0.0));
+        (nearest, rho) = (p.smaller(nearest), (off * r / p).larger(rho));
     }
     let rho = rho * DISC + margin;
     (rho < DISC_MOST * nearest).then_some(rho)
@@ -137,7 +138,7 @@ pub(super) fn holds_disc(
             };
             let ([p0, p1], of_b) = (ends(posed.a, e), ends(posed.b, g));
             let ([q0, q1], q) = (of_b.map(|q| posed.point_in_a(&q)), posed.point_in_a(&q));
-            let lowest = n.dot(&p0).min(n.dot(&p1)) - n.dot(&q0).max(n.dot(&q1));
+            let lowest = n.dot(&p0).smaller(n.dot(&p1)) - n.dot(&q0).larger(n.dot(&q1));
             let (perpendicular_a, perpendicular_b) = (n.cross(&(p1 - p0)), n.cross(&(q1 - q0)));
             // Distances from the sides of the parallelogram parallel to either edge.
             let is_clear = |x: Vector3<f64>, perpendicular: &Vector3<f64>| {

@@ -5,6 +5,7 @@
 
 use nalgebra::{Point3, Vector3};
 
+use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::Vec3;
 use crate::base::tolerance::{AGREE_DEPTH, FOOT};
 use crate::base::tuning::depth::SMALL;
@@ -143,8 +144,8 @@ fn crossing(
     let c = u.cross(&v);
     let squared = c.norm_squared();
     // gap + s u - t v = 0, multiplied by v and by u.
-    let s = (-gap.cross(&v).dot(&c) / squared).clamp(0.0, 1.0);
-    let t = (-gap.cross(&u).dot(&c) / squared).clamp(0.0, 1.0);
+    let s = (-gap.cross(&v).dot(&c) / squared).clamped(0.0, 1.0);
+    let t = (-gap.cross(&u).dot(&c) / squared).clamped(0.0, 1.0);
     // For parallel edges s and t do not exist: NaN, or a residual.
     let rest = gap + u * s - v * t;
     (rest.norm_squared() <= close * close).then(|| (p0 + u * s, q0 + (q1 - q0) * t))

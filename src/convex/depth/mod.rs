@@ -49,6 +49,7 @@ mod surface;
 mod verify_surface;
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{Scalar, dot};
 #[cfg(feature = "exact")]
 use crate::base::tolerance::AGREE_WITNESS;
@@ -184,12 +185,12 @@ fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, draft: &m
     } else {
         found.radius
     };
-    let upper = (-round_outward(radius, -term)).min(0.0);
+    let upper = (-round_outward(radius, -term)).at_most(0.0);
     if draft.lower.is_finite() && !(upper - lower < draft.upper - draft.lower) {
         return;
     }
-    (draft.lower, draft.upper) = (lower.min(0.0), upper.max(lower.min(0.0)));
-    draft.distance = (-found.height.value()).clamp(draft.lower, draft.upper);
+    (draft.lower, draft.upper) = (lower.at_most(0.0), upper.larger(lower.at_most(0.0)));
+    draft.distance = (-found.height.value()).clamped(draft.lower, draft.upper);
     let n = &found.normal;
     draft.normal = unit(&Vector3::new(n[0].value(), n[1].value(), n[2].value()));
     if let Some(witnesses) = found.witnesses {

@@ -22,6 +22,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::{Vec3, cross, dot, neg, sqrt, sub};
 use crate::base::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, ORIENTATION, UNIT};
@@ -124,13 +125,13 @@ impl<'a, 'b> Pyramid<'a, 'b> {
         let is_behind = |from, to| {
             let PyramidSide { n, height, squares } = PyramidSide::new(self.apex, from, to);
             let low = height - noise * squares;
-            nearest_squared = nearest_squared.min(low * low / n.norm_squared());
+            nearest_squared = nearest_squared.smaller(low * low / n.norm_squared());
             low > 0.0
         };
         if !self.all_sides(LARGE, is_behind) {
             return None;
         }
-        let radius = sqrt(nearest_squared).min(self.height);
+        let radius = sqrt(nearest_squared).smaller(self.height);
         // Comparisons with NaN are false.
         (radius > 2.0 * CERTIFICATE * UNIT * size).then_some(radius)
     }

@@ -4,6 +4,7 @@ use dashu_base::Signed;
 use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
 
+use crate::base::num::extremes::Bounded;
 use crate::body::polyhedron::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::convex::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sign, sub};
 use crate::convex::exact::simplex::{ExactPoint, minimize};
@@ -134,6 +135,6 @@ fn write_facet(posed: &PosedPair, pair: &ScaledPair, facet: &ExactFacet, draft: 
     draft.normal = unit(&pair.a.rounded.tr_mul(&direction(normal)));
     draft.distance = -depth;
     // The upper bound stays nonpositive if the depth underflows.
-    (draft.lower, draft.upper) = (-depth.next_up(), (-depth.next_down()).min(0.0));
+    (draft.lower, draft.upper) = (-depth.next_up(), (-depth.next_down()).at_most(0.0));
     true
 }

@@ -19,6 +19,7 @@ use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::base::num::extremes::Bounded;
 use crate::base::num::sign::edge_sign;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::axis::Axis;
@@ -262,7 +263,7 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
         draft.normal = normal(&neg(&at.direction));
         // Zero if the distance underflows. A single rounding, also of a subnormal, is at most half
         // a unit in the last place.
-        (draft.lower, draft.upper) = (d.next_down().max(0.0), d.next_up());
+        (draft.lower, draft.upper) = (d.next_down().at_least(0.0), d.next_up());
         return;
     }
     match pair.locate(&at, hint) {

@@ -1,6 +1,7 @@
 //! From the answer of two cores to that of the rounded shapes: bounds lose both radii, witnesses
 //! move along the normal.
 
+use crate::base::num::extremes::Bounded;
 use crate::base::num::packed::PackedVec3;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
@@ -52,7 +53,7 @@ fn settle((a, b): (&ConvexPolyhedron, &ConvexPolyhedron), pose: &RelativePose, r
     match crate::convex::exact::compare(a, b, pose, hint, &radii) {
         Ordering::Greater => {
             outcome.class = Class::Separated;
-            outcome.lower = outcome.lower.max(0.0);
+            outcome.lower = outcome.lower.at_least(0.0);
         }
         Ordering::Equal => {
             outcome.class = Class::Touching;
@@ -60,10 +61,10 @@ fn settle((a, b): (&ConvexPolyhedron, &ConvexPolyhedron), pose: &RelativePose, r
         }
         Ordering::Less => {
             outcome.class = Class::Overlapping;
-            outcome.upper = outcome.upper.min(0.0);
+            outcome.upper = outcome.upper.at_most(0.0);
         }
     }
-    outcome.distance = outcome.distance.clamp(outcome.lower, outcome.upper);
+    outcome.distance = outcome.distance.clamped(outcome.lower, outcome.upper);
 }
 
 #[cfg(not(feature = "exact"))]

@@ -8,6 +8,7 @@
 
 use super::best::{BranchSet, ProvenBounds};
 use super::posed::{DifferencePoint, PosedCores, Toward, values};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, Vec3, dot, root, sub};
 use crate::base::tolerance::AGREE_CURVED;
 use crate::body::polyhedron::VertexId;
@@ -109,7 +110,7 @@ fn nearest(points: impl Iterator<Item = Vec3<f64>>, place: &Vec3<f64>) -> Option
         match &mut simplex {
             None => simplex = Some(Simplex::vertex(corner)),
             Some(simplex) => {
-                let size = place.iter().chain(&point).fold(0.0f64, |size, x| size.max(x.abs()));
+                let size = place.iter().chain(&point).fold(0.0f64, |size, x| size.larger(x.abs()));
                 simplex.add(corner, ErrorScale { size, shared: 0.0 });
             }
         }

@@ -11,6 +11,7 @@ use super::opposite;
 use super::polyhedral::PolyhedralCore;
 use super::posed::{DifferencePoint, PosedCores, add, unit, values};
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{Scalar, Vec3, sqrt, sub};
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
@@ -68,7 +69,7 @@ impl WarmStart {
     /// Extrapolates the direction: by the turn, and by the change of the turn if that is small.
     #[inline(always)]
     fn ahead(&self, n: Vec3<f64>) -> Vec3<f64> {
-        let most = |v: &Vec3<f64>| v[0].abs().max(v[1].abs()).max(v[2].abs());
+        let most = |v: &Vec3<f64>| v[0].abs().larger(v[1].abs()).larger(v[2].abs());
         let (change, size) = (sub(&self.turn, &self.before), most(&self.turn));
         // NaN is not small.
         if !(size < SLIGHT) {
@@ -110,7 +111,7 @@ impl<'p> SolverSetting<'p> {
         let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
         let radii = [a.radius(), b.radius()];
         let t = pose.translation();
-        let size = radii[0].max(radii[1]).max(t.amax());
+        let size = radii[0].larger(radii[1]).larger(t.amax());
         // NaN is not near.
         let is_near = t.iter().all(|x| x.abs() < 1.0 / SMALL_PAIR);
         let is_seen = radii.iter().all(|&r| r > SPECK * size || r == 0.0);
@@ -243,8 +244,8 @@ fn deepen<A: CoreKind, B: CoreKind>(
     }
     if deep.inside {
         outcome.class = Class::Overlapping;
-        outcome.upper = outcome.upper.min(0.0);
-        outcome.distance = outcome.distance.min(outcome.upper);
+        outcome.upper = outcome.upper.at_most(0.0);
+        outcome.distance = outcome.distance.smaller(outcome.upper);
     }
     Some(deep.best.set)
 }
@@ -306,7 +307,7 @@ fn take<A: Support, B: Support, T: Scalar>(
     term: f64,
     outcome: &mut Outcome,
 ) -> bool {
-    let upper = round_outward(best.upper, term).min(f64::MAX);
+    let upper = round_outward(best.upper, term).at_most(f64::MAX);
     let points = best.on_a.iter().chain(&best.on_b);
     if !points.fold(true, |all, x| all & x.value().is_finite()) || !(best.lower.value() <= upper) {
         return false;
@@ -315,7 +316,8 @@ fn take<A: Support, B: Support, T: Scalar>(
     let estimate = if outcome.lower > 0.0 { best.upper } else { best.lower };
     outcome.distance = estimate
         .value()
-        .clamp(outcome.lower.max(-f64::MAX).min(outcome.upper), outcome.upper);
+        .clamped(outcome.lower.at_least(-f64::MAX).smaller(outcome.upper), outcome.upper);
+    outcome.unsign_zeros();
     outcome.normal = Unit::new_unchecked(values(&best.n).into());
     outcome.point_on_a = values(&best.on_a).into();
     outcome.point_on_b = values(&best.on_b).into();
@@ -357,7 +359,7 @@ pub(super) fn extreme(a: &Core, b: &Core, setting: &SolverSetting, memory: &mut 
     if !(SPECK * apart <= ra + rb) {
         return far(setting, &t, apart, offsets);
     }
-    let exponent = exponent_of(ra.max(rb).max(apart));
+    let exponent = exponent_of(ra.larger(rb).larger(apart));
     let unit = power_of_two(-exponent);
     let setting = SolverSetting {
         plain: None,
@@ -373,8 +375,8 @@ pub(super) fn extreme(a: &Core, b: &Core, setting: &SolverSetting, memory: &mut 
     let lost = |speck: bool, r: f64| if speck { 2.0 * r * unit } else { 0.0 };
     let (less, back) = (lost(speck_a, ra) + lost(speck_b, rb), power_of_two(exponent));
     outcome.lower = ((outcome.lower - less) * back).next_down();
-    outcome.upper = ((outcome.upper + less) * back).next_up().min(f64::MAX);
-    outcome.distance = (outcome.distance * back).clamp(outcome.lower, outcome.upper);
+    outcome.upper = ((outcome.upper + less) * back).next_up().at_most(f64::MAX);
+    outcome.distance = (outcome.distance * back).clamped(outcome.lower, outcome.upper);
     outcome.point_on_a = (outcome.point_on_a.coords * back + oa).into();
     outcome.point_on_b = (outcome.point_on_b.coords * back + ob).into();
     if less > 0.0 {
@@ -405,8 +407,8 @@ fn far(setting: &SolverSetting, t: &Vector3<f64>, apart: f64, offsets: f64) -> O
     let distance = 16.0 * apart;
     let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii;
     outcome.lower = distance - slack;
-    outcome.upper = (distance + slack).min(f64::MAX);
-    outcome.distance = distance.clamp(outcome.lower, outcome.upper);
+    outcome.upper = (distance + slack).at_most(f64::MAX);
+    outcome.distance = distance.clamped(outcome.lower, outcome.upper);
     outcome.normal = crate::pair::answer::unit(t);
     outcome.class = if outcome.lower > 0.0 {
         Class::Separated

@@ -15,6 +15,7 @@ use alloc::vec::Vec;
 
 use super::best::ProvenBounds;
 use super::posed::{DifferencePoint, PosedCores, unit};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Vec3, cross, dot, neg, root, sub};
 use crate::base::tolerance::{DEPTH_GOAL, ORIENTATION};
 use crate::body::shape::Support;
@@ -65,7 +66,7 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
         let n = cross(&u, &v);
         let length = root(dot(&n, &n));
         let doubt = ORIENTATION * root(dot(&u, &u)) * root(dot(&v, &v)) * self.posed.size;
-        let height = dot(&n, &p).min(dot(&n, &q)).min(dot(&n, &r)) - doubt;
+        let height = dot(&n, &p).smaller(dot(&n, &q)).smaller(dot(&n, &r)) - doubt;
         (height > 0.0).then(|| SurfaceFacet {
             corners,
             normal: n.map(|x| x / length),

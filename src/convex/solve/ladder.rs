@@ -4,6 +4,7 @@
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::Scalar;
 use crate::base::tolerance::CERTIFICATE;
 use crate::convex::minimum::gjk::{Minimum, solve};
@@ -124,6 +125,12 @@ pub(crate) fn sharpen(posed: &PosedPair, draft: &mut Draft) {
     decide(posed, draft);
 }
 
+/// Writes the bounds of a solve. Each is rounded by itself: if they cross, the lower bound is
+/// lowered, as the upper bound is the distance of two points.
+fn write_bounds(draft: &mut Draft, lower: f64, upper: f64) {
+    (draft.lower, draft.upper) = (lower.smaller(upper), upper);
+}
+
 /// Writes the proven bounds, the features and the witnesses of a solve.
 fn write_minimum<T: Scalar>(posed: &PosedPair, minimum: &Minimum<T>, draft: &mut Draft) {
     let term = CERTIFICATE * T::UNIT * posed.error_scale::<T>().total();
@@ -138,15 +145,53 @@ fn write_minimum<T: Scalar>(posed: &PosedPair, minimum: &Minimum<T>, draft: &mut
             direction: d,
         } => {
             let distance = simplex.witness_distance();
-            draft.lower = round_outward(*lower, -term);
-            draft.upper = round_outward(distance, term);
+            write_bounds(draft, round_outward(*lower, -term), round_outward(distance, term));
             draft.class = if draft.lower > 0.0 {
                 Class::Separated
             } else {
                 Class::Undecided
             };
-            draft.distance = distance.value().clamp(draft.lower.max(0.0), draft.upper.max(0.0));
+            let (low, high) = (draft.lower.at_least(0.0), draft.upper.at_least(0.0));
+            draft.distance = distance.value().clamped(low, high);
             draft.normal = unit(&Vector3::new(-d[0].value(), -d[1].value(), -d[2].value()));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::pose::RelativePose;
+    use crate::body::polyhedron::FeaturePair;
+    use crate::body::polyhedron::solids::cuboid;
+
+    /// Two bounds that are rounded apart may cross by a last bit: no clamp panics of that.
+    #[test]
+    fn bounds_that_cross_are_written_in_order() {
+        let cube = cuboid(Vector3::repeat(0.5)).unwrap();
+        let pose = RelativePose::from_isometry(&nalgebra::Isometry3::translation(3.0, 0.0, 0.0)).unwrap();
+        let posed = PosedPair::new(&cube, &cube, &pose).ok().unwrap();
+        let frame = Transform::of(&posed);
+        let mut draft = Draft::starting_at(FeaturePair::FIRST);
+        let start = vertex_of(&posed, &frame, draft.features);
+        let Minimum::Outside {
+            simplex,
+            lower,
+            direction,
+        } = solve(&posed, &frame, start)
+        else {
+            panic!("the cubes are apart");
+        };
+        let beyond = lower * (1.0 + 1e-9);
+        let crossed = Minimum::Outside {
+            simplex,
+            lower: beyond,
+            direction,
+        };
+        write_minimum(&posed, &crossed, &mut draft);
+        assert!(
+            draft.lower <= draft.distance && draft.distance <= draft.upper,
+            "{draft:?}"
+        );
     }
 }

@@ -5,6 +5,7 @@
 //! other are the closest features within every bound requested. Lengths are scaled before the
 //! squares are taken.
 
+use crate::base::num::extremes::Bounded;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
@@ -30,7 +31,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
     let offsets = a.origin.abs().sum() + b.origin.abs().sum();
     // Below the normal numbers rounding is absolute: the last term is 1024 times the least f64.
     let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii + f64::from_bits(1024);
-    let lower = (distance - slack).max(0.0);
+    let lower = (distance - slack).at_least(0.0);
     let class = if lower > 0.0 { Class::Separated } else { Class::Touching };
     let outcome = Outcome {
         class,
@@ -63,7 +64,7 @@ pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relativ
         return outcome;
     };
     let (lower, upper) = match class {
-        Class::Separated => (distance.next_down().max(0.0), distance.next_up()),
+        Class::Separated => (distance.next_down().at_least(0.0), distance.next_up()),
         Class::Overlapping => ((-a.radius * a.unit() - b.radius * b.unit()).next_down(), 0.0),
         _ => (0.0, 0.0),
     };

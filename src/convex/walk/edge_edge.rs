@@ -20,6 +20,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;
@@ -57,7 +58,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
     let per_square = 1.0 / nn;
     let (s, t) = (r.cross(w).dot(n) * per_square, r.cross(u).dot(n) * per_square);
     if s < 0.0 || t < 0.0 || s > 1.0 || t > 1.0 {
-        let off = |s: f64, squared: f64| (s - s.clamp(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * posed.size();
+        let off = |s: f64, squared: f64| (s - s.clamped(0.0, 1.0)).abs() * sqrt(squared) > DIFFERENCE * posed.size();
         if off(s, uu) || off(t, ww) {
             if nn < SKEW * uu * ww {
                 return closest_with_endpoint(posed, a, b, draft);
@@ -70,7 +71,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
     let sign = if along < 0.0 { -1.0 } else { 1.0 };
     let u_in_b = posed.rotation.transposed_times(u);
     let (on_a, on_b) = (ea.weights(w, sign), eb.weights(u_in_b, sign));
-    let (s, t) = (s.clamp(0.0, 1.0), t.clamp(0.0, 1.0));
+    let (s, t) = (s.clamped(0.0, 1.0), t.clamped(0.0, 1.0));
     let proven = falls_into_both_faces(on_a, ww) && falls_into_both_faces(on_b, uu);
     if !proven && (on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0) {
         // The weights are as long as the opposite edge: compare sines.
@@ -81,7 +82,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
                 0.0
             }
         };
-        let (out_a, out_b) = (sine(on_a.0.min(on_a.1), w), sine(on_b.0.min(on_b.1), u_in_b));
+        let (out_a, out_b) = (sine(on_a.0.smaller(on_a.1), w), sine(on_b.0.smaller(on_b.1), u_in_b));
         if out_a < 0.0 && out_a <= out_b {
             return slide_over_face_of_a(posed, a, b, on_a.0 < on_a.1, t, draft);
         }
@@ -196,13 +197,13 @@ fn descending_half_edge(
 /// best for the other. `products` are `u . w`, `r . u` and `r . w`.
 #[inline(always)]
 fn closest_feet((s, t): (f64, f64), (uw, ru, rw): (f64, f64, f64), (uu, ww): (f64, f64)) -> (f64, f64) {
-    let cut = s.clamp(0.0, 1.0);
+    let cut = s.clamped(0.0, 1.0);
     let t = if cut == s { t } else { (cut * uw - rw) / ww };
     if (0.0..=1.0).contains(&t) {
         return (cut, t);
     }
-    let t = t.clamp(0.0, 1.0);
-    (((t * uw + ru) / uu).clamp(0.0, 1.0), t)
+    let t = t.clamped(0.0, 1.0);
+    (((t * uw + ru) / uu).clamped(0.0, 1.0), t)
 }
 
 /// Moves to two closest points of the edges, at least one of them an endpoint.
@@ -241,8 +242,8 @@ fn closest_with_endpoint(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Dr
     let r = posed.point_in_a(&eb.p) - ea.p;
     let (uu, ww, uw) = (u.norm_squared(), w.norm_squared(), u.dot(&w));
     let (ru, rw) = (r.dot(&u), r.dot(&w));
-    let on_b = |s: f64| ((s * uw - rw) / ww).clamp(0.0, 1.0);
-    let on_a = |t: f64| ((t * uw + ru) / uu).clamp(0.0, 1.0);
+    let on_b = |s: f64| ((s * uw - rw) / ww).clamped(0.0, 1.0);
+    let on_a = |t: f64| ((t * uw + ru) / uu).clamped(0.0, 1.0);
     let candidates = [(0.0, on_b(0.0)), (1.0, on_b(1.0)), (on_a(0.0), 0.0), (on_a(1.0), 1.0)];
     let gap = |(s, t): (f64, f64)| r + w * t - u * s;
     // |g|^2 - |h|^2 = (g - h) . (g + h), where g - h comes from the differences of the positions:

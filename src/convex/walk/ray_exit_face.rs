@@ -8,6 +8,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{ON_BOUNDARY, UNIT};
 use crate::base::tuning::polyhedron::LARGE;
 use crate::body::polyhedron::cycle::Cycle;
@@ -27,7 +28,7 @@ pub(crate) fn exit_face(body: &ConvexPolyhedron, x: &Vector3<f64>, least: f64) -
     let zero = UNIT * UNIT * body.radius;
     let ratio = |f: FaceId| {
         let plane = &body.planes[f.index()];
-        plane.normal.dot(&ray) / (plane.offset - plane.normal.dot(&center)).max(zero)
+        plane.normal.dot(&ray) / (plane.offset - plane.normal.dot(&center)).larger(zero)
     };
     let start = body.support_cold(&ray);
     let mut best = t.half_edge(t.fan(start).iter().next()?).face;

@@ -11,6 +11,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Bounded;
 use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{DIRECTION, ON_BOUNDARY};
@@ -87,6 +88,6 @@ fn closest_on_edge(body: &ConvexPolyhedron, edge: EdgeId, x: &Vector3<f64>) -> (
         body.points[body.topology.half_edge(edge.half_edge()).to.index()],
     );
     let u = q - p;
-    let foot = p + u * ((x - p).dot(&u) / u.norm_squared()).clamp(0.0, 1.0);
+    let foot = p + u * ((x - p).dot(&u) / u.norm_squared()).clamped(0.0, 1.0);
     (foot, sqrt((x - foot).norm_squared()))
 }

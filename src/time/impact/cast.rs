@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use super::{Certificate, Impact, Tolerance};
 use crate::base::motion::Motion;
 use crate::base::notice::log;
+use crate::base::num::extremes::Extremes;
 use crate::base::pose::{PoseError, RelativePose};
 use crate::base::tolerance::ROOT;
 use crate::base::tuning::impact::{AIM, CLEAR, DOUBLINGS, LEAST, LOOKS, SHRINK};
@@ -162,12 +163,12 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
     ) -> Result<Next, PoseError> {
         let gap = seen.upper - self.distance;
         let least = LEAST * noise;
-        let whole = self.allowed(seen, flight).max(least);
+        let whole = self.allowed(seen, flight).larger(least);
         if gap > whole {
             budget.shrunk = 1.0;
         }
         loop {
-            let allowed = (whole * budget.shrunk).max(least);
+            let allowed = (whole * budget.shrunk).larger(least);
             if gap <= allowed {
                 let last = !(allowed > least);
                 if let Some(hit) = self.hit(time, seen, flight, gap + AIM * allowed, last)? {
@@ -189,7 +190,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
                 self.note((time, self.until), flight.keep, free.proof);
                 return Ok(Next::Found(Impact::Miss));
             }
-            let next = later(time, free.span).min(self.until);
+            let next = later(time, free.span).smaller(self.until);
             if next > time {
                 self.note((time, next), flight.keep, free.proof);
                 return Ok(Next::Go(next));
@@ -233,7 +234,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             return Ok(None);
         };
         for _ in 0..if last { DOUBLINGS } else { 1 } {
-            let at = (time + ahead).next_up().min(self.until);
+            let at = (time + ahead).next_up().smaller(self.until);
             if at <= time {
                 return Ok(None);
             }

@@ -1,10 +1,12 @@
 //! One look as a certificate that the caller can check.
 
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Vector3};
 
 use super::cast::{flight, later};
 use super::{ImpactError, check};
 use crate::base::motion::Motion;
+use crate::base::motion::turn::turned;
+use crate::base::num::extremes::Bounded;
 use crate::base::pose::Operand;
 use crate::pair::outcome::Class;
 use crate::time::separation::{Proof, Separation};
@@ -36,7 +38,7 @@ impl Certificate {
         let Proof::Plane { normal, spin } = self.proof else {
             return None;
         };
-        Some(UnitQuaternion::from_scaled_axis(spin * (time - self.from)) * normal)
+        Some(turned(&spin, time - self.from) * normal)
     }
 
     /// Returns the gap of the shapes along the plane at a time, by the support points of the pair;
@@ -95,7 +97,7 @@ where
         until: if span >= flight.span {
             end
         } else {
-            later(from, span).clamp(from, end)
+            later(from, span).clamped(from, end)
         },
         distance,
         proof,
@@ -162,6 +164,6 @@ where
     Ok(if span > 0.0 && span >= flight.span {
         end
     } else {
-        later(from, span).clamp(from, end)
+        later(from, span).clamped(from, end)
     })
 }

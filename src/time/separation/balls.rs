@@ -5,7 +5,8 @@ use nalgebra::{Isometry3, Vector3};
 use super::fixed_normal::cut;
 use super::{Flight, Separation};
 use crate::base::motion::{Course, Drift, length};
-use crate::base::num::scalar::{greater, magnitude, sqrt};
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{BALLS, PLANE, ROOT};
 use crate::base::tuning::separation::ROUNDS;
@@ -78,7 +79,7 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
     let radius = near + growth.at(ahead);
     let until = until_as_near(&between, &velocity, radius);
     Apart {
-        span: if ahead < span { until.min(ahead) } else { until } * tick,
+        span: if ahead < span { until.smaller(ahead) } else { until } * tick,
         radii: [radius_a, radius_b],
         reach,
         gap: distance - radius,
@@ -90,8 +91,8 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
 /// origin; infinite if for ever.
 fn until_as_near(from: &Vector3<f64>, velocity: &Vector3<f64>, radius: f64) -> f64 {
     // Products are of degree four, so lengths and velocities are scaled to about one.
-    let most = |v: &Vector3<f64>| greater(greater(v.x.abs(), v.y.abs()), v.z.abs());
-    let (unit, pace) = (magnitude(greater(most(from), radius)), magnitude(most(velocity)));
+    let most = |v: &Vector3<f64>| v.x.abs().at_least(v.y.abs()).at_least(v.z.abs());
+    let (unit, pace) = (magnitude(most(from).at_least(radius)), magnitude(most(velocity)));
     let (from, velocity, radius) = (from / unit, velocity / pace, radius / unit);
     let [above, approach, _, root] = flight_of_ball(&from, &velocity, radius);
     if !(above > 0.0) {
@@ -141,7 +142,7 @@ fn until_as_far(growth: &Drift, way: f64, span: f64) -> f64 {
     // The first and the second term reach the way by themselves no earlier, and the cubic term is
     // at most the way after some cuts: all three are at most three ways.
     let [_, first, second, _] = growth.0;
-    let mut late = span.min(way / first).min(sqrt(2.0 * way / second));
+    let mut late = span.smaller(way / first).smaller(sqrt(2.0 * way / second));
     // Cuts by a quarter do not end at zero.
     while growth.at(late) > 3.0 * way && late > f64::MIN_POSITIVE {
         late *= cut(growth.at(late) / (3.0 * way));
@@ -155,7 +156,7 @@ fn until_as_far(growth: &Drift, way: f64, span: f64) -> f64 {
         if !(next > early) {
             break;
         }
-        early = next.min(late);
+        early = next.smaller(late);
     }
     early * (1.0 - ROOT)
 }

@@ -4,7 +4,7 @@
 //! 2012, "The Bernstein polynomial basis: a centennial retrospective", section 3). So it has no
 //! root before the hull of these points reaches zero.
 
-use crate::base::num::scalar::greater;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{BERNSTEIN, ROOT};
 use crate::base::tuning::separation::ROUNDS;
 
@@ -12,7 +12,7 @@ use crate::base::tuning::separation::ROUNDS;
 /// whole of the cubic is.
 #[inline]
 pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
-    let largest = coefficients.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    let largest = coefficients.iter().fold(0.0f64, |m, c| m.larger(c.abs()));
     let mut c = coefficients.map(|c| c - BERNSTEIN * largest);
     // Written so that NaN ends at zero, of any of the coefficients.
     if !(coefficients.iter().all(|c| c.is_finite()) && c[0] > 0.0) {
@@ -36,7 +36,7 @@ pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
 /// Returns what [`positive_until`] does, of a straight line from its values at 0 and at 1.
 #[inline]
 pub(super) fn line_positive_until(first: f64, last: f64) -> f64 {
-    let margin = BERNSTEIN * greater(first.abs(), last.abs());
+    let margin = BERNSTEIN * first.abs().at_least(last.abs());
     let (first, last) = (first - margin, last - margin);
     // Written so that NaN ends at zero.
     if !(first > 0.0 && last.is_finite()) {
@@ -60,7 +60,7 @@ fn hull_until(c: &[f64; 4]) -> f64 {
         for i in 0..j {
             if c[i] >= 0.0 {
                 let x = (i as f64 + (j - i) as f64 * (c[i] / (c[i] - c[j]))) * (1.0 / 3.0);
-                least = least.min(x * (1.0 - ROOT));
+                least = least.smaller(x * (1.0 - ROOT));
             }
         }
     }

@@ -10,7 +10,8 @@ use super::bernstein::{line_positive_until, positive_until};
 use super::plane::tilt;
 use super::{Flight, Free, Measure, Proof, Separation};
 use crate::base::motion::{Course, Drift};
-use crate::base::num::scalar::{greater, magnitude, sqrt};
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::PLANE;
 use crate::base::tuning::separation::{AHEAD, CUT, CUT_FAR, CUT_MOST, FIXED_GAP, FIXED_SHARE};
@@ -111,7 +112,7 @@ impl<'a> FixedNormal<'a> {
         let rates = one_norm(&self.velocity) + self.turning;
         let margin = |length: f64| PLANE * length * (rates + length * one_norm(&acceleration));
         let now = self.gap - (PLANE * size + flight.keep + d0 + f64::MIN_POSITIVE);
-        let mut length = (flight.span / tick).min(AHEAD * time_to(self.gap, slope - d1, bend - d2));
+        let mut length = (flight.span / tick).smaller(AHEAD * time_to(self.gap, slope - d1, bend - d2));
         if !(length < f64::INFINITY && now > 0.0) {
             return 0.0;
         }
@@ -172,7 +173,7 @@ impl Flight {
 /// Returns the first time at which `way + slope s + bend s^2 / 2` is zero; infinite if never.
 pub(super) fn time_to(way: f64, slope: f64, bend: f64) -> f64 {
     let square = slope * slope - 2.0 * way * bend;
-    let pace = sqrt(square.max(0.0)) - slope;
+    let pace = sqrt(square.at_least(0.0)) - slope;
     if square >= 0.0 && pace > 0.0 {
         2.0 * way / pace
     } else {
@@ -188,7 +189,7 @@ pub(super) fn cut(excess: f64) -> f64 {
     if excess < CUT_FAR {
         CUT
     } else {
-        greater(sqrt(sqrt(sqrt(1.0 / excess))), CUT_MOST)
+        sqrt(sqrt(sqrt(1.0 / excess))).at_least(CUT_MOST)
     }
 }
 

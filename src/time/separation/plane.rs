@@ -59,7 +59,8 @@ use super::bernstein::positive_until;
 use super::fixed_normal::{FixedNormal, cut, one_norm, time_to, turns_neither};
 use super::{Flight, Free, Measure, Proof, Separation, Tangent};
 use crate::base::motion::{Course, Drift, length};
-use crate::base::num::scalar::{greater, magnitude};
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::magnitude;
 use crate::base::pose::{Operand, rotation_matrix};
 use crate::base::tolerance::{PLANE, TILT};
 use crate::base::tuning::separation::{AHEAD, ENOUGH, FAR, TRIES};
@@ -206,7 +207,7 @@ impl PlaneSide {
     /// by which the direction turns and the length of the way of its tip.
     fn remainder(&self, turn: &Turn, interval: f64, [angle, tilt]: [f64; 2]) -> f64 {
         let [rate, off, pace] = [self.rate, turn.off, turn.pace].map(|x| x * interval);
-        rate * rate * off.min(pace + off * tilt) + off * tilt * (2.0 * rate + angle)
+        rate * rate * off.smaller(pace + off * tilt) + off * tilt * (2.0 * rate + angle)
     }
 }
 
@@ -277,7 +278,7 @@ impl<'a> PlaneSetting<'a> {
             turn_b: self.b.turn(n, spin),
             spin_rate,
             tilt: tilt(&spin.cross(n), spin),
-            rate: spin_rate + self.a.rate.max(self.b.rate),
+            rate: spin_rate + self.a.rate.larger(self.b.rate),
             way: way_along(n, spin, [&self.between, &self.velocity, &self.acceleration]),
             at_a: &at.0,
             at_b: &at.1,
@@ -286,7 +287,7 @@ impl<'a> PlaneSetting<'a> {
         };
         plane.gap = plane.way[0] - at.0.0 - at.1.0 - plane.taken(0.0);
         if plane.gap > 0.0 {
-            plane.ahead = plane.shortened(self.flight.span.min(AHEAD * plane.expected()));
+            plane.ahead = plane.shortened(self.flight.span.smaller(AHEAD * plane.expected()));
         }
         plane
     }
@@ -350,7 +351,7 @@ impl PlaneBetween<'_> {
                 return length;
             }
             let proven = part * length;
-            best = proven.max(best);
+            best = proven.larger(best);
             if part >= ENOUGH {
                 break;
             }
@@ -405,7 +406,7 @@ impl PlaneBetween<'_> {
             if !(interval > f64::MIN_POSITIVE) {
                 return 0.0;
             }
-            interval *= cut(greater(rest / (2.0 * self.gap), (margin - now) / half));
+            interval *= cut((rest / (2.0 * self.gap)).at_least((margin - now) / half));
         }
     }
 

@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::{Measure, Separation, SupportPoint, Tangent};
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{HEIGHT, UNIT};
@@ -134,7 +135,7 @@ impl<'a> BoundedHull<'a> {
                 return None;
             }
             let [p, q, r] = [first, before, h].map(corner);
-            let least = side(p, q).min(side(q, r)).min(side(r, p));
+            let least = side(p, q).smaller(side(q, r)).smaller(side(r, p));
             if least > best.0 {
                 best = (least, Some([first, before, h].map(|h| t.from(h))));
             }

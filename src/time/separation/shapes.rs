@@ -3,6 +3,7 @@
 use nalgebra::{Point3, Vector3};
 
 use super::{Measure, Separation, SupportPoint, Tangent};
+use crate::base::num::extremes::Bounded;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::HEIGHT;
 use crate::body::shape::Shape;
@@ -86,7 +87,7 @@ impl Separation for ShapePair<'_> {
         SupportPoint {
             height: height + HEIGHT * length * size,
             // Steers the search alone: the point of the ball.
-            point: direction * (height / direction.norm_squared().max(f64::MIN_POSITIVE)),
+            point: direction * (height / direction.norm_squared().at_least(f64::MIN_POSITIVE)),
         }
     }
 }

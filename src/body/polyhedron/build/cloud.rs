@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use crate::base::num::double_double::two_sum;
+use crate::base::num::extremes::{Extremes, largest};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
 use crate::body::polyhedron::build::error::BuildError;
@@ -141,7 +142,7 @@ pub(crate) fn bounding_box<'a>(points: impl IntoIterator<Item = &'a Vector3<f64>
     let start = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     points
         .into_iter()
-        .fold(start, |(low, high), p| (low.inf(p), high.sup(p)))
+        .fold(start, |(low, high), p| (low.smaller(*p), high.larger(*p)))
 }
 
 /// Returns the magnitude below which stored coordinates count as zero, given half the diagonal of
@@ -199,7 +200,7 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
 /// index.
 fn morton_order(points: &[Vector3<f64>], indices: &[u32]) -> Vec<u32> {
     let (low, high) = bounding_box(points);
-    let extent = if points.is_empty() { 0.0 } else { (high - low).max() };
+    let extent = if points.is_empty() { 0.0 } else { largest(&(high - low)) };
     let scale = if extent > 0.0 {
         power_of_two(20 - exponent_of(extent))
     } else {

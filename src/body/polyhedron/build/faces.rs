@@ -12,6 +12,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::base::notice::log;
 use crate::base::notice::progress::Watch;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::sign::side;
 use crate::base::tolerance::{PLANARITY, SIDE_ERROR};
 use crate::body::polyhedron::build::cloud::{Cloud, power_of_two};
@@ -117,7 +118,7 @@ fn build(
         return Err(BuildError::EdgeUsedTwice { edge });
     }
     body.source_faces = source_faces(&mesh, &body, &places, &stored);
-    body.report.non_planarity = planes.iter().fold(0.0f64, |m, p| m.max(p.deviation)) * body.unit();
+    body.report.non_planarity = planes.iter().fold(0.0f64, |m, p| m.larger(p.deviation)) * body.unit();
     body.report.unused = unused;
     Ok(body)
 }
@@ -275,7 +276,7 @@ impl FaceList {
             if corners.contains(&v) || side(a, b, c, p) == 0.0 {
                 0.0
             } else {
-                normal.dot(&(p - a)).abs().max(f64::MIN_POSITIVE)
+                normal.dot(&(p - a)).abs().at_least(f64::MIN_POSITIVE)
             }
         };
         let worst = rim.iter().fold(rim[0], |w, &v| if off(v) > off(w) { v } else { w });

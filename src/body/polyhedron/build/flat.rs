@@ -150,7 +150,7 @@ fn planar_hull(points: &[Vector3<f64>], axis: usize) -> (Vec<u32>, Vec<u32>) {
     let mut order: Vec<u32> = (0..points.len() as u32).collect();
     order.sort_unstable_by(|&i, &j| {
         let (p, q) = (&points[i as usize], &points[j as usize]);
-        p[u].total_cmp(&q[u]).then(p[v].total_cmp(&q[v]))
+        p[u].total_cmp(&q[u]).then(p[v].total_cmp(&q[v])).then(i.cmp(&j))
     });
     let mut rank = vec![0u32; points.len()];
     order.iter().zip(0u32..).for_each(|(&i, r)| rank[i as usize] = r);

@@ -19,6 +19,7 @@ use nalgebra::{Matrix3, Point3, Vector3};
 use crate::base::notice::log;
 use crate::base::notice::progress::{Progress, Watch};
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::extremes::{Bounded, Extremes, largest, smallest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::num::sign::side;
@@ -121,11 +122,11 @@ impl ConvexPolyhedron {
     pub(crate) fn assemble(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> Result<Self, BuildError> {
         let points: Vec<Vector3<f64>> = kept.iter().map(|&i| cloud.points[i as usize]).collect();
         let topology = Topology::from_loops(points.len(), loops).ok_or(BuildError::Inconsistent)?;
-        let radius = points.iter().fold(0.0f64, |r, p| r.max(p.norm_squared()));
+        let radius = points.iter().fold(0.0f64, |r, p| r.larger(p.norm_squared()));
         let radius = sqrt(radius) * ROUND_UP;
         let (planes, areas) = planes_of(&points, loops, radius);
         let (low, high) = bounding_box(&points);
-        let thickness_ratio = thickness_ratio(&points, &planes, &areas, (high - low).max());
+        let thickness_ratio = thickness_ratio(&points, &planes, &areas, largest(&(high - low)));
         let (vertices, edges) = (points.len(), topology.half_edge_count() / 2);
         let faces = if loops.len() == 1 { 0 } else { loops.len() };
         let report = BuildReport {
@@ -276,11 +277,11 @@ fn thickness_ratio(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], ext
         }
     }
     let (low, high) = bounding_box(points);
-    let mut width = (high - low).min();
+    let mut width = smallest(&(high - low));
     for f in largest {
         let n = planes[f].normal;
-        let below = points.iter().fold(f64::INFINITY, |m, p| m.min(n.dot(p)));
-        width = width.min(planes[f].offset - below);
+        let below = points.iter().fold(f64::INFINITY, |m, p| m.smaller(n.dot(p)));
+        width = width.smaller(planes[f].offset - below);
     }
-    (width / extent).clamp(0.0, 1.0)
+    (width / extent).clamped(0.0, 1.0)
 }

@@ -4,6 +4,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::body::polyhedron::build::faces::FaceList;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId};
 
@@ -73,7 +74,7 @@ fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: FaceId, points: &
     let plane = &body.planes[face.index()];
     let spread = [0, 1, 2].map(|k| corners[k * corners.len() / 3]);
     let depths = spread.map(|c| plane.offset - plane.normal.dot(&points[c as usize]));
-    depths.into_iter().fold(0.0, f64::max)
+    depths.into_iter().fold(0.0, f64::larger)
 }
 
 /// The caller's faces at each point of the cloud, and the points of each face.

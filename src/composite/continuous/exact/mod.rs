@@ -14,6 +14,7 @@ use alloc::vec::Vec;
 
 use super::paths::Path;
 use super::search::{FirstContact, LEAST_WIDTH};
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::body::polyhedron::lowest_bit;
 use crate::composite::meet::triangle::Triangle;
 use crate::convex::exact::integer::{self, Big3, integer, sign};
@@ -99,7 +100,7 @@ fn is_zero(a: &Vector) -> bool {
 
 impl<'a> ExactPair<'a> {
     fn found(&self, width: f64) -> FirstContact {
-        self.first_contact(width.max(LEAST_WIDTH))
+        self.first_contact(width.at_least(LEAST_WIDTH))
             .unwrap_or(FirstContact::Open { safe: 0.0 })
     }
 
@@ -114,7 +115,7 @@ impl<'a> ExactPair<'a> {
                 if !root.is_zero() && self.is_in_contact(&mut root)? {
                     let [safe, hit] = root.bracket(width);
                     let [s, h] = bracket.unwrap_or([safe, hit]);
-                    bracket = Some([safe.min(s), hit.min(h)]);
+                    bracket = Some([safe.smaller(s), hit.smaller(h)]);
                     break;
                 }
             }

@@ -10,6 +10,7 @@ use alloc::vec::Vec;
 use dashu_base::{BitTest, Gcd};
 use dashu_int::IBig;
 
+use crate::base::num::extremes::Bounded;
 use crate::convex::exact::integer::sign;
 
 /// A polynomial by its coefficients, the constant first and the last not zero; zero has none.
@@ -258,7 +259,7 @@ impl Root {
         if self.is_exact {
             let [below, above] = rounded(&self.low, self.halvings);
             let low = if below == above { below.next_down() } else { below };
-            return [low.max(0.0), above];
+            return [low.at_least(0.0), above];
         }
         [
             rounded(&self.low, self.halvings)[0],

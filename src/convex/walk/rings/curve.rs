@@ -13,6 +13,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Bounded;
 use crate::base::tuning::polyhedron::LARGE;
 use crate::base::tuning::walk::SPAN;
 use crate::body::polyhedron::cycle::{Cycle, Fan};
@@ -232,7 +233,7 @@ impl<'a> RingCurve<'a> {
         // The index if vertices are evenly spaced.
         let guess = x * (2 * m.div_ceil(SPAN)) as f64;
         let from = wrapped(wrapped(
-            (k + m).wrapping_add_signed(guess.clamp(-(most as f64), most as f64) as isize),
+            (k + m).wrapping_add_signed(guess.clamped(-(most as f64), most as f64) as isize),
         ));
         let j = if at(from) <= x {
             wrapped(from + last_true(most, |d| at(from + d) <= x))
@@ -240,7 +241,7 @@ impl<'a> RingCurve<'a> {
             wrapped(from + m - 1 - last_true(most, |d| at(from + m - d) > x))
         };
         let (before, after) = (at(j), at(j + 1));
-        (j, ((x - before) / (after - before)).clamp(0.0, 1.0))
+        (j, ((x - before) / (after - before)).clamped(0.0, 1.0))
     }
 }
 

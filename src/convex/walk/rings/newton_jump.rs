@@ -13,6 +13,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tuning::walk::{BISECTIONS, CLOSE, DAMPING, REACH, STEPS, TRIES};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::convex::walk::rings::cholesky::{System, Variables};
@@ -402,9 +403,9 @@ fn newton_step(a: &RingSide, b: &RingSide, at: &mut Variables, free: [bool; 4]) 
     let by = solved.or_else(|| newton_system(a, b, at, &evaluation, free, false).solve())?;
     for k in 0..4 {
         let (low, high) = if k % 2 == 0 { (-REACH, REACH) } else { (0.0, 1.0) };
-        at[k] = (at[k] + by[k]).clamp(low, high);
+        at[k] = (at[k] + by[k]).clamped(low, high);
     }
-    Some((evaluation.0.norm_squared(), by[0].abs().max(by[2].abs())))
+    Some((evaluation.0.norm_squared(), by[0].abs().larger(by[2].abs())))
 }
 
 /// Returns the linear system of a step: Newton's if `curved`, else damped and certainly positive

@@ -1,0 +1,53 @@
+//! The larger and the smaller of two numbers, with the same bits on every target: `f64::max` and
+//! `f64::min` may return either of two zeros, and `f64::clamp` panics if its bounds cross.
+
+/// Choices between two numbers.
+pub(crate) trait Extremes {
+    /// Returns the larger number; the other one if one is NaN, the first of two zeros.
+    #[must_use]
+    fn larger(self, other: Self) -> Self;
+
+    /// Returns the smaller number; the other one if one is NaN, the first of two zeros.
+    #[must_use]
+    fn smaller(self, other: Self) -> Self;
+
+    /// Returns the number if it is above the bound, else (and of NaN) the bound.
+    #[must_use]
+    fn at_least(self, bound: Self) -> Self;
+
+    /// Returns the number if it is below the bound, else (and of NaN) the bound.
+    #[must_use]
+    fn at_most(self, bound: Self) -> Self;
+
+    /// Returns the nearest number between two bounds; the upper bound if they cross.
+    #[must_use]
+    fn clamped(self, low: Self, high: Self) -> Self;
+}
+
+impl Extremes for f64 {
+    #[inline]
+    fn larger(self, other: Self) -> Self {
+        if other > self || self.is_nan() { other } else { self }
+    }
+
+    #[inline]
+    fn smaller(self, other: Self) -> Self {
+        if other < self || self.is_nan() { other } else { self }
+    }
+
+    #[inline]
+    fn at_least(self, bound: Self) -> Self {
+        if self > bound { self } else { bound }
+    }
+
+    #[inline]
+    fn at_most(self, bound: Self) -> Self {
+        if self < bound { self } else { bound }
+    }
+
+    #[inline]
+    fn clamped(self, low: Self, high: Self) -> Self {
+        let above = if self < low { low } else { self };
+        if above > high { high } else { above }
+    }
+}

@@ -1,0 +1,136 @@
+//! Rotations by angles, with sine and cosine of `libm`: those of the C library differ by target in
+//! the last bit.
+
+use std::f64::consts::PI;
+
+use lin_canny::nalgebra::{Matrix3, Quaternion, Rotation3, Unit, UnitQuaternion, Vector3};
+
+/// Returns the rotation about an axis by an angle in radians.
+pub(crate) fn about(axis: &Unit<Vector3<f64>>, angle: f64) -> UnitQuaternion<f64> {
+    let (sine, cosine) = libm::sincos(0.5 * angle);
+    UnitQuaternion::new_unchecked(Quaternion::from_parts(cosine, axis.into_inner() * sine))
+}
+
+/// Returns the rotation by roll about x, then pitch about y, then yaw about z, in radians.
+pub(crate) fn roll_pitch_yaw([roll, pitch, yaw]: [f64; 3]) -> UnitQuaternion<f64> {
+    let [(sr, cr), (sp, cp), (sy, cy)] = [roll, pitch, yaw].map(|angle| libm::sincos(0.5 * angle));
+    UnitQuaternion::new_unchecked(Quaternion::new(
+        cr * cp * cy + sr * sp * sy,
+        sr * cp * cy - cr * sp * sy,
+        cr * sp * cy + sr * cp * sy,
+        cr * cp * sy - sr * sp * cy,
+    ))
+}
+
+/// Returns the matrix of the rotation about an axis by an angle in radians: of a quarter turn
+/// nearer to whole numbers than by a quaternion.
+pub(crate) fn matrix_about(axis: &Unit<Vector3<f64>>, angle: f64) -> Rotation3<f64> {
+    let (sine, cosine) = libm::sincos(angle);
+    let (u, rest) = (axis.into_inner(), 1.0 - cosine);
+    let square = u.component_mul(&u);
+    let diagonal = square + (Vector3::repeat(1.0) - square) * cosine;
+    let [xy, xz, yz] = [u.x * u.y * rest, u.x * u.z * rest, u.y * u.z * rest];
+    let s = u * sine;
+    Rotation3::from_matrix_unchecked(Matrix3::new(
+        diagonal.x,
+        xy - s.z,
+        xz + s.y,
+        xy + s.z,
+        diagonal.y,
+        yz - s.x,
+        xz - s.y,
+        yz + s.x,
+        diagonal.z,
+    ))
+}
+
+/// Returns the shortest rotation from z to a direction: a half turn about x for the opposite of z.
+pub(crate) fn from_z(to: &Unit<Vector3<f64>>) -> UnitQuaternion<f64> {
+    let across = Vector3::z().cross(to);
+    match Unit::try_new(across, 0.0) {
+        Some(axis) => about(&axis, libm::atan2(across.norm(), to.z)),
+        None if to.z < 0.0 => about(&Vector3::x_axis(), PI),
+        None => UnitQuaternion::identity(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rotations_are_those_of_nalgebra_up_to_rounding() {
+        for k in 0..500 {
+            let f = f64::from(k);
+            let axis = Unit::new_normalize(Vector3::new((f * 1.1).sin(), (f * 0.7).cos(), (f * 0.3).sin()));
+            let angle = 0.037 * f - 9.0;
+            let near =
+                |p: UnitQuaternion<f64>, q: UnitQuaternion<f64>| (p.into_inner() - q.into_inner()).norm() < 1e-15;
+            assert!(near(about(&axis, angle), UnitQuaternion::from_axis_angle(&axis, angle)));
+            let [roll, pitch, yaw] = [angle, 0.3 * angle, 1.7 - angle];
+            let expected = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
+            assert!(near(roll_pitch_yaw([roll, pitch, yaw]), expected));
+            let off = matrix_about(&axis, angle).matrix() - Rotation3::from_axis_angle(&axis, angle).matrix();
+            assert!(off.amax() < 1e-15, "{off}");
+            assert!((from_z(&axis) * Vector3::z() - axis.into_inner()).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_opposite_of_z_is_reached_by_half_a_turn() {
+        for x in [0.0, 1e-300, 1e-17, 1e-12, 1e-6] {
+            let to = Unit::new_normalize(Vector3::new(x, 0.0, -1.0));
+            assert!((from_z(&to) * Vector3::z() - to.into_inner()).norm() < 1e-15, "{x:e}");
+        }
+        assert_eq!(from_z(&Vector3::z_axis()), UnitQuaternion::identity());
+    }
+
+    /// The bits of these rotations are part of every answer about a robot. They are the same on
+    /// every target.
+    #[test]
+    fn rotations_have_the_bits_written_here() {
+        let bits = |q: UnitQuaternion<f64>| <[f64; 4]>::from(q.coords).map(f64::to_bits);
+        let axis = Unit::new_unchecked(Vector3::new(0.6, -0.64, 0.48));
+        let found = [
+            bits(about(&Vector3::z_axis(), 2.0 * 0.852_414_288_181_566_1)),
+            bits(about(&axis, 1.234_567_890_123)),
+            bits(roll_pitch_yaw([0.1, -2.2, 3.3])),
+            bits(roll_pitch_yaw([1.5, 0.704, -0.917])),
+            bits(from_z(&axis)),
+        ];
+        assert_eq!(found, PINNED, "{found:x?}");
+    }
+
+    const PINNED: [[u64; 4]; 5] = [
+        [
+            0x0000_0000_0000_0000,
+            0x0000_0000_0000_0000,
+            0x3fe8_1786_306e_3aaf,
+            0x3fe5_0fb5_1d4d_8bb0,
+        ],
+        [
+            0x3fd6_3a0e_783f_66ff,
+            0xbfd7_b564_c487_e555,
+            0x3fd1_c80b_9365_ebff,
+            0x3fea_1832_1921_b0a6,
+        ],
+        [
+            0x3fec_5617_f29f_6a86,
+            0x3fb7_d070_781c_1989,
+            0x3fdc_ad6b_f7b5_2a91,
+            0xbfb4_8b04_8bf9_7521,
+        ],
+        [
+            0x3fe5_eeea_13c7_d1ba,
+            0xbfad_2cf2_e1a8_10ec,
+            0xbfe0_78ad_9fe9_ba6f,
+            0x3fe0_613f_0d91_7f52,
+        ],
+        [
+            0x3fd7_ceb9_6550_443b,
+            0x3fd6_51cd_cefb_3ff6,
+            0x8000_0000_0000_0000,
+            0x3feb_8706_5d24_cee3,
+        ],
+    ];
+}
