@@ -248,5 +248,8 @@ fn a_goal_in_contact_is_no_refused_file() {
 fn bodies_within_the_margin_are_not_said_to_meet() {
     let (code, text) = run("certify", &with(&["--joints", "carry.csv", "--margin", "0.2"]));
     assert_eq!(code, 1, "{text}");
-    assert!(text.contains("come within the margin of 0.2 at") && !text.contains(" meet at"), "{text}");
+    assert!(
+        text.contains("come within the margin of 0.2 at") && !text.contains(" meet at"),
+        "{text}"
+    );
 }

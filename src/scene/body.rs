@@ -385,7 +385,11 @@ impl BodyTable {
     /// were removed or get a box. `partners` are the groups to pair with by group, as bits.
     pub(super) fn list_stale(&mut self, partners: &[u32; GROUPS]) {
         let Self {
-            slots, solids, due, stale, ..
+            slots,
+            solids,
+            due,
+            stale,
+            ..
         } = self;
         let is_without = |i: u32| {
             let solid = solids[i as usize].as_ref().filter(|_| slots.lives(i));

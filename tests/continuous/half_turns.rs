@@ -26,7 +26,9 @@ fn a_mesh_turns_half_round_as_the_motion_of_its_poses_does() {
     let (mut exact, mut back) = (0, 0);
     for round in 0..400 {
         let first = UnitQuaternion::new_normalize(Quaternion::from(rng.quat())).into_inner();
-        let across = (UnitQuaternion::new_unchecked(first) * tip).coords.cross(&Vector3::from(rng.unit()));
+        let across = (UnitQuaternion::new_unchecked(first) * tip)
+            .coords
+            .cross(&Vector3::from(rng.unit()));
         let axis = Unit::new_normalize(across).into_inner();
         // Exactly half round as numbers go, or beside it by some roundings.
         let beside = [0.0, 0.0, 1e-17, -1e-17, 1e-16, -1e-15][round % 6];
@@ -37,11 +39,16 @@ fn a_mesh_turns_half_round_as_the_motion_of_its_poses_does() {
         let middle = motion.pose(0.5) * tip;
         exact += usize::from(first.dot(&last) == 0.0);
         back += usize::from(first.dot(&last) < 0.0);
-        let moving = MeshOverFrame::new(&blade, &blade).unwrap().moving(&begin, &end).unwrap();
+        let moving = MeshOverFrame::new(&blade, &blade)
+            .unwrap()
+            .moving(&begin, &end)
+            .unwrap();
         for side in [1.0, -1.0] {
             let at = Isometry3::from_parts((middle.coords * side).into(), UnitQuaternion::identity());
             let still = still.clone().moving(&at, &at).unwrap();
-            let impact = continuous::meshes(&moving, &still, Tolerance::Time(1e-6)).unwrap().impact;
+            let impact = continuous::meshes(&moving, &still, Tolerance::Time(1e-6))
+                .unwrap()
+                .impact;
             let is_hit = matches!(impact, Impact::Hit { safe, .. } if (0.4..0.5).contains(&safe));
             let is_right = if side > 0.0 { is_hit } else { impact == Impact::Miss };
             assert!(is_right, "{round}, side {side}: {impact:?}, {begin:?} {end:?}");

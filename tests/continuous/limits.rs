@@ -5,8 +5,8 @@ use lab::forms::mesh;
 use lab::soups;
 use lin_canny::Mesh;
 use lin_canny::continuous::{self, MeshOverFrame};
-use lin_canny::impact::Tolerance;
-use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::impact::{Impact, Tolerance};
+use lin_canny::nalgebra::Isometry3;
 use std::time::Duration;
 
 /// A cube of side two with a vertex far out.
@@ -16,26 +16,26 @@ fn stretched(far: f64) -> Mesh {
     mesh(&cube)
 }
 
+/// One vertex is far out, and the body moves farther by a hundred magnitudes and more.
 #[test]
 fn wide_ranges_of_numbers_end_at_a_budget() {
-    for far in [1e100, 1e60] {
-        for away in [1e240, 1e270, 1e300] {
-            for tolerance in [1e-3, 1e-12] {
-            let body = stretched(far);
-            let other = stretched(-far);
-            let to = Isometry3::translation(away, away, -away);
-            let moving = MeshOverFrame::new(&body, &body).unwrap();
-            let moving = moving.moving(&Isometry3::translation(0.1, 0.2, 0.3), &to).unwrap();
-            for still in [&body, &other] {
+    let mut unknown = 0;
+    for (far, away) in [(1e100, 1e240), (1e100, 1e300), (1e60, 1e270)] {
+        let (body, other) = (stretched(far), stretched(-far));
+        let [from, to] = [0.1, away].map(|x| Isometry3::translation(x, 2.0 * x, -x));
+        let moving = MeshOverFrame::new(&body, &body).unwrap().moving(&from, &to).unwrap();
+        for still in [&body, &other] {
             let still = MeshOverFrame::new(still, still).unwrap();
-            let began = ThreadTime::now();
-            let cast = continuous::meshes(&moving, &still, Tolerance::Time(tolerance)).unwrap();
-            let spent = began.elapsed();
-            std::println!("{far:e} {away:e} {tolerance:e}: {cast:?} {spent:?}");
-            assert!(spent < Duration::from_secs(500), "{spent:?}");
-            }
+            for tolerance in [1e-3, 1e-12] {
+                let began = ThreadTime::now();
+                let cast = continuous::meshes(&moving, &still, Tolerance::Time(tolerance)).unwrap();
+                let spent = began.elapsed();
+                std::println!("{far:e} {away:e} {tolerance:e}: {cast:?} {spent:?}");
+                // Half a second on one core in release, and room for a build with checks.
+                assert!(spent < Duration::from_secs(5), "{spent:?}");
+                unknown += usize::from(matches!(cast.impact, Impact::Unknown { .. }));
             }
         }
     }
-    let _ = Point3::<f64>::origin();
+    std::println!("{unknown} unknown");
 }

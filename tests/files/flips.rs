@@ -88,7 +88,9 @@ fn a_broad_phase_with_one_number_changed_is_refused_or_sound() {
         let ids: Vec<_> = (0..6)
             .map(|k| broad.insert(&at(0.7 * f64::from(k)), BodyOptions::moving()).unwrap())
             .collect();
-        broad.insert_unbounded(&Aabb::everything(), BodyOptions::fixed()).unwrap();
+        broad
+            .insert_unbounded(&Aabb::everything(), BodyOptions::fixed())
+            .unwrap();
         broad.step();
         broad.remove(ids[2]).unwrap();
         broad.set_box(ids[4], &at(0.1)).unwrap();

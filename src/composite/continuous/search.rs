@@ -4,9 +4,9 @@
 use nalgebra::Vector3;
 
 use super::paths::{FourVertices, Parts, VertexPaths, VertexPlaces, volume_sign, volumes};
+use crate::base::tuning::composite::{PATH_INTERVALS, PATH_ROUNDS, PATH_WIDTH};
 #[cfg(feature = "exact")]
 use crate::base::tuning::composite::{WIDE, WIDE_WORK};
-use crate::base::tuning::composite::{PATH_INTERVALS, PATH_ROUNDS, PATH_WIDTH};
 
 /// Least width of a bracket: some roundings of times near one.
 pub(super) const LEAST_WIDTH: f64 = 4.0 * f64::EPSILON;
@@ -47,7 +47,9 @@ impl WideWork {
     pub(super) fn count(&mut self, operations: usize, [one, other]: [usize; 2]) -> Option<()> {
         if one.max(other) > WIDE {
             let words = |bits: usize| bits as u64 / 64 + 1;
-            let work = words(one).saturating_mul(words(other)).saturating_mul(operations as u64);
+            let work = words(one)
+                .saturating_mul(words(other))
+                .saturating_mul(operations as u64);
             self.0 = self.0.saturating_add(work);
         }
         self.left()

@@ -109,7 +109,10 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 for &(a, b) in &pairs {
                     let truth = self.is_near(a, b, d);
                     let said = told.contains(&(a, b));
-                    assert!(truth.is_none_or(|t| t == said), "{a} {b} within {d} is said to be {said}");
+                    assert!(
+                        truth.is_none_or(|t| t == said),
+                        "{a} {b} within {d} is said to be {said}"
+                    );
                 }
                 if d == 0.0 {
                     let first = scene.first_contact(g, h).expect("boxes are kept");
@@ -145,7 +148,10 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         let mates: Vec<BodyId> = mates.collect();
         for scene in &self.scenes {
             let told = scene.nearest(id, ids.len(), far).expect("boxes are kept");
-            assert!(told.iter().all(|p| p.a == id && mates.contains(&p.b)), "{told:?} {mates:?}");
+            assert!(
+                told.iter().all(|p| p.a == id && mates.contains(&p.b)),
+                "{told:?} {mates:?}"
+            );
             for &other in &mates {
                 let truth = self.is_near(id, other, far);
                 let said = told.iter().any(|p| p.b == other);
