@@ -233,3 +233,23 @@ fn what_is_wrong_is_named() {
     );
     named("certify", &["--joints", "carry.csv", "--margin", "-1"], 3, &["margin"]);
 }
+
+#[test]
+fn a_goal_in_contact_is_no_refused_file() {
+    let rows = scratch(
+        "goal_down.csv",
+        &format!("{HEAD}0,0.3,0.6,0,0.8,0,0.01\n0,0.9,1.3,0,0.8,0,0.01\n"),
+    );
+    let (code, text) = run("plan", &with(&["--joints", &rows]));
+    assert!(code == 1 && text.contains("at the goal"), "{code}: {text}");
+}
+
+#[test]
+fn bodies_within_the_margin_are_not_said_to_meet() {
+    let (code, text) = run("certify", &with(&["--joints", "carry.csv", "--margin", "0.2"]));
+    assert_eq!(code, 1, "{text}");
+    assert!(
+        text.contains("come within the margin of 0.2 at") && !text.contains(" meet at"),
+        "{text}"
+    );
+}

@@ -29,10 +29,9 @@
 //!   solver is often sold with a tolerance; on polytopes a tolerance buys nothing here.
 //! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three
 //!   nanoseconds more than the walk alone.
-//! * **The last bit is expensive**: [`closest_exact`](crate::Tracker) takes microseconds, in this
-//!   table some hundred times a certified answer. Since this record it has become faster: some ten
-//!   times a certified answer if the closest features are beyond doubt, some forty times if not
-//!   (`BENCHMARKS.md`).
+//! * **The last bit is expensive.** The row of [`closest_exact`](crate::Tracker) in this table is of
+//!   an earlier version. Today it takes 0.6 to 1.7 microseconds, six times a certified answer in the
+//!   median (`BENCHMARKS.md`), and more if the closest features are in doubt.
 //!
 //! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its
 //! spread (parry's `distance` caches nothing between frames):

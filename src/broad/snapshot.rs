@@ -2,12 +2,13 @@
 //! never interrupted.
 //!
 //! Events depend on boxes and ids alone, so bodies and pair slots suffice; columns and sorted lists
-//! are rebuilt. All input is checked, so that no text makes a structure that could panic.
+//! are rebuilt. All input is checked, so that no text makes a structure that could panic, or one that
+//! [`BroadPhase::check`] faults.
 
 use super::body::BodiesState;
 use super::pairs::PairsState;
 use super::state::BroadPhaseState;
-use super::{PencilSweep, Settings, SortedAxes};
+use super::{BroadPhase, PencilSweep, Settings, SortedAxes};
 use alloc::string::String;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
@@ -49,7 +50,9 @@ impl<'de> Deserialize<'de> for PencilSweep {
         let (state, parallel_from) = BroadSnapshot::deserialize(deserializer)?
             .restored()
             .map_err(D::Error::custom)?;
-        Ok(Self::from_state(state, parallel_from))
+        let read = Self::from_state(state, parallel_from);
+        read.check().map_err(D::Error::custom)?;
+        Ok(read)
     }
 }
 
@@ -64,6 +67,8 @@ impl<'de> Deserialize<'de> for SortedAxes {
         let (state, _) = BroadSnapshot::deserialize(deserializer)?
             .restored()
             .map_err(D::Error::custom)?;
-        Ok(Self::from_state(state))
+        let read = Self::from_state(state);
+        read.check().map_err(D::Error::custom)?;
+        Ok(read)
     }
 }

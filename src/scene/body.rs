@@ -7,7 +7,7 @@ use nalgebra::Isometry3;
 
 use super::ball::Ball;
 use super::budget::Travel;
-use super::effects::Group;
+use super::effects::{GROUPS, Group};
 use super::kinds::Member;
 use super::moving::{Moving, Sweep, Ticks};
 use super::{BodyId, SceneError};
@@ -160,6 +160,8 @@ pub(super) struct BodyTable {
     pub(super) ticks: Ticks,
     /// Bodies whose boxes must be renewed, each listed once.
     pub(super) due: Vec<u32>,
+    /// Bodies without any effect whose boxes were not renewed when they moved, in ascending order.
+    pub(super) stale: Vec<u32>,
     /// Number of the step being prepared.
     pub(super) step: u32,
 }
@@ -382,6 +384,26 @@ impl BodyTable {
         }
     }
 
+    /// Lists the bodies that are due and get no box, as no effect needs one, and forgets those that
+    /// were removed or get a box. `partners` are the groups to pair with by group, as bits.
+    pub(super) fn list_stale(&mut self, partners: &[u32; GROUPS]) {
+        let Self {
+            slots,
+            solids,
+            due,
+            stale,
+            ..
+        } = self;
+        let is_without = |i: u32| {
+            let solid = solids[i as usize].as_ref().filter(|_| slots.lives(i));
+            solid.is_some_and(|s| s.boxed && partners[s.group.index()] == 0)
+        };
+        stale.retain(|&i| is_without(i));
+        stale.extend(due.iter().copied().filter(|&i| is_without(i)));
+        stale.sort_unstable();
+        stale.dedup();
+    }
+
     /// Ends the step: indices of removed bodies become free.
     pub(super) fn end_step(&mut self) {
         let solids = &mut self.solids;
@@ -419,7 +441,7 @@ impl BodyTable {
 
     /// Returns the bytes reserved, without the shapes, which may be shared.
     pub(super) fn bytes(&self) -> usize {
-        let words = [&self.body_of_proxy, &self.due, &self.swept, &self.wide];
+        let words = [&self.body_of_proxy, &self.due, &self.stale, &self.swept, &self.wide];
         words.iter().map(|list| list.capacity() * 4).sum::<usize>()
             + self.slots.bytes()
             + self.solids.capacity() * size_of::<Option<BodySolid>>()

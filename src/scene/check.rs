@@ -11,8 +11,10 @@ use super::kinds::Census;
 use super::pair_table::{PairFlags, PairHeader};
 use super::step::{bodies_of, group};
 use crate::base::motion::Velocity;
+use crate::base::tolerance::UNIT;
 use crate::base::tuning::scene::TICKS;
-use crate::broad::{self, BroadPhase, PencilSweep};
+use crate::body::polyhedron::BoxHint;
+use crate::broad::{self, Aabb, BroadPhase, PencilSweep, StoredBox};
 
 impl Scene {
     /// Returns the first contradiction among the tables of the scene: bodies and odometers, motions
@@ -32,6 +34,7 @@ impl Scene {
         check_motions(&self.bodies)?;
         check_sweeps(&self.bodies)?;
         check_proxies(&self.bodies, &self.broad)?;
+        self.check_boxes()?;
         self.check_groups()?;
         if census_of(&self.bodies, &self.table)? != self.census {
             return Err("the bodies of the scene are miscounted".into());
@@ -42,6 +45,38 @@ impl Scene {
             return Err("a pair that the scene ignores is not of two bodies".into());
         }
         self.check_pairs()
+    }
+
+    /// Checks that every body is in its box, unless the box is to be renewed or no effect needs it.
+    fn check_boxes(&self) -> Result<(), String> {
+        let bodies = &self.bodies;
+        if !bodies.stale.is_sorted_by(|a, b| a < b) {
+            return Err("a list of the scene names a body twice".into());
+        }
+        for (i, solid) in bodies.solids.iter().enumerate() {
+            let Some(solid) = solid.as_ref().filter(|_| bodies.lives(i)) else {
+                continue;
+            };
+            let is_late = bodies.travels[i].is_due(bodies.step) || bodies.stale.binary_search(&(i as u32)).is_ok();
+            let Some(stored) = self.broad.stored_box(bodies.proxies[i]).filter(|_| !is_late) else {
+                continue;
+            };
+            // Of several extreme points another one may have been taken.
+            let ball = &bodies.balls[i];
+            let rounding = 16.0 * UNIT * (ball.centre.abs().sum() + ball.radius);
+            let (low, high) = solid.shape.aabb_at(&bodies.poses[i], &mut BoxHint::default());
+            let is_in = (0..3).all(|k| {
+                let (mut below, mut above) = (Aabb::new(low, high), Aabb::new(low, high));
+                below.max[k] = low[k] + rounding;
+                above.min[k] = high[k] - rounding;
+                let outward = |side: &Aabb| StoredBox::outward(side, &self.settings.origin);
+                stored.overlaps(&outward(&below)) && stored.overlaps(&outward(&above))
+            });
+            if !is_in {
+                return Err(format!("body {i} of the scene is not in its box"));
+            }
+        }
+        Ok(())
     }
 
     /// Checks the boxes of groups whose effects no call has changed since the last step.

@@ -79,6 +79,8 @@ struct SceneSnapshot {
     wide: Vec<u32>,
     ticks: Ticks,
     due: Vec<u32>,
+    #[serde(default)]
+    stale: Vec<u32>,
     step: u32,
     effects: Vec<(Group, Group, Effects)>,
     /// Growths by group, infinity as the largest number.
@@ -201,6 +203,7 @@ impl SceneSnapshot {
             wide: bodies.wide.clone(),
             ticks: bodies.ticks,
             due: bodies.due.clone(),
+            stale: bodies.stale.clone(),
             step: bodies.step,
             effects: scene.table.entries().collect(),
             growths: scene.growths.iter().map(|g| g.at_most(f64::MAX)).collect(),
@@ -229,7 +232,7 @@ impl SceneSnapshot {
         let growths: Vec<f64> = self.growths.into_iter().map(growth).collect();
         let growths: [f64; GROUPS] = growths.try_into().map_err(|_| "a scene has 32 groups")?;
         let shapes = self.shapes;
-        let lists = [self.free, self.leaving, self.body_of_proxy, self.due];
+        let lists = [self.free, self.leaving, self.body_of_proxy, self.due, self.stale];
         let motions = (self.moving, self.sweeps, self.wide, self.ticks);
         let bodies = restored_bodies(self.rows, &shapes, lists, motions, self.step)?;
         let ignored = restored_filter(&self.ignored, &bodies)?;
@@ -295,7 +298,7 @@ type Motions = (Vec<Moving>, Vec<(u32, Sweep)>, Vec<u32>, Ticks);
 fn restored_bodies(
     rows: Vec<SnapshotRow>,
     shapes: &[Geometry],
-    [free, leaving, body_of_proxy, due]: [Vec<u32>; 4],
+    [free, leaving, body_of_proxy, due, stale]: [Vec<u32>; 5],
     (moving, sweeps, wide, ticks): Motions,
     step: u32,
 ) -> Result<BodyTable, String> {
@@ -306,7 +309,7 @@ fn restored_bodies(
     let known = |i: &u32| *i == u32::MAX || (*i as usize) < n;
     let here = |i: &u32| (*i as usize) < n;
     let swept: Vec<u32> = sweeps.iter().map(|(i, _)| *i).collect();
-    let are_here = due.iter().chain(&wide).chain(&swept).all(here);
+    let are_here = due.iter().chain(&stale).chain(&wide).chain(&swept).all(here);
     if !body_of_proxy.iter().all(known) || !are_here {
         return Err("a list of the scene names a body that is not there".into());
     }
@@ -323,6 +326,7 @@ fn restored_bodies(
         wide,
         ticks,
         due,
+        stale,
         step,
         ..BodyTable::default()
     };

@@ -101,12 +101,16 @@ impl Scene {
     }
 
     /// Makes the boxes that are due and passes them to the broad phase. Bodies without any effect
-    /// need no box.
+    /// need no box; those that move are listed, for ray casts.
     fn make_boxes(&mut self) {
         let Self { bodies, batch, .. } = self;
         batch.clear();
         if !bodies.due.is_sorted() {
             bodies.due.sort_unstable();
+        }
+        let is_without = |group: Group| self.partners[group.index()] == 0;
+        if !bodies.stale.is_empty() || self.census.count(is_without) > 0 {
+            bodies.list_stale(&self.partners);
         }
         let mut hints = core::mem::take(&mut bodies.hints);
         let boxes = Boxes {

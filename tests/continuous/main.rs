@@ -2,8 +2,10 @@
 //! touching is decided.
 
 mod arcs;
+mod half_turns;
 mod height_fields;
 mod kinds;
+mod limits;
 mod meshes;
 
 use lab::paths::families::{self, KINDS};

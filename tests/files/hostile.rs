@@ -54,7 +54,7 @@ fn tampered_files_do_no_harm() {
 }
 
 /// The numbers of a text, each by the way to it.
-fn numbers(value: &Value, way: &str, found: &mut Vec<String>) {
+pub(super) fn numbers(value: &Value, way: &str, found: &mut Vec<String>) {
     match value {
         Value::Number(_) => found.push(way.into()),
         Value::Array(list) => list
@@ -123,7 +123,7 @@ fn survives<T: serde::Serialize + DeserializeOwned>(
 }
 
 /// Two groups, of which one has no boxes as its range is infinite.
-fn small_scene() -> (Scene, Vec<BodyId>) {
+pub(super) fn small_scene() -> (Scene, Vec<BodyId>) {
     let group = |k| Group::new(k).unwrap();
     let none = Effects::none();
     let mut scene = Scene::new();

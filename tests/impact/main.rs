@@ -13,6 +13,7 @@ mod ray;
 mod ray_mesh;
 mod scales;
 mod shapes;
+mod spins;
 
 use judge::{Judge, Tally};
 use lab::casts::{self, SHAPES, Throw};

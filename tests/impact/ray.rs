@@ -4,7 +4,7 @@ use lab::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
 use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, Ray, RayCast, RayCaster, RayError, RayHit, Shape};
 
 fn pose(rng: &mut Rng, size: f64) -> Isometry3<f64> {
@@ -300,4 +300,76 @@ fn rays_meet_tips_at_poses_off_unit_length() {
         }
     }
     assert_eq!(met, 12);
+}
+
+/// A scene of a ball at some place, without any effect, after steps in which the ball moved there.
+fn ball_without_effects(moves: &[Isometry3<f64>]) -> (Scene, BodyId) {
+    let mut scene = Scene::new();
+    let ball = Shape::ball(0.5).expect("a ball");
+    let id = scene.insert(Body::moving(ball), moves[0]).expect("a body");
+    scene.step();
+    for at in &moves[1..] {
+        scene.set_pose(id, *at).expect("a pose");
+        scene.step();
+    }
+    (scene, id)
+}
+
+/// Returns where a ray along x from the origin meets a body of a scene first, if it does.
+fn met(scene: &Scene) -> Option<(BodyId, f64)> {
+    let ray = Ray::new(Point3::origin(), Vector3::x()).expect("a direction");
+    let found = scene.cast_ray(&ray, 10.0, |_| true).expect("no step is due");
+    found.and_then(|(id, cast)| Some((id, cast.safe()?)))
+}
+
+fn is_met_at(scene: &Scene, id: BodyId, expected: f64) {
+    let told = met(scene);
+    let is_right = told.is_some_and(|(body, at)| body == id && (at - expected).abs() < 1e-9);
+    assert!(is_right, "{told:?}, not {id} at {expected}");
+}
+
+/// Bodies without effects count where they are: moved by poses and by ticks, in a scene that was read
+/// back, after their effects are taken away, and among bodies that took the index of a removed one.
+#[test]
+fn rays_meet_bodies_without_effects_where_they_are() {
+    let at = |x: f64, y: f64| Isometry3::translation(x, y, 0.0);
+    let (scene, id) = ball_without_effects(&[at(0.0, 50.0), at(3.0, 0.0)]);
+    is_met_at(&scene, id, 2.5);
+    let (scene, _) = ball_without_effects(&[at(3.0, 0.0), at(0.0, 50.0)]);
+    assert_eq!(met(&scene), None);
+
+    // By a tick.
+    let (mut scene, id) = ball_without_effects(&[at(3.0, 50.0)]);
+    let down = lin_canny::Velocity::new(-Vector3::y() * 50.0, Vector3::zeros());
+    scene.set_velocity(id, down).expect("it moves");
+    scene.advance(1.0).expect("a tick");
+    scene.step();
+    is_met_at(&scene, id, 2.5);
+
+    // Effects are taken away, and given back.
+    let (mut scene, id) = ball_without_effects(&[at(0.0, 50.0)]);
+    let all = Group::default();
+    let boxes = Effects::none().boxes(true);
+    for (k, effects) in [boxes, Effects::none(), boxes, Effects::none()].into_iter().enumerate() {
+        scene.call_for(all, all, effects).expect("an effect");
+        scene.step();
+        let x = 3.0 + k as f64;
+        scene.set_pose(id, at(x, 0.0)).expect("a pose");
+        scene.step();
+        is_met_at(&scene, id, x - 0.5);
+        assert_eq!(scene.check(), Ok(()));
+    }
+
+    // A body of the index of a removed one.
+    let (mut scene, id) = ball_without_effects(&[at(0.0, 50.0), at(3.0, 0.0)]);
+    scene.remove(id).expect("a body");
+    scene.step();
+    assert_eq!(met(&scene), None);
+    let ball = Shape::ball(0.5).expect("a ball");
+    let id = scene.insert(Body::moving(ball), at(4.0, 0.0)).expect("a body");
+    scene.step();
+    is_met_at(&scene, id, 3.5);
+    scene.set_pose(id, at(5.0, 0.0)).expect("a pose");
+    scene.step();
+    is_met_at(&scene, id, 4.5);
 }

@@ -17,7 +17,9 @@ use crate::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings, 
 const IMMOVABLE: Real = 1e-20;
 
 /// Returns an empty rapier world without gravity, under a dispatcher, with the length unit and the
-/// contact stiffness that bodies of about `size` and steps of `time_step` need.
+/// contact stiffness that bodies of about `size` and steps of `time_step` need, and without rapier's
+/// limit of the speed, which would be 400 sizes a second. The [page of the crate](crate) lists what
+/// follows from the size.
 ///
 /// For users of rapier itself; [`Simulation`](super::Simulation) is built on it.
 #[must_use]
@@ -29,6 +31,8 @@ pub fn certified_world(dispatcher: Certified, size: Real, time_step: Real) -> Ph
     parameters.dt = time_step;
     parameters.min_ccd_dt = time_step / 100.0;
     parameters.length_unit = size;
+    // rapier's default stops small bodies in free fall.
+    parameters.normalized_max_linear_velocity = Real::MAX;
     let stiffer = 1.0 / (60.0 * time_step);
     parameters.contact_softness.natural_frequency *= stiffer;
     parameters.static_contact_softness.natural_frequency *= stiffer;
@@ -49,6 +53,9 @@ impl World {
         world.gravity = narrow(&effects.gravity.unwrap_or_else(Vector3::zeros));
         let parameters = &mut world.integration_parameters;
         parameters.num_solver_iterations = effects.iterations;
+        if let Some(speed) = settings.max_speed {
+            parameters.normalized_max_linear_velocity = speed as Real / size;
+        }
         parameters.friction_model = match effects.friction_model {
             FrictionModel::Simplified => rapier::dynamics::FrictionModel::Simplified,
             FrictionModel::Coulomb => rapier::dynamics::FrictionModel::Coulomb,

@@ -6,6 +6,8 @@ use lin_canny_rapier::single as engine;
 mod bodies;
 #[path = "effects.rs"]
 mod effects;
+#[path = "falls.rs"]
+mod falls;
 #[path = "ordinary.rs"]
 mod ordinary;
 #[path = "piles.rs"]

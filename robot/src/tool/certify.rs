@@ -58,8 +58,13 @@ pub(super) fn run(options: &CertifyOptions) -> Result<End, ToolError> {
             Verdict::Blocked { safe, t, pair, .. } => {
                 let [a, b] = names(&checker, pair);
                 let at = time(t).map_or(String::new(), |time| format!(", time {time}"));
+                let meet = if options.margin == 0.0 {
+                    "meet".to_owned()
+                } else {
+                    format!("come within the margin of {}", options.margin)
+                };
                 bar.suspend(|| {
-                    println!("lines {from} to {to}: {a} - {b} meet at {t} of the segment{at}, free to {safe}")
+                    println!("lines {from} to {to}: {a} - {b} {meet} at {t} of the segment{at}, free to {safe}")
                 });
                 let time = time(t).map_or(String::new(), |time| time.to_string());
                 cells.extend(["blocked".into(), safe.to_string(), t.to_string(), time, a, b]);

@@ -17,7 +17,7 @@ use lin_canny_robot::plan::{Checker, ConfigurationSpace, PlanError, WorldPair};
 const ENDS: &str = "\
 Exit codes:
   0  free: every row is clear, every segment proven free, a path found
-  1  a row in contact, or a segment blocked
+  1  a row, a start or a goal in contact, or a segment blocked
   2  wrong arguments
   3  a file was refused, or cannot be written
   4  neither proven: rounding hides whether a pair meets
@@ -79,7 +79,8 @@ pub(crate) fn main() -> ExitCode {
         Ok(End::NoPath) => ExitCode::from(5),
         Err(error) => {
             eprintln!("lin-canny-robot: {error}");
-            ExitCode::from(3)
+            let is_contact = matches!(error, ToolError::Plan(PlanError::Contact { .. }));
+            ExitCode::from(if is_contact { 1 } else { 3 })
         }
     }
 }

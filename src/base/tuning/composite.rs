@@ -282,6 +282,16 @@ pub(crate) const PATH_INTERVALS: u32 = 128;
 /// faces are tried pair by pair. Not measured.
 pub(crate) const TRIANGLE_INTERVALS: u32 = 12;
 
+/// Bits beyond which an integer of an exact decision of vertices on straight paths counts as wide.
+/// Of coordinates that differ by less than twenty magnitudes none is.
+#[cfg(feature = "exact")]
+pub(crate) const WIDE: usize = 1024;
+
+/// Most products of words of wide integers in the exact decisions of one call, which then ends as
+/// unknown.
+#[cfg(feature = "exact")]
+pub(crate) const WIDE_WORK: u64 = 100_000_000;
+
 /// A frame of meshes that rotate is searched in so many steps that the sagitta of a step is at most
 /// this part of the radius of the smaller mesh, but in no more steps than the other number. Not
 /// measured.

@@ -93,23 +93,25 @@ impl<'a> MeshOverFrame<'a> {
         for pose in [begin, end] {
             RelativePose::from_isometry(pose)?;
         }
-        self.posed([begin, end].map(|pose| {
-            let rotation = UnitQuaternion::new_normalize(pose.rotation.into_inner());
-            Isometry3::from_parts(pose.translation, rotation)
-        }))
+        self.posed([*begin, *end])
     }
 
-    /// Returns the mesh at other poses, of unit quaternions.
+    /// Returns the mesh at other poses. Where it rotates, the motion is made of the poses as given:
+    /// rounded once more, a half turn could go the other way round.
     fn posed(self, poses: [Isometry3<f64>; 2]) -> Result<Self, ImpactError> {
-        let [begin, end] = &poses;
+        let unit = |pose: &Isometry3<f64>| {
+            let rotation = UnitQuaternion::new_normalize(pose.rotation.into_inner());
+            Isometry3::from_parts(pose.translation, rotation)
+        };
+        let [begin, end] = [unit(&poses[0]), unit(&poses[1])];
         let (p, q) = (begin.rotation.coords, end.rotation.coords);
         let motion = if p == q || p == -q {
             None
         } else {
-            Some(Steady::between(begin, end, 1.0, Point3::origin()).map_err(refused)?)
+            Some(Steady::between(&poses[0], &poses[1], 1.0, Point3::origin()).map_err(refused)?)
         };
         let ends = match &motion {
-            None => [Moment::new(0.0, begin), Moment::new(1.0, end)],
+            None => [Moment::new(0.0, &begin), Moment::new(1.0, &end)],
             Some(motion) => [0.0, 1.0].map(|time| Moment::new(time, &motion.pose(time))),
         };
         let meshes = self.meshes;

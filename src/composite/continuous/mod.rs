@@ -57,8 +57,9 @@
 //! solid bodies, surfaces may have passed through each other at `hit`. [`Impact::Start`]: in
 //! contact at time zero, touching included.
 //! Of vertices on straight paths [`Impact::Near`] is returned without the feature `exact` alone,
-//! and [`Impact::Unknown`] if exact arithmetic reaches its limit of 65,536 halvings, which no test
-//! has met.
+//! and [`Impact::Unknown`] if exact arithmetic reaches a limit: 65,536 halvings, which no test has
+//! met, or in one call 1e8 products of words of integers of more than 1,024 bits. Coordinates that
+//! differ by hundreds of magnitudes make such integers; those of twenty magnitudes do not.
 //!
 //! Points of a body that rotates do not move on straight paths. [`MeshOverFrame::moving`] cuts the
 //! frame into intervals in which the arcs are nearly straight, takes off what they are not, and

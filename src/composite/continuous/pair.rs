@@ -1,7 +1,7 @@
 //! The first contact of two parts: what floating point proves, and what exact arithmetic decides.
 
 use super::paths::{Path, VertexPaths};
-use super::search::{FirstContact, LEAST_WIDTH, SearchWork, first_contact, search};
+use super::search::{FirstContact, LEAST_WIDTH, SearchWork, WideWork, first_contact, search};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tuning::composite::TRIANGLE_INTERVALS;
 use crate::composite::meet::triangle::Triangle;
@@ -10,13 +10,13 @@ use crate::composite::meet::triangle::Triangle;
 /// allows.
 pub(super) fn vertex_face(vertex: &[Path; 1], face: &[Path; 3], width: f64, work: &mut SearchWork) -> FirstContact {
     let found = vertex_face_until(vertex, face, (1.0, width), work);
-    decided(found, width, work, || exact_vertex_face(vertex, face, width))
+    decided(found, width, work, |wide| exact_vertex_face(vertex, face, width, wide))
 }
 
 /// Returns the first contact of two edges, in a bracket at most `width` wide if rounding allows.
 pub(super) fn edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64, work: &mut SearchWork) -> FirstContact {
     let found = edge_edge_until(a, b, (1.0, width), work);
-    decided(found, width, work, || exact_edge_edge(a, b, width))
+    decided(found, width, work, |wide| exact_edge_edge(a, b, width, wide))
 }
 
 fn vertex_face_until(vertex: &[Path; 1], face: &[Path; 3], time: (f64, f64), work: &mut SearchWork) -> FirstContact {
@@ -42,13 +42,13 @@ fn decided(
     found: FirstContact,
     width: f64,
     work: &mut SearchWork,
-    exactly: impl FnOnce() -> FirstContact,
+    exactly: impl FnOnce(&mut WideWork) -> FirstContact,
 ) -> FirstContact {
     let Some(safe) = unsettled(found, width) else {
         return found;
     };
     work.proofs = work.proofs.saturating_add(1);
-    match exactly() {
+    match exactly(&mut work.wide) {
         FirstContact::Hit { safe: before, hit } => FirstContact::Hit {
             safe: if safe < hit { before.larger(safe) } else { before },
             hit,
@@ -59,22 +59,22 @@ fn decided(
 }
 
 #[cfg(feature = "exact")]
-fn exact_vertex_face(vertex: &[Path; 1], face: &[Path; 3], width: f64) -> FirstContact {
-    super::exact::vertex_face(&vertex[0], face, width)
+fn exact_vertex_face(vertex: &[Path; 1], face: &[Path; 3], width: f64, wide: &mut WideWork) -> FirstContact {
+    super::exact::vertex_face(&vertex[0], face, width, wide)
 }
 
 #[cfg(feature = "exact")]
-fn exact_edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64) -> FirstContact {
-    super::exact::edge_edge(a, b, width)
+fn exact_edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64, wide: &mut WideWork) -> FirstContact {
+    super::exact::edge_edge(a, b, width, wide)
 }
 
 #[cfg(not(feature = "exact"))]
-fn exact_vertex_face(_: &[Path; 1], _: &[Path; 3], _: f64) -> FirstContact {
+fn exact_vertex_face(_: &[Path; 1], _: &[Path; 3], _: f64, _: &mut WideWork) -> FirstContact {
     FirstContact::Open { safe: 0.0 }
 }
 
 #[cfg(not(feature = "exact"))]
-fn exact_edge_edge(_: &[Path; 2], _: &[Path; 2], _: f64) -> FirstContact {
+fn exact_edge_edge(_: &[Path; 2], _: &[Path; 2], _: f64, _: &mut WideWork) -> FirstContact {
     FirstContact::Open { safe: 0.0 }
 }
 
@@ -103,10 +103,10 @@ impl Elements {
         }
     }
 
-    fn exactly(&self, width: f64) -> FirstContact {
+    fn exactly(&self, width: f64, wide: &mut WideWork) -> FirstContact {
         match self {
-            Self::VertexFace(vertex, face) => exact_vertex_face(vertex, face, width),
-            Self::EdgeEdge(a, b) => exact_edge_edge(a, b, width),
+            Self::VertexFace(vertex, face) => exact_vertex_face(vertex, face, width, wide),
+            Self::EdgeEdge(a, b) => exact_edge_edge(a, b, width, wide),
         }
     }
 }
@@ -161,7 +161,7 @@ pub(super) fn triangles_until(
     open.sort_by(|x, y| x.0.total_cmp(&y.0));
     for (safe, found, pair) in open {
         if safe < first.hit {
-            first.add(decided(found, width, work, || pair.exactly(width)));
+            first.add(decided(found, width, work, |wide| pair.exactly(width, wide)));
         }
         if first.is_start {
             return FirstContact::Start;

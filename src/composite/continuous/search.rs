@@ -6,6 +6,8 @@ use nalgebra::Vector3;
 use super::paths::{FourVertices, Parts, VertexPaths, VertexPlaces, volume_sign, volumes};
 use crate::base::num::extremes::Bounded;
 use crate::base::tuning::composite::{PATH_INTERVALS, PATH_ROUNDS, PATH_WIDTH};
+#[cfg(feature = "exact")]
+use crate::base::tuning::composite::{WIDE, WIDE_WORK};
 
 /// Least width of a bracket: some roundings of times near one.
 pub(super) const LEAST_WIDTH: f64 = 4.0 * f64::EPSILON;
@@ -30,6 +32,34 @@ pub(super) struct SearchWork {
     pub(super) intervals: u32,
     /// Crossings that were tried to be proven, and exact decisions.
     pub(super) proofs: u32,
+    /// Work of exact decisions on wide integers.
+    pub(super) wide: WideWork,
+}
+
+/// Work of exact decisions on integers that are wider than those of ordinary coordinates: products of
+/// words. Paths of a few magnitudes never count.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WideWork(u64);
+
+#[cfg(feature = "exact")]
+impl WideWork {
+    /// Counts the work of so many operations on two integers of so many bits; `None` if the budget
+    /// is spent.
+    pub(super) fn count(&mut self, operations: usize, [one, other]: [usize; 2]) -> Option<()> {
+        if one.max(other) > WIDE {
+            let words = |bits: usize| bits as u64 / 64 + 1;
+            let work = words(one)
+                .saturating_mul(words(other))
+                .saturating_mul(operations as u64);
+            self.0 = self.0.saturating_add(work);
+        }
+        self.left()
+    }
+
+    /// Returns `None` if the budget is spent.
+    pub(super) fn left(self) -> Option<()> {
+        (self.0 <= WIDE_WORK).then_some(())
+    }
 }
 
 /// Returns the first contact of a vertex and a face or of two edges in the time until `until`, in

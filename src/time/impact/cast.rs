@@ -8,7 +8,7 @@ use crate::base::notice::log;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::{PoseError, RelativePose};
 use crate::base::tolerance::ROOT;
-use crate::base::tuning::impact::{AIM, CLEAR, DOUBLINGS, LEAST, LOOKS, SHRINK};
+use crate::base::tuning::impact::{AIM, CLEAR, DOUBLINGS, LEAST, LOOKS, PACE, PACE_LOOKS, SHRINK};
 use crate::pair::outcome::Class;
 use crate::time::separation::{Flight, Measure, Proof, Separation};
 
@@ -44,6 +44,13 @@ enum Next {
 }
 
 impl LookBudget {
+    /// Returns whether the looks so far have come so little ahead that looks at their pace would not
+    /// come to the end, by far. Tried now and then.
+    fn is_hopeless(&self, gone: f64, whole: f64) -> bool {
+        let used = LOOKS - self.left;
+        used > 0 && used.is_multiple_of(PACE_LOOKS) && gone * (PACE * f64::from(LOOKS)) < whole * f64::from(used)
+    }
+
     /// Shrinks the tolerance for another round; false if no round is left.
     fn again(&mut self) -> bool {
         self.shrunk *= SHRINK;
@@ -67,7 +74,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             left: LOOKS,
             shrunk: 1.0,
         };
-        while budget.left > 0 {
+        while budget.left > 0 && !budget.is_hopeless(time - from, self.until - from) {
             budget.left -= 1;
             let (relative, mut flight) = flight(self.motion_a, self.motion_b, time, self.until, self.distance)?;
             let (apart, is_known) = (flight.apart(self.pair), flight.is_known());

@@ -1,10 +1,11 @@
 //! Worlds of bodies of every kind under sequences of calls from arbitrary bytes: after every call the tables of the scene agree
 //! with each other, and after every step all that the scene says is that of brute force, whatever decides which pairs are
-//! looked at: budget, schedule, threads, and a file read back between any two calls.
+//! looked at: budget, schedule, threads, and a file read back between any two calls. Rays and searches are judged after steps.
 //!
 //! The test `scene`, the target `scenes` of `fuzz/` and the instrument `soak` share this.
 
 mod judge;
+mod searches;
 
 use super::Bytes;
 use crate::forms::{Form, forms};
@@ -46,6 +47,10 @@ pub struct Mix {
     pub slept: [u64; 2],
     /// Impacts.
     pub impacts: u64,
+    /// Rays, those that meet a body, and those whose body no effect covers and has moved.
+    pub rays: [u64; 3],
+    /// Closest pairs that are apart and not the only ones, pairs searched, and bodies told to be near.
+    pub searches: [u64; 3],
 }
 
 impl Mix {
@@ -57,6 +62,8 @@ impl Mix {
             (&mut self.overlapping, &o.overlapping),
             (&mut self.distances, &o.distances),
             (&mut self.slept, &o.slept),
+            (&mut self.rays, &o.rays),
+            (&mut self.searches, &o.searches),
         ];
         for (mine, theirs) in lists {
             mine.iter_mut().zip(theirs).for_each(|(x, y)| *x += y);
@@ -152,6 +159,8 @@ struct World<C> {
     overlapping: Keys,
     within: Keys,
     boxes: Keys,
+    /// Bodies that have moved since they were inserted.
+    moved: BTreeSet<BodyId>,
     mix: Mix,
 }
 
@@ -175,6 +184,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             overlapping: Keys::new(),
             within: Keys::new(),
             boxes: Keys::new(),
+            moved: BTreeSet::new(),
             mix: Mix::default(),
         };
         world.mix.worlds = 1;
@@ -227,13 +237,18 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 self.each(|scene| scene.remove(id)).expect("the body lives");
                 self.bodies.remove(&id);
             }
+            2 if bytes.chance(5) => {
+                for (g, h) in [(0, 0), (0, 1), (1, 1)] {
+                    self.call_for(g, h, NONE);
+                }
+            }
             2 if bytes.chance(30) => {
                 let (g, h) = (bytes.byte() % 2, bytes.byte() % 2);
                 let effects = if bytes.chance(20) { NONE } else { bytes.effects() };
                 self.call_for(g, h, effects);
             }
             3 if bytes.chance(30) => {
-                let g = group(bytes.byte() % 2);
+                let g = group(bytes.byte() % 3);
                 let done = self.each(|scene| scene.set_group(id, g));
                 self.mix.refused += u64::from(done.is_err());
             }
@@ -279,7 +294,11 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
     }
 
     fn insert(&mut self, bytes: &mut Bytes<'_>) {
-        let (k, fixed, g) = (bytes.below(self.forms.len()), bytes.chance(25), group(bytes.byte() % 2));
+        let (k, fixed, g) = (
+            bytes.below(self.forms.len()),
+            bytes.chance(25),
+            group(self.drawn_group(bytes)),
+        );
         let pose = bytes.pose();
         let shape = self.forms[k].0.clone();
         let body = if fixed { Body::fixed(shape) } else { Body::moving(shape) };
@@ -292,6 +311,12 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             Err(SceneError::Unanswered { .. }) => self.mix.refused += 1,
             Err(e) => panic!("{e}"),
         }
+    }
+
+    /// A group of a body: mostly one with effects, now and then the third, which never has any.
+    fn drawn_group(&self, bytes: &mut Bytes<'_>) -> u8 {
+        let byte = bytes.byte();
+        if byte % 8 == 7 { 2 } else { byte % 2 }
     }
 
     fn switch(&mut self, bytes: &mut Bytes<'_>) {
@@ -307,6 +332,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
 
     fn put(&mut self, id: BodyId, pose: Isometry3<f64>) {
         self.each(|scene| scene.set_pose(id, pose)).expect("a sound pose");
+        self.moved.insert(id);
         self.mix.late += u64::from(self.has_tick);
     }
 
@@ -332,6 +358,8 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         match self.each(|scene| scene.advance(length)) {
             Ok(()) => {
                 self.mix.ticks[0] += 1;
+                let thrown = motions.iter().filter(|m| m.1.1 != Velocity::default());
+                self.moved.extend(thrown.map(|m| *m.0));
                 let is_rest = motions.values().all(|m| m.1 == Velocity::default());
                 self.mix.ticks[1] += u64::from(is_rest);
                 // A second tick is none that a step sees, nor one before impacts were called for.
@@ -358,6 +386,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         }
         self.mix.steps += 1;
         self.compare_scenes();
+        self.judge_searches();
         let mut now = [Keys::new(), Keys::new()];
         for (a, b) in self.pairs().collect::<Vec<_>>() {
             self.judge(a, b, &mut now);

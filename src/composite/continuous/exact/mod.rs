@@ -13,7 +13,7 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::paths::Path;
-use super::search::{FirstContact, LEAST_WIDTH};
+use super::search::{FirstContact, LEAST_WIDTH, WideWork};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::body::polyhedron::lowest_bit;
 use crate::composite::meet::triangle::Triangle;
@@ -33,16 +33,16 @@ enum ExactPair<'a> {
 
 /// Returns the first contact of a vertex and a face, in a bracket at most about `width` wide;
 /// open only if a limit is reached.
-pub(super) fn vertex_face(vertex: &Path, face: &[Path; 3], width: f64) -> FirstContact {
+pub(super) fn vertex_face(vertex: &Path, face: &[Path; 3], width: f64, work: &mut WideWork) -> FirstContact {
     let [p, a, b, c] = moving([vertex, &face[0], &face[1], &face[2]]);
-    ExactPair::Face([&p, &a, &b, &c]).found(width)
+    ExactPair::Face([&p, &a, &b, &c]).found(width, work)
 }
 
 /// Returns the first contact of two edges, in a bracket at most about `width` wide; open only
 /// if a limit is reached.
-pub(super) fn edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64) -> FirstContact {
+pub(super) fn edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64, work: &mut WideWork) -> FirstContact {
     let [a, b, c, d] = moving([&a[0], &a[1], &b[0], &b[1]]);
-    ExactPair::Edges([&a, &b, &c, &d]).found(width)
+    ExactPair::Edges([&a, &b, &c, &d]).found(width, work)
 }
 
 /// Returns whether an edge of one triangle passes through the inside of the other.
@@ -99,21 +99,23 @@ fn is_zero(a: &Vector) -> bool {
 }
 
 impl<'a> ExactPair<'a> {
-    fn found(&self, width: f64) -> FirstContact {
-        self.first_contact(width.at_least(LEAST_WIDTH))
+    fn found(&self, width: f64, work: &mut WideWork) -> FirstContact {
+        self.first_contact(width.at_least(LEAST_WIDTH), work)
             .unwrap_or(FirstContact::Open { safe: 0.0 })
     }
 
-    /// Returns the first contact; `None` if halving has not found a root or a sign.
-    fn first_contact(&self, width: f64) -> Option<FirstContact> {
-        if self.is_in_contact(&mut Root::zero())? {
+    /// Returns the first contact; `None` if halving has not found a root or a sign, or the budget is
+    /// spent.
+    fn first_contact(&self, width: f64, work: &mut WideWork) -> Option<FirstContact> {
+        work.left()?;
+        if self.is_in_contact(&mut Root::zero(), work)? {
             return Some(FirstContact::Start);
         }
         let mut bracket: Option<[f64; 2]> = None;
         for polynomial in self.candidates() {
-            for mut root in polynomial.roots()? {
-                if !root.is_zero() && self.is_in_contact(&mut root)? {
-                    let [safe, hit] = root.bracket(width);
+            for mut root in polynomial.roots(work)? {
+                if !root.is_zero() && self.is_in_contact(&mut root, work)? {
+                    let [safe, hit] = root.bracket(width, work)?;
                     let [s, h] = bracket.unwrap_or([safe, hit]);
                     bracket = Some([safe.smaller(s), hit.smaller(h)]);
                     break;
@@ -141,18 +143,18 @@ impl<'a> ExactPair<'a> {
     }
 
     /// Returns whether the parts are in contact at an instant.
-    fn is_in_contact(&self, at: &mut Root) -> Option<bool> {
-        if at.sign_of(&self.volume())? != 0 {
+    fn is_in_contact(&self, at: &mut Root, work: &mut WideWork) -> Option<bool> {
+        if at.sign_of(&self.volume(), work)? != 0 {
             return Some(false);
         }
         let normal = self.normal();
         let mut is_flat = true;
         for x in &normal {
-            is_flat &= at.sign_of(x)? == 0;
+            is_flat &= at.sign_of(x, work)? == 0;
         }
         if is_flat {
             for segment in self.segments() {
-                if segment.is_in_contact(at)? {
+                if segment.is_in_contact(at, work)? {
                     return Some(true);
                 }
             }
@@ -163,7 +165,7 @@ impl<'a> ExactPair<'a> {
             return Some(false);
         }
         for share in self.shares(&normal) {
-            if at.sign_of(&share)? < 0 {
+            if at.sign_of(&share, work)? < 0 {
                 return Some(false);
             }
         }

@@ -11,6 +11,7 @@ use dashu_base::{BitTest, Gcd};
 use dashu_int::IBig;
 
 use crate::base::num::extremes::Bounded;
+use crate::composite::continuous::search::WideWork;
 use crate::convex::exact::integer::sign;
 
 /// A polynomial by its coefficients, the constant first and the last not zero; zero has none.
@@ -31,6 +32,11 @@ impl Polynomial {
 
     pub(super) fn is_zero(&self) -> bool {
         self.0.is_empty()
+    }
+
+    /// Returns the bits of the widest coefficient.
+    fn bits(&self) -> usize {
+        self.0.iter().map(BitTest::bit_len).max().unwrap_or(0)
     }
 
     fn degree(&self) -> usize {
@@ -99,29 +105,33 @@ impl Polynomial {
         (quotient, rest)
     }
 
-    fn common_divisor(&self, other: &Self) -> Self {
+    fn common_divisor(&self, other: &Self, work: &mut WideWork) -> Option<Self> {
         let (mut a, mut b) = (self.clone().primitive(), other.clone().primitive());
         while !b.is_zero() {
+            let bits = a.bits().max(b.bits());
+            // Quotients of polynomials, and divisors of their coefficients.
+            work.count(8 * a.0.len() * b.0.len(), [bits, bits])?;
             let rest = a.divided(&b).1.primitive();
             (a, b) = (b, rest);
         }
-        a
+        Some(a)
     }
 
     /// Returns a multiple of the polynomial of the same roots, each once.
-    fn square_free(&self) -> Self {
-        let common = self.common_divisor(&self.derivative());
-        if common.degree() == 0 {
+    fn square_free(&self, work: &mut WideWork) -> Option<Self> {
+        let common = self.common_divisor(&self.derivative(), work)?;
+        Some(if common.degree() == 0 {
             self.clone().primitive()
         } else {
             self.divided(&common).0.primitive()
-        }
+        })
     }
 
     /// Returns multiples of the Bernstein coefficients from `k / 2^j` to `(k + 1) / 2^j`, each by
-    /// the same positive factor.
-    fn bernstein(&self, k: &IBig, j: usize) -> Vec<IBig> {
+    /// the same positive factor; `None` if the budget is spent.
+    fn bernstein(&self, k: &IBig, j: usize, work: &mut WideWork) -> Option<Vec<IBig>> {
         let n = self.degree();
+        work.count((n + 1) * (n + 2), [self.bits() + j * n, k.bit_len()])?;
         // p((k + x) / 2^j) 2^(j n), by Horner's rule for the shift.
         let mut shifted: Vec<IBig> = self.0.iter().enumerate().map(|(i, c)| c << (j * (n - i))).collect();
         for first in 0..n {
@@ -134,12 +144,12 @@ impl Polynomial {
         let factorial = |x: usize| (1..=x).product::<usize>();
         let weight = |i: usize, m: usize| factorial(i) / factorial(i - m) * factorial(n - m);
         let of = |i: usize| (0..=i).fold(IBig::ZERO, |sum, m| sum + &shifted[m] * IBig::from(weight(i, m)));
-        (0..=n).map(of).collect()
+        Some((0..=n).map(of).collect())
     }
 
     /// Returns the roots from zero to one, in order; `None` if halving has not isolated them.
-    pub(super) fn roots(&self) -> Option<Vec<Root>> {
-        let simple = self.square_free();
+    pub(super) fn roots(&self, work: &mut WideWork) -> Option<Vec<Root>> {
+        let simple = self.square_free(work)?;
         let mut roots = Vec::new();
         if simple.degree() == 0 {
             return Some(roots);
@@ -152,7 +162,7 @@ impl Polynomial {
             let Some((k, j)) = open.pop() else {
                 return Some(roots);
             };
-            let coefficients = simple.bernstein(&k, j);
+            let coefficients = simple.bernstein(&k, j, work)?;
             match variations(&coefficients) {
                 0 => {}
                 1 => roots.push(Root {
@@ -212,59 +222,62 @@ impl Root {
         self.is_exact && self.low.is_zero()
     }
 
-    /// Halves the interval.
-    fn refine(&mut self) {
+    /// Halves the interval; `None` if the budget is spent.
+    fn refine(&mut self, work: &mut WideWork) -> Option<()> {
         let (left, halvings) = (2 * &self.low, self.halvings + 1);
-        let coefficients = self.of.bernstein(&left, halvings);
+        let coefficients = self.of.bernstein(&left, halvings, work)?;
         self.halvings = halvings;
         self.is_exact = coefficients.last().is_some_and(IBig::is_zero);
         let is_left = variations(&coefficients) == 1;
         self.low = if self.is_exact || !is_left { left + 1 } else { left };
+        Some(())
     }
 
     /// Returns the sign of a polynomial at the root; `None` if halving has not found it.
-    pub(super) fn sign_of(&mut self, other: &Polynomial) -> Option<i32> {
+    pub(super) fn sign_of(&mut self, other: &Polynomial, work: &mut WideWork) -> Option<i32> {
         if other.is_zero() {
             return Some(0);
         }
         let mut is_unequal = false;
         for _ in 0..MOST {
             if self.is_exact {
-                return Some(sign(&other.bernstein(&self.low, self.halvings)[0]));
+                return other.bernstein(&self.low, self.halvings, work)?.first().map(sign);
             }
-            let coefficients = other.bernstein(&self.low, self.halvings);
+            let coefficients = other.bernstein(&self.low, self.halvings, work)?;
             if variations(&coefficients) == 0 {
                 let first = coefficients.iter().map(sign).find(|s| *s != 0);
                 return Some(first.unwrap_or(0));
             }
             if !is_unequal {
-                let common = self.of.common_divisor(other);
+                let common = self.of.common_divisor(other, work)?;
                 // The interval holds one root of either, if any.
-                if common.degree() > 0 && variations(&common.bernstein(&self.low, self.halvings)) % 2 == 1 {
+                let is_common = |at: Vec<IBig>| variations(&at) % 2 == 1;
+                if common.degree() > 0 && is_common(common.bernstein(&self.low, self.halvings, work)?) {
                     return Some(0);
                 }
                 is_unequal = true;
             }
-            self.refine();
+            self.refine(work)?;
         }
         None
     }
 
     /// Returns numbers of f64 about the root, less than `width` and a rounding apart: one below,
-    /// and one that is not below. Zero is no root here, and `width` not below `2^-1000`.
-    pub(super) fn bracket(&mut self, width: f64) -> [f64; 2] {
+    /// and one that is not below; `None` if the budget is spent. Zero is no root here, and `width` not
+    /// below `2^-1000`.
+    pub(super) fn bracket(&mut self, width: f64, work: &mut WideWork) -> Option<[f64; 2]> {
         while !self.is_exact && crate::body::polyhedron::power_of_two(-(self.halvings as i32)) > width {
-            self.refine();
+            self.refine(work)?;
         }
         if self.is_exact {
             let [below, above] = rounded(&self.low, self.halvings);
             let low = if below == above { below.next_down() } else { below };
-            return [low.at_least(0.0), above];
+            return Some([low.at_least(0.0), above]);
         }
-        [
+        Some([
             rounded(&self.low, self.halvings)[0],
             rounded(&(&self.low + 1), self.halvings)[1],
-        ]
+        ])
     }
 }
 

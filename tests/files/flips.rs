@@ -1,0 +1,108 @@
+//! Each number of a saved scene changed once: what is read back agrees with itself, and what does not is refused by a text that
+//! says why (feature `serde`).
+#![cfg(feature = "serde")]
+
+use super::hostile::{numbers, small_scene};
+use lin_canny::Velocity;
+use lin_canny::broad::{Aabb, BodyOptions, BroadPhase, PencilSweep, SortedAxes};
+use lin_canny::impact::Tolerance;
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::scene::{Effects, Group, Scene};
+use serde::{Serialize, de::DeserializeOwned};
+use serde_json::{Value, json};
+
+/// What a number is changed to.
+fn others(number: &Value) -> Vec<Value> {
+    match (number.as_u64(), number.as_f64()) {
+        (Some(0), _) => vec![json!(1), json!(2), json!(7)],
+        (Some(n), _) => vec![json!(n - 1), json!(n + 1), json!(n ^ 4)],
+        (_, Some(x)) => vec![json!(x + 0.75), json!(-x - 0.3), json!(2.0 * x)],
+        _ => Vec::new(),
+    }
+}
+
+/// Changes each number once in each way, and checks what can be read: how many could, and could not.
+fn flipped<T: Serialize + DeserializeOwned>(value: &T, mut check: impl FnMut(T) -> Result<(), String>) -> [usize; 2] {
+    let text = serde_json::to_value(value).unwrap();
+    let mut ways = Vec::new();
+    numbers(&text, "", &mut ways);
+    let mut counts = [0; 2];
+    for way in &ways {
+        for other in others(text.pointer(way).unwrap()) {
+            let mut changed = text.clone();
+            *changed.pointer_mut(way).unwrap() = other.clone();
+            match serde_json::from_value::<T>(changed) {
+                Ok(read) => {
+                    assert_eq!(check(read), Ok(()), "{way} changed to {other}");
+                    counts[0] += 1;
+                }
+                Err(e) => {
+                    assert!(e.to_string().len() > 12, "{way}: {e}");
+                    counts[1] += 1;
+                }
+            }
+        }
+    }
+    counts
+}
+
+/// A scene between a tick and its step, with velocities, a removed body, a pair that is ignored, and bodies without effects that have
+/// moved.
+fn busy_scene() -> Scene {
+    let (mut scene, ids) = small_scene();
+    let impact = Effects::none().overlap(true).impact(Tolerance::Distance(1e-6));
+    let all = Group::default();
+    scene.call_for(all, all, impact).unwrap();
+    let id = ids[4];
+    scene.set_group(id, Group::new(5).unwrap()).unwrap();
+    scene.ignore_pair(ids[0], ids[3]).unwrap();
+    scene.step();
+    scene.set_pose(id, Isometry3::translation(0.3, 4.0, 0.0)).unwrap();
+    scene.step();
+    scene.remove(ids[1]).unwrap();
+    let velocity = Velocity::new(Vector3::x() * 3.0, Vector3::z());
+    scene.set_velocity(ids[3], velocity).unwrap();
+    scene.advance(0.1).unwrap();
+    scene
+}
+
+#[test]
+fn a_scene_with_one_number_changed_is_refused_or_sound() {
+    let after_step = small_scene().0;
+    for scene in [after_step, busy_scene()] {
+        assert_eq!(scene.check(), Ok(()));
+        let counts = flipped(&scene, |mut read: Scene| {
+            read.check()?;
+            read.step();
+            read.check()
+        });
+        std::println!("{counts:?}");
+        assert!(counts.iter().all(|n| *n > 300), "{counts:?}");
+    }
+}
+
+#[test]
+fn a_broad_phase_with_one_number_changed_is_refused_or_sound() {
+    fn filled<B: BroadPhase>(mut broad: B) -> B {
+        let at = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
+        let ids: Vec<_> = (0..6)
+            .map(|k| broad.insert(&at(0.7 * f64::from(k)), BodyOptions::moving()).unwrap())
+            .collect();
+        broad
+            .insert_unbounded(&Aabb::everything(), BodyOptions::fixed())
+            .unwrap();
+        broad.step();
+        broad.remove(ids[2]).unwrap();
+        broad.set_box(ids[4], &at(0.1)).unwrap();
+        broad
+    }
+    fn checked<B: BroadPhase>(mut broad: B) -> Result<(), String> {
+        broad.check()?;
+        broad.step();
+        broad.check()
+    }
+    let counts = flipped(&filled(PencilSweep::new()), checked);
+    assert!(counts.iter().all(|n| *n > 20), "{counts:?}");
+    let counts = flipped(&filled(SortedAxes::new()), checked);
+    assert!(counts.iter().all(|n| *n > 20), "{counts:?}");
+}
