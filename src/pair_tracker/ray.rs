@@ -220,7 +220,7 @@ impl RayCaster {
         let width = RAY_WIDTH * (radius + sqrt((ball.0 - ray.origin).norm_squared()));
         #[cfg(feature = "meshes")]
         if let Some(mesh) = body.mesh()
-            && let Some(found) = super::ray_mesh::pierce(mesh, pose, ray, (from, until), width)
+            && let Some(found) = super::ray_mesh::pierce(mesh, pose, ray, (from, until), (length, width))
         {
             return Ok(found);
         }
