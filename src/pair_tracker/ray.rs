@@ -8,6 +8,8 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{PLACED_BALL, RAY};
 use crate::base::tuning::impact::{RAY_CROSSINGS, RAY_WIDTH};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
+#[cfg(feature = "meshes")]
+use crate::composite::meet::ray::Met;
 use crate::pair_tracker::PairTracker;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::impact::{Impact, ImpactError, Tolerance, cast};
@@ -243,6 +245,18 @@ impl RayCaster {
                 }
             }
         };
+        #[cfg(feature = "meshes")]
+        if let Some(hull) = body.polyhedron()
+            && let Some(met) = super::ray_hull::proven(hull, pose, ray, ((from, until), (length, width)), &found)
+        {
+            return Ok(match met {
+                Met::Nothing => RayCast::Miss,
+                Met::Between(safe, hit) => match self.seen(body, pose, &ray.at(safe)) {
+                    Some(seen) => entered(pose, (safe, hit), &seen),
+                    None => RayCast::Near { safe },
+                },
+            });
+        }
         #[cfg(feature = "meshes")]
         if let (RayCast::Hit(hit), Some(mesh)) = (found, body.mesh()) {
             return Ok(super::ray_mesh::entered(mesh, pose, ray, (hit.safe, hit.hit)));

@@ -21,20 +21,7 @@ pub(super) fn pierce(
     (from, until): (f64, f64),
     (length, width): (f64, f64),
 ) -> Option<RayCast> {
-    let (centre, radius) = GeometryRef::from(mesh).bounding_ball();
-    let size = radius + centre.coords.abs().sum() + ray.origin.coords.abs().sum() + until;
-    let seen = placed(pose, &ray.origin)?;
-    let place = |at: f64| Some(placed(pose, &ray.at(at))?.translation() / mesh.unit());
-    let on_mesh = MeshRay {
-        ends: [place(from)?, place(until)?],
-        error: RAY * (size + pose.translation.vector.abs().sum()) / mesh.unit(),
-        direction: seen.rotation() * ray.direction.into_inner(),
-        span: (from, until),
-        length,
-        width,
-        #[cfg(feature = "exact")]
-        exact: ExactRay::new(seen, ray.direction.into_inner()),
-    };
+    let on_mesh = in_body(mesh.into(), mesh.unit(), pose, ray, (from, until), (length, width))?;
     if from == 0.0 && begins_in(mesh, &on_mesh)? {
         return Some(RayCast::Inside);
     }
@@ -44,11 +31,37 @@ pub(super) fn pierce(
     })
 }
 
+/// Returns a part of a ray in the frame of a body at a pose, in a unit of length; `None` if the body
+/// is out of range.
+pub(super) fn in_body(
+    body: GeometryRef,
+    unit: f64,
+    pose: &Isometry3<f64>,
+    ray: &Ray,
+    (from, until): (f64, f64),
+    (length, width): (f64, f64),
+) -> Option<MeshRay> {
+    let (centre, radius) = body.bounding_ball();
+    let size = radius + centre.coords.abs().sum() + ray.origin.coords.abs().sum() + until;
+    let seen = placed(pose, &ray.origin)?;
+    let place = |at: f64| Some(placed(pose, &ray.at(at))?.translation() / unit);
+    Some(MeshRay {
+        ends: [place(from)?, place(until)?],
+        error: RAY * (size + pose.translation.vector.abs().sum()) / unit,
+        direction: seen.rotation() * ray.direction.into_inner(),
+        span: (from, until),
+        length,
+        width,
+        #[cfg(feature = "exact")]
+        exact: ExactRay::new(seen, ray.direction.into_inner()),
+    })
+}
+
 /// Returns whether a ray begins in a solid or on the surface; `None` if rounding hides it.
 fn begins_in(mesh: &Mesh, ray: &MeshRay) -> Option<bool> {
     let held = mesh.held_by_rounding(&ray.ends[0], ray.error);
     #[cfg(feature = "exact")]
-    let held = held.or_else(|| Some(mesh.side_of(&ray.exact.origin(mesh)) != PointSide::Outside));
+    let held = held.or_else(|| Some(mesh.side_of(&ray.exact.origin(mesh.exponent)) != PointSide::Outside));
     held
 }
 

@@ -91,12 +91,17 @@ impl ExactMesh {
         let mut sum = 0;
         for t in &self.triangles {
             let [a, b, c] = t.map(|v| &points[v]);
+            let height = volume(a, b, c, p);
+            // In the plane of a triangle that does not hold the point, the ray leaves at once.
+            if height == 0 {
+                continue;
+            }
             let turns = [volume(p, to, a, b), volume(p, to, b, c), volume(p, to, c, a)];
             if turns.contains(&0) {
                 return None;
             }
             // Ahead if the point is below the triangle that the ray leaves through.
-            if turns[1] == turns[0] && turns[2] == turns[0] && volume(a, b, c, p) == -turns[0] {
+            if turns[1] == turns[0] && turns[2] == turns[0] && height == -turns[0] {
                 sum += turns[0];
             }
         }

@@ -10,14 +10,14 @@ use crate::base::num::sign::projection;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::lowest_bit;
 use crate::composite::meet::exact_side::IntegerTriangle;
-use crate::composite::meet::ray::RayTriangle;
-use crate::composite::mesh::Mesh;
+use crate::composite::meet::ray::{RayBody, RayTriangle};
+use crate::composite::meet::triangle::Triangle;
 use crate::convex::exact::integer::{Big3, cross, dot, integer, sign, sub};
 use crate::convex::exact::place::{ExactVector, compare, quotient};
 
-/// A ray as the caller gave it, in stored coordinates of a mesh.
+/// A ray as the caller gave it, in stored coordinates of a body.
 pub(crate) struct ExactRay {
-    /// From the mesh to the origin of the ray.
+    /// From the body to the origin of the ray.
     pose: RelativePose,
     direction: Vector3<f64>,
     integers: OnceCell<IntegerRay>,
@@ -48,9 +48,9 @@ impl ExactRay {
         }
     }
 
-    fn integers(&self, mesh: &Mesh) -> &IntegerRay {
+    fn integers(&self, exponent: i32) -> &IntegerRay {
         self.integers.get_or_init(|| {
-            let origin = self.origin(mesh);
+            let origin = self.origin(exponent);
             let direction = ExactVector::new(&self.direction).direction_in_a(&self.pose);
             let moment = cross(&origin.at, &direction.at);
             let weighed = direction.at.each_ref().map(|x| x * &origin.over);
@@ -63,16 +63,21 @@ impl ExactRay {
         })
     }
 
-    /// Returns the origin of the ray.
-    pub(crate) fn origin(&self, mesh: &Mesh) -> ExactVector {
-        ExactVector::new(&Vector3::zeros()).in_a(&self.pose).in_units(mesh.exponent)
+    /// Returns the origin of the ray in units of `2^exponent`.
+    pub(crate) fn origin(&self, exponent: i32) -> ExactVector {
+        ExactVector::new(&Vector3::zeros()).in_a(&self.pose).in_units(exponent)
     }
 
     /// Returns where the ray meets a triangle, of which some sides are known.
-    pub(super) fn meets(&self, mesh: &Mesh, t: u32, sides: [Option<i32>; 3], length: f64) -> RayTriangle {
-        let ray = self.integers(mesh);
-        let corners = mesh.corners(t);
-        let triangle = IntegerTriangle::new(&corners);
+    pub(super) fn meets(
+        &self,
+        corners: &Triangle,
+        body: RayBody,
+        sides: [Option<i32>; 3],
+        length: f64,
+    ) -> RayTriangle {
+        let ray = self.integers(body.exponent);
+        let triangle = IntegerTriangle::new(corners);
         let mut signs = [0; 3];
         for k in 0..3 {
             signs[k] = sides[k].unwrap_or_else(|| ray.side(&triangle, k));
@@ -82,12 +87,12 @@ impl ExactRay {
         }
         let along = match signs {
             // Of a closed surface another triangle holds the first point.
-            [0, 0, 0] if mesh.is_solid() => None,
+            [0, 0, 0] if body.is_closed => None,
             [0, 0, 0] => projection(&corners[0], &corners[1], &corners[2])
                 .and_then(|axis| ray.first_of_edges(&triangle, axis)),
             _ => ray.to_plane(&triangle),
         };
-        along.map_or(RayTriangle::Miss, |along| along.bracket(mesh.exponent, length))
+        along.map_or(RayTriangle::Miss, |along| along.bracket(body.exponent, length))
     }
 }
 

@@ -14,7 +14,7 @@ use crate::composite::mesh::Mesh;
 #[cfg(feature = "exact")]
 use crate::composite::meet::exact_ray::ExactRay;
 
-/// A part of a ray, in stored coordinates of a mesh. Distances from the origin of the ray are the
+/// A part of a ray, in stored coordinates of a body of triangles. Distances from the origin of the ray are the
 /// caller's.
 pub(crate) struct MeshRay {
     /// The ends of the part, up to `error`.
@@ -32,7 +32,17 @@ pub(crate) struct MeshRay {
     pub(crate) exact: ExactRay,
 }
 
+/// The body of a triangle.
+#[derive(Clone, Copy)]
+pub(crate) struct RayBody {
+    /// Stored lengths times `2^exponent` are the caller's.
+    pub(crate) exponent: i32,
+    /// Whether another triangle holds every edge too.
+    pub(crate) is_closed: bool,
+}
+
 /// What the ray meets.
+#[derive(Clone, Copy)]
 pub(crate) enum Met {
     Nothing,
     /// Nothing up to the first distance, something up to the second.
@@ -40,7 +50,7 @@ pub(crate) enum Met {
 }
 
 /// A ray and a triangle.
-pub(super) enum RayTriangle {
+pub(crate) enum RayTriangle {
     Miss,
     Between(f64, f64),
     /// Rounding hides the answer.
@@ -51,36 +61,62 @@ impl Mesh {
     /// Returns what a ray meets first, unless the origin is on the mesh. `None` if rounding hides
     /// it: never with the feature `exact`.
     pub(crate) fn first_met(&self, ray: &MeshRay) -> Option<Met> {
-        let (mut met, mut is_clear) = (None, true);
+        let (mut met, mut is_clear) = (Met::Nothing, true);
         let [from, to] = &ray.ends;
+        let body = RayBody {
+            exponent: self.exponent,
+            is_closed: self.is_solid(),
+        };
         self.any_along(from, to, ray.error, |t| {
-            match ray.meets(self, t) {
-                RayTriangle::Miss => {}
-                RayTriangle::Between(low, high) => {
-                    let (safe, hit) = met.unwrap_or((low, high));
-                    met = Some((low.min(safe), high.min(hit)));
-                }
-                RayTriangle::Unclear => is_clear = false,
-            }
+            is_clear = met.add(ray.meets(&self.corners(t), body));
             !is_clear
         });
-        is_clear.then(|| met.map_or(Met::Nothing, |(safe, hit)| Met::Between(safe, hit)))
+        is_clear.then_some(met)
+    }
+}
+
+impl Met {
+    /// Takes in another triangle; returns whether rounding does not hide it.
+    pub(crate) fn add(&mut self, triangle: RayTriangle) -> bool {
+        match (triangle, *self) {
+            (RayTriangle::Unclear, _) => return false,
+            (RayTriangle::Miss, _) => {}
+            (RayTriangle::Between(low, high), Self::Nothing) => *self = Self::Between(low, high),
+            (RayTriangle::Between(low, high), Self::Between(safe, hit)) => {
+                *self = Self::Between(low.min(safe), high.min(hit));
+            }
+        }
+        true
     }
 }
 
 impl MeshRay {
-    fn meets(&self, mesh: &Mesh, t: u32) -> RayTriangle {
-        let corners = mesh.corners(t);
-        let sides = self.sides(&corners);
+    /// Returns where the ray meets a triangle of a body.
+    pub(crate) fn meets(&self, corners: &Triangle, body: RayBody) -> RayTriangle {
+        let sides = self.sides(corners);
         if sides.contains(&Some(1)) && sides.contains(&Some(-1)) {
             return RayTriangle::Miss;
         }
         if let [Some(_), Some(_), Some(_)] = sides
-            && let Some((low, high)) = self.between(&corners)
+            && let Some((at, off)) = self.to_plane(corners)
+            && off < 0.75 * self.width
         {
-            return self.clipped(low, high).unwrap_or_else(|| self.exactly(mesh, t, sides));
+            let low = at - self.width;
+            let clipped = self.clipped(low, low + self.width * 2.0);
+            return clipped.unwrap_or_else(|| self.exactly(corners, body, sides));
         }
-        self.exactly(mesh, t, sides)
+        self.exactly(corners, body, sides)
+    }
+
+    /// Returns whether the ray certainly passes through a triangle between two distances.
+    pub(crate) fn passes(&self, corners: &Triangle, (from, until): (f64, f64)) -> bool {
+        let sides = self.sides(corners);
+        let is_through = sides == [Some(1); 3] || sides == [Some(-1); 3];
+        let noise = 0.25 * self.width;
+        is_through
+            && self
+                .to_plane(corners)
+                .is_some_and(|(at, off)| at - off - noise > from && at + off + noise < until)
     }
 
     /// Returns on which sides of the edges of a triangle the line passes: `None` if rounding hides
@@ -104,9 +140,9 @@ impl MeshRay {
         })
     }
 
-    /// Returns two distances between which the line meets the plane of a triangle; `None` if
-    /// rounding hides more than the width.
-    fn between(&self, corners: &Triangle) -> Option<(f64, f64)> {
+    /// Returns at which distance the line meets the plane of a triangle, and by how much it may be
+    /// off beside the rounding of the distance itself.
+    fn to_plane(&self, corners: &Triangle) -> Option<(f64, f64)> {
         let [from, to] = &self.ends;
         let (seen, way) = (corners[0] - from, to - from);
         let (u, v) = (corners[1] - corners[0], corners[2] - corners[0]);
@@ -117,13 +153,12 @@ impl MeshRay {
         let (own, size) = (sqrt(n.norm_squared()), u.abs().sum() * v.abs().sum());
         let error = |x: &Vector3<f64>| own * self.error + RAY_PLANE * size * x.abs().sum();
         let (of_height, of_rise) = (error(&seen), 2.0 * error(&way));
-        let off = (of_height + part.abs() * of_rise) * length;
-        // Written so that NaN is too wide.
-        if !(off < self.width * (rise.abs() - of_rise) * 0.75) {
-            return None;
-        }
-        let low = self.span.0 + part * length - self.width;
-        Some((low, low + self.width * 2.0))
+        let least = rise.abs() - of_rise;
+        // Written so that NaN is none.
+        (least > 0.0).then(|| {
+            let off = (of_height + part.abs() * of_rise) * length / least;
+            (self.span.0 + part * length, off)
+        })
     }
 
     /// Returns the bracket of a distance if its ends leave no doubt that the ray gets there.
@@ -136,12 +171,12 @@ impl MeshRay {
 
     #[cfg(feature = "exact")]
     #[cold]
-    fn exactly(&self, mesh: &Mesh, t: u32, sides: [Option<i32>; 3]) -> RayTriangle {
-        self.exact.meets(mesh, t, sides, self.length)
+    fn exactly(&self, corners: &Triangle, body: RayBody, sides: [Option<i32>; 3]) -> RayTriangle {
+        self.exact.meets(corners, body, sides, self.length)
     }
 
     #[cfg(not(feature = "exact"))]
-    fn exactly(&self, _: &Mesh, _: u32, _: [Option<i32>; 3]) -> RayTriangle {
+    fn exactly(&self, _: &Triangle, _: RayBody, _: [Option<i32>; 3]) -> RayTriangle {
         RayTriangle::Unclear
     }
 }
