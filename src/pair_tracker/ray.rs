@@ -149,16 +149,26 @@ pub struct RayHit {
 
 /// Casts rays at geometries; keeps the state of the body that was asked last.
 ///
-/// The point that moves along the ray is a body of its own, and its first contact is that of
-/// [`impact::cast`](crate::impact::cast): the bracket is proven, at grazing rays, sheets without
-/// thickness and any scale. Its width is some `1e-12` of the size of the body and its distance. A
-/// cast takes microseconds; an engine that draws pictures by rays wants one that does nothing else.
+/// The bracket is proven at any scale, for grazing rays and for sheets without thickness. A cast
+/// takes microseconds; an engine that draws pictures by rays wants one that does nothing else.
 ///
-/// | body | answer |
-/// |---|---|
-/// | convex, closed mesh, composite | proven |
-/// | open mesh | proven: a short piece of the ray crosses a triangle |
-/// | surface of patches | [`RayCast::Near`] where the ray meets it: a point proves no crossing |
+/// | body | answer | width of the bracket |
+/// |---|---|---|
+/// | mesh, closed or open | proven for the ray to the bit (feature `exact`): never [`RayCast::Near`] | at most `2e-12 L` |
+/// | polyhedron | the same (features `exact` and `meshes`), if its faces are flat to the last bit, as those of hulls are | about `1e-12 L` |
+/// | curved shape, composite | proven for a point that moves along the ray, placed up to rounding | about `1e-12 L` head on |
+/// | surface of patches | [`RayCast::Near`] where the ray meets it: a point proves no crossing | |
+///
+/// L is the radius of the body and the distance of its middle from the origin of the ray. A ray
+/// that touches a closed mesh or a polyhedron at an edge, or runs in a face, hits it. A ray that
+/// grazes a curved shape or a composite may have a bracket as wide as the part of the ray that is
+/// within rounding, `1e-15 L`, of the surface: `3e-8 L` along a ball, all of a face along a face.
+///
+/// Without the feature `exact` a ray that passes an edge or a vertex of a mesh within rounding,
+/// `1e-14 L`, is answered by the point that moves along it: such a hit may be a miss.
+///
+/// The point that moves along a ray is a body of its own, and its first contact is that of
+/// [`impact::cast`](crate::impact::cast).
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};

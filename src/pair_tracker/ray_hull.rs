@@ -48,9 +48,7 @@ pub(super) fn proven(
         is_closed: !hull.is_flat,
     };
     let mut met = Met::Nothing;
-    let is_clear = hull
-        .triangles()
-        .all(|t| met.add(on_hull.meets(&placed(hull, t), body)));
+    let is_clear = hull.triangles().all(|t| met.add(on_hull.meets(&placed(hull, t), body)));
     is_clear.then_some(met)
 }
 

@@ -1,9 +1,12 @@
 //! Promise: a point beside a closed mesh, and a ray beside or through one, is decided by exact arithmetic.
 
+use lab::driven::points::{self, Mix};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, Scene};
-use lin_canny::{Class, Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose};
+use lin_canny::scene::{Body, Change, Effects, Scene};
+use lin_canny::{
+    Class, Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
+};
 
 fn cube(size: f64) -> Geometry {
     let hull = solids::cuboid(Vector3::repeat(size)).expect("a cube");
@@ -40,7 +43,11 @@ fn ask(mesh: &Geometry, body: &Geometry, pose: &RelativePose, place: Place, told
         let bound = tracker.lower_bound(a, b, &pose);
         assert!(!met || bound <= 0.0, "{told}: {bound:e}");
         // Warm, the same.
-        assert_eq!(tracker.intersects(a, b, &pose).is_yes(), met, "{told}: intersects, warm");
+        assert_eq!(
+            tracker.intersects(a, b, &pose).is_yes(),
+            met,
+            "{told}: intersects, warm"
+        );
     }
 }
 
@@ -96,14 +103,13 @@ fn bodies_smaller_than_rounding_are_on_their_side_of_a_face() {
 #[test]
 fn a_scene_tells_a_point_next_to_a_mesh_from_one_in_it() {
     for (z, met) in [(1.0 + 1e-14, false), (1.0, true), (1.0 - 1e-14, true)] {
-        let mut scene = Scene::new();
+        let mut scene = Scene::with_effects(Effects::none().overlap(true)).expect("effects");
         let here = Isometry3::identity();
-        let mesh = scene.insert(Body::moving(cube(1.0)), here).expect("a body");
-        let body = scene
-            .insert(Body::moving(point(0.2, 0.2, z)), here)
-            .expect("a body");
+        scene.insert(Body::moving(cube(1.0)), here).expect("a body");
+        scene.insert(Body::moving(point(0.2, 0.2, z)), here).expect("a body");
         scene.step();
-        assert_eq!(scene.intersects(mesh, body), Ok(met), "{z}");
+        let began = scene.events().iter().any(|e| e.change == Change::OverlapBegan);
+        assert_eq!(began, met, "{z}");
     }
 }
 
@@ -123,4 +129,59 @@ fn a_ray_next_to_a_face_has_no_hit() {
             }
         }
     }
+}
+
+/// Every ray is one that a cast of a point answered as near, or with a wide bracket.
+#[test]
+fn a_ray_in_the_plane_of_a_face_meets_the_edge_in_front() {
+    let still = Isometry3::identity();
+    let hull = Geometry::from(solids::cuboid(Vector3::repeat(1.0)).expect("a cube"));
+    for body in [cube(1.0), hull] {
+        for y in [0.2, 1.0, -1.0] {
+            let ray = Ray::new(Point3::new(3.0, y, 1.0), -Vector3::x()).expect("a ray");
+            let found = RayCaster::new().cast(&body, &still, &ray, f64::INFINITY);
+            let Ok(RayCast::Hit(hit)) = found else {
+                panic!("{y}: {found:?}")
+            };
+            assert!(
+                hit.safe < 2.0 && 2.0 <= hit.hit && hit.hit - hit.safe < 1e-10,
+                "{hit:?}"
+            );
+        }
+    }
+}
+
+fn play(count: u64) -> Mix {
+    let mut mix = Mix::default();
+    for seed in 0..count {
+        match points::play(seed) {
+            Ok(played) => mix.add(&played),
+            Err(fault) => panic!("{fault}"),
+        }
+    }
+    mix
+}
+
+fn is_mixed(mix: &Mix, least: u64) -> bool {
+    let counts = [
+        &mix.points[..],
+        &mix.small,
+        &mix.rays,
+        &[mix.through, mix.grazing],
+        &mix.hull_rays[..3],
+    ];
+    counts.concat().iter().all(|count| *count >= least)
+}
+
+#[test]
+fn random_points_and_rays_next_to_meshes_are_decided() {
+    let mix = play(170);
+    assert!(is_mixed(&mix, 20), "{mix:?}");
+}
+
+#[test]
+#[ignore = "minutes: 100,000 points and as many rays; cargo test --release --test meshes many_points -- --ignored"]
+fn many_points_and_rays_next_to_meshes_are_decided() {
+    let mix = play(17_000);
+    assert!(is_mixed(&mix, 2_000), "{mix:?}");
 }

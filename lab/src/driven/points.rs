@@ -104,7 +104,11 @@ fn poses(rng: &mut Rng, size: f64) -> [Pose; 2] {
         [0.0, 0.0, 0.0, 1.0],
     ];
     let mut pose = || {
-        let q = if rng.chance(0.5) { *rng.pick(&halves) } else { rng.quat() };
+        let q = if rng.chance(0.5) {
+            *rng.pick(&halves)
+        } else {
+            rng.quat()
+        };
         let t = match rng.below(4) {
             0 => [0.0; 3],
             1 => scale([1.0, -3.0, 2.0], size * 0.25),
@@ -214,7 +218,10 @@ impl World {
         let mut ends = vec![near];
         for _ in 0..if self.rng.chance(0.5) { 1 } else { 3 } {
             let way = add(scale(normal, self.rng.sign()), self.rng.in_ball());
-            ends.push(add(near, scale(self.poses[1].rotate_back(self.poses[0].rotate(way)), length)));
+            ends.push(add(
+                near,
+                scale(self.poses[1].rotate_back(self.poses[0].rotate(way)), length),
+            ));
         }
         if ends[1..].contains(&near) {
             return Ok(());
@@ -236,7 +243,8 @@ impl World {
         };
         self.mix.small[usize::from(met)] += 1;
         let place = if met { Place::Inside } else { Place::Outside };
-        if ends.len() == 4 && self.rng.chance(0.5)
+        if ends.len() == 4
+            && self.rng.chance(0.5)
             && let Ok(small) = Mesh::from_convex(&small)
         {
             return self.judge(&small.into(), place, &ends);
@@ -262,7 +270,11 @@ impl World {
             let bound = tracker.lower_bound(a, b, &pose);
             if !is_right || shares.is_yes() != met || within.is_yes() != met || met && bound > 0.0 {
                 let told = format!("{shares:?} {within:?} {bound:e} {found:?}");
-                return Err(format!("{place:?} {:?} {points:?} {:?}: {told}", body.kind(), self.poses));
+                return Err(format!(
+                    "{place:?} {:?} {points:?} {:?}: {told}",
+                    body.kind(),
+                    self.poses
+                ));
             }
         }
         Ok(())
@@ -295,12 +307,20 @@ impl World {
         let (from, way) = self.aim();
         let at = self.poses[0];
         let origin = Point3::from(at.apply(from));
-        let Ok(ray) = Ray::new(origin, Vector3::from(at.rotate(way))) else { return Ok(()) };
-        let length = if self.rng.chance(0.7) { f64::INFINITY } else { self.rng.range(0.1, 4.0) * self.size };
+        let Ok(ray) = Ray::new(origin, Vector3::from(at.rotate(way))) else {
+            return Ok(());
+        };
+        let length = if self.rng.chance(0.7) {
+            f64::INFINITY
+        } else {
+            self.rng.range(0.1, 4.0) * self.size
+        };
         let line = line_at(origin.into(), ray.direction.into_inner().into(), &at);
         let begins = self.exact.place(&line.0, &mut self.rng);
         let first = self.exact.first(&line);
-        let within = first.as_ref().filter(|(s, _)| length == f64::INFINITY || *s <= exact(length));
+        let within = first
+            .as_ref()
+            .filter(|(s, _)| length == f64::INFINITY || *s <= exact(length));
         let found = self.cast(false, &ray, length, begins, within.map(|f| &f.0))?;
         match found {
             RayCast::Inside => self.mix.rays[2] += 1,
@@ -309,7 +329,12 @@ impl World {
         }
         self.mix.through += u64::from(within.is_some_and(|f| f.1));
         let slack = 1e-12 * norm(scale(from, 1.0 / self.size)).max(1.0) * self.size;
-        let is_near = |p: Point| norm(scale(cross(scale(sub(p, from), 1.0 / self.size), unit(scale(way, 1.0 / self.size))), self.size)) < slack;
+        let is_near = |p: Point| {
+            norm(scale(
+                cross(scale(sub(p, from), 1.0 / self.size), unit(scale(way, 1.0 / self.size))),
+                self.size,
+            )) < slack
+        };
         let is_grazing = found == RayCast::Miss && self.soup.points.iter().any(|p| is_near(*p));
         self.mix.grazing += u64::from(is_grazing);
         if self.hull.is_some() {
@@ -326,10 +351,19 @@ impl World {
     }
 
     /// Casts a ray at the mesh or its hull.
-    fn cast(&self, is_hull: bool, ray: &Ray, length: f64, begins: Place, first: Option<&RBig>) -> Result<RayCast, String> {
+    fn cast(
+        &self,
+        is_hull: bool,
+        ray: &Ray,
+        length: f64,
+        begins: Place,
+        first: Option<&RBig>,
+    ) -> Result<RayCast, String> {
         let body = self.hull.as_ref().filter(|_| is_hull).unwrap_or(&self.mesh);
         let at = self.poses[0].isometry();
-        let found = RayCaster::new().cast(body, &at, ray, length).map_err(|e| e.to_string())?;
+        let found = RayCaster::new()
+            .cast(body, &at, ray, length)
+            .map_err(|e| e.to_string())?;
         let is_in = begins != Place::Outside;
         let is_right = match found {
             RayCast::Inside => is_in,
@@ -343,6 +377,9 @@ impl World {
             return Ok(found);
         }
         let first = first.map(|s| s.to_f64().value());
-        Err(format!("hull {is_hull}, {begins:?}, {first:?}: {found:?}; {ray:?} {length:e} {:?}", self.poses[0]))
+        Err(format!(
+            "hull {is_hull}, {begins:?}, {first:?}: {found:?}; {ray:?} {length:e} {:?}",
+            self.poses[0]
+        ))
     }
 }

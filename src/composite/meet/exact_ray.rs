@@ -69,13 +69,7 @@ impl ExactRay {
     }
 
     /// Returns where the ray meets a triangle, of which some sides are known.
-    pub(super) fn meets(
-        &self,
-        corners: &Triangle,
-        body: RayBody,
-        sides: [Option<i32>; 3],
-        length: f64,
-    ) -> RayTriangle {
+    pub(super) fn meets(&self, corners: &Triangle, body: RayBody, sides: [Option<i32>; 3], length: f64) -> RayTriangle {
         let ray = self.integers(body.exponent);
         let triangle = IntegerTriangle::new(corners);
         let mut signs = [0; 3];
@@ -88,8 +82,9 @@ impl ExactRay {
         let along = match signs {
             // Of a closed surface another triangle holds the first point.
             [0, 0, 0] if body.is_closed => None,
-            [0, 0, 0] => projection(&corners[0], &corners[1], &corners[2])
-                .and_then(|axis| ray.first_of_edges(&triangle, axis)),
+            [0, 0, 0] => {
+                projection(&corners[0], &corners[1], &corners[2]).and_then(|axis| ray.first_of_edges(&triangle, axis))
+            }
             _ => ray.to_plane(&triangle),
         };
         along.map_or(RayTriangle::Miss, |along| along.bracket(body.exponent, length))
@@ -142,9 +137,7 @@ impl IntegerRay {
         let flat = |a: &[&IBig; 2], b: &[&IBig; 2]| a[0] * b[1] - a[1] * b[0];
         let way = [&d.at[u], &d.at[v]];
         // Of a corner minus the origin, over the denominator of the origin.
-        let place = |c: &Big3| {
-            [u, v].map(|k| difference(&(&c[k] * &o.over), t.exponent, &o.at[k], o.exponent))
-        };
+        let place = |c: &Big3| [u, v].map(|k| difference(&(&c[k] * &o.over), t.exponent, &o.at[k], o.exponent));
         let places = t.corners.each_ref().map(place);
         let aside = places.each_ref().map(|p| sign(&flat(&way, &[&p[0], &p[1]])));
         let crossed = (0..3).filter(|&k| aside[k] * aside[(k + 1) % 3] <= 0 && aside[k] != aside[(k + 1) % 3]);

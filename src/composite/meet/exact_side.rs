@@ -141,7 +141,11 @@ impl Mesh {
         let (axis, way) = if up[x] < down[y] { (x, 1) } else { (y, -1) };
         let mut end = *p;
         let size = (self.high - self.low).max();
-        end[axis] = if way > 0 { self.high[axis] + size } else { self.low[axis] - size };
+        end[axis] = if way > 0 {
+            self.high[axis] + size
+        } else {
+            self.low[axis] - size
+        };
         let mut winding = 0;
         let is_on = self.any_along(p, &end, error, |t| {
             let corners = self.corners(t);

@@ -9,10 +9,10 @@ use nalgebra::Vector3;
 
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{RAY_PLANE, RAY_SIDE};
-use crate::composite::meet::triangle::{self, Triangle};
-use crate::composite::mesh::Mesh;
 #[cfg(feature = "exact")]
 use crate::composite::meet::exact_ray::ExactRay;
+use crate::composite::meet::triangle::{self, Triangle};
+use crate::composite::mesh::Mesh;
 
 /// A part of a ray, in stored coordinates of a body of triangles. Distances from the origin of the ray are the
 /// caller's.
@@ -172,7 +172,11 @@ impl MeshRay {
     #[cfg(feature = "exact")]
     #[cold]
     fn exactly(&self, corners: &Triangle, body: RayBody, sides: [Option<i32>; 3]) -> RayTriangle {
-        self.exact.meets(corners, body, sides, self.length)
+        match self.exact.meets(corners, body, sides, self.length) {
+            // As far before the body as by floating point: rounding leaves a side of the surface to it.
+            RayTriangle::Between(low, high) if low > self.width => RayTriangle::Between(low - self.width, high),
+            found => found,
+        }
     }
 
     #[cfg(not(feature = "exact"))]

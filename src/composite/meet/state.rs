@@ -159,7 +159,9 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
             Operand::A => (self.a.exact_probe(k), self.pose.swapped(), self.b.by_kind()),
             Operand::B => (self.b.exact_probe(k), *self.pose, self.a.by_kind()),
         };
-        let PartsRef::Mesh(mesh) = other else { return Some((false, Vector3::zeros(), Vector3::zeros())) };
+        let PartsRef::Mesh(mesh) = other else {
+            return Some((false, Vector3::zeros(), Vector3::zeros()));
+        };
         let place = point.clone().in_a(&pose).in_units(mesh.exponent);
         let is_held = match mesh.side_of(&place) {
             PointSide::Outside => false,
@@ -167,8 +169,16 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
             PointSide::Inside => true,
         };
         Some(match of {
-            Operand::A => (is_held, point.in_units(self.a.side().exponent).rounded(), place.rounded()),
-            Operand::B => (is_held, place.rounded(), point.in_units(self.b.side().exponent).rounded()),
+            Operand::A => (
+                is_held,
+                point.in_units(self.a.side().exponent).rounded(),
+                place.rounded(),
+            ),
+            Operand::B => (
+                is_held,
+                place.rounded(),
+                point.in_units(self.b.side().exponent).rounded(),
+            ),
         })
     }
 
