@@ -119,7 +119,7 @@ pub(crate) struct PoseBits {
 
 impl PoseBits {
     #[inline(always)]
-    fn new(pose: &Isometry3<f64>) -> Self {
+    pub(crate) fn new(pose: &Isometry3<f64>) -> Self {
         let (q, t) = (&pose.rotation.coords, &pose.translation.vector);
         Self::of([q.x, q.y, q.z, q.w], [t.x, t.y, t.z])
     }

@@ -9,6 +9,8 @@ use crate::body::shape::Shape;
 use crate::composite::meet::frame::TreeSide;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
+#[cfg(feature = "exact")]
+use crate::convex::exact::place::ExactVector;
 
 /// A mesh or a composite.
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +73,10 @@ pub(crate) trait Parted {
     /// Returns the middle of one of up to 256 triangles all over a mesh of one connected
     /// part; `None` beyond the last, for other meshes, and for pieces.
     fn further_probe(&self, k: usize) -> Option<Vector3<f64>>;
+
+    /// Returns a point of a connected part without rounding, in the caller's unit.
+    #[cfg(feature = "exact")]
+    fn exact_probe(&self, k: usize) -> ExactVector;
 
     /// Returns whether a point that may be off its place by `doubt` is inside a solid mesh: false
     /// for pieces, which are measured as solids. `None` if the surface is as near as the doubt, or
@@ -147,6 +153,12 @@ impl Parted for Mesh {
         (self.part_vertices.len() == 1 && t < count).then(|| self.triangle_middle(t as u32))
     }
 
+    #[cfg(feature = "exact")]
+    fn exact_probe(&self, k: usize) -> ExactVector {
+        let [first, ..] = self.probe(k);
+        ExactVector::new(&first).in_units(-self.exponent)
+    }
+
     fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
         self.holds_point(point, doubt)
     }
@@ -172,6 +184,11 @@ macro_rules! forward {
 impl Parted for PartsRef<'_> {
     fn by_kind(&self) -> PartsRef<'_> {
         *self
+    }
+
+    #[cfg(feature = "exact")]
+    fn exact_probe(&self, k: usize) -> ExactVector {
+        either!(self, body => body.exact_probe(k))
     }
 
     forward! {

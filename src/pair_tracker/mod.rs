@@ -21,6 +21,8 @@ mod parted;
 mod patched;
 pub(crate) mod ray;
 #[cfg(feature = "meshes")]
+mod ray_hull;
+#[cfg(feature = "meshes")]
 mod ray_mesh;
 mod state;
 mod tracked;

@@ -9,6 +9,8 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{PLACED_BALL, RAY};
 use crate::base::tuning::impact::{RAY_CROSSINGS, RAY_WIDTH};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
+#[cfg(feature = "meshes")]
+use crate::composite::meet::ray::Met;
 use crate::pair_tracker::PairTracker;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::impact::{Impact, ImpactError, Tolerance, cast};
@@ -148,16 +150,26 @@ pub struct RayHit {
 
 /// Casts rays at geometries; keeps the state of the body that was asked last.
 ///
-/// The point that moves along the ray is a body of its own, and its first contact is that of
-/// [`impact::cast`](crate::impact::cast): the bracket is proven, at grazing rays, sheets without
-/// thickness and any scale. Its width is some `1e-12` of the size of the body and its distance. A
-/// cast takes microseconds; an engine that draws pictures by rays wants one that does nothing else.
+/// The bracket is proven at any scale, for grazing rays and for sheets without thickness. A cast
+/// takes microseconds; an engine that draws pictures by rays wants one that does nothing else.
 ///
-/// | body | answer |
-/// |---|---|
-/// | convex, closed mesh, composite | proven |
-/// | open mesh | proven: a short piece of the ray crosses a triangle |
-/// | surface of patches | [`RayCast::Near`] where the ray meets it: a point proves no crossing |
+/// | body | answer | width of the bracket |
+/// |---|---|---|
+/// | mesh, closed or open | proven for the ray to the bit (feature `exact`): never [`RayCast::Near`] | at most `2e-12 L` |
+/// | polyhedron | the same (features `exact` and `meshes`), if its faces are flat to the last bit, as those of hulls are | about `1e-12 L` |
+/// | curved shape, composite | proven for a point that moves along the ray, placed up to rounding | about `1e-12 L` head on |
+/// | surface of patches | [`RayCast::Near`] where the ray meets it: a point proves no crossing | |
+///
+/// L is the radius of the body and the distance of its middle from the origin of the ray. A ray
+/// that touches a closed mesh or a polyhedron at an edge, or runs in a face, hits it. A ray that
+/// grazes a curved shape or a composite may have a bracket as wide as the part of the ray that is
+/// within rounding, `1e-15 L`, of the surface: `3e-8 L` along a ball, all of a face along a face.
+///
+/// Without the feature `exact` a ray that passes an edge or a vertex of a mesh within rounding,
+/// `1e-14 L`, is answered by the point that moves along it: such a hit may be a miss.
+///
+/// The point that moves along a ray is a body of its own, and its first contact is that of
+/// [`impact::cast`](crate::impact::cast).
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -221,7 +233,7 @@ impl RayCaster {
         let width = RAY_WIDTH * (radius + sqrt((ball.0 - ray.origin).norm_squared()));
         #[cfg(feature = "meshes")]
         if let Some(mesh) = body.mesh()
-            && let Some(found) = super::ray_mesh::pierce(mesh, pose, ray, (from, until), width)
+            && let Some(found) = super::ray_mesh::pierce(mesh, pose, ray, (from, until), (length, width))
         {
             return Ok(found);
         }
@@ -244,6 +256,18 @@ impl RayCaster {
                 }
             }
         };
+        #[cfg(feature = "meshes")]
+        if let Some(hull) = body.polyhedron()
+            && let Some(met) = super::ray_hull::proven(hull, pose, ray, ((from, until), (length, width)), &found)
+        {
+            return Ok(match met {
+                Met::Nothing => RayCast::Miss,
+                Met::Between(safe, hit) => match self.seen(body, pose, &ray.at(safe)) {
+                    Some(seen) => entered(pose, (safe, hit), &seen),
+                    None => RayCast::Near { safe },
+                },
+            });
+        }
         #[cfg(feature = "meshes")]
         if let (RayCast::Hit(hit), Some(mesh)) = (found, body.mesh()) {
             return Ok(super::ray_mesh::entered(mesh, pose, ray, (hit.safe, hit.hit)));

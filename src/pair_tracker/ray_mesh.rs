@@ -1,50 +1,69 @@
-//! Ray casts of meshes: the triangle that a ray first passes through, by exact predicates.
+//! Ray casts of meshes: what a ray first meets, by exact predicates.
 
 use nalgebra::{Isometry3, Unit};
 
 use super::ray::{Ray, RayCast, RayHit, placed};
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::RAY;
-use crate::base::tuning::impact::RAY_CROSSINGS;
+#[cfg(feature = "exact")]
+use crate::composite::meet::exact_ray::ExactRay;
+#[cfg(feature = "exact")]
+use crate::composite::meet::exact_side::PointSide;
+use crate::composite::meet::ray::{MeshRay, Met};
 use crate::composite::mesh::Mesh;
 use crate::pair_tracker::geometry::GeometryRef;
 
-/// Returns the answer of a mesh by the triangle that a part of the ray first passes through, up to
-/// rounding: the part before it is apart from the mesh, and a short piece there crosses it, both
-/// proven. `None` if either proof fails, or if the origin lies in the mesh or is too near to tell.
+/// Returns the answer of a mesh by the triangle that a part of the ray first meets. `None` if
+/// rounding hides the answer: never with the feature `exact`, but for places out of range.
 pub(super) fn pierce(
     mesh: &Mesh,
     pose: &Isometry3<f64>,
     ray: &Ray,
     (from, until): (f64, f64),
-    width: f64,
+    (length, width): (f64, f64),
 ) -> Option<RayCast> {
-    let (centre, radius) = GeometryRef::from(mesh).bounding_ball();
+    let on_mesh = in_body(mesh.into(), mesh.unit(), pose, ray, (from, until), (length, width))?;
+    if from == 0.0 && begins_in(mesh, &on_mesh)? {
+        return Some(RayCast::Inside);
+    }
+    Some(match mesh.first_met(&on_mesh)? {
+        Met::Nothing => RayCast::Miss,
+        Met::Between(safe, hit) => entered(mesh, pose, ray, (safe, hit)),
+    })
+}
+
+/// Returns a part of a ray in the frame of a body at a pose, in a unit of length; `None` if the body
+/// is out of range.
+pub(super) fn in_body(
+    body: GeometryRef,
+    unit: f64,
+    pose: &Isometry3<f64>,
+    ray: &Ray,
+    (from, until): (f64, f64),
+    (length, width): (f64, f64),
+) -> Option<MeshRay> {
+    let (centre, radius) = body.bounding_ball();
     let size = radius + centre.coords.abs().sum() + ray.origin.coords.abs().sum() + until;
-    let apart = RAY * (size + pose.translation.vector.abs().sum()) / mesh.unit();
-    let piece = |from: f64, until: f64| {
-        let place = |at: f64| Some(placed(pose, &ray.at(at))?.translation() / mesh.unit());
-        Some((place(from)?, place(until)?))
-    };
-    let (start, end) = piece(from, until)?;
-    if from == 0.0 && mesh.holds_point(&start, apart) != Some(false) {
-        return None;
-    }
-    let met = mesh.first_crossing(&start, &end, 0.0);
-    let safe = met.map_or(until, |part| from + part * (until - from) - width);
-    let (start, end) = piece(from, safe)?;
-    if safe <= from || !mesh.is_clear_of_segment(&start, &end, apart) {
-        return None;
-    }
-    if met.is_none() {
-        return Some(RayCast::Miss);
-    }
-    let hit = (1..RAY_CROSSINGS).find_map(|k| {
-        let until = (safe + width * f64::from(1u32 << k)).smaller(until);
-        let (start, end) = piece(safe, until)?;
-        mesh.is_crossed(&start, &end, 0.0).then_some(until)
-    })?;
-    Some(entered(mesh, pose, ray, (safe, hit)))
+    let seen = placed(pose, &ray.origin)?;
+    let place = |at: f64| Some(placed(pose, &ray.at(at))?.translation() / unit);
+    Some(MeshRay {
+        ends: [place(from)?, place(until)?],
+        error: RAY * (size + pose.translation.vector.abs().sum()) / unit,
+        direction: seen.rotation() * ray.direction.into_inner(),
+        span: (from, until),
+        length,
+        width,
+        #[cfg(feature = "exact")]
+        exact: ExactRay::new(seen, ray.direction.into_inner()),
+    })
+}
+
+/// Returns whether a ray begins in a solid or on the surface; `None` if rounding hides it.
+fn begins_in(mesh: &Mesh, ray: &MeshRay) -> Option<bool> {
+    let held = mesh.held_by_rounding(&ray.ends[0], ray.error);
+    #[cfg(feature = "exact")]
+    let held = held.or_else(|| Some(mesh.side_of(&ray.exact.origin(mesh.exponent)) != PointSide::Outside));
+    held
 }
 
 /// Returns the hit of a mesh at a pose: what the end of the safe part sees.

@@ -51,6 +51,11 @@ use crate::pair_tracker::geometry::GeometryRef;
 /// A mesh that is not closed and a surface of patches have no inside: a body within is apart from
 /// them.
 ///
+/// Whether a point, or a body smaller than rounding, is inside a closed mesh is exact too (feature
+/// `exact`), however near the surface is. Without the feature, within `1e-13 L` of the surface the
+/// class is [`Undecided`](crate::Class::Undecided), and `intersects` and `within` count the body as
+/// met.
+///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;

@@ -20,6 +20,7 @@ mod near;
 mod own;
 mod penetration;
 mod pieces;
+mod points;
 mod shallow;
 mod shapes;
 mod valleys;

@@ -2,7 +2,9 @@
 
 pub mod bytes;
 pub mod calls;
+pub mod exact_place;
 pub mod lattice;
+pub mod points;
 pub mod scenes;
 
 /// The input of a test that is driven by bytes: reads from the front, zero when nothing is left.

@@ -101,3 +101,27 @@ pub(crate) const CLOSED_FORM: f64 = 256.0;
 /// leaves a distance only where its error is below a quarter of a unit in the last place.
 #[cfg(feature = "exact")]
 pub(crate) const CLEAR_SIGN: f64 = 128.0 * UNIT;
+
+/// Error of a coordinate of an exact place that is rounded to f64 (`exact::place`), in units of the
+/// largest coordinate: a bracket of at most four units in the last place, and its middle.
+#[cfg(feature = "exact")]
+pub(crate) const EXACT_PLACE: f64 = 8.0 * UNIT;
+
+/// Error of `(b - a) x (p - a)` of plane coordinates, relative to the sum of the absolute products:
+/// two differences, a product and the difference of two products are one rounding each, 4 UNIT; the
+/// fifth covers the second order. Underflow: the caller adds the least normal number, as the
+/// products of stored coordinates with a place that is no stored one may vanish.
+#[cfg(feature = "exact")]
+pub(crate) const TURN_ERROR: f64 = 5.0 * UNIT;
+
+/// Error of `d . ((a - p) x (b - a))` for a direction `d` and an edge from `a` to `b`, in units of
+/// the 1-norms of `a - p` and `b - a`: the direction is turned by a matrix that errs by 71 UNIT and
+/// a product with it that errs by 6 (see `CERTIFICATE`); two differences, a cross product (2.5) and
+/// the product with the direction (3) add 8. Sum: 85. Underflow: the caller adds the least normal
+/// number.
+pub(crate) const RAY_SIDE: f64 = 128.0 * UNIT;
+
+/// Error of `n . x` for the normal `n = u x v` of a triangle and the rounded difference `x` of two
+/// places, in units of the 1-norms of `u`, `v` and `x`: by `SIDE_ERROR`, 9 UNIT for either of the
+/// two products of each coordinate of `n`.
+pub(crate) const RAY_PLANE: f64 = 32.0 * UNIT;

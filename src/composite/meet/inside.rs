@@ -63,7 +63,7 @@ impl Mesh {
     /// Signed crossings of a segment with the mesh; `None` if a sign is zero.
     fn crossings(&self, from: &Vector3<f64>, to: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
         let mut sum = 0;
-        let is_doubtful = self.any_along(from, to, |t| {
+        let is_doubtful = self.any_along(from, to, 0.0, |t| {
             let crossing = if counts(t) {
                 crossing(&self.corners(t), from, to)
             } else {
@@ -82,6 +82,19 @@ impl Mesh {
             let (square, _) = triangle::nearest(point, &self.corners(t));
             !(square > 4.0 * error * error)
         })
+    }
+
+    /// Returns whether a point that may be off its place by `doubt`, both in stored units, is inside
+    /// a solid, or on a surface; `None` if the mesh is as near as the doubt, or if every segment to
+    /// the outside met an edge.
+    pub(crate) fn held_by_rounding(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
+        if !self.is_clear_of(point, doubt) {
+            return None;
+        }
+        if !self.is_solid() {
+            return Some(false);
+        }
+        self.winding(point).map(|w| w != 0)
     }
 
     /// Returns whether a point that may be off its place by `doubt`, both in stored units, is

@@ -2,10 +2,15 @@
 //! of boxes, leaves and triangles.
 
 pub(crate) mod bounds;
+#[cfg(feature = "exact")]
+pub(crate) mod exact_ray;
+#[cfg(feature = "exact")]
+pub(crate) mod exact_side;
 pub(crate) mod frame;
 pub(in crate::composite) mod inside;
 mod leaves;
 pub(in crate::composite) mod look_ahead;
+pub(crate) mod ray;
 pub(crate) mod search;
 mod seed;
 pub(in crate::composite) mod segment;

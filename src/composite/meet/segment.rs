@@ -1,8 +1,6 @@
-//! A segment and a mesh: the triangles that the segment passes through, by exact predicates, and a
-//! proof that it passes none.
+//! A segment and a mesh: the triangles that the segment passes through, by exact predicates.
 //!
-//! Source: orientation predicates: Shewchuk 1997; separating directions: Gottschalk, Lin, Manocha
-//! 1996, section 5, for a segment and a triangle.
+//! Source: orientation predicates: Shewchuk 1997.
 
 use alloc::vec;
 use nalgebra::Vector3;
@@ -19,7 +17,7 @@ impl Mesh {
     /// Returns whether a segment certainly passes through a triangle from which its first end is
     /// no nearer than `skin`.
     pub(crate) fn is_crossed(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> bool {
-        self.any_along(from, to, |t| {
+        self.any_along(from, to, 0.0, |t| {
             let corners = self.corners(t);
             is_crossed(&corners, from, to) && triangle::nearest(from, &corners).0 >= skin * skin
         })
@@ -30,7 +28,7 @@ impl Mesh {
     pub(crate) fn first_crossing(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> Option<f64> {
         let least = skin / sqrt((to - from).norm_squared());
         let mut first = None;
-        self.any_along(from, to, |t| {
+        self.any_along(from, to, 0.0, |t| {
             let corners = self.corners(t);
             if is_crossed(&corners, from, to) {
                 let n = triangle::normal(&corners);
@@ -44,22 +42,16 @@ impl Mesh {
         first
     }
 
-    /// Returns whether a segment is certainly farther than `apart` from every triangle, if rounding
-    /// of a height of its points and the corners along a unit vector is counted in `apart`.
-    pub(crate) fn is_clear_of_segment(&self, from: &Vector3<f64>, to: &Vector3<f64>, apart: f64) -> bool {
-        // Boxes are enlarged by more.
-        apart < UNIT_SINGLE * self.tree.unit()
-            && !self.any_along(from, to, |t| !is_parted(&self.corners(t), from, to, apart))
-    }
-
-    /// Asks about the triangles whose boxes a segment may meet, until an answer is true.
+    /// Asks about the triangles whose boxes a segment may meet, the points of which may be off by
+    /// `error`, until an answer is true.
     pub(in crate::composite) fn any_along(
         &self,
         from: &Vector3<f64>,
         to: &Vector3<f64>,
+        error: f64,
         mut is_found: impl FnMut(u32) -> bool,
     ) -> bool {
-        let segment = Segment::new(&self.tree, from, to);
+        let segment = Segment::new(&self.tree, from, to, error);
         let mut stack = vec![0];
         while let Some(node) = stack.pop() {
             if segment.misses(&self.tree.boxes[node as usize]) {
@@ -81,23 +73,6 @@ impl Mesh {
 /// Returns whether a segment certainly passes through a triangle.
 fn is_crossed(corners: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
     matches!(crossing(corners, from, to), Some(1 | -1))
-}
-
-/// Returns whether a plane parts a segment and a triangle by more than `apart`: one along the
-/// triangle, one along the segment and a side, or one across the segment.
-fn is_parted(corners: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64>, apart: f64) -> bool {
-    let way = to - from;
-    let [a, b, c] = corners;
-    let along = |side: Vector3<f64>| way.cross(&side);
-    let normals = [triangle::normal(corners), along(b - a), along(c - b), along(a - c), way];
-    normals.iter().any(|n| {
-        let (x, y, z) = (n.dot(a), n.dot(b), n.dot(c));
-        let (p, q) = (n.dot(from), n.dot(to));
-        let gap = (x.smaller(y).smaller(z) - p.larger(q)).larger(p.smaller(q) - x.larger(y).larger(z));
-        let least = apart * sqrt(n.norm_squared());
-        // Products that underflow do not count beside a normal number.
-        least >= f64::MIN_POSITIVE && gap > least
-    })
 }
 
 /// +1 if the segment leaves through a triangle, -1 if it enters, 0 if it misses; `None` if it meets
@@ -131,15 +106,18 @@ pub(in crate::composite) fn crossing(
 struct Segment {
     middle: Vector3<f64>,
     half: Vector3<f64>,
+    /// By how much the points may be off.
+    error: f64,
 }
 
 impl Segment {
-    fn new(tree: &Tree, from: &Vector3<f64>, to: &Vector3<f64>) -> Self {
+    fn new(tree: &Tree, from: &Vector3<f64>, to: &Vector3<f64>, error: f64) -> Self {
         let place = |p: &Vector3<f64>| (p - tree.centre) / tree.unit();
         let (from, to) = (place(from), place(to));
         Self {
             middle: (from + to) * 0.5,
             half: (to - from) * 0.5,
+            error: error / tree.unit(),
         }
     }
 
@@ -153,7 +131,7 @@ impl Segment {
         }
         // Axes as stored are orthonormal within 8 UNIT_SINGLE.
         let length = m.abs().sum() + e.abs().sum();
-        let slack = 32.0 * UNIT_SINGLE * (length + 1.0);
+        let slack = 32.0 * UNIT_SINGLE * (length + 1.0) + 4.0 * self.error;
         let h = b.half().add_scalar(slack);
         let crossed = |i: usize, j: usize| {
             (m[i] * e[j] - m[j] * e[i]).abs() > h[i] * e[j].abs() + h[j] * e[i].abs() + slack * length

@@ -9,10 +9,14 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};
 use crate::composite::front::NodePair;
 use crate::composite::front::memory::FrontMemory;
+#[cfg(feature = "exact")]
+use crate::composite::meet::exact_side::PointSide;
 use crate::composite::meet::frame::{TreeFrame, TreeMoves, TreeSide};
 use crate::composite::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::composite::meet::shared::Touching;
 use crate::composite::parts::Parted;
+#[cfg(feature = "exact")]
+use crate::composite::parts::PartsRef;
 use crate::pair::outcome::{Class, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
 
@@ -125,8 +129,15 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
             if self.a.may_hold() { of_a } else { 0 },
             if self.b.may_hold() { of_b } else { 0 },
         );
-        let probes_of_b = (0..of_a).map(|k| probes(self.b, k).find_map(in_a));
-        let probes_of_a = (0..of_b).map(|k| probes(self.a, k).find_map(in_b));
+        let by_integers = |of, k| if lower > 0.0 { self.held_exactly(of, k) } else { None };
+        let probes_of_b = (0..of_a).map(|k| {
+            let held = probes(self.b, k).find_map(in_a);
+            held.or_else(|| by_integers(Operand::B, k))
+        });
+        let probes_of_a = (0..of_b).map(|k| {
+            let held = probes(self.a, k).find_map(in_b);
+            held.or_else(|| by_integers(Operand::A, k))
+        });
         let (mut windings, mut found) = (0, Inside::No);
         for held in probes_of_b.chain(probes_of_a) {
             windings += 1;
@@ -137,6 +148,45 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
             }
         }
         (found, windings)
+    }
+
+    /// Returns whether the other body holds a connected part of a body, whose surface does not meet
+    /// its own, by a point of the part without rounding; and the point in the frames of A and B.
+    /// `None` if the point is on the surface after all.
+    #[cfg(feature = "exact")]
+    #[cold]
+    fn held_exactly(&self, of: Operand, k: usize) -> Option<(bool, Vector3<f64>, Vector3<f64>)> {
+        let (point, pose, other) = match of {
+            Operand::A => (self.a.exact_probe(k), self.pose.swapped(), self.b.by_kind()),
+            Operand::B => (self.b.exact_probe(k), *self.pose, self.a.by_kind()),
+        };
+        let PartsRef::Mesh(mesh) = other else {
+            return Some((false, Vector3::zeros(), Vector3::zeros()));
+        };
+        let place = point.clone().in_a(&pose).in_units(mesh.exponent);
+        let is_held = match mesh.side_of(&place) {
+            PointSide::Outside => false,
+            PointSide::On => return None,
+            PointSide::Inside => true,
+        };
+        Some(match of {
+            Operand::A => (
+                is_held,
+                point.in_units(self.a.side().exponent).rounded(),
+                place.rounded(),
+            ),
+            Operand::B => (
+                is_held,
+                place.rounded(),
+                point.in_units(self.b.side().exponent).rounded(),
+            ),
+        })
+    }
+
+    /// Without exact arithmetic a part as near as rounding stays undecided.
+    #[cfg(not(feature = "exact"))]
+    fn held_exactly(&self, _: Operand, _: usize) -> Option<(bool, Vector3<f64>, Vector3<f64>)> {
+        None
     }
 
     /// Bodies so far apart, or so small beside their distance, that only balls about their origins

@@ -20,6 +20,8 @@ use crate::composite::meet::frame::TreeSide;
 use crate::composite::mesh::{Mesh, MeshError};
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::tree::Tree;
+#[cfg(feature = "exact")]
+use crate::convex::exact::place::ExactVector;
 
 /// A convex piece of a [`Composite`]: a shape of any kind, its pose in the body's frame, and a
 /// name.
@@ -348,6 +350,21 @@ impl Parted for Composite {
 
     fn further_probe(&self, _: usize) -> Option<Vector3<f64>> {
         None
+    }
+
+    #[cfg(feature = "exact")]
+    fn exact_probe(&self, k: usize) -> ExactVector {
+        let piece = &self.pieces[k];
+        let vertex = match piece.shape.core() {
+            Core::Polyhedron(body) => body.vertex_points().next(),
+            _ => None,
+        };
+        let point = ExactVector::new(&vertex.unwrap_or_else(Point3::origin).coords);
+        if piece.pose == Isometry3::identity() {
+            point
+        } else {
+            point.placed(&piece.pose)
+        }
     }
 
     fn holds(&self, _: &Vector3<f64>, _: f64) -> Option<bool> {

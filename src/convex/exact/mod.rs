@@ -10,6 +10,7 @@
 mod depth;
 pub(crate) mod integer;
 mod origin;
+pub(crate) mod place;
 mod simplex;
 
 use alloc::vec;

@@ -1,0 +1,187 @@
+//! Promise: a point beside a closed mesh, and a ray beside or through one, is decided by exact arithmetic.
+
+use lab::driven::points::{self, Mix};
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::scene::{Body, Change, Effects, Scene};
+use lin_canny::{
+    Class, Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
+};
+
+fn cube(size: f64) -> Geometry {
+    let hull = solids::cuboid(Vector3::repeat(size)).expect("a cube");
+    Geometry::from(Mesh::from_convex(&hull).expect("a mesh"))
+}
+
+fn point(x: f64, y: f64, z: f64) -> ConvexPolyhedron {
+    ConvexPolyhedron::point(Point3::new(x, y, z)).expect("a point")
+}
+
+/// Where a body is that does not cross a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Place {
+    Outside,
+    On,
+    Inside,
+}
+
+/// Asks every question about a body beside a mesh, in both orders.
+fn ask(mesh: &Geometry, body: &Geometry, pose: &RelativePose, place: Place, told: &str) {
+    for (a, b, pose) in [(mesh, body, *pose), (body, mesh, pose.swapped())] {
+        let mut tracker = PairTracker::new();
+        let met = place != Place::Outside;
+        assert_eq!(tracker.intersects(a, b, &pose).is_yes(), met, "{told}: intersects");
+        assert_eq!(tracker.within(a, b, &pose, 0.0).is_yes(), met, "{told}: within");
+        let found = tracker.closest(a, b, &pose);
+        let allowed: &[Class] = match place {
+            Place::Outside => &[Class::Separated, Class::Touching],
+            Place::On => &[Class::Touching],
+            Place::Inside => &[Class::Touching, Class::Overlapping],
+        };
+        assert!(allowed.contains(&found.class), "{told}: {found:?}");
+        assert!(!met || found.lower <= 0.0, "{told}: {found:?}");
+        let bound = tracker.lower_bound(a, b, &pose);
+        assert!(!met || bound <= 0.0, "{told}: {bound:e}");
+        // Warm, the same.
+        assert_eq!(
+            tracker.intersects(a, b, &pose).is_yes(),
+            met,
+            "{told}: intersects, warm"
+        );
+    }
+}
+
+fn at_rest() -> RelativePose {
+    RelativePose::from_isometry(&Isometry3::identity()).expect("a pose")
+}
+
+#[test]
+fn a_point_next_to_a_face_is_on_its_side_of_it() {
+    for size in [1.0, 1024.0, 1e-100, 1e-30, 1e30, 1e99] {
+        let mesh = cube(size);
+        for part in [2.3e-16, 1e-15, 1e-14, 1e-13, 2e-13] {
+            for (z, place) in [
+                (size * (1.0 + part), Place::Outside),
+                (size, Place::On),
+                (size * (1.0 - part), Place::Inside),
+            ] {
+                let p = point(0.2 * size, 0.25 * size, z);
+                let piece = Composite::from(lin_canny::Shape::from(p.clone()));
+                let bodies = [Geometry::from(p), Geometry::from(piece)];
+                for body in bodies {
+                    ask(&mesh, &body, &at_rest(), place, &format!("{size:e} {part:e} {place:?}"));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn bodies_smaller_than_rounding_are_on_their_side_of_a_face() {
+    let mesh = cube(1.0);
+    for gap in [4e-16, 1e-15, 1e-14, 1e-13, 1e-12] {
+        for size in [1e-15, 1e-14, 1e-13, 1e-12] {
+            for (z, way, place) in [(1.0 + gap, 1.0, Place::Outside), (1.0 - gap, -1.0, Place::Inside)] {
+                let corner = Point3::new(0.2, 0.25, z);
+                let to = |x: f64, y: f64, h: f64| corner + Vector3::new(x, y, h * way) * size;
+                let points = [corner, to(1.0, 0.0, 0.5), to(0.0, 1.0, 0.5), to(0.0, 0.0, 1.0)];
+                if points.iter().skip(1).any(|p| p.z == z) {
+                    continue;
+                }
+                let hull = ConvexPolyhedron::from_points(&points).expect("a hull");
+                let small = Mesh::from_convex(&hull).expect("a mesh");
+                let segment = ConvexPolyhedron::segment(corner, points[3]).expect("a segment");
+                for body in [Geometry::from(hull), Geometry::from(small), Geometry::from(segment)] {
+                    let told = format!("{:?} {gap:e} {size:e} {place:?}", body.kind());
+                    ask(&mesh, &body, &at_rest(), place, &told);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_scene_tells_a_point_next_to_a_mesh_from_one_in_it() {
+    for (z, met) in [(1.0 + 1e-14, false), (1.0, true), (1.0 - 1e-14, true)] {
+        let mut scene = Scene::with_effects(Effects::none().overlap(true)).expect("effects");
+        let here = Isometry3::identity();
+        scene.insert(Body::moving(cube(1.0)), here).expect("a body");
+        scene.insert(Body::moving(point(0.2, 0.2, z)), here).expect("a body");
+        scene.step();
+        let began = scene.events().iter().any(|e| e.change == Change::OverlapBegan);
+        assert_eq!(began, met, "{z}");
+    }
+}
+
+#[test]
+fn a_ray_next_to_a_face_has_no_hit() {
+    let mesh = cube(1.0);
+    let still = Isometry3::identity();
+    for gap in [2.3e-16, 1e-15, 1e-14, 1e-13, 1e-12] {
+        for y in [0.2, 1.0, 1.0 - 1e-14, 1.0 + 1e-14] {
+            for length in [1.0, 2.0, 4.0, f64::INFINITY] {
+                let ray = Ray::new(Point3::new(3.0, y, 1.0 + gap), -Vector3::x()).expect("a ray");
+                let found = RayCaster::new().cast(&mesh, &still, &ray, length).expect("a cast");
+                assert!(
+                    matches!(found, RayCast::Near { .. } | RayCast::Miss),
+                    "{gap:e} {y} {length}: {found:?}"
+                );
+            }
+        }
+    }
+}
+
+/// Every ray is one that a cast of a point answered as near, or with a wide bracket.
+#[test]
+fn a_ray_in_the_plane_of_a_face_meets_the_edge_in_front() {
+    let still = Isometry3::identity();
+    let hull = Geometry::from(solids::cuboid(Vector3::repeat(1.0)).expect("a cube"));
+    for body in [cube(1.0), hull] {
+        for y in [0.2, 1.0, -1.0] {
+            let ray = Ray::new(Point3::new(3.0, y, 1.0), -Vector3::x()).expect("a ray");
+            let found = RayCaster::new().cast(&body, &still, &ray, f64::INFINITY);
+            let Ok(RayCast::Hit(hit)) = found else {
+                panic!("{y}: {found:?}")
+            };
+            assert!(
+                hit.safe < 2.0 && 2.0 <= hit.hit && hit.hit - hit.safe < 1e-10,
+                "{hit:?}"
+            );
+        }
+    }
+}
+
+fn play(count: u64) -> Mix {
+    let mut mix = Mix::default();
+    for seed in 0..count {
+        match points::play(seed) {
+            Ok(played) => mix.add(&played),
+            Err(fault) => panic!("{fault}"),
+        }
+    }
+    mix
+}
+
+fn is_mixed(mix: &Mix, least: u64) -> bool {
+    let counts = [
+        &mix.points[..],
+        &mix.small,
+        &mix.rays,
+        &[mix.through, mix.grazing],
+        &mix.hull_rays[..3],
+    ];
+    counts.concat().iter().all(|count| *count >= least)
+}
+
+#[test]
+fn random_points_and_rays_next_to_meshes_are_decided() {
+    let mix = play(170);
+    assert!(is_mixed(&mix, 20), "{mix:?}");
+}
+
+#[test]
+#[ignore = "minutes: 100,000 points and as many rays; cargo test --release --test meshes many_points -- --ignored"]
+fn many_points_and_rays_next_to_meshes_are_decided() {
+    let mix = play(17_000);
+    assert!(is_mixed(&mix, 2_000), "{mix:?}");
+}
