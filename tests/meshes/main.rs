@@ -22,6 +22,7 @@ mod penetration;
 mod pieces;
 mod shallow;
 mod shapes;
+mod solids;
 mod valleys;
 
 pub(crate) use lab::forms::mesh;
