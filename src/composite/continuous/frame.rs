@@ -9,6 +9,7 @@ use crate::base::motion::{Motion, MotionError, Steady, length};
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::UNIT;
 use crate::composite::mesh::Mesh;
+use crate::composite::parts::Parted;
 use crate::composite::tree::Below;
 use crate::composite::tree::height::height;
 use crate::time::impact::ImpactError;
@@ -232,6 +233,12 @@ impl<'a> MeshOverFrame<'a> {
     /// Returns how far vertices are from the origin of the mesh's frame at most.
     pub(super) fn radius(&self) -> f64 {
         let [begin, end] = self.both().map(|mesh| mesh.radius * mesh.unit());
+        begin.max(end)
+    }
+
+    /// Returns half the diagonal of the box of the mesh, or the radius if that is less.
+    pub(super) fn half_size(&self) -> f64 {
+        let [begin, end] = self.both().map(Parted::half_size);
         begin.max(end)
     }
 

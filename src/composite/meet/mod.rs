@@ -2,6 +2,7 @@
 //! of boxes, leaves and triangles.
 
 pub(crate) mod bounds;
+mod common;
 pub(crate) mod frame;
 pub(in crate::composite) mod inside;
 mod leaves;

@@ -12,7 +12,8 @@ use crate::forms;
 use crate::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{
-    Class, Composite, ConvexPolyhedron, GeometryRef, ManifoldOptions, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape,
+    Class, Composite, ConvexPolyhedron, GeometryRef, ManifoldOptions, Mesh, MeshKind, PairTracker, Piece, RelativePose,
+    Shape,
 };
 use prism::{Cell, GRID, Outline, Prism, Whole};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -157,7 +158,11 @@ impl Space {
         let far = if rng.chance(0.25) { 0.0 } else { rng.log_range(1.0, 1e9) };
         let axes = rng.below(8);
         let offset = [0, 1, 2].map(|k| {
-            let by = if axes >> k & 1 == 1 || axes == 0 { 1.0 } else { rng.range(0.0, 1e-3) };
+            let by = if axes >> k & 1 == 1 || axes == 0 {
+                1.0
+            } else {
+                rng.range(0.0, 1e-3)
+            };
             GRID * (by * far * size * if rng.chance(0.5) { 1.0 } else { -1.0 } / GRID as f64) as i64
         });
         let mut unit = [2f64.powi(rng.below(41) as i32 - 20); 3];
@@ -179,7 +184,10 @@ impl Space {
     }
 
     fn is_flat(&self) -> bool {
-        let (most, least) = self.unit.iter().fold((0.0, f64::INFINITY), |(m, l): (f64, f64), x| (m.max(*x), l.min(*x)));
+        let (most, least) = self
+            .unit
+            .iter()
+            .fold((0.0, f64::INFINITY), |(m, l): (f64, f64), x| (m.max(*x), l.min(*x)));
         least * 1000.0 <= most
     }
 }
@@ -200,7 +208,9 @@ impl Built {
         }
         let hull = |corners: &[Whole]| {
             let points: Vec<_> = corners.iter().map(|p| Point3::from(space.place(*p))).collect();
-            ConvexPolyhedron::from_points(&points).ok().map(|hull| Piece::new(Shape::from(hull)))
+            ConvexPolyhedron::from_points(&points)
+                .ok()
+                .map(|hull| Piece::new(Shape::from(hull)))
         };
         let pieces: Option<Vec<Piece>> = if prism.is_convex() {
             hull(&prism.corners()).map(|p| vec![p])
@@ -325,9 +335,19 @@ impl Asked<'_> {
         let is_in = |x: &[(i64, i64); 3], y: &[(i64, i64); 3]| (0..3).all(|k| x[k].0 >= y[k].0 && x[k].1 <= y[k].1);
         let nested = p.kind == Outline::Box && is_in(&of_q, &of_p) || q.kind == Outline::Box && is_in(&of_p, &of_q);
         mix.nested += u64::from(nested);
-        let point = |c: Whole| Prism { kind: Outline::Box, outline: vec![], low: c[2], high: c[2], axis: 2 };
+        let point = |c: Whole| Prism {
+            kind: Outline::Box,
+            outline: vec![],
+            low: c[2],
+            high: c[2],
+            axis: 2,
+        };
         let _ = point;
-        let has_corner = |x: &Prism, y: &Prism| x.corners().iter().any(|c| y.cells().iter().any(|cell| is_inside(*c, cell)));
+        let has_corner = |x: &Prism, y: &Prism| {
+            x.corners()
+                .iter()
+                .any(|c| y.cells().iter().any(|cell| is_inside(*c, cell)))
+        };
         mix.crossing += u64::from(!has_corner(p, q) && !has_corner(q, p));
     }
 }
@@ -385,8 +405,18 @@ fn pairs(rng: &mut Rng) -> Result<Mix, String> {
         if let (Some(p), Some(q)) = (&built_a.pieces, &built_b.pieces) {
             mix.pieces += 1;
             ask(&mut warm[2], "pieces", (p.into(), q.into()), &asked.pose)?;
-            ask(&mut PairTracker::new(), "pieces, a mesh", (p.into(), n.into()), &asked.pose)?;
-            ask(&mut PairTracker::new(), "a mesh, pieces", (m.into(), q.into()), &asked.pose)?;
+            ask(
+                &mut PairTracker::new(),
+                "pieces, a mesh",
+                (p.into(), n.into()),
+                &asked.pose,
+            )?;
+            ask(
+                &mut PairTracker::new(),
+                "a mesh, pieces",
+                (m.into(), q.into()),
+                &asked.pose,
+            )?;
         }
         if asked.truth == Class::Overlapping && rng.chance(0.25) {
             mix.depths += u64::from(asked.judge_depth(m, n).map_err(fail)?);
@@ -430,5 +460,7 @@ fn supports(rng: &mut Rng) -> Result<(), String> {
     if counts.iter().all(|n| *n == 4) {
         return Ok(());
     }
-    Err(format!("contacts {counts:?}, gap {gap:e}, {space:?}, {w} by {h} at {at:?}"))
+    Err(format!(
+        "contacts {counts:?}, gap {gap:e}, {space:?}, {w} by {h} at {at:?}"
+    ))
 }
