@@ -124,7 +124,7 @@ pub(crate) const PARTINGS: usize = 8;
 /// Pairs of boxes and winding numbers after which bodies in contact that no plane parts are no
 /// longer searched for common inner points. Not measured.
 pub(crate) const MEETING_BOXES: usize = 16_384;
-pub(crate) const LOOKS: u64 = 4096;
+pub(crate) const LOOKS: u64 = 1024;
 
 /// Triangles nearer than this part of L take the direction of a face or of two edges if one
 /// proves as much as the direction of the witnesses: two more gaps for directions that prove

@@ -54,7 +54,7 @@ impl Touching {
 }
 
 /// A ball in the stored frame of a mesh.
-struct Surroundings {
+struct NearBall {
     centre: Vector3<f64>,
     radius: f64,
 }
@@ -62,7 +62,7 @@ struct Surroundings {
 impl Mesh {
     /// Returns whether no point of the solid in a ball is higher along a unit vector than `level`,
     /// up to rounding of the heights.
-    fn is_below(&self, n: &Vector3<f64>, level: f64, near: &Surroundings) -> bool {
+    fn is_below(&self, n: &Vector3<f64>, level: f64, near: &NearBall) -> bool {
         let unit = self.tree.unit();
         let mut stack = alloc::vec![0];
         while let Some(node) = stack.pop() {
@@ -97,7 +97,7 @@ impl Mesh {
 }
 
 /// Two solid meshes whose surfaces touch, in A's stored frame.
-struct Meeting<'a, A, B> {
+struct SolidContact<'a, A, B> {
     posed: &'a PosedTrees<'a, A, B>,
     a: &'a Mesh,
     b: &'a Mesh,
@@ -109,7 +109,7 @@ struct Meeting<'a, A, B> {
     windings: u64,
 }
 
-impl<A: Parted, B: Parted> Meeting<'_, A, B> {
+impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
     /// Returns whether a plane parts the bodies: that of a contact, or one through a triangle in
     /// contact.
     fn is_parted<F>(&self, touching: &Touching, found: &Measured<F>) -> bool {
@@ -141,11 +141,11 @@ impl<A: Parted, B: Parted> Meeting<'_, A, B> {
         let slack = 3.0 * frame.error;
         let ball = |mesh: &Mesh| (mesh.tree.centre, f64::from(mesh.tree.reach) * mesh.tree.unit());
         let (of_a, of_b) = (ball(self.a), ball(self.b));
-        let b_in_a = Surroundings {
+        let b_in_a = NearBall {
             centre: frame.point(&of_b.0),
             radius: of_b.1 / ratio + slack,
         };
-        let a_in_b = Surroundings {
+        let a_in_b = NearBall {
             centre: self.posed.back(&of_a.0),
             radius: (of_a.1 + slack) * ratio,
         };
@@ -202,26 +202,34 @@ impl<A: Parted, B: Parted> Meeting<'_, A, B> {
     }
 
     /// Returns whether the bodies certainly share inner points next to what two triangles have in
-    /// common, or at the middle of one of both.
+    /// common. If that is a point, the middles of both and points behind them are looked at: a part
+    /// of a surface that touches the other one at points alone may be inside the other body, and of
+    /// bodies that fill the same place neighbours may be met first.
     fn is_shared_at(&mut self, pair: NodePair) -> bool {
         let ((p, q), slack) = (self.corners(pair), self.doubt);
-        let is_shared = match common(&p, &q, slack) {
-            CommonPart::Point if triangle::closest(&p, &q).square > slack * slack => return false,
-            CommonPart::Point | CommonPart::Flat(_, false) => false,
+        match common(&p, &q, slack) {
+            CommonPart::Point => {
+                triangle::closest(&p, &q).square <= slack * slack
+                    && (self.is_shared_behind(Operand::B, pair[0], &p)
+                        || self.is_shared_behind(Operand::A, pair[1], &q))
+            }
+            CommonPart::Flat(_, false) => false,
             CommonPart::Flat(at, true) => unit_normal(&p).is_some_and(|n| self.are_behind(&at, &n)),
             CommonPart::Segment(at, s) => {
                 leaving(&p, &q, (&at, &s), slack).any(|to| self.enters(Operand::B, &at, &to))
                     || leaving(&q, &p, (&at, &s), slack).any(|to| self.enters(Operand::A, &at, &to))
             }
-        };
-        is_shared || self.is_middle_held(Operand::B, pair[0], &p) || self.is_middle_held(Operand::A, pair[1], &q)
+        }
     }
 
-    /// Returns whether the middle of a triangle is certainly inside the other body, if that was not
-    /// looked at before.
-    fn is_middle_held(&mut self, by: Operand, t: u32, corners: &Triangle) -> bool {
+    /// Returns whether the middle of a triangle is certainly inside the other body, or a point
+    /// behind it inside both, if that was not looked at before.
+    fn is_shared_behind(&mut self, other: Operand, t: u32, corners: &Triangle) -> bool {
+        if !self.seen[usize::from(other == Operand::A)].insert(t) {
+            return false;
+        }
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        self.seen[usize::from(by == Operand::A)].insert(t) && self.is_held(by, &middle)
+        self.is_held(other, &middle) || unit_normal(corners).is_some_and(|n| self.are_behind(&middle, &n))
     }
 
     /// Looks at all pairs of triangles whose boxes meet, up to a limit.
@@ -270,7 +278,7 @@ impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
             let (inside, windings) = self.inside(0.0);
             return (matches!(inside, Inside::At(..)), windings);
         };
-        let mut meeting = Meeting {
+        let mut contact = SolidContact {
             posed: self,
             a,
             b,
@@ -278,15 +286,15 @@ impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
             seen: Default::default(),
             windings: 0,
         };
-        if meeting.is_parted(touching, found) {
+        if contact.is_parted(touching, found) {
             return (false, 0);
         }
-        let is_shared = touching.pairs().iter().any(|pair| meeting.is_shared_at(*pair));
+        let is_shared = touching.pairs().iter().any(|pair| contact.is_shared_at(*pair));
         if is_shared || !is_last {
-            return (is_shared, meeting.windings);
+            return (is_shared, contact.windings);
         }
         let (inside, windings) = self.inside(0.0);
-        let is_shared = matches!(inside, Inside::At(..)) || meeting.is_shared_anywhere();
-        (is_shared, meeting.windings + windings)
+        let is_shared = matches!(inside, Inside::At(..)) || contact.is_shared_anywhere();
+        (is_shared, contact.windings + windings)
     }
 }

@@ -18,17 +18,19 @@ use lin_canny::{
 use prism::{Cell, GRID, Outline, Prism, Whole};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Places of the second solid for each pair.
-const PLACES: usize = 4;
+/// Places of the second solid in one play: pairs.
+pub const PLACES: u64 = 4;
 
 /// Counts of the solids of a run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mix {
     /// Pairs of a solid and a place of another one.
     pub pairs: u64,
-    /// Pairs that are apart, touch, and share inner points.
+    /// Pairs that are apart.
     pub apart: u64,
+    /// Pairs that touch.
     pub touching: u64,
+    /// Pairs that share inner points.
     pub overlapping: u64,
     /// Pairs of equal solids in one place.
     pub equal: u64,
@@ -51,6 +53,7 @@ pub struct Mix {
 }
 
 impl Mix {
+    /// Adds the counts of another run.
     pub fn add(&mut self, o: &Self) {
         let pairs = [
             (&mut self.pairs, o.pairs),
@@ -335,14 +338,6 @@ impl Asked<'_> {
         let is_in = |x: &[(i64, i64); 3], y: &[(i64, i64); 3]| (0..3).all(|k| x[k].0 >= y[k].0 && x[k].1 <= y[k].1);
         let nested = p.kind == Outline::Box && is_in(&of_q, &of_p) || q.kind == Outline::Box && is_in(&of_p, &of_q);
         mix.nested += u64::from(nested);
-        let point = |c: Whole| Prism {
-            kind: Outline::Box,
-            outline: vec![],
-            low: c[2],
-            high: c[2],
-            axis: 2,
-        };
-        let _ = point;
         let has_corner = |x: &Prism, y: &Prism| {
             x.corners()
                 .iter()
