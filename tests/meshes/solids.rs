@@ -1,9 +1,10 @@
 //! Promise: solids with faces in common have the class of whole numbers, wherever their origin lies.
 
-use super::mesh;
+use super::{mesh, relative};
+use lab::Pose;
 use lab::driven::solids::{Mix, PLACES, play};
 use lab::soups::Soup;
-use lin_canny::{Class, ManifoldOptions, Mesh, PairTracker, RelativePose};
+use lin_canny::{Class, ManifoldOptions, Mesh, PairTracker};
 
 fn played(seeds: u64) {
     let (mut mix, mut failed) = (Mix::default(), Vec::new());
@@ -65,7 +66,7 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
 }
 
 fn class(a: &Mesh, b: &Mesh) -> Class {
-    PairTracker::new().closest(a, b, &RelativePose::identity()).class
+    PairTracker::new().closest(a, b, &relative(&Pose::IDENTITY)).class
 }
 
 /// A column in metres of a survey, entered twice; a bolt, a sheet of foil.
@@ -105,7 +106,7 @@ fn a_cube_over_a_slab_has_four_contacts_wherever_both_stand() {
         let slab = cuboid([far - 5.0, far - 5.0, far - 1.0], [far + 5.0, far + 5.0, far]);
         let cube = cuboid([far, far, far + 1e-4], [far + 1.0, far + 1.0, far + 1.0 + 1e-4]);
         let mut tracker = PairTracker::new();
-        let found = tracker.contacts(&slab, &cube, &RelativePose::identity(), &ManifoldOptions::within(1e-3));
+        let found = tracker.contacts(&slab, &cube, &relative(&Pose::IDENTITY), &ManifoldOptions::within(1e-3));
         let counts: Vec<_> = found.unwrap().iter().map(|g| g.contacts.len()).collect();
         assert_eq!(counts, [4], "{far}");
     }
