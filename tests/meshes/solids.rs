@@ -25,7 +25,7 @@ fn played(seeds: u64) {
         "{mix:?}"
     );
     assert!(
-        mix.equal > n / 25 && mix.flush > n / 5 && mix.nested > n / 25 && mix.crossing > n / 50,
+        mix.equal > n / 25 && mix.flush > n / 5 && mix.nested > n / 50 && mix.crossing > n / 50,
         "{mix:?}"
     );
     assert!(

@@ -121,6 +121,9 @@ pub(crate) const MIDDLES: usize = 256;
 /// Planes that are tried to part two solids in contact. Not measured.
 pub(crate) const PARTINGS: usize = 8;
 
+/// Cosine of the angle of two normals that count as one among these planes. Not measured.
+pub(crate) const SAME_NORMAL: f64 = 1.0 - 1.0 / (1u64 << 40) as f64;
+
 /// Pairs of boxes and winding numbers after which bodies in contact that no plane parts are no
 /// longer searched for common inner points. Not measured.
 pub(crate) const MEETING_BOXES: usize = 16_384;

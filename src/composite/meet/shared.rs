@@ -16,7 +16,7 @@ use nalgebra::Vector3;
 
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;
-use crate::base::tuning::composite::{LOOKS, MEETING_BOXES, PARTINGS, TOUCHES};
+use crate::base::tuning::composite::{LOOKS, MEETING_BOXES, PARTINGS, SAME_NORMAL, TOUCHES};
 use crate::composite::front::NodePair;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::common::{CommonPart, common, leaving, unit_normal};
@@ -116,7 +116,7 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
         let mut tried = [Vector3::zeros(); PARTINGS];
         let mut count = 0;
         let mut is_parted = |n: Vector3<f64>, at: &Vector3<f64>| {
-            let is_known = tried[..count].iter().any(|m: &Vector3<f64>| m.dot(&n) > 1.0 - 1e-12);
+            let is_known = tried[..count].iter().any(|m: &Vector3<f64>| m.dot(&n) > SAME_NORMAL);
             if is_known || count == PARTINGS {
                 return false;
             }
