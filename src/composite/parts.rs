@@ -4,6 +4,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::base::num::extremes::Bounded;
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::MIDDLES;
 use crate::body::shape::Shape;
 use crate::composite::meet::frame::TreeSide;
@@ -43,6 +44,14 @@ pub(crate) trait Parted {
 
     /// Returns the corners of a bounding box in the body's own frame, right up to rounding.
     fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
+
+    /// Returns half the diagonal of the bounding box, or the radius about the body's own origin if
+    /// that is less, in the caller's unit: how large the body is, wherever its origin lies.
+    fn half_size(&self) -> f64 {
+        let (low, high) = self.corners_of_box();
+        let radius = self.side().radius * self.stored_unit();
+        radius.min(0.5 * sqrt((high - low).norm_squared()))
+    }
 
     /// Returns whether all parts stand in the frame of the body, so that no pose is composed.
     fn is_in_place(&self) -> bool;

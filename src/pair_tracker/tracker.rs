@@ -194,10 +194,12 @@ impl PairTracker {
     /// witness is a point of the inner one; if several parts overlap, the witnesses need not
     /// coincide.
     ///
-    /// Solids whose surfaces touch and do not certainly cross overlap if an inner point of both is
-    /// found: by up to 128 of the pairs of triangles in contact, by 32 triangles from all over each
-    /// mesh, and by points of each connected part. If all of these miss an overlap, the class is
-    /// [`Class::Touching`](crate::Class::Touching); the bounds, both zero, hold all the same.
+    /// Two solid meshes whose surfaces touch and do not certainly cross overlap if a point inside
+    /// both is found. The search looks at all pairs of triangles in contact and at points of each
+    /// connected part, up to 16,384 pairs of boxes and about 1,024 points. If more are needed, an
+    /// overlap may be missed; the class is [`Class::Touching`](crate::Class::Touching) then.
+    /// The bounds of meshes are those of the distance without a sign, which is zero for bodies that
+    /// touch and for bodies that overlap: they hold in both cases, and bound no depth.
     /// Within `1e-13 L` of contact the class of such a pair may differ between warm and cold
     /// trackers, and between A to B and B to A.
     ///

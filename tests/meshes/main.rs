@@ -23,6 +23,7 @@ mod pieces;
 mod points;
 mod shallow;
 mod shapes;
+mod solids;
 mod valleys;
 
 pub(crate) use lab::forms::mesh;

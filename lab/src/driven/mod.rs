@@ -6,6 +6,7 @@ pub mod exact_place;
 pub mod lattice;
 pub mod points;
 pub mod scenes;
+pub mod solids;
 
 /// The input of a test that is driven by bytes: reads from the front, zero when nothing is left.
 #[derive(Debug)]

@@ -118,9 +118,16 @@ pub(crate) const CROWD: u32 = 128;
 /// vertices asked first all lie within rounding of it. Not measured.
 pub(crate) const MIDDLES: usize = 256;
 
-/// Triangles of each body that are looked at for inner points where bodies touch and no normal
-/// parts them. Not measured.
-pub(crate) const SPREAD: usize = 32;
+/// Planes that are tried to part two solids in contact. Not measured.
+pub(crate) const PARTINGS: usize = 8;
+
+/// Cosine of the angle of two normals that count as one among these planes. Not measured.
+pub(crate) const SAME_NORMAL: f64 = 1.0 - 1.0 / (1u64 << 40) as f64;
+
+/// Pairs of boxes and winding numbers after which bodies in contact that no plane parts are no
+/// longer searched for common inner points. Not measured.
+pub(crate) const MEETING_BOXES: usize = 16_384;
+pub(crate) const LOOKS: u64 = 1024;
 
 /// Triangles nearer than this part of L take the direction of a face or of two edges if one
 /// proves as much as the direction of the witnesses: two more gaps for directions that prove
@@ -174,10 +181,6 @@ pub(crate) const EDGE_HALVINGS: usize = 30;
 /// Steps back along a translation that parts two bodies, to the place of their last contact. Each
 /// takes the gap that is left, so few do unless the bodies slide past each other. Not measured.
 pub(crate) const WAY_BACK: usize = 64;
-
-/// Bodies whose boxes overlap by less than this part of L along a normal are parted by the normal:
-/// more than the rounding of boxes in single precision. Not measured.
-pub(crate) const PARTED: f64 = 1.0 / 65_536.0;
 
 /// Pairs of nodes that a look ahead splits at most. Not measured.
 pub(crate) const AHEAD_PAIRS: usize = 2048;

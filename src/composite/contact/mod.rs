@@ -39,6 +39,7 @@ use crate::composite::front::NodePair;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::TreeFrame;
 use crate::composite::meet::frame::split_pair;
+use crate::composite::parts::Parted;
 use crate::composite::pieces::CompositeTracker;
 use crate::composite::placement::Placed;
 use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
@@ -147,8 +148,8 @@ impl ContactTracker {
         let name = |c: &PatchContact| (c.patches, c.point.id);
         all.sort_by_key(|c| !before.contains(&name(c)));
         let is_old = all.iter().take_while(|c| before.contains(&name(c))).count();
-        let radius = a.side().radius.smaller(b.side().radius * frame.scale) * a.unit();
-        let merge = query.doubt.larger(options.drift * radius);
+        let size = a.parts().half_size().smaller(b.parts().half_size());
+        let merge = query.doubt.larger(options.drift * size);
         self.found = groups(&all, is_old, (options.most(), merge, query.doubt));
         &self.found
     }

@@ -10,6 +10,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::UNIT;
 use crate::composite::mesh::Mesh;
+use crate::composite::parts::Parted;
 use crate::composite::tree::Below;
 use crate::composite::tree::height::height;
 use crate::time::impact::ImpactError;
@@ -236,6 +237,12 @@ impl<'a> MeshOverFrame<'a> {
     pub(super) fn radius(&self) -> f64 {
         let [begin, end] = self.both().map(|mesh| mesh.radius * mesh.unit());
         begin.larger(end)
+    }
+
+    /// Returns half the diagonal of the box of the mesh, or the radius if that is less.
+    pub(super) fn half_size(&self) -> f64 {
+        let [begin, end] = self.both().map(Parted::half_size);
+        begin.max(end)
     }
 
     /// Returns the largest coordinate of a point, or more.

@@ -144,7 +144,7 @@ impl<'a> FrameSearch<'a> {
     /// Goes through the frame in steps short enough for the sagitta to be small beside the meshes,
     /// until a step has a contact or something open.
     fn run(mut self) -> Cast {
-        let size = self.a.radius().smaller(self.b.radius());
+        let size = self.a.half_size().smaller(self.b.half_size());
         let wanted = sqrt(self.sagitta / (ARC_PART * size)).at_most(ARC_STEPS);
         let steps = if wanted > 1.0 { wanted as u32 + 1 } else { 1 };
         for k in 0..steps {

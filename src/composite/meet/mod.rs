@@ -2,6 +2,7 @@
 //! of boxes, leaves and triangles.
 
 pub(crate) mod bounds;
+mod common;
 #[cfg(feature = "exact")]
 pub(crate) mod exact_ray;
 #[cfg(feature = "exact")]

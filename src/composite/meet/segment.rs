@@ -42,6 +42,28 @@ impl Mesh {
         first
     }
 
+    /// Returns the part of a segment before it first meets a triangle, or an edge of one, farther
+    /// along than the part `least`, right up to rounding; triangles in whose plane the segment lies
+    /// are left out.
+    pub(in crate::composite) fn first_meeting(
+        &self,
+        from: &Vector3<f64>,
+        to: &Vector3<f64>,
+        least: f64,
+    ) -> Option<f64> {
+        let mut first = None;
+        self.any_along(from, to, |t| {
+            if let Some(part) = meeting(&self.corners(t), from, to)
+                && part > least
+                && first.is_none_or(|f| part < f)
+            {
+                first = Some(part);
+            }
+            false
+        });
+        first
+    }
+
     /// Asks about the triangles whose boxes a segment may meet, the points of which may be off by
     /// `error`, until an answer is true.
     pub(in crate::composite) fn any_along(
@@ -100,6 +122,24 @@ pub(in crate::composite) fn crossing(
     }
     let doubtful = turns.iter().chain(&ends).any(|x| *x == 0.0);
     (!doubtful).then_some(if ends[0] < 0.0 { 1 } else { -1 })
+}
+
+/// Returns the part of a segment before it meets a triangle, edges counted.
+fn meeting([a, b, c]: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64>) -> Option<f64> {
+    let turns = [
+        sign::side(from, to, a, b),
+        sign::side(from, to, b, c),
+        sign::side(from, to, c, a),
+    ];
+    if turns.iter().any(|t| *t > 0.0) && turns.iter().any(|t| *t < 0.0) {
+        return None;
+    }
+    let ends = [sign::side(a, b, c, from), sign::side(a, b, c, to)];
+    if ends[0] > 0.0 && ends[1] > 0.0 || ends[0] < 0.0 && ends[1] < 0.0 || ends == [0.0; 2] {
+        return None;
+    }
+    let n = triangle::normal(&[*a, *b, *c]);
+    Some(n.dot(&(a - from)) / n.dot(&(to - from)))
 }
 
 /// A segment in the tree's coordinates: its middle and half its length as a vector.

@@ -1,16 +1,26 @@
 //! Whether two solids whose surfaces touch, and do not certainly cross, share inner points.
 //!
-//! Where surfaces only touch, each stretch of one of them between contacts is inside the other body
-//! or outside: points of parts and of the triangles in contact decide. Of bodies that fill the same
-//! place no point of a surface is inside; there a point behind the triangle decides, half as far
-//! behind as the next triangle of either body.
+//! If a part of one surface is inside the other body, then either a whole connected part of the
+//! surface is, or the part ends where the surfaces meet: along a segment that two triangles have in
+//! common, from which one of the two goes on inside the other body. If no part of either surface is
+//! inside the other body, the bodies share inner points only where they fill the same place: there
+//! two triangles lie in one plane with normals that point the same way, and both bodies are behind
+//! them. So the pairs of triangles in contact decide, with a point of each connected part
+//! (`common` says where to look). Every point is proven inside both bodies by exact winding
+//! numbers.
+//!
+//! Bodies that a plane parts share no inner points: this is tried first, as most contacts are such.
 
+use alloc::collections::BTreeSet;
 use nalgebra::Vector3;
 
-use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
-use crate::base::tuning::composite::{PARTED, SPREAD, TOUCHES};
+use crate::base::pose::Operand;
+use crate::base::tuning::composite::{LOOKS, MEETING_BOXES, PARTINGS, SAME_NORMAL, TOUCHES};
 use crate::composite::front::NodePair;
+use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
+use crate::composite::meet::common::{CommonPart, common, leaving, unit_normal};
+use crate::composite::meet::frame::split_pair;
 use crate::composite::meet::search::Measured;
 use crate::composite::meet::state::{Inside, PosedTrees};
 use crate::composite::meet::triangle::{self, Triangle};
@@ -43,131 +53,248 @@ impl Touching {
     }
 }
 
-/// A mesh and the other one, seen from the frame of the first, in its stored units.
-struct Seen<'a, P> {
-    own: &'a Mesh,
-    other: &'a Mesh,
-    /// To the other's frame.
-    place: P,
-    /// One stored unit in the other's.
-    ratio: f64,
+/// A ball in the stored frame of a mesh.
+struct NearBall {
+    centre: Vector3<f64>,
+    radius: f64,
+}
+
+impl Mesh {
+    /// Returns whether no point of the solid in a ball is higher along a unit vector than `level`,
+    /// up to rounding of the heights.
+    fn is_below(&self, n: &Vector3<f64>, level: f64, near: &NearBall) -> bool {
+        let unit = self.tree.unit();
+        let mut stack = alloc::vec![0];
+        while let Some(node) = stack.pop() {
+            let b = &self.tree.boxes[node as usize];
+            let apart = self.tree.centre + b.centre() * unit - near.centre;
+            let reach = near.radius + f64::from(b.radius()) * unit;
+            if apart.norm_squared() > reach * reach || height(&self.tree, node, n) <= level {
+                continue;
+            }
+            match self.tree.below(node) {
+                Below::Children(c) => stack.extend([c, c + 1]),
+                Below::Leaf(first, count) => {
+                    let rises = |t: u32| {
+                        let corners = self.corners(t);
+                        corners.iter().any(|p| n.dot(p) > level)
+                            && triangle::nearest(&near.centre, &corners).0 <= near.radius * near.radius
+                    };
+                    if (first..first + count).any(rises) {
+                        return false;
+                    }
+                }
+            }
+        }
+        // No triangle is in the cap of the ball above the level, which so is all inside or outside.
+        let rise = level - n.dot(&near.centre);
+        if rise >= near.radius {
+            return true;
+        }
+        let middle = near.centre + n * (0.5 * (rise.max(-near.radius) + near.radius));
+        self.winding(&middle) == Some(0)
+    }
+}
+
+/// Two solid meshes whose surfaces touch, in A's stored frame.
+struct SolidContact<'a, A, B> {
+    posed: &'a PosedTrees<'a, A, B>,
+    a: &'a Mesh,
+    b: &'a Mesh,
     /// By how much a place may be off.
     doubt: f64,
+    /// Triangles of A and of B whose middles were looked at.
+    seen: [BTreeSet<u32>; 2],
+    /// Winding numbers taken.
+    windings: u64,
 }
 
-impl<P: Fn(&Vector3<f64>) -> Vector3<f64>> Seen<'_, P> {
-    /// Returns whether a point is certainly inside the other mesh.
-    fn is_held(&self, p: &Vector3<f64>) -> bool {
-        self.other.holds(&(self.place)(p), self.doubt * self.ratio) == Some(true)
-    }
-
-    /// Returns whether the middle of a triangle, or a point behind it, is certainly inside both
-    /// meshes.
-    fn is_shared(&self, t: u32) -> bool {
-        let middle = self.own.triangle_middle(t);
-        self.is_held(&middle)
-            || self
-                .behind(&self.own.corners(t), &middle)
-                .is_some_and(|p| self.is_held(&p))
-    }
-
-    /// Returns an inner point behind a triangle, halfway to the next triangle of either mesh.
-    fn behind(&self, corners: &Triangle, middle: &Vector3<f64>) -> Option<Vector3<f64>> {
-        let normal = triangle::normal(corners);
-        let end = middle - normal * (4.0 * self.own.radius / sqrt(normal.norm_squared()));
-        let skin = 4.0 * self.doubt;
-        let own = self.own.first_crossing(middle, &end, skin)?;
-        let place = &self.place;
-        let other = self
-            .other
-            .first_crossing(&place(middle), &place(&end), skin * self.ratio)?;
-        let point = middle + (end - middle) * (0.5 * own.smaller(other));
-        (self.own.holds(&point, self.doubt) == Some(true)).then_some(point)
-    }
-}
-
-/// Returns a few triangles from all over a mesh.
-fn spread(mesh: &Mesh) -> impl Iterator<Item = u32> {
-    let count = mesh.triangles.len();
-    (0..count as u32).step_by(count.div_ceil(SPREAD))
-}
-
-/// Returns the greatest height of a mesh along a direction, or at most `slack` more.
-fn top(mesh: &Mesh, n: &Vector3<f64>, slack: f64) -> f64 {
-    let (mut most, mut stack) = (f64::NEG_INFINITY, alloc::vec![0]);
-    while let Some(node) = stack.pop() {
-        if height(&mesh.tree, node, n) <= most + slack {
-            continue;
+impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
+    /// Returns whether a plane parts the bodies: that of a contact, or one through a triangle in
+    /// contact.
+    fn is_parted<F>(&self, touching: &Touching, found: &Measured<F>) -> bool {
+        let mut tried = [Vector3::zeros(); PARTINGS];
+        let mut count = 0;
+        let mut is_parted = |n: Vector3<f64>, at: &Vector3<f64>| {
+            let is_known = tried[..count].iter().any(|m: &Vector3<f64>| m.dot(&n) > SAME_NORMAL);
+            if is_known || count == PARTINGS {
+                return false;
+            }
+            tried[count] = n;
+            count += 1;
+            self.parts(&n, at)
+        };
+        if is_parted(found.normal, &found.on_a) {
+            return true;
         }
-        match mesh.tree.below(node) {
-            Below::Children(c) => stack.extend([c, c + 1]),
-            Below::Leaf(first, count) => {
-                let corners = (first..first + count).flat_map(|t| mesh.corners(t));
-                most = corners.map(|p| n.dot(&p)).fold(most, f64::at_least);
+        touching.pairs().iter().any(|&pair| {
+            let (p, q) = self.corners(pair);
+            unit_normal(&p).is_some_and(|n| is_parted(n, &p[0]))
+                || unit_normal(&q).is_some_and(|n| is_parted(-n, &q[0]))
+        })
+    }
+
+    /// Returns whether the plane through a point with the normal `n` parts the bodies, A below.
+    fn parts(&self, n: &Vector3<f64>, at: &Vector3<f64>) -> bool {
+        let (frame, ratio) = (&self.posed.frame, self.a.unit() / self.b.unit());
+        // With both errors less than 1e-13 L: what is nearer counts as touching.
+        let slack = 3.0 * frame.error;
+        let ball = |mesh: &Mesh| (mesh.tree.centre, f64::from(mesh.tree.reach) * mesh.tree.unit());
+        let (of_a, of_b) = (ball(self.a), ball(self.b));
+        let b_in_a = NearBall {
+            centre: frame.point(&of_b.0),
+            radius: of_b.1 / ratio + slack,
+        };
+        let a_in_b = NearBall {
+            centre: self.posed.back(&of_a.0),
+            radius: (of_a.1 + slack) * ratio,
+        };
+        let down = -frame.rotation.tr_mul(n);
+        self.a.is_below(n, n.dot(at) + slack, &b_in_a)
+            && self
+                .b
+                .is_below(&down, down.dot(&self.posed.back(at)) + slack * ratio, &a_in_b)
+    }
+
+    fn corners(&self, [i, j]: NodePair) -> (Triangle, Triangle) {
+        let q = self.b.corners(j);
+        (self.a.corners(i), q.map(|x| self.posed.frame.point(&x)))
+    }
+
+    /// Returns whether a point is certainly inside a body.
+    fn is_held(&mut self, by: Operand, p: &Vector3<f64>) -> bool {
+        self.windings += 1;
+        let held = match by {
+            Operand::A => self.a.holds(p, self.doubt),
+            Operand::B => {
+                let ratio = self.a.unit() / self.b.unit();
+                self.b.holds(&self.posed.back(p), self.doubt * ratio)
+            }
+        };
+        held == Some(true)
+    }
+
+    /// Returns the part of a segment before it meets a surface farther along than some doubts; one
+    /// if it meets none.
+    fn free(&self, of: Operand, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
+        let least = 4.0 * self.doubt / sqrt((to - from).norm_squared());
+        let first = match of {
+            Operand::A => self.a.first_meeting(from, to, least),
+            Operand::B => self
+                .b
+                .first_meeting(&self.posed.back(from), &self.posed.back(to), least),
+        };
+        first.unwrap_or(1.0)
+    }
+
+    /// Returns whether a segment that begins at the surface of a body goes on inside the body.
+    fn enters(&mut self, into: Operand, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
+        let part = 0.5 * self.free(into, from, to);
+        self.is_held(into, &(from + (to - from) * part))
+    }
+
+    /// Returns whether both bodies are behind a point of both surfaces, against the normal `n`.
+    fn are_behind(&mut self, at: &Vector3<f64>, n: &Vector3<f64>) -> bool {
+        let to = at - n * sqrt((self.a.high - self.a.low).norm_squared());
+        let part = 0.5 * self.free(Operand::A, at, &to).min(self.free(Operand::B, at, &to));
+        let point = at + (to - at) * part;
+        self.is_held(Operand::A, &point) && self.is_held(Operand::B, &point)
+    }
+
+    /// Returns whether the bodies certainly share inner points next to what two triangles have in
+    /// common. If that is a point, the middles of both and points behind them are looked at: a part
+    /// of a surface that touches the other one at points alone may be inside the other body, and of
+    /// bodies that fill the same place neighbours may be met first.
+    fn is_shared_at(&mut self, pair: NodePair) -> bool {
+        let ((p, q), slack) = (self.corners(pair), self.doubt);
+        match common(&p, &q, slack) {
+            CommonPart::Point => {
+                triangle::closest(&p, &q).square <= slack * slack
+                    && (self.is_shared_behind(Operand::B, pair[0], &p)
+                        || self.is_shared_behind(Operand::A, pair[1], &q))
+            }
+            CommonPart::Flat(_, false) => false,
+            CommonPart::Flat(at, true) => unit_normal(&p).is_some_and(|n| self.are_behind(&at, &n)),
+            CommonPart::Segment(at, s) => {
+                leaving(&p, &q, (&at, &s), slack).any(|to| self.enters(Operand::B, &at, &to))
+                    || leaving(&q, &p, (&at, &s), slack).any(|to| self.enters(Operand::A, &at, &to))
             }
         }
     }
-    most + slack
+
+    /// Returns whether the middle of a triangle is certainly inside the other body, or a point
+    /// behind it inside both, if that was not looked at before.
+    fn is_shared_behind(&mut self, other: Operand, t: u32, corners: &Triangle) -> bool {
+        if !self.seen[usize::from(other == Operand::A)].insert(t) {
+            return false;
+        }
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        self.is_held(other, &middle) || unit_normal(corners).is_some_and(|n| self.are_behind(&middle, &n))
+    }
+
+    /// Looks at all pairs of triangles whose boxes meet, up to a limit.
+    fn is_shared_anywhere(&mut self) -> bool {
+        let frame = &self.posed.frame;
+        let trees = (&self.a.tree, &self.b.tree);
+        let level = frame.single_up(self.doubt);
+        let aim = BoundAim::to((level + frame.single.error).next_up());
+        let (mut stack, mut asked) = (alloc::vec![[0, 0]], 0);
+        while !stack.is_empty() && asked < MEETING_BOXES && self.windings < LOOKS {
+            let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
+            asked += batch.len();
+            let gaps = bounds(&frame.single, trees, &batch, &aim);
+            for (&pair, gap) in batch.iter().zip(gaps.gap) {
+                if frame.single.error.is_finite() && gap - frame.single.error > level {
+                    continue;
+                }
+                if let Some(two) = split_pair(trees, frame, pair) {
+                    stack.extend(two);
+                    continue;
+                }
+                let (of_a, of_b) = (trees.0.range(pair[0]), trees.1.range(pair[1]));
+                let mut all = (of_a.0..of_a.1).flat_map(|i| (of_b.0..of_b.1).map(move |j| [i, j]));
+                if all.any(|pair| self.is_shared_at(pair)) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
 }
 
 impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
-    /// Returns whether two solids certainly share inner points, and the winding numbers taken of
-    /// parts. `found`: a contact.
-    ///
-    /// Where the normal parts the bodies, middles on their own side of the plane of contact are not
-    /// looked at: in flush contact none is left.
-    pub(in crate::composite) fn shares_inside<F>(&self, touching: &Touching, found: &Measured<F>) -> (bool, u64) {
+    /// Returns whether two solids certainly share inner points, and the winding numbers taken.
+    /// `found`: a contact. `is_last`: whether no contact is to come.
+    pub(in crate::composite) fn shares_inside<F>(
+        &self,
+        touching: &Touching,
+        found: &Measured<F>,
+        is_last: bool,
+    ) -> (bool, u64) {
         if !(self.a.is_solid() && self.b.is_solid()) {
             return (false, 0);
         }
-        let (normal, point) = (&found.normal, &found.on_a);
-        let (frame, pairs) = (&self.frame, touching.pairs());
-        let lift = normal.dot(&frame.translation);
-        let down = -frame.direction_in_b(normal);
-        let are_parted = |top: f64, low: f64| top + low - lift < PARTED * frame.size;
-        let meshes = match (self.a.by_kind(), self.b.by_kind()) {
-            (PartsRef::Mesh(a), PartsRef::Mesh(b)) => Some((a, b)),
-            _ => None,
-        };
-        // The boxes of whole bodies may be tilted.
-        let slack = 0.25 * PARTED * frame.size;
-        let is_parted = are_parted(
-            height(self.a.side().tree, 0, normal),
-            height(self.b.side().tree, 0, &down),
-        ) || meshes.is_some_and(|(a, b)| are_parted(top(a, normal, slack), top(b, &down, slack)));
-        let (inside, windings) = match meshes {
-            Some(_) if is_parted => (Inside::No, 0),
-            _ => self.inside(0.0),
-        };
-        let Some((a, b)) = meshes.filter(|_| !matches!(inside, Inside::At(..))) else {
+        let (PartsRef::Mesh(a), PartsRef::Mesh(b)) = (self.a.by_kind(), self.b.by_kind()) else {
+            let (inside, windings) = self.inside(0.0);
             return (matches!(inside, Inside::At(..)), windings);
         };
-        let (ratio, doubt) = (a.unit() / b.unit(), 2.0 * frame.error);
-        let of_a = Seen {
-            own: a,
-            other: b,
-            place: |p: &Vector3<f64>| self.back(p),
-            ratio,
-            doubt,
+        let mut contact = SolidContact {
+            posed: self,
+            a,
+            b,
+            doubt: 2.0 * self.frame.error,
+            seen: Default::default(),
+            windings: 0,
         };
-        let of_b = Seen {
-            own: b,
-            other: a,
-            place: |p: &Vector3<f64>| frame.point(p),
-            ratio: 1.0 / ratio,
-            doubt: doubt * ratio,
-        };
-        let rise = |p: &Vector3<f64>| normal.dot(&(p - point));
-        let is_shared = if is_parted {
-            pairs.iter().any(|&[i, j]| {
-                let (p, q) = (a.triangle_middle(i), b.triangle_middle(j));
-                rise(&frame.point(&q)) < -frame.tie && of_b.is_held(&q) || rise(&p) > frame.tie && of_a.is_held(&p)
-            })
-        } else {
-            pairs.iter().any(|&[i, j]| of_a.is_shared(i) || of_b.is_shared(j))
-                || spread(a).any(|i| of_a.is_shared(i))
-                || spread(b).any(|j| of_b.is_shared(j))
-        };
-        (is_shared, windings)
+        if contact.is_parted(touching, found) {
+            return (false, 0);
+        }
+        let is_shared = touching.pairs().iter().any(|pair| contact.is_shared_at(*pair));
+        if is_shared || !is_last {
+            return (is_shared, contact.windings);
+        }
+        let (inside, windings) = self.inside(0.0);
+        let is_shared = matches!(inside, Inside::At(..)) || contact.is_shared_anywhere();
+        (is_shared, contact.windings + windings)
     }
 }

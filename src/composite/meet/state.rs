@@ -312,7 +312,7 @@ impl TreeState {
         touching: &Touching,
         best: &Measured<F>,
     ) -> bool {
-        let (is_shared, windings) = posed.shares_inside(touching, best);
+        let (is_shared, windings) = posed.shares_inside(touching, best, true);
         self.kept.work.windings.count(windings);
         is_shared
     }

@@ -155,7 +155,7 @@ impl Judge for TriangleJudge<'_> {
     }
 
     fn shares_inside(&self, touching: &Touching, found: &Measured<[TriangleSpot; 2]>) -> (bool, u64) {
-        self.posed.shares_inside(touching, found)
+        self.posed.shares_inside(touching, found, false)
     }
 
     fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<[TriangleSpot; 2]> {

@@ -31,13 +31,14 @@ use crate::body::shape::Shape;
 use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
 use crate::composite::mesh::nearest::From;
+use crate::composite::parts::Parted;
 use crate::composite::tree::Below;
 use crate::composite::tree::height::height;
 
 /// Returns a convex body inside a solid mesh, in the caller's unit, about a point in stored
 /// coordinates, at most `reach` wide to each side; `None` if none is found.
 pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shape> {
-    let mut reach = reach.smaller(2.0 * mesh.radius);
+    let mut reach = reach.smaller(2.0 * mesh.half_size() / mesh.unit());
     let planes = (0..CELL_HALVINGS).find_map(|_| {
         let cut = CellCut::new(mesh, place, reach).run();
         reach *= 0.5;

@@ -270,7 +270,10 @@ pub(super) fn of_wholes<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose)
 /// Returns the convex part of a mesh about its middle, or all pieces.
 fn wholes(body: PartsRef) -> Vec<(Shape, Isometry3<f64>)> {
     match body {
-        PartsRef::Mesh(mesh) => about(body, &(mesh.centroid().coords / mesh.unit()), 2.0 * mesh.radius),
+        PartsRef::Mesh(mesh) => {
+            let size = 2.0 * mesh.half_size() / mesh.unit();
+            about(body, &(mesh.centroid().coords / mesh.unit()), size)
+        }
         PartsRef::Pieces(body) => body.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect(),
     }
 }

@@ -75,7 +75,7 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
     }
 
     fn shares_inside(&self, touching: &Touching, found: &Measured<FeaturePair>) -> (bool, u64) {
-        self.posed.shares_inside(touching, found)
+        self.posed.shares_inside(touching, found, false)
     }
 
     fn measure(&mut self, frame: &TreeFrame, pair: NodePair, _: f64) -> Measured<FeaturePair> {

@@ -1,0 +1,113 @@
+//! Promise: solids with faces in common have the class of whole numbers, wherever their origin lies.
+
+use super::{mesh, relative};
+use lab::Pose;
+use lab::driven::solids::{Mix, PLACES, play};
+use lab::soups::Soup;
+use lin_canny::{Class, ManifoldOptions, Mesh, PairTracker};
+
+fn played(seeds: u64) {
+    let (mut mix, mut failed) = (Mix::default(), Vec::new());
+    for seed in 0..seeds {
+        match play(seed) {
+            Ok(played) => mix.add(&played),
+            Err(what) => failed.push(format!("seed {seed}: {what}")),
+        }
+    }
+    let count = failed.len();
+    failed.truncate(3);
+    assert!(failed.is_empty(), "{count} of {seeds}: {failed:#?}");
+    println!("{mix:?}");
+    let n = mix.pairs;
+    assert!(n == PLACES * seeds && mix.supports >= seeds / 8, "{mix:?}");
+    assert!(
+        mix.apart > n / 50 && mix.touching > n / 20 && mix.overlapping > n / 3,
+        "{mix:?}"
+    );
+    assert!(
+        mix.equal > n / 25 && mix.flush > n / 5 && mix.nested > n / 50 && mix.crossing > n / 50,
+        "{mix:?}"
+    );
+    assert!(
+        mix.far > n / 10 && mix.flat > n / 50 && mix.pieces > n / 2 && mix.depths > n / 100,
+        "{mix:?}"
+    );
+}
+
+#[test]
+fn solids_with_faces_in_common_have_the_class_of_whole_numbers() {
+    played(250);
+}
+
+#[test]
+#[ignore = "minutes: 100,000 pairs; cargo test --release --all-features --test meshes solids -- --ignored"]
+fn a_hundred_thousand_solids_have_the_class_of_whole_numbers() {
+    played(100_000 / PLACES);
+}
+
+/// A box of twelve triangles.
+fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
+    let corner = |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 1 { high[i] } else { low[i] });
+    let faces = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    mesh(&Soup {
+        points: (0..8).map(corner).collect(),
+        triangles: faces
+            .iter()
+            .flat_map(|f| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]])
+            .collect(),
+    })
+}
+
+fn class(a: &Mesh, b: &Mesh) -> Class {
+    PairTracker::new().closest(a, b, &relative(&Pose::IDENTITY)).class
+}
+
+/// A column in metres of a survey, entered twice; a bolt, a sheet of foil.
+#[test]
+fn duplicates_overlap_wherever_they_stand() {
+    for far in [0.0, 400.0, 1e3, 5e4, 1e6, 2.6e6, 1e9] {
+        for size in [[0.4, 0.4, 3.0], [0.01, 0.01, 0.01], [1.0, 1.0, 1e-5]] {
+            let low = [far, 0.5 * far, 0.25 * far];
+            let high = [0, 1, 2].map(|k| low[k] + size[k]);
+            let l = 4.0 * far + 4.0;
+            if size.iter().any(|s| *s < 1e-11 * l) {
+                continue;
+            }
+            let m = cuboid(low, high);
+            assert_eq!(class(&m, &m), Class::Overlapping, "{far} {size:?}");
+        }
+    }
+}
+
+#[test]
+fn an_insert_flush_with_a_wall_overlaps_in_both_orders() {
+    for far in [0.0, 3e5, 1e6, 1e7, 1e9] {
+        let wall = cuboid([far, 0.0, 0.0], [far + 40.0, 10.0, 30.0]);
+        let insert = cuboid([far + 10.0, 0.0, 10.0], [far + 16.0, 6.0, 16.0]);
+        assert_eq!(class(&wall, &insert), Class::Overlapping, "{far}");
+        assert_eq!(class(&insert, &wall), Class::Overlapping, "{far}");
+        // Beside the wall, in one plane with its front.
+        let beside = cuboid([far + 40.0, 0.0, 10.0], [far + 46.0, 6.0, 16.0]);
+        assert_eq!(class(&wall, &beside), Class::Touching, "{far}");
+        assert_eq!(class(&beside, &wall), Class::Touching, "{far}");
+    }
+}
+
+#[test]
+fn a_cube_over_a_slab_has_four_contacts_wherever_both_stand() {
+    for far in [0.0, 100.0, 1e3, 1e4, 1e5, 1e6] {
+        let slab = cuboid([far - 5.0, far - 5.0, far - 1.0], [far + 5.0, far + 5.0, far]);
+        let cube = cuboid([far, far, far + 1e-4], [far + 1.0, far + 1.0, far + 1.0 + 1e-4]);
+        let mut tracker = PairTracker::new();
+        let found = tracker.contacts(&slab, &cube, &relative(&Pose::IDENTITY), &ManifoldOptions::within(1e-3));
+        let counts: Vec<_> = found.unwrap().iter().map(|g| g.contacts.len()).collect();
+        assert_eq!(counts, [4], "{far}");
+    }
+}
