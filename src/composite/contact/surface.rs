@@ -85,6 +85,7 @@ impl PatchedMesh {
             tree: &self.tree,
             exponent: self.mesh.exponent,
             radius: self.mesh.radius,
+            off: self.mesh.off,
         }
     }
 
