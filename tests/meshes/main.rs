@@ -13,6 +13,7 @@ mod faults;
 mod frames;
 mod hard;
 mod judged;
+mod kept;
 mod long;
 mod many;
 mod mixed_depth;
@@ -22,6 +23,7 @@ mod penetration;
 mod pieces;
 mod shallow;
 mod shapes;
+mod stand_ins;
 mod valleys;
 
 pub(crate) use lab::forms::mesh;
