@@ -103,6 +103,7 @@ impl Parted for Mesh {
             tree: &self.tree,
             exponent: self.exponent,
             radius: self.radius,
+            off: self.off,
         }
     }
 

@@ -52,11 +52,12 @@ pub(super) fn of_pieces((a, b): BodyShapes<'_>) -> Box<dyn AnyKinds> {
     TrackedPieces::new([a, b].map(|own| own.to_shape().map(piece)))
 }
 
-/// Returns the mesh that stands for a body that is not convex: `Some(None)` for the body itself.
+/// Returns the mesh that is equal to a body that is not convex: `Some(None)` for the body itself.
+/// Pieces that a mesh does not hold, as points, segments and needles, stay pieces.
 fn as_mesh(own: GeometryRef) -> Option<Option<Arc<Mesh>>> {
     match own.0 {
         Lent::Mesh(_) => Some(None),
-        Lent::Composite(body) => body.get().to_mesh().ok().map(|mesh| Some(Arc::new(mesh))),
+        Lent::Composite(body) => body.get().stand_in().map(|mesh| Some(Arc::new(mesh))),
         _ => None,
     }
 }

@@ -13,6 +13,7 @@ mod faults;
 mod frames;
 mod hard;
 mod judged;
+mod kept;
 mod long;
 mod many;
 mod mixed_depth;
@@ -24,6 +25,7 @@ mod points;
 mod shallow;
 mod shapes;
 mod solids;
+mod stand_ins;
 mod valleys;
 
 pub(crate) use lab::forms::mesh;

@@ -7,6 +7,7 @@ pub mod lattice;
 pub mod points;
 pub mod scenes;
 pub mod solids;
+pub mod stand_ins;
 
 /// The input of a test that is driven by bytes: reads from the front, zero when nothing is left.
 #[derive(Debug)]

@@ -86,6 +86,7 @@ impl PatchedMesh {
             tree: &self.tree,
             exponent: self.mesh.exponent,
             radius: self.mesh.radius,
+            off: self.mesh.off,
         }
     }
 

@@ -19,6 +19,8 @@ pub(crate) struct TreeSide<'a> {
     pub(in crate::composite) exponent: i32,
     /// Largest distance of a point from the body's origin, in stored units.
     pub(in crate::composite) radius: f64,
+    /// How far a stored point may be off its place in the body, in stored units.
+    pub(in crate::composite) off: f64,
 }
 
 /// Sizes beyond this, in the unit of single precision, are left to double precision. Squares stay
@@ -39,7 +41,9 @@ pub(in crate::composite) struct TreeFrame {
     pub(in crate::composite) scale: f64,
     /// L in A's stored units.
     pub(in crate::composite) size: f64,
-    /// Error of a distance and of a height in double precision.
+    /// How far stored points of both bodies may be off their places, in A's stored units.
+    pub(in crate::composite) off: f64,
+    /// Error of a distance and of a height in double precision, with the points' own.
     pub(in crate::composite) error: f64,
     /// Tolerance below the distance within which a proven gap still prunes.
     pub(in crate::composite) tie: f64,
@@ -110,15 +114,18 @@ impl TreeFrame {
             return None;
         }
         let matrix = rotation * scale;
+        let off = a.off + scale * b.off;
+        let error = CERTIFICATE * UNIT * size + off;
         Some(Self {
             matrix,
             translation,
             rotation,
             scale,
             size,
-            error: CERTIFICATE * UNIT * size,
+            off,
+            error,
             tie: SHORT_OF * size,
-            single: Single::new((a, b, scale), &matrix, &translation, &rotation, size),
+            single: Single::new((a, b, scale), &matrix, &translation, &rotation, error),
         })
     }
 
@@ -147,14 +154,14 @@ impl Single {
         matrix: &Matrix3<f64>,
         translation: &Vector3<f64>,
         rotation: &Matrix3<f64>,
-        size: f64,
+        error: f64,
     ) -> Self {
         let (unit, [scale_a, scale_b]) = units_of(a, b, scale);
         let shift = (matrix * b.tree.centre + translation - a.tree.centre) / unit;
         let reach = a.tree.reach * scale_a + b.tree.reach * scale_b + sqrt(shift.norm_squared()) as f32;
-        // The second: the shift's own error where bodies are far from their origins, and scales
-        // that vanish.
-        let error = BOXES as f32 * reach + (2.0 * CERTIFICATE * UNIT * size / unit) as f32 + LEAST;
+        // The second: the shift's own error where bodies are far from their origins, points that
+        // are off their places, and scales that vanish.
+        let error = BOXES as f32 * reach + (2.0 * error / unit) as f32 + LEAST;
         Self {
             unit,
             per_unit: 1.0 / unit,

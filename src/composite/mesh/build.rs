@@ -202,7 +202,7 @@ fn assemble(
     };
     let welded_away = (0u32..).zip(&welded.same_as).filter(|(k, v)| k != *v).count();
     let square = points.iter().fold(0.0, |r: f64, p| r.larger(p.norm_squared()));
-    Ok(Mesh {
+    let mut mesh = Mesh {
         report: MeshReport {
             kind,
             input_points: welded.points.len(),
@@ -224,7 +224,8 @@ fn assemble(
             None => found.closed_along_lines.then_some(Stiff::ClosedAlongLines),
         },
         bending: None,
-        fingerprint: fingerprint(points, &ordered.triangles, welded.exponent),
+        off: 0.0,
+        fingerprint: Fingerprint::default(),
         part_vertices: part_vertices
             .into_iter()
             .map(|four| four.map(|v| ordered.number[v as usize]))
@@ -238,7 +239,9 @@ fn assemble(
         tree: ordered.tree,
         low,
         high,
-    })
+    };
+    mesh.fingerprint = mesh.fingerprint_as_built();
+    Ok(mesh)
 }
 
 /// A tree over triangles, these in the order of its leaves, and the points in the order in which
@@ -304,12 +307,142 @@ impl InTreeOrder {
     }
 }
 
-fn fingerprint(points: &[Vector3<f64>], triangles: &[[u32; 3]], exponent: i32) -> Fingerprint {
-    let mut all = Fingerprinter::new(*b"mesh    ");
-    all.word(exponent as u64);
-    all.word(points.len() as u64);
-    points.iter().for_each(|p| all.vector(p));
-    all.word(triangles.len() as u64);
-    all.indices(triangles.as_flattened().iter().copied());
-    all.end()
+impl Mesh {
+    /// Returns the fingerprint of the mesh in the tree that the build makes.
+    pub(super) fn fingerprint_as_built(&self) -> Fingerprint {
+        let mut all = Fingerprinter::new(*b"mesh    ");
+        all.word(self.exponent as u64);
+        all.word(self.points.len() as u64);
+        self.points.iter().for_each(|p| all.vector(p));
+        all.word(self.triangles.len() as u64);
+        all.indices(self.triangles.as_flattened().iter().copied());
+        self.tree.add_links(&mut all);
+        // As many as points and triangles.
+        all.indices(self.source_points.iter().copied());
+        all.indices(self.source_triangles.iter().copied());
+        all.number(self.off);
+        all.end()
+    }
+
+    /// Returns the mesh with points that may be off their places by a length in the caller's unit.
+    pub(in crate::composite) fn with_points_off(mut self, off: f64) -> Self {
+        if off > 0.0 {
+            self.off = off / self.unit();
+            self.fingerprint = self.fingerprint_as_built();
+        }
+        self
+    }
+
+    /// Returns the fingerprint of the mesh after it takes another tree over the same triangles,
+    /// made in a way that `kind` names.
+    pub(super) fn fingerprint_in(&self, kind: [u8; 8], new: &InTreeOrder) -> Fingerprint {
+        let mut all = Fingerprinter::new(kind);
+        all.fingerprint(self.fingerprint);
+        all.word(new.order.len() as u64);
+        all.indices(new.order.iter().copied());
+        new.tree.add_links(&mut all);
+        all.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::composite::contact::ContactPatches;
+
+    /// Everything that a kept state relies on, changed alone.
+    #[test]
+    fn fingerprints_are_of_all_that_kept_states_rely_on() {
+        let p = |x: f64, y: f64| Point3::new(x, y, 0.0);
+        let place = |i: u32, j: u32| p(f64::from(i), f64::from(j));
+        let points: Vec<_> = (0..13).flat_map(|i| (0..13).map(move |j| place(i, j))).collect();
+        let square = |i: u32, j: u32| {
+            let a = i * 13 + j;
+            [[a, a + 13, a + 14], [a, a + 14, a + 1]]
+        };
+        let triangles: Vec<_> = (0..12).flat_map(|i| (0..12).flat_map(move |j| square(i, j))).collect();
+        let built = || Mesh::new(&points, &triangles).unwrap();
+        let named = |points: &[Point3<f64>], triangles: &[[u32; 3]]| Mesh::new(points, triangles).unwrap();
+        let mesh = built();
+        assert_eq!(mesh.fingerprint, built().fingerprint);
+
+        // Places, and the unit of coordinates.
+        let moved: Vec<_> = points.iter().map(|q| p(q.x, q.y + 1.0)).collect();
+        let larger: Vec<_> = points.iter().map(|q| q * power(210)).collect();
+        // Numbers of vertices and of triangles: the same body in the same tree.
+        let last = points.len() as u32 - 1;
+        let back: Vec<_> = points.iter().rev().copied().collect();
+        let of_back: Vec<_> = triangles.iter().map(|t| t.map(|v| last - v)).collect();
+        let mut exchanged = triangles.clone();
+        exchanged.swap(0, 100);
+        let turned: Vec<_> = triangles.iter().map(|t| [t[1], t[2], t[0]]).collect();
+        // Trees: made by call after the vertices came back, and by the mesh itself.
+        let mut rebuilt = built();
+        rebuilt.set_vertices(&moved).unwrap();
+        rebuilt.set_vertices(&points).unwrap();
+        let returned = rebuilt.clone();
+        rebuilt.rebuild();
+        let mut by_itself = returned.clone();
+        let new = InTreeOrder::with_new_top(&by_itself.tree, &by_itself.points, &by_itself.triangles);
+        by_itself.take_tree(*b"new top ", new);
+
+        let all = [
+            mesh,
+            named(&moved, &triangles),
+            named(&larger, &triangles),
+            named(&back, &of_back),
+            named(&points, &exchanged),
+            named(&points, &turned),
+            built().with_points_off(1e-12),
+            returned,
+            rebuilt,
+            by_itself,
+        ];
+        for (k, one) in all.iter().enumerate() {
+            let patches = ContactPatches::of_mesh(one.clone());
+            assert!(patches.are_of(one));
+            for (j, other) in all[..k].iter().enumerate() {
+                assert!(
+                    one.fingerprint != other.fingerprint && !patches.are_of(other),
+                    "{j} {k}"
+                );
+            }
+        }
+    }
+
+    /// Links of the tree that no list of triangles tells.
+    #[test]
+    fn fingerprints_are_of_the_links_of_the_tree() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+        let triangles = [[0, 1, 2], [1, 3, 2]];
+        let mut mesh = Mesh::new(&points, &triangles).unwrap();
+        let before = mesh.fingerprint_as_built();
+        mesh.tree.set_link(0, 1);
+        assert_ne!(before, mesh.fingerprint_as_built());
+    }
+
+    fn power(exponent: i32) -> f64 {
+        crate::body::polyhedron::power_of_two(exponent)
+    }
+
+    /// Calls that move no vertex change neither the tree nor when it is made anew.
+    #[test]
+    fn calls_that_move_nothing_are_not_counted() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(|[x, y]| Point3::new(x, y, 0.0));
+        let mut mesh = Mesh::new(&points, &[[0, 1, 2], [1, 3, 2]]).unwrap();
+        let fold = |z: f64| points.map(|p| Point3::new(p.x, p.y, z * p.x * p.y));
+        mesh.set_vertices(&fold(0.5)).unwrap();
+        let (mut quiet, mut busy) = (mesh.clone(), mesh);
+        for _ in 0..100 {
+            busy.set_vertices(&fold(0.5)).unwrap();
+        }
+        for z in [0.7, -0.5, 0.2, -0.9] {
+            quiet.set_vertices(&fold(z)).unwrap();
+            busy.set_vertices(&fold(z)).unwrap();
+            assert!(quiet.fingerprint == busy.fingerprint && quiet.tree == busy.tree);
+        }
+    }
 }

@@ -74,7 +74,12 @@ pub struct Mesh {
     /// Corners of the bounding box, in stored coordinates.
     pub(crate) low: Vector3<f64>,
     pub(crate) high: Vector3<f64>,
-    /// Of vertices and triangles, by which a tracker recognises the mesh.
+    /// How far a vertex may be off its place, in stored units: zero but for a mesh that stands for
+    /// placed pieces, whose vertices are rounded.
+    pub(crate) off: f64,
+    /// By which a tracker recognises the mesh: of all that is drawn from the tree by number, which
+    /// is points, triangles, the links of the tree and the caller's numbers, and of every change
+    /// since. So no number of one mesh is used in another of the same fingerprint.
     pub(crate) fingerprint: Fingerprint,
     report: MeshReport,
     /// Why the vertices cannot be replaced, if they cannot.

@@ -45,18 +45,25 @@ impl<'a> TriangleJudge<'a> {
         let o: Outcome = Tracker::new().closest(&p, &q, self.posed.pose);
         let unit = 1.0 / self.posed.a.unit();
         let distance = (o.distance * unit).at_least(0.0);
+        let (lower, upper) = (o.lower * unit - frame.off, o.upper * unit + frame.off);
         Some(Measured {
             pair,
             distance,
-            lower: (o.lower * unit).at_least(0.0).smaller(distance),
-            upper: (o.upper * unit).larger(distance),
+            lower: lower.at_least(0.0).smaller(distance),
+            upper: upper.larger(distance),
             normal: *o.normal,
             on_a: o.point_on_a.coords * unit,
             on_b: o.point_on_b.coords / self.posed.b.unit(),
             features: found.spots,
-            crosses: o.upper < 0.0,
+            crosses: upper < 0.0,
         })
         .filter(|m| m.lower >= m.distance - frame.tie)
+    }
+
+    fn is_within(&mut self, pair: NodePair, d: f64) -> bool {
+        self.settled += 1;
+        self.polygons(pair)
+            .is_none_or(|(p, q)| Tracker::new().within(&p, &q, self.posed.pose, d))
     }
 
     fn polygons(&self, [i, j]: NodePair) -> Option<(ConvexPolyhedron, ConvexPolyhedron)> {
@@ -64,17 +71,14 @@ impl<'a> TriangleJudge<'a> {
     }
 
     /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,
-    /// if the bounds do not.
+    /// if the bounds do not. Ties of points that may be off their places count as within.
     fn decide(&mut self, frame: &TreeFrame, m: &mut Measured<[TriangleSpot; 2]>) {
         let Some(d) = self.within else { return };
         let stored = d / self.posed.a.unit();
         if m.lower > stored || m.upper <= stored {
             return;
         }
-        self.settled += 1;
-        let is_within = self
-            .polygons(m.pair)
-            .is_none_or(|(p, q)| Tracker::new().within(&p, &q, self.posed.pose, d));
+        let is_within = frame.off > 0.0 || self.is_within(m.pair, d);
         if is_within {
             m.upper = m.upper.smaller(stored);
             m.distance = m.distance.smaller(stored);

@@ -49,6 +49,13 @@ pub enum MeshError {
         /// The piece.
         piece: usize,
     },
+    /// A piece of a composite that is a point or a segment, or so thin that triangles of its faces
+    /// have no area where the piece is placed.
+    #[error("piece {piece} is a point, a segment, or too thin to have triangles")]
+    Thin {
+        /// The piece.
+        piece: usize,
+    },
     /// Data of a stored mesh that do not describe one.
     #[error("the stored mesh is damaged: {what}")]
     Damaged {

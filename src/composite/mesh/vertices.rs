@@ -137,7 +137,8 @@ impl Mesh {
     /// triangles, once the tree has become loose: if a quarter more of its boxes hold points of the
     /// surface than when it was made, as of a sheet that is rolled up. Boxes are counted each time
     /// the vertices have moved by some hundredths of the size of the mesh, and not before all
-    /// vertices have been replaced 16 times since the last tree was made. So a call now and then
+    /// vertices have been replaced 16 times since the last tree was made, calls that move none left
+    /// out. So a call now and then
     /// takes some ten times as long as others, and trackers begin anew after it; when, is settled
     /// by the vertices given alone, not by queries.
     ///
@@ -219,12 +220,17 @@ impl Mesh {
             None => {}
         }
         let mut bending = self.take_bending();
+        let before = self.fingerprint;
         let result = self.replace(&mut bending, first, vertices);
-        bending.given = bending.given.saturating_add(vertices.len());
-        let is_loose = result.is_ok() && self.is_loose(&mut bending);
+        // Calls that the fingerprint does not see change nothing else either.
+        let is_loose = self.fingerprint != before && {
+            bending.given = bending.given.saturating_add(vertices.len());
+            self.is_loose(&mut bending)
+        };
         self.bending = Some(bending);
         if is_loose {
-            self.take_tree(InTreeOrder::with_new_top(&self.tree, &self.points, &self.triangles));
+            let new = InTreeOrder::with_new_top(&self.tree, &self.points, &self.triangles);
+            self.take_tree(*b"new top ", new);
         }
         result
     }
@@ -283,19 +289,19 @@ impl Mesh {
         let Ok(new) = InTreeOrder::new(&self.points, &self.triangles, &mut Watch::none()) else {
             return;
         };
-        self.take_tree(new);
+        self.take_tree(*b"new tree", new);
     }
 
-    /// Takes another tree over the same triangles, as they are now. No state of a tracker is
-    /// recognised any more.
-    fn take_tree(&mut self, new: InTreeOrder) {
+    /// Takes another tree over the same triangles, as they are now, made in a way that `kind`
+    /// names. No state of a tracker is recognised any more.
+    pub(super) fn take_tree(&mut self, kind: [u8; 8], new: InTreeOrder) {
         let Some(bending) = self.bending.take() else { return };
+        self.fingerprint = self.fingerprint_in(kind, &new);
         self.source_triangles = new.sources(&self.source_triangles);
         self.source_points = new.source.iter().map(|&v| self.source_points[v as usize]).collect();
         let vertices = self.part_vertices.iter_mut().flatten();
         vertices.for_each(|v| *v = new.number[*v as usize]);
         (self.tree, self.points, self.triangles) = (new.tree, new.points, new.triangles);
-        self.fingerprint = self.fingerprint.with(*b"new tree", 0.0);
         let Bending { built, lineage, .. } = *bending;
         self.bending = Some(Box::new(Bending {
             built,

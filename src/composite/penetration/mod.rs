@@ -26,7 +26,7 @@ use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
-use crate::base::tolerance::{CERTIFICATE, UNIT};
+use crate::base::tolerance::UNIT;
 use crate::base::tuning::composite::{BEYOND, CELL_REACH, HALVINGS, PUSHES};
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::composite::meet::state::PosedTrees;
@@ -234,7 +234,7 @@ fn bounds<A: Parted, B: Parted>(
     let search = PenetrationSearch {
         bodies,
         at: relative(pose),
-        noise: 4.0 * CERTIFICATE * UNIT * posed.frame.size * a.stored_unit(),
+        noise: 4.0 * posed.frame.error * a.stored_unit(),
         queries: 1,
         windings: 0,
         parted: None,

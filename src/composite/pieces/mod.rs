@@ -13,11 +13,11 @@ use crate::base::notice::progress::Watch;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
-use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, UNIT};
+use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, PLACED, UNIT};
 use crate::body::polyhedron::{BoxHint, BuildError, ConvexPolyhedron, bounding_box, exponent_of, power_of_two};
 use crate::body::shape::{Core, Mass, Shape};
 use crate::composite::meet::frame::TreeSide;
-use crate::composite::mesh::{Mesh, MeshError};
+use crate::composite::mesh::{Mesh, MeshError, MeshKind};
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::tree::Tree;
 #[cfg(feature = "exact")]
@@ -45,6 +45,13 @@ impl Piece {
             shape: shape.into(),
             pose: Isometry3::identity(),
         }
+    }
+
+    /// Returns the distance of the farthest point of the shape from the origin of its frame, plus
+    /// the length of the translation.
+    fn reach(&self) -> f64 {
+        let (centre, radius) = self.shape.bounding_ball();
+        sqrt(centre.coords.norm_squared()) + radius + sqrt(self.pose.translation.vector.norm_squared())
     }
 }
 
@@ -159,11 +166,7 @@ impl Composite {
                 (first..points.len() as u32).collect()
             })
             .collect();
-        let reach = |p: &Piece| {
-            let (centre, radius) = p.shape.bounding_ball();
-            sqrt(centre.coords.norm_squared()) + radius + sqrt(p.pose.translation.vector.norm_squared())
-        };
-        let farthest = pieces.iter().map(reach).fold(0.0, f64::larger) * scale;
+        let farthest = pieces.iter().map(Piece::reach).fold(0.0, f64::larger) * scale;
         tree.fit(&points, &items, CERTIFICATE * UNIT * farthest, &mut Watch::none());
         let (low, high) = bounding_box(&points);
         Self {
@@ -198,26 +201,61 @@ impl Composite {
         (Point3::from(self.low * unit), Point3::from(self.high * unit))
     }
 
-    /// Returns the surfaces of all pieces as one solid mesh, whose parts may overlap.
+    /// Returns the surfaces of all pieces as one solid mesh, whose parts may overlap. Vertices of
+    /// placed pieces are rounded.
     ///
     /// # Errors
     ///
-    /// A piece that is rounded or curved ([`MeshError::Curved`]); pieces without faces only, as
-    /// segments and points.
+    /// A piece that is rounded or curved ([`MeshError::Curved`]); a piece that would be missing
+    /// from the mesh ([`MeshError::Thin`]); an extent outside 1e-100..1e100.
     pub fn to_mesh(&self) -> Result<Mesh, MeshError> {
-        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        let (mut points, mut triangles, mut ends) = (Vec::new(), Vec::new(), Vec::new());
         for (k, piece) in self.pieces.iter().enumerate() {
             let (Core::Polyhedron(shape), 0.0) = (piece.shape.core(), piece.shape.round()) else {
                 return Err(MeshError::Curved { piece: k });
             };
+            if shape.face_count() == 0 {
+                return Err(MeshError::Thin { piece: k });
+            }
             let base = points.len() as u32;
             points.extend(shape.vertex_points().map(|p| piece.pose * p));
             for face in shape.faces() {
                 let rim: Vec<u32> = shape.face_vertices(face).map(|v| base + v.index() as u32).collect();
                 triangles.extend(rim.windows(2).skip(1).map(|w| [rim[0], w[0], w[1]]));
             }
+            ends.push(triangles.len());
         }
-        Mesh::new(&points, &triangles)
+        let lost = |triangle: u32| MeshError::Thin {
+            piece: ends.partition_point(|end| *end <= triangle as usize),
+        };
+        match Mesh::new(&points, &triangles) {
+            Ok(mesh) => match mesh.report().degenerate.first() {
+                Some(&triangle) => Err(lost(triangle)),
+                None => Ok(mesh),
+            },
+            Err(MeshError::Empty { .. }) => Err(lost(0)),
+            Err(other) => Err(other),
+        }
+    }
+
+    /// Returns the mesh that is the same body as the pieces, but for the rounding of placed ones,
+    /// by which its points are known to be off their places. `None` if there is no such mesh: a
+    /// piece without volume, or one whose surface the mesh would change.
+    pub(crate) fn stand_in(&self) -> Option<Mesh> {
+        let has_volume = |p: &Piece| matches!(p.shape.core(), Core::Polyhedron(body) if body.face_count() > 2);
+        if !self.pieces.iter().all(has_volume) {
+            return None;
+        }
+        let mesh = self.to_mesh().ok()?;
+        // Welded points and repeated triangles leave the set of points, and what it encloses.
+        let is_same = mesh.kind() == MeshKind::Solid && mesh.report().flushed_coordinates == 0;
+        is_same.then(|| mesh.with_points_off(self.off()))
+    }
+
+    /// Returns how far a vertex of a placed piece may be off its place, in the caller's unit.
+    fn off(&self) -> f64 {
+        let placed = self.pieces.iter().filter(|p| p.pose != Isometry3::identity());
+        PLACED * placed.map(Piece::reach).fold(0.0, f64::max)
     }
 
     /// Returns volume, centre of mass and inertia at unit density, in the body's frame: what pieces
@@ -287,6 +325,8 @@ impl Parted for Composite {
             tree: &self.tree,
             exponent: self.exponent,
             radius: self.radius,
+            // Judges of pieces count the rounding of composed poses.
+            off: 0.0,
         }
     }
 

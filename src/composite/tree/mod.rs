@@ -21,6 +21,7 @@ pub(super) use refit::{Paths, Refit};
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::fingerprint::Fingerprinter;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
 
@@ -145,6 +146,18 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
+    /// Adds the children and items of every node to the fingerprint of a body.
+    pub(crate) fn add_links(&self, to: &mut Fingerprinter) {
+        to.word(self.links.len() as u64);
+        to.indices(self.links.iter().copied());
+    }
+
+    /// Replaces what is below a node.
+    #[cfg(test)]
+    pub(crate) fn set_link(&mut self, node: usize, link: u32) {
+        self.links[node] = link;
+    }
+
     #[inline(always)]
     pub(crate) fn below(&self, node: u32) -> Below {
         let link = self.links[node as usize];
