@@ -22,6 +22,7 @@ mod penetration;
 mod pieces;
 mod shallow;
 mod shapes;
+mod slivers;
 mod valleys;
 
 pub(crate) use lab::forms::mesh;

@@ -4,6 +4,7 @@ pub mod bytes;
 pub mod calls;
 pub mod lattice;
 pub mod scenes;
+pub mod slivers;
 
 /// The input of a test that is driven by bytes: reads from the front, zero when nothing is left.
 #[derive(Debug)]
