@@ -24,6 +24,7 @@ mod pieces;
 mod points;
 mod shallow;
 mod shapes;
+mod slivers;
 mod solids;
 mod stand_ins;
 mod valleys;

@@ -62,6 +62,7 @@ const LIMITS: &[&str] = &[
     "PLANARITY",
     "POSE_UNIT",
     "REACH",
+    "SAME_PLACE",
     "SCENE_REACH",
     "SHIFT_DIRECTION",
     "SHORT_OF",

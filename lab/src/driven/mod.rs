@@ -6,6 +6,7 @@ pub mod exact_place;
 pub mod lattice;
 pub mod points;
 pub mod scenes;
+pub mod slivers;
 pub mod solids;
 pub mod stand_ins;
 

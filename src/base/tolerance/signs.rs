@@ -79,6 +79,13 @@ pub(crate) const FLANK: f64 = 512.0 * UNIT;
 /// the least normal number to its bound.
 pub(crate) const SIDE_ERROR: f64 = 9.0 * UNIT;
 
+/// A foot or a crossing computed from the normal of a triangle counts as the place inside the
+/// triangle that has its weights if both are nearer than this times the lengths of the two edges
+/// and of the difference from which they were computed, root of the sum of squares: at most 3 L.
+/// Their distance from a point then differs by at most `24 UNIT L`, for which `CERTIFICATE` has
+/// room: its rows of triangles are below 104 of 128. A foot that is farther off is not used.
+pub(crate) const SAME_PLACE: f64 = 8.0 * UNIT;
+
 /// Difference of the slants of two edges along one line, rounded: `s = (g . u)^2 / u^2` with `u` a
 /// difference of points over the largest of its coordinates and `g` fixed, shorter than 3/4. The
 /// coordinates of `u` are off by 2 UNIT of themselves, products and sums add 3: `g . u` is off by

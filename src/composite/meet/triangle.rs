@@ -5,10 +5,18 @@
 //! so it is the vertex nearest the other plane; of several that are equally near, an edge is
 //! parallel to the plane, and if one of its ends lies over the triangle and the other does not,
 //! an edge pair is as close. The caller judges the proposal along its own directions.
+//!
+//! The points lie in their triangles by construction: on an edge, or at non-negative weights of the
+//! three vertices. The normal of a triangle whose vertices are nearly on a line is rounding, and
+//! would otherwise place a point outside. So the distance of the points is an upper bound whatever
+//! the normals are; where they are rounding, an edge pair may be the proposal although a foot is
+//! closer, by at most the thickness of the triangle.
 
 use crate::base::num::extremes::Extremes;
 use nalgebra::Vector3;
 use wide::f64x4;
+
+use crate::base::tolerance::SAME_PLACE;
 
 /// A feature of a triangle by the number of its vertex, of its edge (from the vertex of that number
 /// to the next), or the inside.
@@ -69,6 +77,18 @@ pub(in crate::composite) fn closest(p: &Triangle, q: &Triangle) -> Closest {
 
 /// Returns the squared distance of a point from a triangle, and the nearest feature.
 pub(in crate::composite) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, TriangleSpot) {
+    let best = closest_to(point, y);
+    (best.square, best.spots[1])
+}
+
+/// Returns the squared distance of a point from a triangle, and the nearest point.
+pub(in crate::composite) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
+    let best = closest_to(point, y);
+    (best.square, best.on_q)
+}
+
+/// A point and the closest point of a triangle.
+fn closest_to(point: &Vector3<f64>, y: &Triangle) -> Closest {
     let mut best = Closest {
         square: f64::INFINITY,
         on_p: *point,
@@ -78,29 +98,10 @@ pub(in crate::composite) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64,
     };
     TriangleSides::new(y).closest_to(point, &Vector3::zeros(), 0, &mut best);
     let n = normal(y);
-    let (square, height) = (n.norm_squared(), n.dot(&(point - y[0])));
-    if height * height < best.square * square && is_over(point, y, &n) {
-        (height * height / square, TriangleSpot::Inside)
-    } else {
-        (best.square, best.spots[1])
+    if let Some((square, at)) = foot_inside(point, n.dot(&(point - y[0])), y, &n, best.square) {
+        (best.square, best.on_q, best.spots[1]) = (square, at, TriangleSpot::Inside);
     }
-}
-
-/// Returns the squared distance of a point from a triangle, and the nearest point.
-pub(in crate::composite) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
-    let (square, spot) = nearest(point, y);
-    let foot = match spot {
-        TriangleSpot::Vertex(k) => y[k as usize % 3],
-        TriangleSpot::Edge(k) => {
-            let (from, along) = (y[k as usize % 3], y[(k as usize + 1) % 3] - y[k as usize % 3]);
-            from + along * clamp(along.dot(&(point - from)) / along.norm_squared())
-        }
-        TriangleSpot::Inside => {
-            let n = normal(y);
-            point - n * (n.dot(&(point - y[0])) / n.norm_squared())
-        }
-    };
-    (square, foot)
+    best
 }
 
 /// The closest points of the nine pairs of edges.
@@ -180,12 +181,6 @@ fn dot(a: &[f64x4; 3], b: &[f64x4; 3]) -> f64x4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-#[inline(always)]
-fn clamp(x: f64) -> f64 {
-    // NaN, of edges without length, becomes zero.
-    if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 }
-}
-
 fn spot(edge: usize, s: f64) -> TriangleSpot {
     if s <= 0.0 {
         TriangleSpot::Vertex(edge as u8)
@@ -200,19 +195,16 @@ fn spot(edge: usize, s: f64) -> TriangleSpot {
 /// and lies in `y`.
 #[inline(always)]
 fn foot(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>, swapped: bool, best: &mut Closest) {
-    let square = n.norm_squared();
     let mut k = 0;
     for i in 1..3 {
         if heights[i].abs() < heights[k].abs() {
             k = i;
         }
     }
-    let height = heights[k];
-    if !(height * height < best.square * square) || !is_over(&x[k], y, n) {
+    let Some((square, at)) = foot_inside(&x[k], heights[k], y, n, best.square) else {
         return;
-    }
-    let at = x[k] - n * (height / square);
-    best.square = height * height / square;
+    };
+    best.square = square;
     let corner = TriangleSpot::Vertex(k as u8);
     if swapped {
         (best.on_p, best.on_q, best.spots) = (at, x[k], [TriangleSpot::Inside, corner]);
@@ -221,13 +213,60 @@ fn foot(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>, swappe
     }
 }
 
-/// Returns whether a point projects into a triangle.
+/// Returns the foot of a point on a triangle with normal `n`, of which it is `height` times the
+/// length of `n` away, and its squared distance, if the foot lies in the triangle and is closer
+/// than `nearest`, a squared distance.
 #[inline(always)]
-fn is_over(point: &Vector3<f64>, y: &Triangle, n: &Vector3<f64>) -> bool {
-    (0..3).all(|i| {
+fn foot_inside(
+    point: &Vector3<f64>,
+    height: f64,
+    y: &Triangle,
+    n: &Vector3<f64>,
+    nearest: f64,
+) -> Option<(f64, Vector3<f64>)> {
+    let square = n.norm_squared();
+    if !(height * height < nearest * square) {
+        return None;
+    }
+    let inside = combined(y, weights(point, y, n)?);
+    let at = point - n * (height / square);
+    if is_same_place(&at, &inside, point, y) {
+        return Some((height * height / square, at));
+    }
+    let square = (point - inside).norm_squared();
+    (square < nearest).then_some((square, inside))
+}
+
+/// Returns the weights of the vertices at a point that projects into a triangle, up to a factor.
+#[inline(always)]
+fn weights(point: &Vector3<f64>, y: &Triangle, n: &Vector3<f64>) -> Option<[f64; 3]> {
+    let mut all = [0.0; 3];
+    for i in 0..3 {
         let (from, to) = (&y[i], &y[(i + 1) % 3]);
-        n.dot(&(to - from).cross(&(point - from))) >= 0.0
-    })
+        let weight = n.dot(&(to - from).cross(&(point - from)));
+        // Written so that NaN is none.
+        if !(weight >= 0.0) {
+            return None;
+        }
+        all[(i + 2) % 3] = weight;
+    }
+    Some(all)
+}
+
+/// Returns the point of a triangle at weights that are not negative: inside, or on an edge, whatever
+/// they are. NaN if all are zero.
+#[inline(always)]
+fn combined([a, b, c]: &Triangle, [u, v, w]: [f64; 3]) -> Vector3<f64> {
+    let sum = u + v + w;
+    a + (b - a) * (v / sum) + (c - a) * (w / sum)
+}
+
+/// Returns whether a foot or a crossing `at` is at a place inside a triangle up to rounding of the
+/// differences from which both were computed ([`SAME_PLACE`]).
+#[inline(always)]
+fn is_same_place(at: &Vector3<f64>, inside: &Vector3<f64>, from: &Vector3<f64>, [a, b, c]: &Triangle) -> bool {
+    let size = (from - a).norm_squared() + (b - a).norm_squared() + (c - a).norm_squared();
+    (at - inside).norm_squared() <= SAME_PLACE * SAME_PLACE * size
 }
 
 /// Looks for an edge of one triangle that passes through the other.
@@ -258,7 +297,8 @@ fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) ->
         let (h, k) = (heights[i], heights[j]);
         let apart = (h >= 0.0) != (k >= 0.0) && h != k;
         let at = x[i] + (x[j] - x[i]) * (h / (h - k));
-        (apart && is_over(&at, y, n)).then_some((at, i as u8))
+        let is_inside = || weights(&at, y, n).is_some_and(|w| is_same_place(&at, &combined(y, w), &x[i], y));
+        (apart && is_inside()).then_some((at, i as u8))
     })
 }
 
@@ -293,6 +333,11 @@ pub(in crate::composite) fn certainly_cross(p: &Triangle, q: &Triangle, error: f
 mod tests {
     use super::*;
     use crate::rng::Rng;
+
+    fn clamp(x: f64) -> f64 {
+        // NaN, of edges without length, becomes zero.
+        if x > 0.0 { x.min(1.0) } else { 0.0 }
+    }
 
     fn triangle(mut corner: impl FnMut() -> f64) -> Triangle {
         [(); 3].map(|()| Vector3::new(corner(), corner(), corner()))
@@ -332,13 +377,13 @@ mod tests {
         for (x, y) in [(p, q), (q, p)] {
             let n = normal(y);
             let height = |v: &Vector3<f64>| n.dot(&(v - y[0]));
-            for v in x.iter().filter(|v| is_over(v, y, &n)) {
+            for v in x.iter().filter(|v| weights(v, y, &n).is_some()) {
                 least = least.min(height(v) * height(v) / n.norm_squared());
             }
             for k in 0..3 {
                 let [from, to] = edge(x, k);
                 let (h, l) = (height(&from), height(&to));
-                if h * l < 0.0 && is_over(&(from + (to - from) * (h / (h - l))), y, &n) {
+                if h * l < 0.0 && weights(&(from + (to - from) * (h / (h - l))), y, &n).is_some() {
                     least = 0.0;
                 }
             }

@@ -9,7 +9,6 @@ use super::tracker::MeshTracker;
 use crate::base::num::count::Counter;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
-use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::composite::front::NodePair;
 use crate::composite::front::audit::FrontFault;
@@ -18,7 +17,8 @@ use crate::composite::meet::frame::TreeFrame;
 use crate::composite::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::composite::meet::shared::Touching;
 use crate::composite::meet::state::{PosedTrees, TreeAnswer};
-use crate::composite::meet::triangle::{self, TriangleSpot};
+use crate::composite::meet::triangle::TriangleSpot;
+use crate::convex::tracker::Tracker;
 use crate::pair::spot::Answer;
 
 /// The state of a mesh against itself.
@@ -92,15 +92,17 @@ impl SelfState {
         };
         let pairs = TriangleJudge::new(&posed, None);
         let judge = SelfJudge { mesh, pairs };
+        // By the query for polyhedra: claims come from closed formulas of triangles.
+        let polygons: Vec<_> = (0..mesh.triangles.len() as u32).map(|t| mesh.polygon(t)).collect();
+        let apart = |[x, y]: NodePair| {
+            let (p, q) = (polygons[x as usize].as_ref()?, polygons[y as usize].as_ref()?);
+            Some(Tracker::new().closest(p, q, &pose).upper.at_least(0.0) / mesh.unit())
+        };
         self.front.audit((mesh.tree.unit(), posed.frame.error), |pair| {
             let [(i, m), (j, n)] = pair.map(|node| mesh.tree.range(node));
             let all = (i..m).flat_map(|x| (j..n).map(move |y| [x, y]));
-            let apart = |[x, y]: NodePair| triangle::closest(&mesh.corners(x), &mesh.corners(y)).square;
-            let least = all
-                .filter(|p| judge.is_asked(*p))
-                .map(apart)
-                .fold(f64::INFINITY, f64::smaller);
-            sqrt(least)
+            let asked = all.filter(|p| judge.is_asked(*p));
+            asked.filter_map(apart).fold(f64::INFINITY, f64::smaller)
         })
     }
 
