@@ -54,6 +54,7 @@ pub(crate) enum RayTriangle {
     Miss,
     Between(f64, f64),
     /// Rounding hides the answer.
+    #[cfg_attr(feature = "exact", allow(dead_code, reason = "integers always answer"))]
     Unclear,
 }
 
