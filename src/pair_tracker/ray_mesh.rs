@@ -3,7 +3,6 @@
 use nalgebra::{Isometry3, Unit};
 
 use super::ray::{Ray, RayCast, RayHit, placed};
-use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::RAY;
 #[cfg(feature = "exact")]
 use crate::composite::meet::exact_ray::ExactRay;

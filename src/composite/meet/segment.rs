@@ -5,7 +5,6 @@
 use alloc::vec;
 use nalgebra::Vector3;
 
-use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::tolerance::UNIT_SINGLE;
@@ -23,25 +22,6 @@ impl Mesh {
         })
     }
 
-    /// Returns the part of a segment before it first passes through a triangle farther along than
-    /// `skin`, right up to rounding; triangles of which only an edge is met are left out.
-    pub(crate) fn first_crossing(&self, from: &Vector3<f64>, to: &Vector3<f64>, skin: f64) -> Option<f64> {
-        let least = skin / sqrt((to - from).norm_squared());
-        let mut first = None;
-        self.any_along(from, to, 0.0, |t| {
-            let corners = self.corners(t);
-            if is_crossed(&corners, from, to) {
-                let n = triangle::normal(&corners);
-                let part = n.dot(&(corners[0] - from)) / n.dot(&(to - from));
-                if part > least && first.is_none_or(|f| part < f) {
-                    first = Some(part);
-                }
-            }
-            false
-        });
-        first
-    }
-
     /// Returns the part of a segment before it first meets a triangle, or an edge of one, farther
     /// along than the part `least`, right up to rounding; triangles in whose plane the segment lies
     /// are left out.
@@ -52,7 +32,7 @@ impl Mesh {
         least: f64,
     ) -> Option<f64> {
         let mut first = None;
-        self.any_along(from, to, |t| {
+        self.any_along(from, to, 0.0, |t| {
             if let Some(part) = meeting(&self.corners(t), from, to)
                 && part > least
                 && first.is_none_or(|f| part < f)
