@@ -5,7 +5,6 @@
 use alloc::vec;
 use nalgebra::Vector3;
 
-use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::tolerance::UNIT_SINGLE;
 use crate::composite::meet::triangle;

@@ -25,7 +25,7 @@ use clap::Parser;
 use draw::Trial;
 use judge::Judge;
 use lab::command::{count, number};
-use lab::driven::{lattice, scenes};
+use lab::driven::{lattice, points, scenes, slivers, solids, stand_ins};
 use lab::motion::Frame;
 use lab::progress::Progress;
 use lab::rng::Rng;
@@ -235,7 +235,7 @@ struct Driver {
 /// Bytes of the calls of a scene.
 const CALLS: usize = 1500;
 
-const DRIVERS: [Driver; 4] = [
+const DRIVERS: [Driver; 8] = [
     // Lattices, bricks and stacks: equal bounds, an index used again and slow motion together, each step against brute force.
     Driver {
         name: "world of equal boxes",
@@ -256,6 +256,34 @@ const DRIVERS: [Driver; 4] = [
         salt: 0xfa17,
         count: 2,
         play: |seed, tally| faulty::play(seed).map(|mix| tally.faulty.add(&mix)),
+    },
+    // Triangles that are a line but for rounding, on oblique lines and planes, among ordinary ones.
+    Driver {
+        name: "meshes of slivers",
+        salt: 0x511f,
+        count: 4,
+        play: |seed, tally| slivers::play(seed).map(|mix| tally.slivers.add(&mix)),
+    },
+    // Equal, flush, nested and crossing solids whose coordinates lie far from their origin.
+    Driver {
+        name: "solids with faces in common",
+        salt: 0x501d,
+        count: 1,
+        play: |seed, tally| solids::play(seed).map(|mix| tally.solids.add(&mix)),
+    },
+    // Points and rays closer to a closed mesh than rounding, judged over the rationals.
+    Driver {
+        name: "points and rays next to a mesh",
+        salt: 0x9017,
+        count: 1,
+        play: |seed, tally| points::play(seed).map(|mix| tally.points.add(&mix)),
+    },
+    // Pieces of every measure, clones of one lineage, equal bodies with other numbers.
+    Driver {
+        name: "bodies that stand in for others",
+        salt: 0x57a9,
+        count: 1,
+        play: |seed, tally| stand_ins::play(seed).map(|mix| tally.stand_ins.add(&mix)),
     },
     // Bodies without velocities, ticks, jumps and files together, each step against brute force.
     Driver {

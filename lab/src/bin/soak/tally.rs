@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::curved;
 use crate::faulty;
 use lab::driven::lattice::Mix;
-use lab::driven::scenes;
+use lab::driven::{points, scenes, slivers, solids, stand_ins};
 use lin_canny::Outcome;
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -41,6 +41,14 @@ pub(crate) struct Tally {
     pub(crate) curves: curved::Mix,
     /// Meshes with faults.
     pub(crate) faulty: faulty::Mix,
+    /// Meshes of slivers.
+    pub(crate) slivers: slivers::Mix,
+    /// Solids with faces in common.
+    pub(crate) solids: solids::Mix,
+    /// Points and rays next to closed meshes.
+    pub(crate) points: points::Mix,
+    /// Bodies that stand in for others.
+    pub(crate) stand_ins: stand_ins::Mix,
     /// Nanoseconds of the slowest query, and its trial.
     pub(crate) slowest: (u128, u64),
     classes: [u64; 4],
@@ -73,6 +81,10 @@ impl Tally {
         self.worlds.add(&o.worlds);
         self.curves.add(&o.curves);
         self.faulty.add(&o.faulty);
+        self.slivers.add(&o.slivers);
+        self.solids.add(&o.solids);
+        self.points.add(&o.points);
+        self.stand_ins.add(&o.stand_ins);
         self.scenes.add(&o.scenes);
         self.slowest = self.slowest.max(o.slowest);
         self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
@@ -99,6 +111,10 @@ impl Tally {
         println!("worlds of equal boxes: {:?}", self.worlds);
         println!("scenes of bodies of every kind: {:?}", self.scenes);
         println!("meshes with faults: {:?}", self.faulty);
+        println!("meshes of slivers: {:?}", self.slivers);
+        println!("solids with faces in common: {:?}", self.solids);
+        println!("points and rays next to a mesh: {:?}", self.points);
+        println!("bodies that stand in for others: {:?}", self.stand_ins);
         let c = &self.curves;
         println!(
             "{} frames of curved shapes, {} queries: {}; {} of rounded shapes, {} separated beyond the first solver, bounds at most {:.1e} L wide",
