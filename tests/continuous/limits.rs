@@ -9,11 +9,13 @@ use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::nalgebra::Isometry3;
 use std::time::Duration;
 
-/// A cube of side two with a vertex far out.
+/// A cube of side two of which a vertex moved far out.
 fn stretched(far: f64) -> Mesh {
-    let mut cube = soups::plate(1, [1.0, 1.0, 1.0]);
-    cube.points[0] = cube.points[0].map(|x| x * far);
-    mesh(&cube)
+    let mut cube = mesh(&soups::plate(1, [1.0, 1.0, 1.0]));
+    let mut vertices = cube.vertices();
+    vertices[0] *= far;
+    cube.set_vertices(&vertices).unwrap();
+    cube
 }
 
 /// One vertex is far out, and the body moves farther by a hundred magnitudes and more.

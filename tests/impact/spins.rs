@@ -26,7 +26,10 @@ fn casts_of_bodies_that_turn_too_fast_end_early() {
             let tolerance = Tolerance::Distance(1e-6);
             let found = cast(&mut pair, &still, &turning, (0.0, 1.0), tolerance).unwrap();
             std::println!("{w:e}: {found:?} {:?}", began.elapsed());
-            assert!(matches!(found.impact, Impact::Unknown { .. }), "{found:?}");
+            assert!(
+                matches!(found.impact, Impact::Unknown { .. } | Impact::Near { .. }),
+                "{found:?}"
+            );
             assert!(found.queries <= 1024, "{found:?}");
             assert!(began.elapsed().as_secs_f64() < 30.0);
         }

@@ -4,7 +4,7 @@
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::DoubleDouble;
-use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::Scalar;
 use crate::base::tolerance::CERTIFICATE;
 use crate::convex::minimum::gjk::{Minimum, solve};
@@ -126,9 +126,10 @@ pub(crate) fn sharpen(posed: &PosedPair, draft: &mut Draft) {
 }
 
 /// Writes the bounds of a solve. Each is rounded by itself: if they cross, the lower bound is
-/// lowered, as the upper bound is the distance of two points.
+/// lowered, as the upper bound is the distance of two points. A lower bound that is NaN stays so,
+/// and proves nothing.
 fn write_bounds(draft: &mut Draft, lower: f64, upper: f64) {
-    (draft.lower, draft.upper) = (lower.smaller(upper), upper);
+    (draft.lower, draft.upper) = (if lower > upper { upper } else { lower }, upper);
 }
 
 /// Writes the proven bounds, the features and the witnesses of a solve.
