@@ -118,6 +118,18 @@ def test_refused_geometries(call, words):
     assert isinstance(caught.value, ValueError)
 
 
+def test_turned_triangles_are_turned_back():
+    cube = lc.Geometry.box(1, 1, 1)
+    triangles = np.array(cube.triangles)
+    triangles[[3, 7]] = triangles[[3, 7]][:, ::-1]
+    assert not lc.Geometry.mesh(cube.vertices, triangles).is_solid
+    solid, turned = lc.Geometry.oriented_mesh(cube.vertices, triangles)
+    assert solid.is_solid
+    assert turned == [3, 7]
+    with pytest.raises(lc.GeometryError, match="1 triangles meet at the edge"):
+        lc.Geometry.oriented_mesh(cube.vertices, triangles[1:])
+
+
 def test_lengths_of_capsules_are_named():
     with pytest.raises(TypeError):
         lc.Geometry.capsule(1, 0.5)

@@ -9,11 +9,13 @@ fn examples() -> PathBuf {
 
 /// Runs a command on the example with further arguments.
 fn run(command: &str, arguments: &[&str]) -> (i32, String) {
+    run_of("gripper.urdf", command, arguments)
+}
+
+/// Runs a command on a robot with further arguments.
+fn run_of(robot: &str, command: &str, arguments: &[&str]) -> (i32, String) {
     let mut tool = Command::new(env!("CARGO_BIN_EXE_lin-canny-robot"));
-    tool.current_dir(examples())
-        .arg(command)
-        .arg("gripper.urdf")
-        .args(arguments);
+    tool.current_dir(examples()).arg(command).arg(robot).args(arguments);
     let Output { status, stdout, stderr } = tool.output().expect("the tool runs");
     let text = String::from_utf8_lossy(&stdout).into_owned() + &String::from_utf8_lossy(&stderr);
     (status.code().expect("an exit code"), text)
@@ -163,6 +165,28 @@ fn ignorable_pairs_are_an_srdf_of_the_robot() {
     assert_eq!(code, 0, "{text}");
     let (code, text) = run("clearance", &["--joints", "carry.csv", "--srdf", &out]);
     assert_eq!(code, 0, "{text}");
+}
+
+#[test]
+fn meshes_with_turned_triangles_are_named() {
+    scratch(
+        "turned.obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 2\nf 2 3 4\nf 3 1 4\n",
+    );
+    let robot = scratch(
+        "turned.urdf",
+        "<robot name='r'><link name='base'><collision><geometry><mesh filename='turned.obj'/></geometry></collision></link>
+        <link name='tip'><collision><origin xyz='5 0 0'/><geometry><sphere radius='1'/></geometry></collision></link>
+        <joint name='j' type='revolute'><parent link='base'/><child link='tip'/><axis xyz='0 0 1'/>
+        <limit lower='-1' upper='1' effort='1' velocity='1'/></joint></robot>",
+    );
+    let rows = scratch("turned.csv", "j\n0\n0.5\n");
+    let arguments = ["--joints", &rows, "--check-adjacent", "--geometry"];
+    let (code, text) = run_of(&robot, "clearance", &[&arguments[..], &["mesh"]].concat());
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("turned.obj of link base has no inside"), "{text}");
+    let (code, text) = run_of(&robot, "clearance", &[&arguments[..], &["hull"]].concat());
+    assert!(code == 0 && !text.contains("warning"), "{text}");
 }
 
 #[test]

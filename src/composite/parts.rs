@@ -2,7 +2,7 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::base::num::extremes::Bounded;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::tuning::composite::MIDDLES;
@@ -50,7 +50,7 @@ pub(crate) trait Parted {
     fn half_size(&self) -> f64 {
         let (low, high) = self.corners_of_box();
         let radius = self.side().radius * self.stored_unit();
-        radius.min(0.5 * sqrt((high - low).norm_squared()))
+        radius.smaller(0.5 * sqrt((high - low).norm_squared()))
     }
 
     /// Returns whether all parts stand in the frame of the body, so that no pose is composed.

@@ -7,6 +7,7 @@ pub mod lattice;
 pub mod points;
 pub mod scenes;
 pub mod slivers;
+pub mod slots;
 pub mod solids;
 pub mod stand_ins;
 

@@ -88,6 +88,24 @@ impl Geometry {
         Ok(Self(mesh.map_err(geometry_error)?.into()))
     }
 
+    /// Returns the solid of a mesh of which some triangles are turned over, and the indices of the
+    /// triangles that were turned.
+    ///
+    /// Two triangles must meet at every edge. Fewest triangles of each part are turned to agree,
+    /// then whole parts to face outward; a cavity stays a cavity. A closed mesh is left as it is.
+    #[staticmethod]
+    fn oriented_mesh(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+    ) -> PyResult<(Self, Vec<u32>)> {
+        let (vertices, triangles) = (points(vertices, VERTICES)?, triangles_of(triangles)?);
+        let (mesh, turned) = py
+            .detach(|| Mesh::oriented(&vertices, &triangles))
+            .map_err(geometry_error)?;
+        Ok((Self(mesh.into()), turned))
+    }
+
     /// Returns the mesh of a `trimesh.Trimesh`, or of any object with `vertices` and `faces`.
     #[staticmethod]
     fn from_trimesh(py: Python<'_>, mesh: &Bound<'_, PyAny>) -> PyResult<Self> {

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use lin_canny::Geometry;
 use lin_canny_robot::{MeshOptions, MeshUse, Packages, Robot, RobotFiles, Setup};
 
 use super::ToolError;
@@ -83,10 +84,30 @@ impl RobotOptions {
             check_adjacent: self.check_adjacent,
         };
         let (robot, setup) = files.load()?;
+        warn_of_turned_triangles(&robot);
         if self.hull_fit {
             print_hull_fits(&robot);
         }
         Ok((robot, setup))
+    }
+}
+
+/// Says which meshes are surfaces because triangles are turned over: nothing is inside them.
+fn warn_of_turned_triangles(robot: &Robot) {
+    for link in robot.links() {
+        for body in &link.bodies {
+            let (Geometry::Mesh(geometry), Some(mesh)) = (&body.geometry, &body.mesh) else {
+                continue;
+            };
+            let edges = geometry.report().misoriented_edges.len();
+            if edges > 0 {
+                eprintln!(
+                    "warning: mesh {} of link {} has no inside: triangles are turned over at {edges} edges",
+                    mesh.display(),
+                    link.name
+                );
+            }
+        }
     }
 }
 

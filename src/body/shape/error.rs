@@ -14,6 +14,9 @@ pub enum ShapeError {
         /// Value of the parameter.
         value: f64,
     },
+    /// A capsule without a length.
+    #[error("a capsule of half length zero is a ball: Shape::ball makes it")]
+    NoLength,
     /// The points of a core make no body.
     #[error(transparent)]
     Core(#[from] BuildError),

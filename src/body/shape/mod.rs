@@ -118,8 +118,12 @@ impl Shape {
     ///
     /// # Errors
     ///
-    /// A length or radius that is not between 1e-100 and 1e100.
+    /// A length or radius that is not between 1e-100 and 1e100. The half length of a
+    /// [`ball`](Self::ball), zero, has an error of its own, which names that call.
     pub fn capsule(half_length: f64, radius: f64) -> Result<Self, ShapeError> {
+        if half_length == 0.0 {
+            return Err(ShapeError::NoLength);
+        }
         let end = Vector3::z() * length("half length", half_length)?;
         let core = ConvexPolyhedron::segment(Point3::from(-end), Point3::from(end))?;
         Self::from(core).rounded(length("radius", radius)?)

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::composite::meet::triangle::{self, Triangle};
 
@@ -44,7 +45,7 @@ pub(super) fn common(p: &Triangle, q: &Triangle, slack: f64) -> CommonPart {
         return CommonPart::Point;
     };
     let at = |x: &Vector3<f64>| s.dot(&(x - p[0]));
-    let (low, high) = (at(&of_p[0]).max(at(&of_q[0])), at(&of_p[1]).min(at(&of_q[1])));
+    let (low, high) = (at(&of_p[0]).larger(at(&of_q[0])), at(&of_p[1]).smaller(at(&of_q[1])));
     if high - low > 4.0 * slack {
         let place = low + GENERIC * (high - low);
         CommonPart::Segment(of_p[0] + s * (place - at(&of_p[0])), s)

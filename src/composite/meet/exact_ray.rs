@@ -6,6 +6,7 @@ use core::cmp::Ordering;
 use dashu_int::IBig;
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::sign::projection;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::lowest_bit;
@@ -169,7 +170,7 @@ impl Along {
         if low >= length || high > length && self.exceeds(exponent, length) {
             return RayTriangle::Miss;
         }
-        RayTriangle::Between(low, high.min(length))
+        RayTriangle::Between(low, high.smaller(length))
     }
 
     fn exceeds(&self, exponent: i32, length: f64) -> bool {

@@ -7,6 +7,7 @@
 
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{RAY_PLANE, RAY_SIDE};
 #[cfg(feature = "exact")]
@@ -84,7 +85,7 @@ impl Met {
             (RayTriangle::Miss, _) => {}
             (RayTriangle::Between(low, high), Self::Nothing) => *self = Self::Between(low, high),
             (RayTriangle::Between(low, high), Self::Between(safe, hit)) => {
-                *self = Self::Between(low.min(safe), high.min(hit));
+                *self = Self::Between(low.smaller(safe), high.smaller(hit));
             }
         }
         true
@@ -167,7 +168,7 @@ impl MeshRay {
         if high < 0.0 || low > self.length {
             return Some(RayTriangle::Miss);
         }
-        (low > 0.0 && high <= self.length).then(|| RayTriangle::Between(low, high.min(self.span.1)))
+        (low > 0.0 && high <= self.length).then(|| RayTriangle::Between(low, high.smaller(self.span.1)))
     }
 
     #[cfg(feature = "exact")]

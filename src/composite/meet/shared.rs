@@ -14,6 +14,7 @@
 use alloc::collections::BTreeSet;
 use nalgebra::Vector3;
 
+use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;
 use crate::base::tuning::composite::{LOOKS, MEETING_BOXES, PARTINGS, SAME_NORMAL, TOUCHES};
@@ -91,7 +92,7 @@ impl Mesh {
         if rise >= near.radius {
             return true;
         }
-        let middle = near.centre + n * (0.5 * (rise.max(-near.radius) + near.radius));
+        let middle = near.centre + n * (0.5 * (rise.larger(-near.radius) + near.radius));
         self.winding(&middle) == Some(0)
     }
 }
@@ -196,7 +197,7 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
     /// Returns whether both bodies are behind a point of both surfaces, against the normal `n`.
     fn are_behind(&mut self, at: &Vector3<f64>, n: &Vector3<f64>) -> bool {
         let to = at - n * sqrt((self.a.high - self.a.low).norm_squared());
-        let part = 0.5 * self.free(Operand::A, at, &to).min(self.free(Operand::B, at, &to));
+        let part = 0.5 * self.free(Operand::A, at, &to).smaller(self.free(Operand::B, at, &to));
         let point = at + (to - at) * part;
         self.is_held(Operand::A, &point) && self.is_held(Operand::B, &point)
     }
@@ -216,8 +217,9 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
             CommonPart::Flat(_, false) => false,
             CommonPart::Flat(at, true) => unit_normal(&p).is_some_and(|n| self.are_behind(&at, &n)),
             CommonPart::Segment(at, s) => {
-                leaving(&p, &q, (&at, &s), slack).any(|to| self.enters(Operand::B, &at, &to))
-                    || leaving(&q, &p, (&at, &s), slack).any(|to| self.enters(Operand::A, &at, &to))
+                let [of_a, of_b] = [!self.a.may_be_sheet(pair[0]), !self.b.may_be_sheet(pair[1])];
+                of_a && leaving(&p, &q, (&at, &s), slack).any(|to| self.enters(Operand::B, &at, &to))
+                    || of_b && leaving(&q, &p, (&at, &s), slack).any(|to| self.enters(Operand::A, &at, &to))
             }
         }
     }
@@ -229,7 +231,10 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
             return false;
         }
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        self.is_held(other, &middle) || unit_normal(corners).is_some_and(|n| self.are_behind(&middle, &n))
+        let own = if other == Operand::A { self.b } else { self.a };
+        // What is behind a sheet without thickness need not be inside.
+        !own.may_be_sheet(t) && self.is_held(other, &middle)
+            || unit_normal(corners).is_some_and(|n| self.are_behind(&middle, &n))
     }
 
     /// Looks at all pairs of triangles whose boxes meet, up to a limit.

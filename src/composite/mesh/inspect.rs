@@ -1,4 +1,4 @@
-//! Where a mesh crosses itself, and which of its parts lie in others.
+//! Where a mesh crosses itself, where its faces cancel, and which of its parts lie in others.
 
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
@@ -22,7 +22,14 @@ pub struct MeshInspection {
     /// Pairs of triangles of which an edge of one passes through the inside of the other: exact.
     /// Triangles that overlap in one plane, or meet at edges, are not counted.
     pub crossings: Vec<[u32; 2]>,
-    /// Whether all crossings are named: false if the list was full.
+    /// Pairs of triangles that lie on each other in one plane and face opposite ways, up to the
+    /// rounding of coordinates: their faces cancel. Between two parts in contact they are inside
+    /// the solid. A cavity that goes through a wall, as a window may be written, leaves
+    /// a sheet without thickness: the distance to the mesh is that to the sheet, and a body that
+    /// passes through touches the mesh.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub cancelling: Vec<[u32; 2]>,
+    /// Whether all crossings and cancelling faces are named: false if a list was full.
     pub is_complete: bool,
     /// Parts, by their number in [`MeshReport::parts`](super::MeshReport::parts), that lie in other
     /// parts, and the winding number of the others about a vertex of the part: 1 for a part in a
@@ -31,8 +38,8 @@ pub struct MeshInspection {
 }
 
 impl Mesh {
-    /// Looks for triangles that cross and parts in parts, up to `most` crossings. Takes `n log n`
-    /// time for meshes with few crossings, some ten times that of the build. Neither is an error:
+    /// Looks for triangles that cross or cancel and parts in parts, up to `most` pairs of each. Takes `n log n`
+    /// time for meshes with few crossings, some ten times that of the build. None is an error:
     /// distances and winding numbers are right for such meshes too.
     #[must_use]
     pub fn inspect(&self, most: usize) -> MeshInspection {
@@ -63,6 +70,7 @@ impl Mesh {
             self.cross(&frame, most, &mut found, watch);
         }
         found.crossings.sort_unstable();
+        found.cancelling.sort_unstable();
         if self.is_solid() && watch.stage("parts in parts", None).is_ok() {
             self.nest(&mut found);
         }
@@ -99,15 +107,19 @@ impl Mesh {
         for t in i..m {
             for u in if nodes[0] == nodes[1] { t + 1 } else { j }..n {
                 let (p, q) = (self.corners(t), self.corners(u));
-                if !(passes(&p, &q) || passes(&q, &p)) {
+                let list = if passes(&p, &q) || passes(&q, &p) {
+                    &mut found.crossings
+                } else if self.cancel(&p, &q) {
+                    &mut found.cancelling
+                } else {
                     continue;
-                }
-                if found.crossings.len() == most {
+                };
+                if list.len() == most {
                     found.is_complete = false;
                     return;
                 }
                 let names = [t, u].map(|k| self.source_triangles[k as usize]);
-                found.crossings.push([names[0].min(names[1]), names[0].max(names[1])]);
+                list.push([names[0].min(names[1]), names[0].max(names[1])]);
             }
         }
     }
@@ -129,7 +141,7 @@ impl Mesh {
     }
 
     /// Returns a number of the part of every vertex.
-    fn labels(&self) -> Vec<u32> {
+    pub(super) fn labels(&self) -> Vec<u32> {
         let mut label: Vec<u32> = (0..self.points.len() as u32).collect();
         for t in &self.triangles {
             let [a, b, c] = t.map(|v| super::edges::find(&mut label, v));

@@ -49,6 +49,22 @@ pub enum MeshError {
         /// The piece.
         piece: usize,
     },
+    /// Triangles cannot be turned to close a mesh: two must meet at every edge. Returned by
+    /// [`Mesh::oriented`](super::Mesh::oriented).
+    #[error("{triangles} triangles meet at the edge of points {} and {}: only a mesh with two at every edge is oriented", edge[0], edge[1])]
+    NotTwo {
+        /// The points of the first such edge.
+        edge: [u32; 2],
+        /// Triangles that meet there.
+        triangles: usize,
+    },
+    /// Triangles cannot be turned to agree: the surface has one side, as a Moebius strip. Returned
+    /// by [`Mesh::oriented`](super::Mesh::oriented).
+    #[error("the surface has one side: its triangles cannot agree at the edge of points {} and {}", edge[0], edge[1])]
+    OneSided {
+        /// The points of an edge at which the triangles do not agree.
+        edge: [u32; 2],
+    },
     /// A piece of a composite that is a point or a segment, or so thin that triangles of its faces
     /// have no area where the piece is placed.
     #[error("piece {piece} is a point, a segment, or too thin to have triangles")]
@@ -183,6 +199,7 @@ pub struct MeshReport {
     /// Edges of more than two triangles.
     pub non_manifold_edges: Vec<[u32; 2]>,
     /// Edges of two triangles that run along it in the same sense: one of them is turned over.
+    /// [`Mesh::oriented`](super::Mesh::oriented) turns it back.
     pub misoriented_edges: Vec<[u32; 2]>,
     /// Connected parts, by their first triangle.
     pub parts: Vec<MeshPart>,

@@ -12,7 +12,10 @@
 //!
 //! The search moves B by the deepest point, or the deepest pair of pieces (`inner`), until the
 //! bodies are apart, then shortens the translation by bisection; and it shortens the translation
-//! that parts the hulls. None of this need find the shortest: the interval stays open, and says so.
+//! that parts the hulls. If the bounds then differ, it moves B by the overlap of convex parts about
+//! the middle of a stretch of an edge that is inside the other body (`stretches`): of a pin in a
+//! slot, whose edges cross and whose hull fills the mouth of the slot. None of this need find the
+//! shortest: the interval stays open, and says so.
 //!
 //! Source: the two bounds of Zhang, Kim, Varadhan and Manocha 2007, "Generalized penetration depth
 //! computation" (there for convex containers and pieces); moving by local depths: Je et al. 2012,
@@ -20,6 +23,7 @@
 
 mod cell;
 mod inner;
+mod stretches;
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
@@ -27,7 +31,7 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::UNIT;
-use crate::base::tuning::composite::{BEYOND, CELL_REACH, HALVINGS, PUSHES};
+use crate::base::tuning::composite::{BEYOND, CELL_REACH, HALVINGS, PUSHES, TIGHT};
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::composite::meet::state::PosedTrees;
 use crate::composite::mesh::Mesh;
@@ -153,9 +157,49 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         None
     }
 
+    /// Returns the overlap of convex parts of both bodies about a point of an edge that is inside
+    /// the other body.
+    fn on_edges(&mut self, pose: &RelativePose) -> Option<inner::ProvenDepth> {
+        let bodies = (self.bodies.a, self.bodies.b);
+        let (found, windings) = stretches::deepest_middle(bodies.0, bodies.1, pose);
+        self.windings += windings;
+        let (middle, depth) = found?;
+        let reaches = [CELL_REACH * depth, f64::INFINITY];
+        let parts = reaches.map(|reach| inner::of_parts(bodies, pose, &middle, reach));
+        parts.into_iter().flatten().max_by(|x, y| x.0.total_cmp(&y.0))
+    }
+
+    /// Moves B by overlaps about edges until the bodies are apart.
+    fn pushed_by_edges(&mut self, first: inner::ProvenDepth) -> Option<Vector3<f64>> {
+        let mut shift = first.1;
+        for _ in 0..PUSHES {
+            shift = self.longer(&shift);
+            if self.parts(&shift) {
+                return Some(shift);
+            }
+            let pose = self.shifted(&shift)?;
+            let more = self.deepest(&pose).or_else(|| self.on_edges(&pose));
+            shift = more.map_or(shift * 1.25, |(_, more)| shift + more);
+        }
+        None
+    }
+
+    /// Returns a translation that is longer by more than the rounding of the pose.
+    fn longer(&self, shift: &Vector3<f64>) -> Vector3<f64> {
+        shift * (BEYOND + 4.0 * self.noise / sqrt(shift.norm_squared()))
+    }
+
     /// Shortens a translation that parts the bodies, to no less than `lower`.
     fn shortened(&mut self, shift: Vector3<f64>, lower: f64) -> Vector3<f64> {
         let length = sqrt(shift.norm_squared());
+        // The shortest that the lower bound leaves.
+        let least = shift * (lower / length);
+        if lower > 0.0 {
+            let least = self.longer(&least);
+            if least.norm_squared() < shift.norm_squared() && self.parts(&least) {
+                return least;
+            }
+        }
         let (mut low, mut high) = ((lower / length).at_most(1.0), 1.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
@@ -181,6 +225,19 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         found.map_or(0.0, |d| d.0 - self.noise)
     }
 
+    /// Shortens a translation, and keeps it if it is the shortest that parts the bodies.
+    fn improve(&mut self, pose: &RelativePose, start: &Vector3<f64>, (lower, best): (&mut f64, &mut Vector3<f64>)) {
+        // Beyond the rounding of the pose too.
+        let start = self.longer(start);
+        if start.norm_squared() > 0.0 && self.parts(&start) {
+            let shift = self.shortened(start, *lower);
+            if shift.norm_squared() < best.norm_squared() {
+                *best = shift;
+            }
+            *lower = lower.larger(self.between(pose));
+        }
+    }
+
     fn run(mut self, pose: &RelativePose) -> (PenetrationBounds, u64) {
         let deepest = self.deepest(pose);
         let mut lower = deepest.map_or(0.0, |d| (d.0 - self.noise).at_least(0.0));
@@ -193,14 +250,14 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
             deepest.and_then(|d| self.pushed(d)),
         ];
         for start in starts.into_iter().flatten() {
-            // Beyond the rounding of the pose too.
-            let start = start * (BEYOND + 4.0 * self.noise / sqrt(start.norm_squared()));
-            if start.norm_squared() > 0.0 && self.parts(&start) {
-                let shift = self.shortened(start, lower);
-                if shift.norm_squared() < best.norm_squared() {
-                    best = shift;
-                }
-                lower = lower.larger(self.between(pose));
+            self.improve(pose, &start, (&mut lower, &mut best));
+        }
+        if lower < (1.0 - TIGHT) * sqrt(best.norm_squared())
+            && let Some(first) = self.on_edges(pose)
+        {
+            lower = lower.larger(first.0 - self.noise);
+            if let Some(start) = self.pushed_by_edges(first) {
+                self.improve(pose, &start, (&mut lower, &mut best));
             }
         }
         let bounds = PenetrationBounds {

@@ -255,7 +255,7 @@ impl Composite {
     /// Returns how far a vertex of a placed piece may be off its place, in the caller's unit.
     fn off(&self) -> f64 {
         let placed = self.pieces.iter().filter(|p| p.pose != Isometry3::identity());
-        PLACED * placed.map(Piece::reach).fold(0.0, f64::max)
+        PLACED * placed.map(Piece::reach).fold(0.0, f64::larger)
     }
 
     /// Returns volume, centre of mass and inertia at unit density, in the body's frame: what pieces

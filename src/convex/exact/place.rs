@@ -9,6 +9,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::integer::{Big3, dot, integer, sign};
 use super::turn;
+use crate::base::num::extremes::Bounded;
 use crate::base::pose::{PoseBits, RelativePose};
 use crate::body::polyhedron::{lowest_bit, power_of_two};
 
@@ -119,7 +120,7 @@ pub(crate) fn quotient(num: IBig, den: &IBig, exponent: i32) -> [f64; 2] {
         [low, high]
     } else {
         // Rounded once more.
-        [low.next_down().max(0.0), high.next_up()]
+        [low.next_down().at_least(0.0), high.next_up()]
     }
 }
 
