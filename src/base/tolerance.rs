@@ -189,9 +189,7 @@ pub(crate) const ACROSS: f64 = 64.0 * UNIT;
 /// is less than 1.8 times that distance.
 pub(crate) const CELL: f64 = 16.0 * UNIT;
 
-/// Faces of a mesh whose planes differ by less than this times the radius of the mesh may be one
-/// plane: coordinates of a mesh that was turned are off by 4 UNIT of the radius each, and the plane
-/// of the larger triangle by some times that over the smaller one. Not a matter of soundness.
+/// Faces of a mesh nearer than this times its radius may be one plane; steers work alone.
 pub(crate) const ONE_PLANE: f64 = 64.0 * UNIT;
 
 /// Faces whose normals differ by less than this, `2^-46`, bear a contact as a single face: a flat

@@ -2,8 +2,8 @@
 //! never interrupted.
 //!
 //! Events depend on boxes and ids alone, so bodies and pair slots suffice; columns and sorted lists
-//! are rebuilt. All input is checked, so that no text makes a structure that could panic, or one that
-//! [`BroadPhase::check`] faults.
+//! are rebuilt. All input is checked, so that no text makes a structure that could panic, or one
+//! that [`BroadPhase::check`] faults.
 
 use super::body::BodiesState;
 use super::pairs::PairsState;

@@ -1,4 +1,5 @@
-//! Ray casts of polyhedra: what the cast of a point found, proven for the ray as the caller gave it.
+//! Ray casts of polyhedra: what the cast of a point found, proven for the ray as the caller gave
+//! it.
 //!
 //! The places of the point are rounded, so a hit that is as near the boundary of the hull as
 //! rounding may be a miss. Mostly a triangle of the face that was found proves the hit; else all
@@ -13,8 +14,8 @@ use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::composite::meet::ray::{Met, RayBody};
 use crate::pair_tracker::geometry::GeometryRef;
 
-/// Returns what the ray meets, if what a cast found is not proven: `None` if the cast is right as it
-/// is, and for bodies without faces or with faces that are flat only up to rounding.
+/// Returns what the ray meets, if what a cast found is not proven: `None` if the cast is right as
+/// it is, and for bodies without faces or with faces that are flat only up to rounding.
 pub(super) fn proven(
     hull: &ConvexPolyhedron,
     pose: &Isometry3<f64>,
@@ -25,7 +26,7 @@ pub(super) fn proven(
     if !matches!(found, RayCast::Hit(_) | RayCast::Near { .. }) || hull.face_count() == 0 {
         return None;
     }
-    let on_hull = in_body(GeometryRef::from(hull), 1.0, pose, ray, span, limits)?;
+    let mut on_hull = in_body(GeometryRef::from(hull), 1.0, pose, ray, span, limits)?;
     if let RayCast::Hit(RayHit {
         safe,
         hit,

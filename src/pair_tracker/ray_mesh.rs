@@ -21,18 +21,18 @@ pub(super) fn pierce(
     (from, until): (f64, f64),
     (length, width): (f64, f64),
 ) -> Option<RayCast> {
-    let on_mesh = in_body(mesh.into(), mesh.unit(), pose, ray, (from, until), (length, width))?;
+    let mut on_mesh = in_body(mesh.into(), mesh.unit(), pose, ray, (from, until), (length, width))?;
     if from == 0.0 && begins_in(mesh, &on_mesh)? {
         return Some(RayCast::Inside);
     }
-    Some(match mesh.first_met(&on_mesh)? {
+    Some(match mesh.first_met(&mut on_mesh)? {
         Met::Nothing => RayCast::Miss,
         Met::Between(safe, hit) => entered(mesh, pose, ray, (safe, hit)),
     })
 }
 
-/// Returns a part of a ray in the frame of a body at a pose, in a unit of length; `None` if the body
-/// is out of range.
+/// Returns a part of a ray in the frame of a body at a pose, in a unit of length; `None` if the
+/// body is out of range.
 pub(super) fn in_body(
     body: GeometryRef,
     unit: f64,

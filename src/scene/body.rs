@@ -7,7 +7,7 @@ use nalgebra::Isometry3;
 
 use super::ball::Ball;
 use super::budget::Travel;
-use super::effects::{GROUPS, Group};
+use super::effects::Group;
 use super::kinds::Member;
 use super::moving::{Moving, Sweep, Ticks};
 use super::{BodyId, SceneError};
@@ -384,26 +384,6 @@ impl BodyTable {
         }
     }
 
-    /// Lists the bodies that are due and get no box, as no effect needs one, and forgets those that
-    /// were removed or get a box. `partners` are the groups to pair with by group, as bits.
-    pub(super) fn list_stale(&mut self, partners: &[u32; GROUPS]) {
-        let Self {
-            slots,
-            solids,
-            due,
-            stale,
-            ..
-        } = self;
-        let is_without = |i: u32| {
-            let solid = solids[i as usize].as_ref().filter(|_| slots.lives(i));
-            solid.is_some_and(|s| s.boxed && partners[s.group.index()] == 0)
-        };
-        stale.retain(|&i| is_without(i));
-        stale.extend(due.iter().copied().filter(|&i| is_without(i)));
-        stale.sort_unstable();
-        stale.dedup();
-    }
-
     /// Ends the step: indices of removed bodies become free.
     pub(super) fn end_step(&mut self) {
         let solids = &mut self.solids;
@@ -500,19 +480,6 @@ fn as_only(error: PoseError) -> PoseError {
             norm_squared,
         },
     }
-}
-
-/// Returns the box of a body over the tick of the step being prepared, and at the pose after that,
-/// grown on every side.
-pub(super) fn swept_box(bodies: &BodyTable, i: usize, sweep: &Sweep, growth: f64, hint: &mut BoxHint) -> Option<Aabb> {
-    let solid = bodies.solids[i].as_ref()?;
-    let time = bodies.ticks.length.abs();
-    let poses = [sweep.from, sweep.velocity.applied(&sweep.from, time), bodies.poses[i]];
-    let [first, second, third] = poses.map(|pose| solid.shape.aabb_at(&pose, hint));
-    let low = first.0.smaller(second.0).smaller(third.0);
-    let high = first.1.larger(second.1).larger(third.1);
-    let growth = growth + sweep.bulge(solid.reach(), time);
-    Some(Aabb::new(low, high).grown(growth * ROUND_UP))
 }
 
 /// Returns the box of a posed body, grown on every side.

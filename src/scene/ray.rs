@@ -4,6 +4,8 @@ use alloc::vec::Vec;
 
 use nalgebra::Point3;
 
+use super::body::BodyTable;
+use super::effects::GROUPS;
 use super::{BodyId, Scene, SceneError};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::RAY;
@@ -94,4 +96,26 @@ fn box_of(ray: &Ray, length: f64) -> Aabb {
     let low = ray.origin.smaller(end);
     let high = ray.origin.larger(end);
     Aabb::new(low, high).grown(RAY * (ray.origin.coords.abs().sum() + length.at_most(1e37)))
+}
+
+impl BodyTable {
+    /// Lists the bodies that are due and get no box, as no effect needs one, and forgets those that
+    /// were removed or get a box. `partners` are the groups to pair with by group, as bits.
+    pub(super) fn list_stale(&mut self, partners: &[u32; GROUPS]) {
+        let Self {
+            slots,
+            solids,
+            due,
+            stale,
+            ..
+        } = self;
+        let is_without = |i: u32| {
+            let solid = solids[i as usize].as_ref().filter(|_| slots.lives(i));
+            solid.is_some_and(|s| s.boxed && partners[s.group.index()] == 0)
+        };
+        stale.retain(|&i| is_without(i));
+        stale.extend(due.iter().copied().filter(|&i| is_without(i)));
+        stale.sort_unstable();
+        stale.dedup();
+    }
 }

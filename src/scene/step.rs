@@ -3,13 +3,16 @@
 use alloc::vec::Vec;
 
 use super::Scene;
-use super::body::{BodyTable, box_of, swept_box};
+use super::body::{BodyTable, box_of};
 use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::events::{Change, Event, PairChange, PairImpact};
+use super::moving::Sweep;
 use super::narrow_phase::{StepContext, Tally, test_table};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
 use super::report::{Clock, Report};
 #[cfg(feature = "parallel")]
+use crate::base::num::extremes::Extremes;
+use crate::base::tolerance::ROUND_UP;
 use crate::base::tuning::scene::QUERY_IN_BOXES;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, BroadPhase, PairId};
@@ -366,4 +369,17 @@ impl Boxes<'_> {
             }
         }
     }
+}
+
+/// Returns the box of a body over the tick of the step being prepared, and at the pose after that,
+/// grown on every side.
+fn swept_box(bodies: &BodyTable, i: usize, sweep: &Sweep, growth: f64, hint: &mut BoxHint) -> Option<Aabb> {
+    let solid = bodies.solids[i].as_ref()?;
+    let time = bodies.ticks.length.abs();
+    let poses = [sweep.from, sweep.velocity.applied(&sweep.from, time), bodies.poses[i]];
+    let [first, second, third] = poses.map(|pose| solid.shape.aabb_at(&pose, hint));
+    let low = first.0.smaller(second.0).smaller(third.0);
+    let high = first.1.larger(second.1).larger(third.1);
+    let growth = growth + sweep.bulge(solid.reach(), time);
+    Some(Aabb::new(low, high).grown(growth * ROUND_UP))
 }

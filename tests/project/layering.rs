@@ -338,6 +338,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "notice",
             "tolerance",
             "tuning",
+            "num",
             "pose",
             "motion",
             "pair",
@@ -426,7 +427,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "pair_tracker",
         ],
     ),
-    ("broad", &["tolerance", "tuning", "broad"]),
+    ("broad", &["tolerance", "tuning", "num", "broad"]),
     (
         "scene",
         &[

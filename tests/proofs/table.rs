@@ -24,6 +24,7 @@ const STEERS: &[&str] = &[
     "LEAST_MEAN",
     "LEAST_START",
     "LEAST_WIDTH",
+    "ONE_PLANE",
     "PARALLEL_SIDES",
     "PIVOT",
     "SEAM",

@@ -25,7 +25,8 @@ pub(crate) trait Bounded: Extremes {
     #[must_use]
     fn at_least(self, bound: Self) -> Self;
 
-    /// Returns the number if it is below the bound, else the bound, as [`at_least`](Self::at_least).
+    /// Returns the number if it is below the bound, else the bound, as
+    /// [`at_least`](Self::at_least).
     #[must_use]
     fn at_most(self, bound: Self) -> Self;
 

@@ -147,11 +147,11 @@ pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 /// How far a vertex of a placed piece may be off its place, in units of its distance from the
 /// origin of the piece plus the length of the translation. The quaternion is normalised: its
 /// squared norm differs from one by 8 UNIT (four squares and three sums, half of it by the root,
-/// and the quotient), which turns and stretches the rotated vector by up to twice that, 16 UNIT. The vector
-/// is `v + 2 w (q x v) + 2 q x (q x v)`: a cross product errs by `2 sqrt(2)` UNIT of the product of
-/// the lengths, so the first by 5.7 UNIT with the factor, the second, of a vector up to `2 |v|`, by
-/// as much of its own and of the first one's error, the product with w by 2, and the sums of terms
-/// up to `2 |v|` by 7: 26.1 UNIT. The translation adds UNIT of the sum. Sum: 43.1.
+/// and the quotient), which turns and stretches the rotated vector by up to twice that, 16 UNIT.
+/// The vector is `v + 2 w (q x v) + 2 q x (q x v)`: a cross product errs by `2 sqrt(2)` UNIT of the
+/// product of the lengths, so the first by 5.7 UNIT with the factor, the second, of a vector up to
+/// `2 |v|`, by as much of its own and of the first one's error, the product with w by 2, and the
+/// sums of terms up to `2 |v|` by 7: 26.1 UNIT. The translation adds UNIT of the sum. Sum: 43.1.
 pub(crate) const PLACED: f64 = 64.0 * UNIT;
 
 /// Largest shortfall of a gap in f64 below the distance, in units of L, at which a pair of nodes or

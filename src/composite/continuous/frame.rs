@@ -242,7 +242,7 @@ impl<'a> MeshOverFrame<'a> {
     /// Returns half the diagonal of the box of the mesh, or the radius if that is less.
     pub(super) fn half_size(&self) -> f64 {
         let [begin, end] = self.both().map(Parted::half_size);
-        begin.max(end)
+        begin.larger(end)
     }
 
     /// Returns the largest coordinate of a point, or more.

@@ -36,8 +36,8 @@ pub(super) struct SearchWork {
     pub(super) wide: WideWork,
 }
 
-/// Work of exact decisions on integers that are wider than those of ordinary coordinates: products of
-/// words. Paths of a few magnitudes never count.
+/// Work of exact decisions on integers that are wider than those of ordinary coordinates: products
+/// of words. Paths of a few magnitudes never count.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct WideWork(u64);
 

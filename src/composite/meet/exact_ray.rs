@@ -1,6 +1,5 @@
 //! A ray and a triangle over the integers.
 
-use core::cell::OnceCell;
 use core::cmp::Ordering;
 
 use dashu_int::IBig;
@@ -21,7 +20,8 @@ pub(crate) struct ExactRay {
     /// From the body to the origin of the ray.
     pose: RelativePose,
     direction: Vector3<f64>,
-    integers: OnceCell<IntegerRay>,
+    /// Made when floating point first leaves a doubt.
+    integers: Option<IntegerRay>,
 }
 
 struct IntegerRay {
@@ -34,7 +34,7 @@ struct IntegerRay {
 }
 
 /// A distance along the ray: `num 2^exponent / den`, `den` positive.
-struct Along {
+struct RayLength {
     num: IBig,
     den: IBig,
     exponent: i32,
@@ -45,14 +45,15 @@ impl ExactRay {
         Self {
             pose,
             direction,
-            integers: OnceCell::new(),
+            integers: None,
         }
     }
 
-    fn integers(&self, exponent: i32) -> &IntegerRay {
-        self.integers.get_or_init(|| {
-            let origin = self.origin(exponent);
-            let direction = ExactVector::new(&self.direction).direction_in_a(&self.pose);
+    fn integers(&mut self, exponent: i32) -> &IntegerRay {
+        let (pose, direction) = (&self.pose, &self.direction);
+        self.integers.get_or_insert_with(|| {
+            let origin = origin_of(pose, exponent);
+            let direction = ExactVector::new(direction).direction_in_a(pose);
             let moment = cross(&origin.at, &direction.at);
             let weighed = direction.at.each_ref().map(|x| x * &origin.over);
             IntegerRay {
@@ -66,11 +67,17 @@ impl ExactRay {
 
     /// Returns the origin of the ray in units of `2^exponent`.
     pub(crate) fn origin(&self, exponent: i32) -> ExactVector {
-        ExactVector::new(&Vector3::zeros()).in_a(&self.pose).in_units(exponent)
+        origin_of(&self.pose, exponent)
     }
 
     /// Returns where the ray meets a triangle, of which some sides are known.
-    pub(super) fn meets(&self, corners: &Triangle, body: RayBody, sides: [Option<i32>; 3], length: f64) -> RayTriangle {
+    pub(super) fn meets(
+        &mut self,
+        corners: &Triangle,
+        body: RayBody,
+        sides: [Option<i32>; 3],
+        length: f64,
+    ) -> RayTriangle {
         let ray = self.integers(body.exponent);
         let triangle = IntegerTriangle::new(corners);
         let mut signs = [0; 3];
@@ -92,6 +99,11 @@ impl ExactRay {
     }
 }
 
+/// Returns the origin of a ray in units of `2^exponent`.
+fn origin_of(pose: &RelativePose, exponent: i32) -> ExactVector {
+    ExactVector::new(&Vector3::zeros()).in_a(pose).in_units(exponent)
+}
+
 impl IntegerRay {
     /// Returns on which side of an edge the line passes.
     fn side(&self, t: &IntegerTriangle, k: usize) -> i32 {
@@ -101,7 +113,7 @@ impl IntegerRay {
     }
 
     /// Returns how far the plane of a triangle is that the line crosses.
-    fn to_plane(&self, t: &IntegerTriangle) -> Option<Along> {
+    fn to_plane(&self, t: &IntegerTriangle) -> Option<RayLength> {
         let n = t.normal();
         let (o, d) = (&self.origin, &self.direction);
         let height = difference(
@@ -115,7 +127,7 @@ impl IntegerRay {
 
     /// Returns the distance `height / rise` of a height over the denominator of the origin and a
     /// rise over that of the direction; `None` if it is negative.
-    fn along(&self, height: IBig, exponent: i32, rise: IBig) -> Option<Along> {
+    fn along(&self, height: IBig, exponent: i32, rise: IBig) -> Option<RayLength> {
         let (o, d) = (&self.origin, &self.direction);
         let (h, r) = (sign(&height), sign(&rise));
         if r == 0 || h * r < 0 {
@@ -123,7 +135,7 @@ impl IntegerRay {
         }
         let (num, den) = (height * &d.over, rise * &o.over);
         let size = |x: IBig, sign: i32| if sign < 0 { -x } else { x };
-        Some(Along {
+        Some(RayLength {
             num: size(num, h),
             den: size(den, r),
             exponent: exponent.min(o.exponent) - d.exponent,
@@ -132,7 +144,7 @@ impl IntegerRay {
 
     /// Returns how far the first point is of a triangle in a plane through the line: where the line
     /// crosses an edge.
-    fn first_of_edges(&self, t: &IntegerTriangle, axis: usize) -> Option<Along> {
+    fn first_of_edges(&self, t: &IntegerTriangle, axis: usize) -> Option<RayLength> {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let (o, d) = (&self.origin, &self.direction);
         let flat = |a: &[&IBig; 2], b: &[&IBig; 2]| a[0] * b[1] - a[1] * b[0];
@@ -162,7 +174,7 @@ fn difference(x: &IBig, e: i32, y: &IBig, f: i32) -> IBig {
     (x << (e - least) as usize) - (y << (f - least) as usize)
 }
 
-impl Along {
+impl RayLength {
     /// Returns the bracket of the distance in the caller's unit, if the ray gets there.
     fn bracket(&self, unit: i32, length: f64) -> RayTriangle {
         let exponent = self.exponent + unit;

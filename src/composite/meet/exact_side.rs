@@ -84,8 +84,8 @@ impl Probe<'_> {
         ))
     }
 
-    /// Returns whether the edge from `a` to `b` passes the point on its right or left, seen from the
-    /// positive end of an axis: -1 or 1, 0 if the edge hides the point.
+    /// Returns whether the edge from `a` to `b` passes the point on its right or left, seen from
+    /// the positive end of an axis: -1 or 1, 0 if the edge hides the point.
     fn turn(&self, axis: usize, a: &Vector3<f64>, b: &Vector3<f64>) -> i32 {
         let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
         let p = &self.rounded;
@@ -140,7 +140,7 @@ impl Mesh {
         let (x, y) = (up.imin(), down.imin());
         let (axis, way) = if up[x] < down[y] { (x, 1) } else { (y, -1) };
         let mut end = *p;
-        let size = (self.high - self.low).max();
+        let size = (self.high - self.low).amax();
         end[axis] = if way > 0 {
             self.high[axis] + size
         } else {

@@ -84,9 +84,9 @@ impl Mesh {
         })
     }
 
-    /// Returns whether a point that may be off its place by `doubt`, both in stored units, is inside
-    /// a solid, or on a surface; `None` if the mesh is as near as the doubt, or if every segment to
-    /// the outside met an edge.
+    /// Returns whether a point that may be off its place by `doubt`, both in stored units, is
+    /// inside a solid, or on a surface; `None` if the mesh is as near as the doubt, or if every
+    /// segment to the outside met an edge.
     pub(crate) fn held_by_rounding(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
         if !self.is_clear_of(point, doubt) {
             return None;

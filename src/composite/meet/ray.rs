@@ -15,8 +15,8 @@ use crate::composite::meet::exact_ray::ExactRay;
 use crate::composite::meet::triangle::{self, Triangle};
 use crate::composite::mesh::Mesh;
 
-/// A part of a ray, in stored coordinates of a body of triangles. Distances from the origin of the ray are the
-/// caller's.
+/// A part of a ray, in stored coordinates of a body of triangles. Distances from the origin of the
+/// ray are the caller's.
 pub(crate) struct MeshRay {
     /// The ends of the part, up to `error`.
     pub(crate) ends: [Vector3<f64>; 2],
@@ -62,14 +62,14 @@ pub(crate) enum RayTriangle {
 impl Mesh {
     /// Returns what a ray meets first, unless the origin is on the mesh. `None` if rounding hides
     /// it: never with the feature `exact`.
-    pub(crate) fn first_met(&self, ray: &MeshRay) -> Option<Met> {
+    pub(crate) fn first_met(&self, ray: &mut MeshRay) -> Option<Met> {
         let (mut met, mut is_clear) = (Met::Nothing, true);
-        let [from, to] = &ray.ends;
+        let ([from, to], error) = (ray.ends, ray.error);
         let body = RayBody {
             exponent: self.exponent,
             is_closed: self.is_solid(),
         };
-        self.any_along(from, to, ray.error, |t| {
+        self.any_along(&from, &to, error, |t| {
             is_clear = met.add(ray.meets(&self.corners(t), body));
             !is_clear
         });
@@ -94,7 +94,7 @@ impl Met {
 
 impl MeshRay {
     /// Returns where the ray meets a triangle of a body.
-    pub(crate) fn meets(&self, corners: &Triangle, body: RayBody) -> RayTriangle {
+    pub(crate) fn meets(&mut self, corners: &Triangle, body: RayBody) -> RayTriangle {
         let sides = self.sides(corners);
         if sides.contains(&Some(1)) && sides.contains(&Some(-1)) {
             return RayTriangle::Miss;
@@ -173,9 +173,10 @@ impl MeshRay {
 
     #[cfg(feature = "exact")]
     #[cold]
-    fn exactly(&self, corners: &Triangle, body: RayBody, sides: [Option<i32>; 3]) -> RayTriangle {
+    fn exactly(&mut self, corners: &Triangle, body: RayBody, sides: [Option<i32>; 3]) -> RayTriangle {
         match self.exact.meets(corners, body, sides, self.length) {
-            // As far before the body as by floating point: rounding leaves a side of the surface to it.
+            // As far before the body as by floating point: rounding leaves a side of the surface to
+            // it.
             RayTriangle::Between(low, high) if low > self.width => RayTriangle::Between(low - self.width, high),
             found => found,
         }

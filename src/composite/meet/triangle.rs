@@ -253,8 +253,8 @@ fn weights(point: &Vector3<f64>, y: &Triangle, n: &Vector3<f64>) -> Option<[f64;
     Some(all)
 }
 
-/// Returns the point of a triangle at weights that are not negative: inside, or on an edge, whatever
-/// they are. NaN if all are zero.
+/// Returns the point of a triangle at weights that are not negative: inside, or on an edge,
+/// whatever they are. NaN if all are zero.
 #[inline(always)]
 fn combined([a, b, c]: &Triangle, [u, v, w]: [f64; 3]) -> Vector3<f64> {
     let sum = u + v + w;

@@ -38,9 +38,9 @@ pub struct MeshInspection {
 }
 
 impl Mesh {
-    /// Looks for triangles that cross or cancel and parts in parts, up to `most` pairs of each. Takes `n log n`
-    /// time for meshes with few crossings, some ten times that of the build. None is an error:
-    /// distances and winding numbers are right for such meshes too.
+    /// Looks for triangles that cross or cancel and parts in parts, up to `most` pairs of each.
+    /// Takes `n log n` time for meshes with few crossings, some ten times that of the build. None
+    /// is an error: distances and winding numbers are right for such meshes too.
     #[must_use]
     pub fn inspect(&self, most: usize) -> MeshInspection {
         self.inspect_watched(most, &mut Watch::none())

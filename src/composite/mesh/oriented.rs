@@ -10,6 +10,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::{Mesh, MeshError};
+use crate::base::num::extremes::Extremes;
 
 /// Neighbours of a triangle at its three edges, and whether both run along the edge in one sense.
 type Neighbours = [(u32, bool); 3];
@@ -44,7 +45,8 @@ impl Mesh {
     ///
     /// let points =
     ///     [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
-    /// let triangles = [[0, 2, 1], [0, 3, 1], [1, 2, 3], [2, 0, 3]]; // the second is turned over
+    /// // The second is turned over.
+    /// let triangles = [[0, 2, 1], [0, 3, 1], [1, 2, 3], [2, 0, 3]];
     /// let surface = Mesh::new(&points, &triangles)?;
     /// assert_eq!(surface.kind(), MeshKind::Surface);
     /// assert_eq!(surface.report().misoriented_edges.len(), 3);
@@ -164,7 +166,7 @@ impl Mesh {
             }
             let own = &mut parts[part as usize];
             for p in &corners {
-                (own.low, own.high) = (own.low.inf(p), own.high.sup(p));
+                (own.low, own.high) = (own.low.smaller(*p), own.high.larger(*p));
             }
             let [a, b, c] = corners.map(|p| p - bases[part as usize]);
             let volume = a.dot(&b.cross(&c)) / 6.0;

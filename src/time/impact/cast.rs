@@ -44,8 +44,8 @@ enum Next {
 }
 
 impl LookBudget {
-    /// Returns whether the looks so far have come so little ahead that looks at their pace would not
-    /// come to the end, by far. Tried now and then.
+    /// Returns whether the looks so far have come so little ahead that looks at their pace would
+    /// not come to the end, by far. Tried now and then.
     fn is_hopeless(&self, gone: f64, whole: f64) -> bool {
         let used = LOOKS - self.left;
         used > 0 && used.is_multiple_of(PACE_LOOKS) && gone * (PACE * f64::from(LOOKS)) < whole * f64::from(used)

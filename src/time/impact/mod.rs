@@ -122,11 +122,10 @@ pub enum Impact {
     /// The shapes are proven apart over the whole interval, both ends included.
     Miss,
     /// The limit of 20,000 looks was reached, further rounds of a look with a smaller tolerance
-    /// counted, as of some motions that graze; or after 1,024 looks or more the pace was less than a
-    /// fiftieth of the one that the limit needs, as of bodies that turn by 1e15 radians; or a motion
-    /// returned a
-    /// [`Course`](crate::motion::Course) that is not finite or has a negative bound: nothing is
-    /// known of later instants.
+    /// counted, as of some motions that graze; or after 1,024 looks or more the pace was less than
+    /// a fiftieth of the one that the limit needs, as of bodies that turn by 1e15 radians; or a
+    /// motion returned a [`Course`](crate::motion::Course) that is not finite or has a negative
+    /// bound: nothing is known of later instants.
     Unknown {
         /// The shapes are proven apart up to here.
         safe: f64,

@@ -104,8 +104,8 @@ impl<'a> ExactPair<'a> {
             .unwrap_or(FirstContact::Open { safe: 0.0 })
     }
 
-    /// Returns the first contact; `None` if halving has not found a root or a sign, or the budget is
-    /// spent.
+    /// Returns the first contact; `None` if halving has not found a root or a sign, or the budget
+    /// is spent.
     fn first_contact(&self, width: f64, work: &mut WideWork) -> Option<FirstContact> {
         work.left()?;
         if self.is_in_contact(&mut Root::zero(), work)? {

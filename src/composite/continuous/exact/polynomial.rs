@@ -263,8 +263,8 @@ impl Root {
     }
 
     /// Returns numbers of f64 about the root, less than `width` and a rounding apart: one below,
-    /// and one that is not below; `None` if the budget is spent. Zero is no root here, and `width` not
-    /// below `2^-1000`.
+    /// and one that is not below; `None` if the budget is spent. Zero is no root here, and `width`
+    /// not below `2^-1000`.
     pub(super) fn bracket(&mut self, width: f64, work: &mut WideWork) -> Option<[f64; 2]> {
         while !self.is_exact && crate::body::polyhedron::power_of_two(-(self.halvings as i32)) > width {
             self.refine(work)?;
