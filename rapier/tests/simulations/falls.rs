@@ -30,7 +30,7 @@ fn thrown(settings: Settings, gravity: f64, linear: Vector3<f64>) -> (Simulation
     let mut simulation = Simulation::new(effects, settings).expect("settings");
     let velocity = Velocity::new(linear, Vector3::zeros());
     let body = Body::moving(Isometry3::identity(), 1000.0).velocity(velocity);
-    let id = simulation.insert(&cube(settings.size), body).expect("a cube");
+    let id = simulation.insert(cube(settings.size), body).expect("a cube");
     (simulation, id)
 }
 

@@ -237,7 +237,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 self.each(|scene| scene.remove(id)).expect("the body lives");
                 self.bodies.remove(&id);
             }
-            2 if bytes.chance(5) => {
+            2 if bytes.chance(1) => {
                 for (g, h) in [(0, 0), (0, 1), (1, 1)] {
                     self.call_for(g, h, NONE);
                 }
@@ -248,7 +248,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 self.call_for(g, h, effects);
             }
             3 if bytes.chance(30) => {
-                let g = group(bytes.byte() % 3);
+                let g = group(self.drawn_group(bytes));
                 let done = self.each(|scene| scene.set_group(id, g));
                 self.mix.refused += u64::from(done.is_err());
             }

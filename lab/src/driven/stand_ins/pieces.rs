@@ -236,8 +236,10 @@ fn plain_body(shape: &Shape) -> (Vec<Point>, Vec<Vec<u32>>) {
 /// Plays a composite beside another body.
 pub(super) fn pair(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
-    let mut mix = Mix::default();
-    mix.pairs = 1;
+    let mut mix = Mix {
+        pairs: 1,
+        ..Mix::default()
+    };
     let (a, b) = (composite(&mut rng, &mut mix), other(&mut rng, &mut mix));
     let (mut there, mut back) = (PairTracker::new(), PairTracker::new());
     let mut pose = Isometry3::from_parts(
