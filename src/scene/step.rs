@@ -10,9 +10,9 @@ use super::moving::Sweep;
 use super::narrow_phase::{StepContext, Tally, test_table};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
 use super::report::{Clock, Report};
-#[cfg(feature = "parallel")]
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::ROUND_UP;
+#[cfg(feature = "parallel")]
 use crate::base::tuning::scene::QUERY_IN_BOXES;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, BroadPhase, PairId};
