@@ -195,6 +195,9 @@ pub(crate) const HORIZONS: usize = 6;
 /// Vertices of a mesh that are looked at for a lower bound of the depth. Not measured.
 pub(crate) const DEEP_POINTS: usize = 2048;
 
+/// Middles of stretches of edges that are looked at for a start of the depth. Not measured.
+pub(crate) const DEEP_STRETCHES: usize = 128;
+
 /// Pairs of leaves in which edges that cross the other mesh are sought. A pin in a slot has some
 /// tens; meshes in one place have one for each pair of neighbours. Not measured.
 pub(crate) const CROSSED_LEAVES: usize = 1 << 14;
@@ -202,10 +205,6 @@ pub(crate) const CROSSED_LEAVES: usize = 1 << 14;
 /// Steps to the point of a piece that is deepest in a mesh. One finds the deepest point of a ball;
 /// more turn with the faces of the mesh. Not measured.
 pub(crate) const SINKS: usize = 4;
-
-/// How far from a crossing of sheets without thickness points are asked whether both bodies hold
-/// them, in parts of L. Not measured.
-pub(crate) const SIDES: [f64; 4] = [1.0 / 256.0, 1.0 / 4096.0, 1.0 / 1_048_576.0, 1.0 / 1_073_741_824.0];
 
 /// Bounds of a depth whose difference is below this part of the upper one are left as they are.
 pub(crate) const TIGHT: f64 = 1.0 / 1_048_576.0;

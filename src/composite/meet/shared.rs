@@ -217,9 +217,8 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
             CommonPart::Flat(_, false) => false,
             CommonPart::Flat(at, true) => unit_normal(&p).is_some_and(|n| self.are_behind(&at, &n)),
             CommonPart::Segment(at, s) => {
-                let [of_a, of_b] = [!self.a.may_be_sheet(pair[0]), !self.b.may_be_sheet(pair[1])];
-                of_a && leaving(&p, &q, (&at, &s), slack).any(|to| self.enters(Operand::B, &at, &to))
-                    || of_b && leaving(&q, &p, (&at, &s), slack).any(|to| self.enters(Operand::A, &at, &to))
+                leaving(&p, &q, (&at, &s), slack).any(|to| self.enters(Operand::B, &at, &to))
+                    || leaving(&q, &p, (&at, &s), slack).any(|to| self.enters(Operand::A, &at, &to))
             }
         }
     }
@@ -231,10 +230,7 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
             return false;
         }
         let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        let own = if other == Operand::A { self.b } else { self.a };
-        // What is behind a sheet without thickness need not be inside.
-        !own.may_be_sheet(t) && self.is_held(other, &middle)
-            || unit_normal(corners).is_some_and(|n| self.are_behind(&middle, &n))
+        self.is_held(other, &middle) || unit_normal(corners).is_some_and(|n| self.are_behind(&middle, &n))
     }
 
     /// Looks at all pairs of triangles whose boxes meet, up to a limit.

@@ -302,28 +302,6 @@ fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) ->
     })
 }
 
-/// Returns the middle of the stretch that two crossing triangles share, up to rounding.
-pub(in crate::composite) fn crossing_middle(p: &Triangle, q: &Triangle) -> Option<Vector3<f64>> {
-    let (mut sum, mut count) = (Vector3::zeros(), 0);
-    for (x, y) in [(p, q), (q, p)] {
-        let n = normal(y);
-        let heights = x.map(|v| n.dot(&(v - y[0])));
-        for i in 0..3 {
-            let k = (i + 1) % 3;
-            if !(heights[i] * heights[k] < 0.0) {
-                continue;
-            }
-            let point = x[i] + (x[k] - x[i]) * (heights[i] / (heights[i] - heights[k]));
-            let turn = |j: usize| (y[(j + 1) % 3] - y[j]).cross(&(point - y[j])).dot(&n);
-            if (0..3).all(|j| turn(j) >= 0.0) {
-                sum += point;
-                count += 1;
-            }
-        }
-    }
-    (count > 0).then(|| sum / f64::from(count))
-}
-
 /// Returns whether two triangles certainly cross, each of whose vertices may be off its place by
 /// `error`: an edge of one has its ends on different sides of the other and passes inside its three
 /// edges, each sign beyond doubt.

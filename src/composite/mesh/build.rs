@@ -203,7 +203,6 @@ fn assemble(
     let welded_away = (0u32..).zip(&welded.same_as).filter(|(k, v)| k != *v).count();
     let square = points.iter().fold(0.0, |r: f64, p| r.larger(p.norm_squared()));
     let mut mesh = Mesh {
-        sheets: Vec::new(),
         report: MeshReport {
             kind,
             input_points: welded.points.len(),
@@ -241,7 +240,6 @@ fn assemble(
         low,
         high,
     };
-    mesh.sheets = mesh.find_sheets();
     mesh.fingerprint = mesh.fingerprint_as_built();
     Ok(mesh)
 }

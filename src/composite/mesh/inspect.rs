@@ -26,7 +26,7 @@ pub struct MeshInspection {
     /// rounding of coordinates: their faces cancel. Between two parts in contact they are inside
     /// the solid. A cavity that goes through a wall, as a window may be written, leaves
     /// a sheet without thickness: the distance to the mesh is that to the sheet, and a body that
-    /// passes through touches the mesh.
+    /// crosses the sheet counts as overlapping the mesh.
     #[cfg_attr(feature = "serde", serde(default))]
     pub cancelling: Vec<[u32; 2]>,
     /// Whether all crossings and cancelling faces are named: false if a list was full.

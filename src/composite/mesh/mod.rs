@@ -84,9 +84,6 @@ pub struct Mesh {
     /// since. So no number of one mesh is used in another of the same fingerprint.
     pub(crate) fingerprint: Fingerprint,
     report: MeshReport,
-    /// Triangles that may be part of a sheet without thickness, by the caller's index; of most
-    /// meshes none.
-    sheets: Vec<u32>,
     /// Why the vertices cannot be replaced, if they cannot.
     stiff: Option<Stiff>,
     /// Of a mesh whose vertices have been replaced.
@@ -169,12 +166,6 @@ impl Mesh {
             let place = centre + end(0) + end(1) + end(2);
             self.given(&(place * self.tree.unit() + self.tree.centre))
         }))
-    }
-
-    /// Returns whether no triangle is part of a sheet without thickness.
-    #[inline(always)]
-    pub(in crate::composite) fn is_without_sheets(&self) -> bool {
-        self.sheets.is_empty()
     }
 
     pub(crate) fn is_solid(&self) -> bool {

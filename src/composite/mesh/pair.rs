@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
-use crate::base::tuning::composite::{SHARP, SIDES};
+use crate::base::tuning::composite::SHARP;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::composite::front::NodePair;
 use crate::composite::meet::frame::TreeFrame;
@@ -68,38 +68,6 @@ impl<'a> TriangleJudge<'a> {
 
     fn polygons(&self, [i, j]: NodePair) -> Option<(ConvexPolyhedron, ConvexPolyhedron)> {
         Some((self.posed.a.polygon(i)?, self.posed.b.polygon(j)?))
-    }
-
-    /// Returns whether two triangles that cross each bound the inside of their solid, or bodies of
-    /// which one has no inside: where one is part of a sheet, whether a point next to the crossing
-    /// is inside both.
-    #[inline]
-    fn bounds_inside(&self, frame: &TreeFrame, pair: NodePair, triangles: (&Triangle, &Triangle)) -> bool {
-        let (a, b) = (self.posed.a, self.posed.b);
-        a.is_without_sheets() && b.is_without_sheets()
-            || !(a.may_be_sheet(pair[0]) || b.may_be_sheet(pair[1]))
-            || !(a.is_solid() && b.is_solid())
-            || self.shares_at_crossing(frame, triangles)
-    }
-
-    #[cold]
-    fn shares_at_crossing(&self, frame: &TreeFrame, (p, q): (&Triangle, &Triangle)) -> bool {
-        let Some(middle) = triangle::crossing_middle(p, q) else {
-            return true;
-        };
-        let (Some(m), Some(n)) = (unit(&triangle::normal(p)), unit(&triangle::normal(q))) else {
-            return true;
-        };
-        let (doubt, ratio) = (2.0 * frame.error, self.posed.a.unit() / self.posed.b.unit());
-        let is_shared = |x: &Vector3<f64>| {
-            self.posed.a.holds_point(x, doubt) == Some(true)
-                && self.posed.b.holds_point(&self.posed.back(x), doubt * ratio) == Some(true)
-        };
-        SIDES.iter().any(|part| {
-            let step = part * frame.size;
-            let sides = [m + n, m - n, n - m, -m - n];
-            sides.iter().any(|way| is_shared(&(middle + way * step)))
-        })
     }
 
     /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,
@@ -200,8 +168,7 @@ impl Judge for TriangleJudge<'_> {
         let q = local.map(|x| frame.point(&x));
         let found = triangle::closest(&p, &q);
         let distance = sqrt(found.square);
-        let pierces = found.pierces && certainly_cross(&p, &q, frame.error);
-        let crosses = pierces && self.bounds_inside(frame, pair, (&p, &q));
+        let crosses = found.pierces && certainly_cross(&p, &q, frame.error);
         // Witnesses nearer than rounding have no direction.
         let between = if distance > frame.error {
             unit(&(found.on_q - found.on_p))
@@ -247,7 +214,7 @@ impl Judge for TriangleJudge<'_> {
             features: found.spots,
             crosses,
         };
-        if pierces {
+        if crosses {
             (m.lower, m.upper) = (0.0, 0.0);
         } else if !(best >= enough)
             && let Some(settled) = self.settle(frame, pair, &found)

@@ -71,10 +71,6 @@ fn restore(stored: StoredMesh) -> Result<Mesh, MeshError> {
     mesh.source_triangles
         .iter_mut()
         .for_each(|t| *t = stored.source_triangles[*t as usize]);
-    mesh.sheets
-        .iter_mut()
-        .for_each(|t| *t = stored.source_triangles[*t as usize]);
-    mesh.sheets.sort_unstable();
     mesh.fingerprint = mesh.fingerprint_as_built();
     let kind = mesh.report.kind;
     mesh.report = MeshReport { kind, ..stored.report };

@@ -17,7 +17,7 @@ use nalgebra::{Point3, Vector3};
 
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
-use crate::base::tuning::composite::{CROSSED_LEAVES, DEEP_POINTS};
+use crate::base::tuning::composite::{CROSSED_LEAVES, DEEP_STRETCHES};
 use crate::composite::front::NodePair;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::split_pair;
@@ -141,7 +141,7 @@ fn through((vertices, x): ([u32; 3], &Triangle), [a, b, c]: &Triangle, found: &m
 }
 
 /// Returns the middles of all stretches between crossings of an edge, ends included, in stored
-/// coordinates, with a direction inward in the frame of the crossings; of a few thousand crossings.
+/// coordinates, with a direction inward in the frame of the crossings; of some of them if there are many.
 fn middles(mesh: &Mesh, mut crossings: Vec<EdgePart>) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     crossings.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
     let mut all = Vec::new();
@@ -157,6 +157,6 @@ fn middles(mesh: &Mesh, mut crossings: Vec<EdgePart>) -> Vec<(Vector3<f64>, Vect
             last = part;
         }
     }
-    let step = all.len().div_ceil(DEEP_POINTS).max(1);
+    let step = all.len().div_ceil(DEEP_STRETCHES).max(1);
     all.into_iter().step_by(step).collect()
 }
