@@ -29,9 +29,9 @@
 //!   solver is often sold with a tolerance; on polytopes a tolerance buys nothing here.
 //! * **The proof is cheap.** [`Tracker::closest`](crate::Tracker::closest) takes one to three
 //!   nanoseconds more than the walk alone.
-//! * **The last bit is expensive.** The row of [`closest_exact`](crate::Tracker) in this table is of
-//!   an earlier version. Today it takes 0.6 to 1.7 microseconds, six times a certified answer in the
-//!   median (`BENCHMARKS.md`), and more if the closest features are in doubt.
+//! * **The last bit is expensive.** The row of [`closest_exact`](crate::Tracker) in this table is
+//!   of an earlier version. Today it takes 0.6 to 1.7 microseconds, six times a certified answer in
+//!   the median (`BENCHMARKS.md`), and more if the closest features are in doubt.
 //!
 //! A slower motion, 0.05 degrees a frame, and 512 vertices, each engine and level a point with its
 //! spread (parry's `distance` caches nothing between frames):

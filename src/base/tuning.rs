@@ -302,8 +302,8 @@ pub(crate) mod impact {
     /// hundred times a hair apart.
     pub(crate) const LOOKS: u32 = 20_000;
 
-    /// Every so many looks a cast ends if its looks would have to be this times as many as the limit
-    /// to come to the end at their pace: bodies that turn by 1e15 radians. Not measured.
+    /// Every so many looks a cast ends if its looks would have to be this times as many as the
+    /// limit to come to the end at their pace: bodies that turn by 1e15 radians. Not measured.
     pub(crate) const PACE_LOOKS: u32 = 1024;
     pub(crate) const PACE: f64 = 50.0;
 

@@ -153,12 +153,14 @@ pub struct RayHit {
 /// The bracket is proven at any scale, for grazing rays and for sheets without thickness. A cast
 /// takes microseconds; an engine that draws pictures by rays wants one that does nothing else.
 ///
-/// | body | answer | width of the bracket |
-/// |---|---|---|
-/// | mesh, closed or open | proven for the ray to the bit (feature `exact`): never [`RayCast::Near`] | at most `2e-12 L` |
-/// | polyhedron | the same (features `exact` and `meshes`), if its faces are flat to the last bit, as those of hulls are | about `1e-12 L` |
-/// | curved shape, composite | proven for a point that moves along the ray, placed up to rounding | about `1e-12 L` head on |
-/// | surface of patches | [`RayCast::Near`] where the ray meets it: a point proves no crossing | |
+/// * Mesh, closed or open: the answer is proven for the ray to the bit (feature `exact`), so it is
+///   never [`RayCast::Near`]; the bracket is at most `2e-12 L` wide.
+/// * Polyhedron: the same (features `exact` and `meshes`) if its faces are flat to the last bit, as
+///   those of hulls are; the bracket is about `1e-12 L` wide.
+/// * Curved shape, composite: proven for a point that moves along the ray, placed up to rounding;
+///   about `1e-12 L` head on.
+/// * Surface of patches: [`RayCast::Near`] where the ray meets it, because a point proves no
+///   crossing.
 ///
 /// L is the radius of the body and the distance of its middle from the origin of the ray. A ray
 /// that touches a closed mesh or a polyhedron at an edge, or runs in a face, hits it. A ray that

@@ -3,11 +3,10 @@
 use super::{mesh, relative};
 use lab::Pose;
 use lab::driven::slots::union_of;
-use lab::pose::scale;
 use lab::rng::Rng;
 use lab::soups::Soup;
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
+use lin_canny::{Class, Mesh, MeshKind, PairTracker};
 
 /// A wall of 4 x 10 x 2 and its window, and a bar through the window.
 fn wall_and_bar(fine: usize) -> [Soup; 2] {

@@ -45,6 +45,7 @@ const LIMITS: &[&str] = &[
     "COPLANAR",
     "DEPTH_GOAL",
     "DISC_MOST",
+    "EXACT_PLACE",
     "EXPONENT_FREE",
     "EXTENT_MAX",
     "EXTENT_MIN",

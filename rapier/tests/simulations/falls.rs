@@ -114,8 +114,9 @@ fn a_limit_of_the_speed_is_in_lengths_a_time_at_every_size() {
         };
         let at = flown(limited, 0.0, Vector3::x() * 10.0);
         assert!((at - Vector3::x() * 2.0).norm() < 1e-3, "size {size}: {at:?}");
-        let slow = flown(limited, 0.0, Vector3::x());
-        assert!((slow - Vector3::x()).norm() < 1e-4, "size {size}: {slow:?}");
+        // Rapier puts a body to sleep that moves by less than a tenth of its size a second.
+        let slow = flown(limited, 0.0, Vector3::x() * 1.5);
+        assert!((slow - Vector3::x() * 1.5).norm() < 1e-4, "size {size}: {slow:?}");
     }
 }
 

@@ -141,7 +141,8 @@ fn through((vertices, x): ([u32; 3], &Triangle), [a, b, c]: &Triangle, found: &m
 }
 
 /// Returns the middles of all stretches between crossings of an edge, ends included, in stored
-/// coordinates, with a direction inward in the frame of the crossings; of some of them if there are many.
+/// coordinates, with a direction inward in the frame of the crossings; of some of them if there are
+/// many.
 fn middles(mesh: &Mesh, mut crossings: Vec<EdgePart>) -> Vec<(Vector3<f64>, Vector3<f64>)> {
     crossings.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
     let mut all = Vec::new();
