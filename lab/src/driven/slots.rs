@@ -317,7 +317,9 @@ fn pin(seed: u64) -> Result<Mix, String> {
     let holds = found.lower <= slot.depth + noise && slot.depth <= found.upper + noise;
     let class = tracker.closest(&made[first], &made[second], &at(&found.shift)?).class;
     let is_tight = found.lower >= low.max(0.9 * slot.depth) && found.upper <= high.min(1.1 * slot.depth);
-    if !holds || !is_tight || class != Class::Separated {
+    // With a vertex inside the other body the search may end at another way out.
+    let is_bare = !slot.body.holds_vertex(&slot.bar) && !slot.bar.holds_vertex(&slot.body);
+    if !holds || is_bare && !is_tight || class != Class::Separated {
         return Err(format!(
             "depth {:e}, {found:?}, then {class:?}; {mix:?}, meshes {are_mesh:?}, exchanged {is_exchanged}",
             slot.depth
@@ -327,7 +329,7 @@ fn pin(seed: u64) -> Result<Mix, String> {
     mix.pins = 1;
     mix.meshes = u64::from(are_mesh == [true; 2]);
     mix.pieces = 1 - mix.meshes;
-    mix.bare = u64::from(!slot.body.holds_vertex(&slot.bar) && !slot.bar.holds_vertex(&slot.body));
+    mix.bare = u64::from(is_bare);
     mix.shallow = u64::from(slot.depth < 1e-3 * slot.size);
     mix.fine = count(0, &slot.body) + count(1, &slot.bar);
     mix.exchanged = u64::from(is_exchanged);

@@ -12,11 +12,10 @@
 //!
 //! The search moves B by the deepest point, or the deepest pair of pieces (`inner`), until the
 //! bodies are apart, then shortens the translation by bisection; and it shortens the translation
-//! that parts the hulls. If no vertex is inside the other body and the bounds differ, or
-//! if they differ by half, it moves B by the overlap of convex parts about
-//! the middle of a stretch of an edge that is inside the other body (`stretches`): of a pin in a
-//! slot, whose edges cross and whose hull fills the mouth of the slot. None of this need find the
-//! shortest: the interval stays open, and says so.
+//! that parts the hulls. If no vertex is inside the other body and the bounds differ, it moves B by
+//! the overlap of convex parts about the middle of a stretch of an edge that is inside the other
+//! body (`stretches`): of a pin in a slot, whose edges cross and whose hull fills the mouth of the
+//! slot. None of this need find the shortest: the interval stays open, and says so.
 //!
 //! Source: the two bounds of Zhang, Kim, Varadhan and Manocha 2007, "Generalized penetration depth
 //! computation" (there for convex containers and pieces); moving by local depths: Je et al. 2012,
@@ -253,8 +252,8 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         for start in starts.into_iter().flatten() {
             self.improve(pose, &start, (&mut lower, &mut best));
         }
-        let open = if deepest.is_none() { 1.0 - TIGHT } else { 0.5 };
-        if lower < open * sqrt(best.norm_squared())
+        if deepest.is_none()
+            && lower < (1.0 - TIGHT) * sqrt(best.norm_squared())
             && let Some(first) = self.on_edges(pose)
         {
             lower = lower.larger(first.0 - self.noise);
