@@ -45,7 +45,6 @@ const LIMITS: &[&str] = &[
     "COPLANAR",
     "DEPTH_GOAL",
     "DISC_MOST",
-    "EXACT_PLACE",
     "EXPONENT_FREE",
     "EXTENT_MAX",
     "EXTENT_MIN",
@@ -76,6 +75,9 @@ const LIMITS: &[&str] = &[
     "UNIT_SINGLE",
     "WEIGHT_RATIO",
 ];
+
+/// Bounds of roundings that are derived where they stand, and not yet transcribed.
+const BY_HAND: &[&str] = &["EXACT_PLACE", "RAY_PLANE", "RAY_SIDE", "TURN_ERROR"];
 
 /// Constants whose bound is a matter of underflow, see `underflow`.
 const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];
@@ -123,12 +125,12 @@ fn names() -> Vec<String> {
 fn every_constant_is_proved_or_named() {
     let proved = bounds::all();
     for name in names() {
-        let lists = [STEERS, LIMITS, UNDERFLOW].map(|list| usize::from(list.contains(&&name[..])));
+        let lists = [STEERS, LIMITS, BY_HAND, UNDERFLOW].map(|list| usize::from(list.contains(&&name[..])));
         let count = lists.iter().sum::<usize>() + usize::from(proved.iter().any(|b| b.constant == name));
         assert_eq!(count, 1, "{name} stands in {count} lists");
     }
     let known = names();
-    let gone = [STEERS, LIMITS, UNDERFLOW].concat();
+    let gone = [STEERS, LIMITS, BY_HAND, UNDERFLOW].concat();
     let gone: Vec<_> = gone.iter().filter(|n| !known.contains(&(**n).to_owned())).collect();
     assert!(gone.is_empty(), "no constants: {gone:?}");
 }
@@ -221,6 +223,7 @@ fn table(tries: u64) -> String {
     let list = |names: &[&str]| names.iter().map(|n| format!("`{n}`")).collect::<Vec<_>>().join(", ");
     for (what, names) in [
         ("Underflow by machine", UNDERFLOW),
+        ("Derived by hand, not transcribed yet", BY_HAND),
         ("Limits, widths and premises, without roundings", LIMITS),
         ("Constants that only steer work", STEERS),
     ] {
