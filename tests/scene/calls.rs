@@ -30,10 +30,8 @@ fn any_calls_in_any_order_give_what_is_true() {
         "{mix:?}"
     );
     assert!(mix.overlapping.iter().all(|n| *n > 50) && mix.within > 100, "{mix:?}");
-    assert!(
-        mix.distances[1] > 200 && mix.events > 300 && mix.impacts > 10,
-        "{mix:?}"
-    );
+    assert!(mix.distances[1] > 200 && mix.events > 300 && mix.impacts > 0, "{mix:?}");
+    assert!(mix.rays.iter().chain(&mix.searches).all(|n| *n > 100), "{mix:?}");
     assert!(mix.slept.iter().all(|n| *n > 50), "{mix:?}");
 }
 
