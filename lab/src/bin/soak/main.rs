@@ -25,7 +25,7 @@ use clap::Parser;
 use draw::Trial;
 use judge::Judge;
 use lab::command::{count, number};
-use lab::driven::{lattice, points, scenes, slivers, slots, solids, stand_ins};
+use lab::driven::{lattice, points, scenes, slivers, solids, stand_ins};
 use lab::motion::Frame;
 use lab::progress::Progress;
 use lab::rng::Rng;
@@ -235,7 +235,7 @@ struct Driver {
 /// Bytes of the calls of a scene.
 const CALLS: usize = 1500;
 
-const DRIVERS: [Driver; 9] = [
+const DRIVERS: [Driver; 8] = [
     // Lattices, bricks and stacks: equal bounds, an index used again and slow motion together, each step against brute force.
     Driver {
         name: "world of equal boxes",
@@ -270,13 +270,6 @@ const DRIVERS: [Driver; 9] = [
         salt: 0x501d,
         count: 1,
         play: |seed, tally| solids::play(seed).map(|mix| tally.solids.add(&mix)),
-    },
-    // Pins in slots, blocks and doors, with a depth in closed form.
-    Driver {
-        name: "pin in a slot",
-        salt: 0x5107,
-        count: 2,
-        play: |seed, tally| slots::play(seed).map(|mix| tally.slots.add(&mix)),
     },
     // Points and rays closer to a closed mesh than rounding, judged over the rationals.
     Driver {

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::curved;
 use crate::faulty;
 use lab::driven::lattice::Mix;
-use lab::driven::{points, scenes, slivers, slots, solids, stand_ins};
+use lab::driven::{points, scenes, slivers, solids, stand_ins};
 use lin_canny::Outcome;
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
@@ -45,8 +45,6 @@ pub(crate) struct Tally {
     pub(crate) slivers: slivers::Mix,
     /// Solids with faces in common.
     pub(crate) solids: solids::Mix,
-    /// Pins in slots.
-    pub(crate) slots: slots::Mix,
     /// Points and rays next to closed meshes.
     pub(crate) points: points::Mix,
     /// Bodies that stand in for others.
@@ -85,7 +83,6 @@ impl Tally {
         self.faulty.add(&o.faulty);
         self.slivers.add(&o.slivers);
         self.solids.add(&o.solids);
-        self.slots.add(&o.slots);
         self.points.add(&o.points);
         self.stand_ins.add(&o.stand_ins);
         self.scenes.add(&o.scenes);
@@ -116,7 +113,6 @@ impl Tally {
         println!("meshes with faults: {:?}", self.faulty);
         println!("meshes of slivers: {:?}", self.slivers);
         println!("solids with faces in common: {:?}", self.solids);
-        println!("pins in slots: {:?}", self.slots);
         println!("points and rays next to a mesh: {:?}", self.points);
         println!("bodies that stand in for others: {:?}", self.stand_ins);
         let c = &self.curves;
