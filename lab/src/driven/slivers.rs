@@ -176,7 +176,7 @@ fn poses(seed: u64) -> Result<Mix, String> {
     let place = Place::new(&mut rng);
     // Of any size, and beside a mesh of the same.
     let unit = if rng.chance(0.3) {
-        2f64.powi(rng.int(-330, 330) as i32)
+        2f64.powi(rng.int(-310, 310) as i32)
     } else {
         1.0
     };
