@@ -17,11 +17,15 @@ use std::sync::Arc;
 #[test]
 fn any_calls_in_any_order_give_what_is_true() {
     let mut mix = Mix::default();
-    for seed in 0..60 {
+    for seed in 0..240 {
         let mut rng = Rng::of_case(77, seed);
         let mut bytes: Vec<u8> = (0..1500).map(|_| rng.bits() as u8).collect();
         // The kinds in turn: those of many queries are rare.
         bytes[0] = [0, 1, 0, 2, 1, 0, 3][seed as usize % 7];
+        // Velocities and ticks of half a second in one world of three: bodies meet within a tick.
+        if seed % 3 == 0 {
+            (bytes[1], bytes[2]) = (0, 2);
+        }
         mix.add(&scenes::drive(&bytes, read_back));
     }
     assert!(mix.steps > 2500 && mix.refused > 5 && mix.reused > 100, "{mix:?}");
@@ -30,7 +34,10 @@ fn any_calls_in_any_order_give_what_is_true() {
         "{mix:?}"
     );
     assert!(mix.overlapping.iter().all(|n| *n > 50) && mix.within > 100, "{mix:?}");
-    assert!(mix.distances[1] > 200 && mix.events > 300 && mix.impacts > 0, "{mix:?}");
+    assert!(
+        mix.distances[1] > 200 && mix.events > 300 && mix.impacts > 10,
+        "{mix:?}"
+    );
     assert!(mix.rays.iter().chain(&mix.searches).all(|n| *n > 100), "{mix:?}");
     assert!(mix.slept.iter().all(|n| *n > 50), "{mix:?}");
 }

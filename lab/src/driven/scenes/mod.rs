@@ -138,7 +138,7 @@ impl Bytes<'_> {
         effects.within = rare(3).then_some(0.1);
         effects.distance = rare(5).then_some(if of(4) { f64::INFINITY } else { d });
         effects.manifold = (rare(9) && of(4)).then_some(ManifoldOptions::within(d));
-        effects.impact = rare(11).then_some(Tolerance::Distance(1e-6));
+        effects.impact = of(11).then_some(Tolerance::Distance(1e-6));
         effects.features(rare(6)).depth(rare(7)).local_depth(rare(8))
     }
 }
