@@ -6,8 +6,8 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
-use lab::pairs::{Body, Pair, ball};
-use lab::parry::GjkCached;
+use truth::pairs::{Body, Pair, ball};
+use truth::parry::GjkCached;
 use lin_canny::{RelativePose, Tracker};
 
 const FRAMES: usize = 500;

@@ -4,7 +4,7 @@
 //! with one.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use lab::boxes::{Kind, Scene};
+use truth::boxes::{Kind, Scene};
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep, SortedAxes};
 
 fn step<B: BroadPhase>(criterion: &mut Criterion, name: &str, new: fn() -> B, sizes: &[usize]) {

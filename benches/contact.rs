@@ -7,8 +7,8 @@
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
-use lab::contacts::{PREDICTION, SCENES, Scene, plain, shapes};
-use lab::parry::{self, ContactPair};
+use truth::contacts::{PREDICTION, SCENES, Scene, plain, shapes};
+use truth::parry::{self, ContactPair};
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
 
 const FRAMES: usize = 200;

@@ -6,10 +6,10 @@
 use std::hint::black_box;
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
-use lab::motion::Frame;
-use lab::parry::{Climber, GjkCached};
-use lab::rng::Rng;
-use lab::workload;
+use truth::motion::Frame;
+use truth::parry::{Climber, GjkCached};
+use truth::rng::Rng;
+use truth::workload;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion};
 use lin_canny::{BoxHint, ConvexPolyhedron, RelativePose, Solver, Tracker};
 
@@ -19,14 +19,14 @@ fn relative(f: &Frame) -> RelativePose {
     RelativePose::new(&f.a.isometry(), &f.b.isometry()).expect("poses of a motion")
 }
 
-fn hull(points: &[lab::Point]) -> ConvexPolyhedron {
+fn hull(points: &[truth::Point]) -> ConvexPolyhedron {
     let points: Vec<Point3<f64>> = points.iter().map(|&p| p.into()).collect();
     ConvexPolyhedron::from_points(&points).expect("a solid")
 }
 
 fn climber(body: &ConvexPolyhedron) -> Climber {
-    let points: Vec<lab::Point> = body.vertex_points().map(Into::into).collect();
-    let faces: Vec<lab::Face> = body
+    let points: Vec<truth::Point> = body.vertex_points().map(Into::into).collect();
+    let faces: Vec<truth::Face> = body
         .faces()
         .map(|f| body.face_vertices(f).map(|v| v.index() as u32).collect())
         .collect();
@@ -149,7 +149,7 @@ fn builds(c: &mut Criterion) {
         group.bench_function(BenchmarkId::new("ours", n), |b| {
             b.iter(|| ConvexPolyhedron::from_points(&ours))
         });
-        group.bench_function(BenchmarkId::new("parry", n), |b| b.iter(|| lab::parry::hull(&points)));
+        group.bench_function(BenchmarkId::new("parry", n), |b| b.iter(|| truth::parry::hull(&points)));
     }
 }
 
@@ -170,18 +170,18 @@ fn boxes(c: &mut Criterion) {
         });
         let cloud: Vec<_> = points
             .iter()
-            .map(|p| parry3d::math::Vector::from(p.map(|x| x as f32)))
+            .map(|p| parry3d_f64::math::Vector::from(*p))
             .collect();
-        let Some(other) = parry3d::shape::ConvexPolyhedron::from_convex_hull(&cloud) else {
+        let Some(other) = parry3d_f64::shape::ConvexPolyhedron::from_convex_hull(&cloud) else {
             continue;
         };
-        let mut turn = parry3d::math::Rotation::IDENTITY;
-        let step = parry3d::math::Rotation::from_axis_angle(parry3d::math::Vector::new(0.8, 0.5, 0.33), 0.023);
-        group.bench_function(BenchmarkId::new("parry-f32", n), |b| {
+        let mut turn = parry3d_f64::math::Rotation::IDENTITY;
+        let step = parry3d_f64::math::Rotation::from_axis_angle(parry3d_f64::math::Vector::new(0.8, 0.5, 0.33), 0.023);
+        group.bench_function(BenchmarkId::new("parry", n), |b| {
             b.iter(|| {
                 turn = (turn * step).normalize();
-                other.aabb(&parry3d::math::Pose::from_parts(
-                    parry3d::math::Vector::new(1.0, 2.0, 3.0),
+                other.aabb(&parry3d_f64::math::Pose::from_parts(
+                    parry3d_f64::math::Vector::new(1.0, 2.0, 3.0),
                     turn,
                 ))
             });

@@ -332,7 +332,7 @@ mod pair;
 mod pair_tracker;
 #[cfg(feature = "surfaces")]
 pub mod patch;
-#[cfg(feature = "proofs")]
+#[cfg(feature = "__proofs")]
 #[doc(hidden)]
 pub mod proofs;
 #[cfg(test)]

@@ -3,9 +3,9 @@
 
 use std::alloc::System;
 
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support::body;
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support::body;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::{Class, Manifold, ManifoldOptions, RelativePose, Solver, Tracker};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};

@@ -3,7 +3,7 @@
 //! A process of its own: the global pool of threads is made once in a process.
 #![cfg(feature = "parallel")]
 
-use lab::boxes::{Kind, Scene};
+use truth::boxes::{Kind, Scene};
 use lin_canny::broad::*;
 
 fn with_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {

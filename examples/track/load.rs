@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use lab::meshes;
+use truth::meshes;
 use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
 use lin_canny::{ConvexPolyhedron, Feature, Mesh, MeshError, MeshKind};
@@ -66,7 +66,7 @@ pub(crate) fn load(letter: char, path: &Path) -> Result<Loaded, Box<dyn std::err
 }
 
 /// What the hull makes of the mesh: whether the mesh is closed and convex, and how much the hull adds.
-fn convexity(mesh: &lab::meshes::Mesh, body: &ConvexPolyhedron) -> Result<String, MeshError> {
+fn convexity(mesh: &truth::meshes::Mesh, body: &ConvexPolyhedron) -> Result<String, MeshError> {
     if body.volume() == 0.0 {
         return Ok("the mesh is flat and is taken as a polygon".into());
     }

@@ -14,8 +14,8 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use lab::plot::{Chart, save_stack};
-use lab::progress::Progress;
+use race::plot::{Chart, save_stack};
+use race::progress::Progress;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{Class, ConvexPolyhedron, Geometry, Outcome, PairTracker, RelativePose, Solver, Tracker};
 use lin_canny_record::Recorder;
@@ -46,7 +46,7 @@ struct Run {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(track)
+    race::command::main(track)
 }
 
 fn track(options: &Options) -> Result<(), Trouble> {

@@ -1,7 +1,7 @@
-//! How the two bodies move: frames about the origin of `lab::motion`, turned into poses of bodies that stand anywhere.
+//! How the two bodies move: frames about the origin of `truth::motion`, turned into poses of bodies that stand anywhere.
 
-use lab::motion::{Frame, tumble_past};
-use lab::rng::Rng;
+use truth::motion::{Frame, tumble_past};
+use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3};
 
@@ -27,6 +27,6 @@ pub(crate) fn poses(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frames: usize) -
 }
 
 /// The pose that turns a body about `centre` and puts it where `pose` puts the origin.
-fn about(centre: &Point3<f64>, pose: &lab::Pose) -> Isometry3<f64> {
+fn about(centre: &Point3<f64>, pose: &truth::Pose) -> Isometry3<f64> {
     pose.isometry() * Translation3::from(-centre.coords)
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Parser;
-use lab::command::file;
+use race::command::file;
 
 /// Two meshes tumble past each other. Prints the closest features, the distance with its bounds and the
 /// steps of each frame, and draws distance and steps over time

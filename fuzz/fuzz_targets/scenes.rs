@@ -1,7 +1,7 @@
 //! Arbitrary bytes are a sequence of calls of a scene: the entry of the test `scene`.
 #![no_main]
 
-use lab::driven::scenes;
+use truth::driven::scenes;
 use lin_canny::scene::Scene;
 
 fn read_back(scene: &Scene) -> Scene {

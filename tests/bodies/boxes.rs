@@ -1,8 +1,8 @@
 //! Promise: the box of a placed body holds it exactly, and is no larger than its rounding.
 
-use lab::Pose;
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
+use truth::Pose;
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
 use lin_canny::broad::Aabb;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{BoxHint, ConvexPolyhedron};
@@ -10,8 +10,8 @@ use lin_canny::{BoxHint, ConvexPolyhedron};
 /// Whether the exact place of every vertex is between the corners.
 fn holds(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f64>) -> bool {
     let points: Vec<_> = body.vertex_points().map(Into::into).collect();
-    let placed = lab::rational::placed(&points, pose);
-    let inside = |x: &_, k: usize| *x >= lab::rational::exact(low[k]) && *x <= lab::rational::exact(high[k]);
+    let placed = truth::rational::placed(&points, pose);
+    let inside = |x: &_, k: usize| *x >= truth::rational::exact(low[k]) && *x <= truth::rational::exact(high[k]);
     placed.iter().all(|p| (0..3).all(|k| inside(&p[k], k)))
 }
 
@@ -60,7 +60,7 @@ fn boxes_hold_the_body_and_are_tight() {
             };
             let (low, high) = body.aabb_at(&pose.isometry(), &mut hint);
             assert!(holds(&body, &pose, low, high), "{} {pose:?}", shape.name);
-            let reach = radius + lab::pose::norm(pose.t) + body.bounding_ball().0.coords.norm();
+            let reach = radius + truth::pose::norm(pose.t) + body.bounding_ball().0.coords.norm();
             // A body about its own origin as far off as two radii is measured from there.
             let most = 3.3e-6 * radius + 3e-14 * reach;
             let excess = excess(&body, &pose, low, high);
@@ -90,8 +90,8 @@ fn boxes_hold_bodies_far_from_their_own_origin() {
         };
         // About z, then about x or y: along the other axis nothing of z is seen but rounding.
         let axis = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]][k % 2];
-        let tilt = lab::pose::quat(axis, rng.range(-3.0, 3.0));
-        let q = lab::pose::quat_mul(tilt, lab::pose::quat([0.0, 0.0, 1.0], rng.range(-3.0, 3.0)));
+        let tilt = truth::pose::quat(axis, rng.range(-3.0, 3.0));
+        let q = truth::pose::quat_mul(tilt, truth::pose::quat([0.0, 0.0, 1.0], rng.range(-3.0, 3.0)));
         let pose = Pose { q, t: rng.unit() };
         let (low, high) = body.aabb_at(&pose.isometry(), &mut BoxHint::default());
         assert!(holds(&body, &pose, low, high), "{k}: {away:e} {pose:?}");

@@ -1,6 +1,6 @@
 //! Bodies from points: the hull is right for every hard family, judged by brute force over exact signs.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, solids};
 use nalgebra::{Point3, Vector3};
 use robust::{Coord3D, orient3d};

@@ -382,7 +382,7 @@ fn stored_bodies_come_back_bit_for_bit() {
 /// A face that is exactly planar is so at the bound zero too, though its normal is rounded; one off by a last bit is not.
 #[test]
 fn exactly_planar_faces_need_no_room() {
-    let mut rng = lab::rng::Rng::new(909);
+    let mut rng = truth::rng::Rng::new(909);
     let (mut polygons, mut refused) = (0, 0);
     for _ in 0..200 {
         let points: Vec<_> = (0..30)
@@ -391,7 +391,7 @@ fn exactly_planar_faces_need_no_room() {
         let Ok(body) = ConvexPolyhedron::from_points(&points) else {
             continue;
         };
-        let (vertices, faces) = lab::contacts::plain(&body);
+        let (vertices, faces) = truth::contacts::plain(&body);
         let mut vertices: Vec<_> = vertices.into_iter().map(Point3::from).collect();
         let again = ConvexPolyhedron::from_faces_within(&vertices, &faces, 0.0).unwrap();
         assert_eq!(

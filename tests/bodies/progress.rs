@@ -2,8 +2,8 @@
 
 use std::ops::ControlFlow;
 
-use lab::rng::Rng;
-use lab::soups;
+use truth::rng::Rng;
+use truth::soups;
 use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
 use lin_canny::{Composite, ConvexPolyhedron, Decomposition, Mesh, MeshError, Piece, Progress};

@@ -1,6 +1,6 @@
 //! What one body tells of itself: mass, closest points, neighbours.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::Feature;
 use lin_canny::polyhedron::{ConvexPolyhedron, solids};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};

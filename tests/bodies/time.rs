@@ -1,7 +1,7 @@
 //! Promise: a body is built in near `n log n`, also where many points lie on faces and edges of the hull.
 
 use cpu_time::ThreadTime;
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Point3, Vector3};
 
@@ -36,7 +36,7 @@ fn with_midpoints(n: usize) -> Vec<Point3<f64>> {
 fn on_faces(n: usize, more: impl Fn(&[Vector3<f64>]) -> Vec<Vector3<f64>>) -> Vec<Point3<f64>> {
     let points: Vec<Point3<f64>> = dyadic_sphere(n).into_iter().map(Point3::from).collect();
     let body = ConvexPolyhedron::from_points(&points).unwrap();
-    let (vertices, faces) = lab::contacts::plain(&body);
+    let (vertices, faces) = truth::contacts::plain(&body);
     let at: Vec<Vector3<f64>> = vertices.into_iter().map(Vector3::from).collect();
     let mut all = at.clone();
     for face in faces {

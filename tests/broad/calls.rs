@@ -1,8 +1,8 @@
 //! Promise: any sequence of calls of the broad phase is answered or refused: no panic, both structures agree, and the pairs
 //! are those of brute force.
 
-use lab::driven::calls::{Tally, drive};
-use lab::rng::Rng;
+use truth::driven::calls::{Tally, drive};
+use truth::rng::Rng;
 use proptest::prelude::*;
 
 proptest! {

@@ -1,6 +1,6 @@
 //! Promise: pairs are those of brute force where bounds are equal everywhere: bricks, lattices, stacks.
 
-use lab::driven::lattice::{Mix, sequence};
+use truth::driven::lattice::{Mix, sequence};
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
 

@@ -1,7 +1,7 @@
 //! Questions about boxes equal the obvious answers.
 
-use lab::boxes::{Kind, Scene};
-use lab::rng::Rng;
+use truth::boxes::{Kind, Scene};
+use truth::rng::Rng;
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
 

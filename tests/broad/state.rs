@@ -1,8 +1,8 @@
 //! A broad phase written down in the middle of its life and read again goes on identically, down to slots and order.
 #![cfg(feature = "serde")]
 
-use lab::boxes::{Kind, Scene};
-use lab::rng::Rng;
+use truth::boxes::{Kind, Scene};
+use truth::rng::Rng;
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
 

@@ -1,6 +1,6 @@
 //! Promise: a step costs in proportion to what changed in it. Counted are entries inside windows, not time.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
 

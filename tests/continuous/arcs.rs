@@ -2,13 +2,13 @@
 //! arithmetic.
 
 use super::meshes::{ends, moved, sheet, vertices};
-use lab::exact_meshes::apart;
-use lab::forms::mesh;
-use lab::pose::{add, quat, scale};
-use lab::rational::RBig;
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
-use lab::{Point, Pose};
+use truth::exact_meshes::apart;
+use truth::forms::mesh;
+use truth::pose::{add, quat, scale};
+use truth::rational::RBig;
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Point, Pose};
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::{Cast, Impact, Tolerance};
 use lin_canny::{Class, Mesh, PairTracker, RelativePose};

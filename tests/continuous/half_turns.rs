@@ -1,8 +1,8 @@
 //! Half turns: a mesh over a frame goes round as `Steady::between` of the poses given.
 
-use lab::forms::mesh;
-use lab::rng::Rng;
-use lab::soups;
+use truth::forms::mesh;
+use truth::rng::Rng;
+use truth::soups;
 use lin_canny::Mesh;
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::{Impact, Tolerance};

@@ -1,9 +1,9 @@
 //! Meshes that all but one condition of a height field hold of: each meets itself where the condition is broken.
 
 use super::meshes::{ends, judge, sheet};
-use lab::Point;
-use lab::pose::{add, scale};
-use lab::soups::Soup;
+use truth::Point;
+use truth::pose::{add, scale};
+use truth::soups::Soup;
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::Tolerance;
 use std::f64::consts::TAU;

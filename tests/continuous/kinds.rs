@@ -2,11 +2,11 @@
 //! decided.
 
 use super::Tally;
-use lab::forms::mesh;
-use lab::paths::families::{self, KINDS};
-use lab::paths::{self, Moving};
-use lab::rng::Rng;
-use lab::soups::Soup;
+use truth::forms::mesh;
+use truth::paths::families::{self, KINDS};
+use truth::paths::{self, Moving};
+use truth::rng::Rng;
+use truth::soups::Soup;
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::Point3;

@@ -1,8 +1,8 @@
 //! Coordinates of every magnitude in one frame: a call ends at its budget.
 
 use cpu_time::ThreadTime;
-use lab::forms::mesh;
-use lab::soups;
+use truth::forms::mesh;
+use truth::soups;
 use lin_canny::Mesh;
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::{Impact, Tolerance};

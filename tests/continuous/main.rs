@@ -8,10 +8,10 @@ mod kinds;
 mod limits;
 mod meshes;
 
-use lab::paths::families::{self, KINDS};
-use lab::paths::{self, Path, Truth};
-use lab::rational::exact;
-use lab::rng::Rng;
+use truth::paths::families::{self, KINDS};
+use truth::paths::{self, Path, Truth};
+use truth::rational::exact;
+use truth::rng::Rng;
 use lin_canny::continuous;
 use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance};
 use lin_canny::nalgebra::Point3;

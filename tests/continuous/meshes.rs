@@ -1,13 +1,13 @@
 //! Meshes over a frame: first contacts are those of all pairs of triangles, and exact arithmetic finds them in the bracket.
 
 use super::given;
-use lab::Point;
-use lab::forms::mesh;
-use lab::paths::{self, Truth};
-use lab::pose::{add, scale};
-use lab::rational::exact;
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use truth::Point;
+use truth::forms::mesh;
+use truth::paths::{self, Truth};
+use truth::pose::{add, scale};
+use truth::rational::exact;
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::{Impact, ImpactError, Tolerance};
 use lin_canny::nalgebra::{Isometry3, Point3};

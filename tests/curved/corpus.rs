@@ -2,8 +2,8 @@
 
 use super::Mix;
 use super::suites::sampled;
-use lab::curved::{Kind, Place, parse};
-use lab::rng::Rng;
+use truth::curved::{Kind, Place, parse};
+use truth::rng::Rng;
 use lin_canny::shape::Core;
 use lin_canny::{Class, Outcome, PairTracker, RelativePose, Shape};
 

@@ -1,6 +1,6 @@
 //! Promise: bounds of curved pairs hold the truth and are no wider than 1e-13 L, warm and cold, A to B and B to A.
 //!
-//! The judge is the duality gap in double-double (`lab::curved`): the height of the difference along the normal returned is a lower
+//! The judge is the duality gap in double-double (`truth::curved`): the height of the difference along the normal returned is a lower
 //! bound of the truth, the distance of the witnesses and how far they are outside their shapes an upper one.
 
 mod corpus;
@@ -10,8 +10,8 @@ mod special;
 mod starts;
 mod suites;
 
-use lab::curved::{KINDS, Kind, Place, Wide};
-use lab::rng::Rng;
+use truth::curved::{KINDS, Kind, Place, Wide};
+use truth::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{Class, Outcome, PairTracker, Solver};
 
@@ -100,7 +100,7 @@ fn at_gap(a: &Kind, b: &Kind, rng: &mut Rng, gap: f64) -> Place {
     let far = 3.0 * (a.radius() + b.radius());
     let mut place = Place {
         q: rng.quat(),
-        t: lab::pose::scale(rng.unit(), far),
+        t: truth::pose::scale(rng.unit(), far),
     };
     let (x, y) = (a.shape(), b.shape());
     for _ in 0..2 {

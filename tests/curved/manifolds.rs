@@ -2,8 +2,8 @@
 //! and those of a shape at rest stand still.
 
 use super::at_gap;
-use lab::curved::{KINDS, Kind, Place, wide};
-use lab::rng::Rng;
+use truth::curved::{KINDS, Kind, Place, wide};
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, PairTracker, Shape, Tracker};
 
@@ -23,9 +23,9 @@ fn lying() -> [f64; 4] {
 
 /// `place` with a tremble of `size`, in translation and rotation.
 fn trembled(place: &Place, size: f64, rng: &mut Rng) -> Place {
-    let (turn, shift) = (lab::pose::quat(rng.unit(), size * rng.range(0.0, 1.0)), rng.in_ball());
+    let (turn, shift) = (truth::pose::quat(rng.unit(), size * rng.range(0.0, 1.0)), rng.in_ball());
     Place {
-        q: lab::pose::unit_quat(lab::pose::quat_mul(turn, place.q)),
+        q: truth::pose::unit_quat(truth::pose::quat_mul(turn, place.q)),
         t: [0, 1, 2].map(|k| place.t[k] + size * shift[k]),
     }
 }
@@ -84,9 +84,9 @@ fn contacts_at_rest_stand_still() {
             (1e-9, 0.0),
         ] {
             // Yawed, so that no axis of the shape is one of the plate.
-            let yaw = lab::pose::quat([0.0, 0.0, 1.0], 0.3);
+            let yaw = truth::pose::quat([0.0, 0.0, 1.0], 0.3);
             let rest = Place {
-                q: lab::pose::unit_quat(lab::pose::quat_mul(yaw, q)),
+                q: truth::pose::unit_quat(truth::pose::quat_mul(yaw, q)),
                 t: [0.2, -0.3, 0.5 + height + gap],
             };
             let mut options = ManifoldOptions::within(0.01);
@@ -125,7 +125,7 @@ fn caps_are_clipped_by_edges_and_by_caps() {
     let mut options = ManifoldOptions::within(0.01);
     options.max_points = 8;
     let contacts = |a: &Kind, t: [f64; 3]| {
-        let q = lab::pose::quat([0.0, 0.0, 1.0], 0.1);
+        let q = truth::pose::quat([0.0, 0.0, 1.0], 0.1);
         let place = Place { q, t };
         let mut manifold = Manifold::new();
         PairTracker::new()
@@ -183,8 +183,8 @@ fn contacts_of_all_pairs_are_sound() {
                 *rng.pick(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], lying()]),
                 rng.log_range(1e-9, 0.02),
             );
-            let turn = lab::pose::quat(rng.unit(), if rng.chance(0.2) { 0.0 } else { tilt });
-            place.q = lab::pose::unit_quat(lab::pose::quat_mul(turn, q));
+            let turn = truth::pose::quat(rng.unit(), if rng.chance(0.2) { 0.0 } else { tilt });
+            place.q = truth::pose::unit_quat(truth::pose::quat_mul(turn, q));
             place.t = [rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), 4.0];
             let o = PairTracker::new().closest(&kinds[0].shape(), &kinds[1].shape(), &place.pose());
             let gap = if rng.chance(0.3) { -1e-3 } else { 1e-3 };
@@ -231,7 +231,7 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
     let mut seen = 0;
     for k in 0..400 {
         let place = Place {
-            q: lab::pose::quat(rng.unit(), rng.log_range(1e-6, 0.02)),
+            q: truth::pose::quat(rng.unit(), rng.log_range(1e-6, 0.02)),
             t: [0.003 * f64::from(k), 0.1, 0.8 + 0.375 + rng.range(-0.01, 0.02)],
         };
         let pose = place.pose();

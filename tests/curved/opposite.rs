@@ -2,9 +2,9 @@
 //! normal at the distance returned.
 
 use super::{at_gap, pairs};
-use lab::curved::special::{about_parallel_axes, flush_over_edge};
-use lab::curved::{Kind, Place, matrix, turned_back, wide};
-use lab::rng::Rng;
+use truth::curved::special::{about_parallel_axes, flush_over_edge};
+use truth::curved::{Kind, Place, matrix, turned_back, wide};
+use truth::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{Class, Outcome, PairTracker};
 
@@ -82,7 +82,7 @@ fn turn(rng: &mut Rng) -> [f64; 4] {
     let any = rng.quat();
     let base = *rng.pick(&[[0.0, 0.0, 0.0, 1.0], [1.0, 0.0, 0.0, 0.0], [s, 0.0, 0.0, s], any]);
     let tilt = *rng.pick(&[0.0, 1e-14, 1e-10, 1e-7, 1e-4, 1e-2]);
-    lab::pose::unit_quat(lab::pose::quat_mul(lab::pose::quat(rng.unit(), tilt), base))
+    truth::pose::unit_quat(truth::pose::quat_mul(truth::pose::quat(rng.unit(), tilt), base))
 }
 
 /// Places from contact to the common centre: along an axis, beside it by a little, and along any direction.
@@ -150,7 +150,7 @@ fn witnesses_of_a_capsule_along_the_axis_of_a_cylinder_are_opposite() {
     let mut rng = Rng::new(2340);
     let mut worst = Worst::default();
     for _ in 0..2000 {
-        let aside = lab::pose::scale(rng.unit(), rng.log_range(1e-9, 0.3));
+        let aside = truth::pose::scale(rng.unit(), rng.log_range(1e-9, 0.3));
         let place = Place {
             q: turn(&mut rng),
             t: aside,
@@ -180,8 +180,8 @@ fn witnesses_stay_opposite_through_contact() {
             for _ in 0..30 {
                 worst.take([&kinds[0], &kinds[1]], [0.0; 2], &place, &mut pair);
                 place.t = (Vector3::from(place.t) - *o.normal * 0.01).into();
-                let turned = lab::pose::quat_mul(lab::pose::quat(axis, 0.5f64.to_radians()), place.q);
-                place.q = lab::pose::unit_quat(turned);
+                let turned = truth::pose::quat_mul(truth::pose::quat(axis, 0.5f64.to_radians()), place.q);
+                place.q = truth::pose::unit_quat(turned);
             }
         }
         println!("{first:12} {second:12} {worst:?}");

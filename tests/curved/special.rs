@@ -2,9 +2,9 @@
 //! their exponents.
 
 use super::Mix;
-use lab::curved::special::{about_parallel_axes, flush_over_edge, near_limits};
-use lab::curved::{KINDS, Kind, Place};
-use lab::rng::Rng;
+use truth::curved::special::{about_parallel_axes, flush_over_edge, near_limits};
+use truth::curved::{KINDS, Kind, Place};
+use truth::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
 
@@ -58,9 +58,9 @@ fn quarter(rng: &mut Rng) -> [f64; 4] {
     let axis = *rng.pick(&[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     let angle = *rng.pick(&[0.0, 0.5, 1.0]) * core::f64::consts::PI;
     let tilt = *rng.pick(&[0.0, 1e-14, 1e-9, 1e-4]);
-    lab::pose::unit_quat(lab::pose::quat_mul(
-        lab::pose::quat(rng.unit(), tilt),
-        lab::pose::quat(axis, angle),
+    truth::pose::unit_quat(truth::pose::quat_mul(
+        truth::pose::quat(rng.unit(), tilt),
+        truth::pose::quat(axis, angle),
     ))
 }
 
@@ -158,7 +158,7 @@ fn superquadrics_near_the_limits_take_no_more_directions_than_stated() {
         });
         let q = if k % 2 == 0 { rng.quat() } else { quarter(&mut rng) };
         let gap = [1.0, 1e-3, 1e-6, 1e-9, 1e-11, 1e-13, 0.0, -1e-3][k % 8];
-        let t = lab::pose::scale(rng.unit(), 4.0);
+        let t = truth::pose::scale(rng.unit(), 4.0);
         let place = moved_to(&a, &b, Place { q, t }, gap);
         let o = PairTracker::new().closest(&a, &b, &place.pose());
         assert!(o.lower <= o.upper && o.upper.is_finite(), "{k} {o:?}");

@@ -1,7 +1,7 @@
 //! Promise: a start along a normal changes the work of a query and never its bounds.
 
-use lab::curved::{Kind, Place, wide};
-use lab::rng::Rng;
+use truth::curved::{Kind, Place, wide};
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
 
@@ -34,7 +34,7 @@ fn draw(first: &str, second: &str, rng: &mut Rng) -> ([Kind; 2], [Place; 2]) {
     let place = at_gap(&a, &b, rng, gap);
     let mut next = Place { q: place.q, t: place.t };
     next.q.iter_mut().for_each(|x| *x += 0.004 * rng.range(-1.0, 1.0));
-    next.q = lab::pose::unit_quat(next.q);
+    next.q = truth::pose::unit_quat(next.q);
     next.t
         .iter_mut()
         .for_each(|x| *x += 0.004 * size * rng.range(-1.0, 1.0));

@@ -1,8 +1,8 @@
 //! Overlaps, identities, hard families and stale trackers.
 
 use super::{Mix, at_gap, count, pairs};
-use lab::curved::{KINDS, Kind, Place, wide};
-use lab::rng::Rng;
+use truth::curved::{KINDS, Kind, Place, wide};
+use truth::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, Outcome, PairTracker, Shape, Solver};
@@ -21,7 +21,7 @@ pub(crate) fn sampled(a: &Kind, b: &Kind, place: &Place, rng: &mut Rng) -> f64 {
         let mut step = 0.3;
         while step > 1e-7 {
             let d = rng.unit();
-            let trial = lab::pose::unit([0, 1, 2].map(|k| n[k] + step * d[k]));
+            let trial = truth::pose::unit([0, 1, 2].map(|k| n[k] + step * d[k]));
             let g = height(trial);
             if g > *h {
                 (*h, *n, step) = (g, trial, step * 1.5);
@@ -101,7 +101,7 @@ fn a_ball_is_an_ellipsoid_and_rounding_is_free() {
         let r = rng.log_range(0.01, 2.0);
         let place = Place {
             q: rng.quat(),
-            t: lab::pose::scale(rng.unit(), rng.range(0.2, 1.5) * (r + kind.radius())),
+            t: truth::pose::scale(rng.unit(), rng.range(0.2, 1.5) * (r + kind.radius())),
         };
         let other = kind.shape();
         let ball = Shape::ball(r).expect("a ball");
@@ -168,7 +168,7 @@ fn flush_and_extreme_pairs_close() {
                     [0.0, 0.0, 0.0, 1.0]
                 };
                 let place = Place {
-                    q: lab::pose::unit_quat(lab::pose::quat_mul(lab::pose::quat(axis, tilt), up)),
+                    q: truth::pose::unit_quat(truth::pose::quat_mul(truth::pose::quat(axis, tilt), up)),
                     t: [rng.range(-0.8, 0.8), rng.range(-0.8, 0.8), height + gap + 3.0 * tilt],
                 };
                 let o = closest(&a.shape(), &b.shape(), &place);
@@ -210,8 +210,8 @@ fn stale_and_warm_trackers_agree_with_cold_ones() {
                 warm.judge(&a, &b, &place, &o);
             }
             frames += u32::from(o.solver == Solver::Walk);
-            let turn = lab::pose::quat(axis, 0.5f64.to_radians());
-            place.q = lab::pose::unit_quat(lab::pose::quat_mul(turn, place.q));
+            let turn = truth::pose::quat(axis, 0.5f64.to_radians());
+            place.q = truth::pose::unit_quat(truth::pose::quat_mul(turn, place.q));
         }
     }
     warm.print("warm", "0.5 degrees");
@@ -225,7 +225,7 @@ fn scales_are_no_matter() {
     for k in 0..60 {
         let place = Place {
             q: rng.quat(),
-            t: lab::pose::scale(rng.unit(), 4.0),
+            t: truth::pose::scale(rng.unit(), 4.0),
         };
         let shape = |s: f64| {
             let made = match k % 3 {
@@ -287,7 +287,7 @@ fn affine_images_of_a_ball_are_ellipsoids() {
     let (mut rng, mut apart, mut together) = (Rng::new(2196), 0, 0);
     for _ in 0..2000 {
         let axes = [0, 1, 2].map(|_| rng.log_range(0.1, 1.0));
-        let centre = lab::pose::scale(rng.unit(), rng.range(0.5, 2.5));
+        let centre = truth::pose::scale(rng.unit(), rng.range(0.5, 2.5));
         let points: Vec<[f64; 3]> = (0..rng.below(8) + 4)
             .map(|_| rng.in_ball())
             .map(|p| [0, 1, 2].map(|k| p[k] + centre[k]))

@@ -1,13 +1,13 @@
 //! A depth over frames: it is continuous, and what is kept changes what it costs and not what it is.
 
 use crate::{both, closest, pushed};
-use lab::contacts::widest_face;
-use lab::motion::{self, Frame};
-use lab::pose::{norm, radius, scale, sub};
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support;
-use lab::{Pose, workload};
+use truth::contacts::widest_face;
+use truth::motion::{self, Frame};
+use truth::pose::{norm, radius, scale, sub};
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support;
+use truth::{Pose, workload};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Replay, Solver, Tracker};

@@ -1,11 +1,11 @@
 //! Bodies and places at which rounding hides the depth, or its witnesses.
 
 use crate::{both, closest, judge, judge_both};
-use lab::Pose;
-use lab::pose::{scale, sub};
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support;
+use truth::Pose;
+use truth::pose::{scale, sub};
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Replay, Solver};
@@ -166,7 +166,7 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
         for _ in 0..4 {
             let o = closest(&a, &b, &frame);
             let by = [-1e-15, -1e-9, -1e-12, 0.0][k % 4] - o.distance;
-            frame.b.t = lab::pose::add(frame.b.t, scale(o.normal.into_inner().into(), by));
+            frame.b.t = truth::pose::add(frame.b.t, scale(o.normal.into_inner().into(), by));
         }
         let o = closest(&a, &b, &frame);
         if o.class != Class::Overlapping {
@@ -174,7 +174,7 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
         }
         deep += 1;
         doubled += usize::from(o.solver == Solver::DoubleDouble);
-        let between = lab::bound::witness_distance(o.point_on_a.into(), &frame.a, o.point_on_b.into(), &frame.b);
+        let between = truth::bound::witness_distance(o.point_on_a.into(), &frame.a, o.point_on_b.into(), &frame.b);
         // The coordinates of the one on B end with 2^-27.
         let off = (between + o.distance).abs();
         assert!(off <= 3e-8, "{k}: {off:e} {o:?}");

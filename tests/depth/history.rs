@@ -1,11 +1,11 @@
 //! The depth of an overlap is a function of the bodies and the pose: what a tracker was asked before shows in no bit.
 
-use lab::Pose;
-use lab::motion::Frame;
-use lab::pose::{quat, quat_mul, scale};
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support;
+use truth::Pose;
+use truth::motion::Frame;
+use truth::pose::{quat, quat_mul, scale};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support;
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 
 /// Overlaps asked of a tracker that comes from elsewhere, and of a new one.
@@ -53,7 +53,7 @@ fn compare(pairs: &[(Shape, Shape)], per_pair: usize) -> Compared {
     let mut compared = Compared::default();
     for (a, b) in pairs {
         let (ha, hb) = (support::body(a), support::body(b));
-        let reach = lab::pose::radius(&a.points) + lab::pose::radius(&b.points);
+        let reach = truth::pose::radius(&a.points) + truth::pose::radius(&b.points);
         for step in [0.3, 0.01] {
             let mut tracker = Tracker::new();
             let frames = sinking(&mut rng, reach, step, per_pair / 2);

@@ -2,13 +2,13 @@
 //! tracker of a proven depth, and with the letters exchanged. Bodies apart are answered as ever.
 
 use crate::nearest::{nudged, pose, shape};
-use lab::exact::{self, Exact};
-use lab::motion::{self, Frame};
-use lab::pose::{dot, radius, scale, sub};
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support;
-use lab::{Body, Pose, bound};
+use truth::exact::{self, Exact};
+use truth::motion::{self, Frame};
+use truth::pose::{dot, radius, scale, sub};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support;
+use truth::{Body, Pose, bound};
 use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, PairTracker, Question, Tracker, Until};
 
 /// A pair of bodies in one order.

@@ -6,13 +6,13 @@ mod history;
 mod local;
 mod nearest;
 
-use lab::exact;
-use lab::motion::Frame;
-use lab::pose::{norm, radius, scale, sub};
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support;
-use lab::{Body, Pose};
+use truth::exact;
+use truth::motion::Frame;
+use truth::pose::{norm, radius, scale, sub};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support;
+use truth::{Body, Pose};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 
 fn both(a: Pose, b: Pose) -> Frame {
@@ -114,7 +114,7 @@ fn hard_poses_of_small_bodies_are_exact() {
         let (body_a, body_b) = (support::body(&a), support::body(&b));
         for frame in hard_poses(&mut rng, (radius(&a.points), radius(&b.points))) {
             let truth = exact::solve(Body::from(&a), &frame.a, Body::from(&b), &frame.b);
-            if truth.class != lab::Class::Overlapping {
+            if truth.class != truth::Class::Overlapping {
                 continue;
             }
             let d = judge_both(&body_a, &body_b, &frame, &a.name);

@@ -2,13 +2,13 @@
 //! ordinary bodies, warm, cold, from a hint, and with the letters exchanged.
 
 use crate::both;
-use lab::contacts::widest_face;
-use lab::motion::Frame;
-use lab::pose::{add, quat, quat_mul, radius, scale, unit_quat};
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support;
-use lab::{Body, Pose, exact, workload};
+use truth::contacts::widest_face;
+use truth::motion::Frame;
+use truth::pose::{add, quat, quat_mul, radius, scale, unit_quat};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support;
+use truth::{Body, Pose, exact, workload};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
 
 pub(crate) fn shape(rng: &mut Rng) -> Shape {

@@ -1,10 +1,10 @@
 //! Arbitrary bytes are bodies, poses and queries, or are refused; within a time.
 
-use lab::driven::bytes;
+use truth::driven::bytes;
 use std::time::{Duration, Instant};
 
-use lab::driven::bytes::{Tally, drive};
-use lab::rng::Rng;
+use truth::driven::bytes::{Tally, drive};
+use truth::rng::Rng;
 
 /// Far above what any query takes; a loop without end would reach it.
 const LIMIT: Duration = Duration::from_secs(5);

@@ -1,9 +1,9 @@
 //! Files that were tampered with are refused, or hold bodies and poses as good as any (feature `serde`).
 #![cfg(feature = "serde")]
 
-use lab::driven::bytes;
-use lab::rng::Rng;
-use lab::shapes;
+use truth::driven::bytes;
+use truth::rng::Rng;
+use truth::shapes;
 use lin_canny::broad::{Aabb, BroadPhase, PencilSweep, SortedAxes};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;

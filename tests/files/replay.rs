@@ -1,7 +1,7 @@
 //! A replay is the query, bit for bit, and a text that is none is refused by line.
 
-use lab::rng::Rng;
-use lab::shapes;
+use truth::rng::Rng;
+use truth::shapes;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Accuracy, ConvexPolyhedron, Operand, PairTracker, RelativePose, Replay, ReplayError, Shape, Tracker};

@@ -1,7 +1,7 @@
 //! Promise: every public type of the feature `serde` comes back from a file as it was.
 #![cfg(feature = "serde")]
 
-use lab::support;
+use truth::support;
 use lin_canny::polyhedron::solids;
 use lin_canny::{
     Class, ConvexPolyhedron, Distance, Manifold, ManifoldOptions, Outcome, PairTracker, Proposal, Question,
@@ -22,7 +22,7 @@ fn query() -> (ConvexPolyhedron, ConvexPolyhedron, RelativePose) {
         solids::icosahedron(1.0).expect("a body"),
         solids::cone(7, 0.55, 0.3).expect("a body"),
     );
-    let pose = lab::Pose::turn([0.6, 0.0, 0.8], 0.7, [1.9, 0.3, -0.4]);
+    let pose = truth::Pose::turn([0.6, 0.0, 0.8], 0.7, [1.9, 0.3, -0.4]);
     (a, b, RelativePose::from_isometry(&pose.isometry()).expect("a pose"))
 }
 
@@ -122,7 +122,7 @@ fn a_manifold_of_large_faces_comes_back() {
     for k in 0..26 {
         // Corner upon corner.
         let angle = std::f64::consts::TAU * f64::from(k) / 26.0;
-        let pose = lab::Pose::turn([0.0, 0.0, 1.0], angle, [0.0, 0.0, 0.4 + 1e-6]);
+        let pose = truth::Pose::turn([0.0, 0.0, 1.0], angle, [0.0, 0.0, 0.4 + 1e-6]);
         let pose = RelativePose::from_isometry(&pose.isometry()).expect("a pose");
         let mut m = Manifold::new();
         Tracker::new().manifold(&disc, &disc, &pose, &ManifoldOptions::within(0.1), &mut m);
@@ -343,7 +343,7 @@ fn surfaces_come_back() {
 fn motions_come_back_and_false_ones_are_refused() {
     use lin_canny::motion::{Motion, Nlerp, Steady};
     use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-    let mut rng = lab::rng::Rng::new(41);
+    let mut rng = truth::rng::Rng::new(41);
     let mut vector = |size: f64| Vector3::from(rng.in_ball()) * size;
     for _ in 0..200 {
         let (from, to) = (

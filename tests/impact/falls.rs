@@ -1,7 +1,7 @@
 //! Motions that are not uniform: gravity as a motion of the user's own, for every kind of pair.
 
 use super::pairs::{Bodies, Fall};
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::RelativePose;
 use lin_canny::impact::{Impact, Tolerance, cast, free_until, held_until};
 use lin_canny::motion::Motion;

@@ -2,9 +2,9 @@
 
 use super::judge::{Judge, Tally};
 use super::radius;
-use lab::casts::{Throw, aimed, body, rotation, solid};
-use lab::rng::Rng;
-use lab::shapes;
+use truth::casts::{Throw, aimed, body, rotation, solid};
+use truth::rng::Rng;
+use truth::shapes;
 use lin_canny::Tracker;
 use lin_canny::Velocity;
 use lin_canny::impact::{Impact, ImpactError, Tolerance, cast, cast_within};

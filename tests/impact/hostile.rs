@@ -1,7 +1,7 @@
 //! Motions that are no motions, and intervals of no length: nothing is proven by them, and every cast ends.
 
 use super::pairs::{Bodies, Fall};
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance, cast, cast_within, free_until, held_until};
 use lin_canny::motion::{Course, Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};

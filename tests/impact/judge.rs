@@ -1,6 +1,6 @@
 //! Judges a cast by dense predicates and by conservative advancement.
 
-use lab::casts::{Advance, Throw, advance};
+use truth::casts::{Advance, Throw, advance};
 use lin_canny::impact::{Cast, Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};

@@ -16,8 +16,8 @@ mod shapes;
 mod spins;
 
 use judge::{Judge, Tally};
-use lab::casts::{self, SHAPES, Throw};
-use lab::rng::Rng;
+use truth::casts::{self, SHAPES, Throw};
+use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::impact::Tolerance;
 
@@ -26,7 +26,7 @@ pub(crate) fn bodies(rng: &mut Rng) -> Vec<ConvexPolyhedron> {
     let mut all: Vec<_> = SHAPES.iter().map(|s| casts::body(s, 8, rng)).collect();
     all.extend(["sphere", "flat", "plates"].map(|s| casts::body(s, 32, rng)));
     all.push(casts::body("sphere", 128, rng));
-    let tiny: Vec<_> = lab::shapes::sphere(rng, 12)
+    let tiny: Vec<_> = truth::shapes::sphere(rng, 12)
         .points
         .iter()
         .map(|p| p.map(|x| 1e-3 * x))

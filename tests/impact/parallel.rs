@@ -1,9 +1,9 @@
 //! Faces that stay parallel: plates that spin and slide over each other, bodies carried round together. The gap never
 //! changes, so the looks must not grow as the gap shrinks.
 
-use lab::casts::solid;
-use lab::rng::Rng;
-use lab::shapes;
+use truth::casts::solid;
+use truth::rng::Rng;
+use truth::shapes;
 use lin_canny::Tracker;
 use lin_canny::Velocity;
 use lin_canny::impact::{Impact, Tolerance, cast};

@@ -1,8 +1,8 @@
 //! Every plane's reach, judged by brute force over all vertices.
 
 use super::{bodies, radius};
-use lab::casts;
-use lab::rng::Rng;
+use truth::casts;
+use truth::rng::Rng;
 use lin_canny::Tracker;
 use lin_canny::impact::{Certificate, Tolerance, cast_proving, free_until};
 use lin_canny::motion::{Motion, Nlerp, Steady};

@@ -1,6 +1,6 @@
 //! Promise: a ray cast brackets the first point of a ray in a body, of every kind, at any scale.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;

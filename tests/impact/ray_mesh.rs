@@ -1,9 +1,9 @@
 //! Promise: rays and meshes: the bracket holds the first crossing of a brute-force search, at any scale, from outside and inside, and of
 //! rays through vertices and along faces.
 
-use lab::forms::mesh;
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use truth::forms::mesh;
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::Feature;
 use lin_canny::{Ray, RayCast, RayCaster};

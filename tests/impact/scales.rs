@@ -1,8 +1,8 @@
 //! Casts at every size and on every clock: an answer is that of size one, and never late.
 
 use super::pairs::{Bodies, Fall};
-use lab::casts::{aimed, body};
-use lab::rng::Rng;
+use truth::casts::{aimed, body};
+use truth::rng::Rng;
 use lin_canny::Tracker;
 use lin_canny::impact::{Cast, Impact, Tolerance, cast, cast_within, held_until};
 use lin_canny::motion::{Course, Motion, Steady};

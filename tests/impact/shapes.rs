@@ -1,7 +1,7 @@
 //! Casts of rounded and curved shapes: closed forms for balls, and dense sampling for every pair of kinds.
 
-use lab::casts;
-use lab::rng::Rng;
+use truth::casts;
+use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};

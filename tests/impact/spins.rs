@@ -9,7 +9,7 @@ use lin_canny::{Geometry, Mesh, PairTracker, Shape, Velocity};
 /// Bodies that turn by 1e15 radians: a cast ends when its pace shows that it will not come to the end.
 #[test]
 fn casts_of_bodies_that_turn_too_fast_end_early() {
-    let grid = lab::forms::mesh(&lab::soups::plate(8, [1.0, 1.0, 0.1]));
+    let grid = truth::forms::mesh(&truth::soups::plate(8, [1.0, 1.0, 0.1]));
     let ball = Mesh::from_convex(&solids::icosahedron(0.5).unwrap()).unwrap();
     let cone = Shape::cone(0.3, 0.4).unwrap().rounded(0.05).unwrap();
     let quadric = Shape::superquadric(Vector3::new(0.5, 0.4, 0.3), 0.7, 1.3).unwrap();

@@ -3,13 +3,13 @@
 use crate::judge::judge;
 use crate::planar::spanned;
 use crate::{exact, flush, manifold};
-use lab::contacts::widest_face;
-use lab::motion::Frame;
-use lab::pose::{add, cross, quat, quat_mul, scale, unit, unit_quat};
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support;
-use lab::{Pose, workload};
+use truth::contacts::widest_face;
+use truth::motion::Frame;
+use truth::pose::{add, cross, quat, quat_mul, scale, unit, unit_quat};
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support;
+use truth::{Pose, workload};
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 
 /// B's widest face on A's, anywhere on it, tilted by `tilt`.

@@ -1,12 +1,12 @@
 //! A manifold over frames: names last, old ones keep their bounds.
 
-use lab::contacts::widest_face;
-use lab::motion::{self, Frame};
-use lab::pose::{add, radius};
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support;
-use lab::{Pose, workload};
+use truth::contacts::widest_face;
+use truth::motion::{self, Frame};
+use truth::pose::{add, radius};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support;
+use truth::{Pose, workload};
 use lin_canny::{ConvexPolyhedron, FeaturePair, Manifold, ManifoldOptions, Tracker};
 
 #[test]

@@ -2,12 +2,12 @@
 
 use crate::judge::judge;
 use crate::{exact, flush, manifold};
-use lab::motion::Frame;
-use lab::pose::{add, dot, norm, quat, quat_mul, radius, scale, unit_quat};
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support;
-use lab::{Point, Pose};
+use truth::motion::Frame;
+use truth::pose::{add, dot, norm, quat, quat_mul, radius, scale, unit_quat};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support;
+use truth::{Point, Pose};
 use lin_canny::{ConvexPolyhedron, FaceId, Feature, FeaturePair, Manifold, ManifoldOptions, Tracker};
 
 /// Frames of all kinds, most of them near contact.

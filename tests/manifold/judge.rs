@@ -1,9 +1,9 @@
 //! What is true of every manifold.
 
-use lab::Point;
-use lab::motion::Frame;
-use lab::pose::{cross, dot, norm, scale, sub, unit};
-use lab::support;
+use truth::Point;
+use truth::motion::Frame;
+use truth::pose::{cross, dot, norm, scale, sub, unit};
+use truth::support;
 use lin_canny::{ConvexPolyhedron, FaceId, Feature, Manifold, ManifoldOptions, Outcome, Solver, Tracker};
 
 /// How far a point is off a feature of its body.

@@ -9,11 +9,11 @@ mod planar;
 mod rims;
 
 use judge::judge;
-use lab::motion::Frame;
-use lab::pose::unit;
-use lab::shapes;
-use lab::support;
-use lab::{Point, Pose};
+use truth::motion::Frame;
+use truth::pose::unit;
+use truth::shapes;
+use truth::support;
+use truth::{Point, Pose};
 use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 
 fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
@@ -113,7 +113,7 @@ fn edges_and_corners_make_contacts() {
 /// The contacts of an outcome are those of a tracker that has seen nothing before, and a foreign outcome makes none.
 #[test]
 fn an_outcome_gives_the_contacts_of_a_first_query() {
-    let mut rng = lab::rng::Rng::new(611);
+    let mut rng = truth::rng::Rng::new(611);
     let bodies = [
         shapes::cube(),
         shapes::sphere(&mut rng, 40),
@@ -127,7 +127,7 @@ fn an_outcome_gives_the_contacts_of_a_first_query() {
             a: Pose::IDENTITY,
             b: Pose {
                 q: rng.quat(),
-                t: lab::pose::scale(rng.unit(), rng.range(0.3, 2.4)),
+                t: truth::pose::scale(rng.unit(), rng.range(0.3, 2.4)),
             },
         };
         let (pose, options) = (support::relative(&frame), ManifoldOptions::within(0.1));

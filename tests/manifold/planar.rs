@@ -1,9 +1,9 @@
 //! What two faces share and what points span, in the plane across the normal, by brute force.
 
-use lab::motion::Frame;
-use lab::pose::{cross, dot, unit};
-use lab::support;
-use lab::{Point, Pose};
+use truth::motion::Frame;
+use truth::pose::{cross, dot, unit};
+use truth::support;
+use truth::{Point, Pose};
 use lin_canny::{ContactPoint, ConvexPolyhedron, Feature, Manifold};
 
 /// Faces in the world seen along `n`, in two coordinates.

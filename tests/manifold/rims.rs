@@ -2,12 +2,12 @@
 
 use crate::judge::judge;
 use crate::{exact, manifold};
-use lab::motion::Frame;
-use lab::pose::scale;
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support;
-use lab::{Point, Pose};
+use truth::motion::Frame;
+use truth::pose::scale;
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support;
+use truth::{Point, Pose};
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 
 /// Half length of a straight rim along y, and half the width of its body along x.

@@ -1,10 +1,10 @@
 //! Casts of meshes and composites: safe times are free, hits meet, misses are misses, at dense samples.
 
 use super::{mesh, shapes};
-use lab::Pose;
-use lab::pose::{add, scale};
-use lab::rng::Rng;
-use lab::soups;
+use truth::Pose;
+use truth::pose::{add, scale};
+use truth::rng::Rng;
+use truth::soups;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};

@@ -1,10 +1,10 @@
 //! Meshes that bend: after every replacement of vertices answers are those of brute force and of a mesh built anew.
 
 use super::{judge_by_surfaces, mesh, relative};
-use lab::pose::{norm, quat, quat_mul, scale, sub, unit_quat};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
-use lab::{Point, Pose};
+use truth::pose::{norm, quat, quat_mul, scale, sub, unit_quat};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{
@@ -112,7 +112,7 @@ fn bent_meshes_equal_brute_force_and_meshes_built_anew() {
                 m.set_vertices(&vertices(&now)).unwrap();
                 let pose = Pose {
                     t: if *name == "shift" {
-                        lab::pose::add(pose.t, bent(name, frame as f64 / 23.0, [0.0; 3]))
+                        truth::pose::add(pose.t, bent(name, frame as f64 / 23.0, [0.0; 3]))
                     } else {
                         pose.t
                     },
@@ -194,7 +194,7 @@ fn parts_of_the_vertices_and_new_trees_equal_brute_force() {
         let first = rng.below(rest.points.len());
         let last = (first + 1 + rng.below(20)).min(rest.points.len());
         for p in &mut now.points[first..last] {
-            *p = lab::pose::add(*p, rng.unit().map(|x| 0.02 * x));
+            *p = truth::pose::add(*p, rng.unit().map(|x| 0.02 * x));
         }
         m.set_vertices_from(first, &vertices(&now)[first..last]).unwrap();
         if frame % 13 == 12 {

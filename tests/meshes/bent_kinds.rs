@@ -4,10 +4,10 @@
 use super::bending::{anew, bent, sheet, vertices};
 use super::contacts::{check, deepest, within};
 use super::{mesh, relative};
-use lab::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
-use lab::{Point, Pose, brute};
+use truth::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Point, Pose, brute};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
@@ -202,7 +202,7 @@ fn rays_enter_bent_meshes_where_brute_force_says() {
                     let (from, to) = (scale(rng.unit(), 3.0), scale(rng.unit(), 0.8));
                     let (start, end) = (pose.apply(from), pose.apply(to));
                     let ray = Ray::new(Point3::from(start), Vector3::from(sub(end, start))).unwrap();
-                    let length = lab::pose::norm(sub(to, from));
+                    let length = truth::pose::norm(sub(to, from));
                     let distance = crossing(&now, from, scale(sub(to, from), 1.0 / length));
                     for caster in [&mut warm, &mut RayCaster::new()] {
                         let found = caster.cast(&m, &pose.isometry(), &ray, 10.0).unwrap();
@@ -215,7 +215,7 @@ fn rays_enter_bent_meshes_where_brute_force_says() {
                                 );
                                 let place = Point::from(pose.isometry().inverse_transform_point(&hit.point));
                                 let off = sub(place, add(from, scale(sub(to, from), distance / length)));
-                                assert!(lab::pose::norm(off) < 1e-8, "{way} {frame} {hit:?}");
+                                assert!(truth::pose::norm(off) < 1e-8, "{way} {frame} {hit:?}");
                             }
                             other => panic!("{way} {frame} {other:?} {distance}"),
                         }

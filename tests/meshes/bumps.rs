@@ -2,10 +2,10 @@
 
 use super::contacts::{check, cuboid, deepest, exact, patches, within};
 use super::{mesh, relative};
-use lab::Pose;
-use lab::pose::{quat, quat_mul, sub, unit, unit_quat};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use truth::Pose;
+use truth::pose::{quat, quat_mul, sub, unit, unit_quat};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{Composite, ContactPatches, PairTracker, Shape};
 

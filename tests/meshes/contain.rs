@@ -1,10 +1,10 @@
 //! Inside and outside: nested, linked, hollow and multi-part meshes, jumps through walls, flush boxes that overlap.
 
 use super::{mesh, relative};
-use lab::pose::{quat, scale};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
-use lab::{Pose, brute};
+use truth::pose::{quat, scale};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Pose, brute};
 use lin_canny::{Class, MeshKind, PairTracker};
 
 #[test]
@@ -74,7 +74,7 @@ fn linked_rings_are_apart() {
     let mut tracker = PairTracker::new();
     for k in 0..100 {
         let angle = 0.05 * f64::from(k);
-        let q = lab::pose::quat_mul(quat([0.0, 0.0, 1.0], 0.1 * angle.sin()), quat([1.0, 0.0, 0.0], 1.5));
+        let q = truth::pose::quat_mul(quat([0.0, 0.0, 1.0], 0.1 * angle.sin()), quat([1.0, 0.0, 0.0], 1.5));
         let pose = Pose {
             q,
             t: [1.0 + 0.2 * angle.cos(), 0.0, 0.1 * angle.sin()],
@@ -127,7 +127,7 @@ fn crossings_and_nested_parts_are_named() {
     for i in 0..half {
         for j in half..2 * half {
             let (p, q) = (two.corners(i), two.corners(j));
-            let one = |t: [lab::Point; 3]| Soup {
+            let one = |t: [truth::Point; 3]| Soup {
                 points: t.to_vec(),
                 triangles: vec![[0, 1, 2]],
             };

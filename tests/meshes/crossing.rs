@@ -2,10 +2,10 @@
 //! and beside translations that part the bodies.
 
 use super::{mesh, relative};
-use lab::Pose;
-use lab::pose::{add, quat, quat_mul, scale, unit_quat};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use truth::Pose;
+use truth::pose::{add, quat, quat_mul, scale, unit_quat};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
 

@@ -1,10 +1,10 @@
 //! Work of queries of bodies that are in contact nearly everywhere: in one place, or in one another's.
 
 use super::{mesh, relative, shapes};
-use lab::Pose;
-use lab::pose::{quat, scale};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use truth::Pose;
+use truth::pose::{quat, scale};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 use lin_canny::{Class, Mesh, MeshKind, MeshWork, PairTracker};
 
 /// A dome of `2 n n` triangles over a square: a surface.

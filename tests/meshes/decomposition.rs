@@ -1,10 +1,10 @@
 //! Convex pieces in place of a mesh: gaps are bracketed, and distances are intervals that hold for the mesh.
 
 use super::{mesh, relative};
-use lab::Pose;
-use lab::pose::scale;
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use truth::Pose;
+use truth::pose::scale;
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Class, Composite, ConvexPolyhedron, Decomposition, Mesh, MeshError, PairTracker, Piece, Shape};
 

@@ -1,11 +1,11 @@
 //! Faults that files of real meshes have, made on purpose: none of them opens a closed surface.
 
 use super::{mesh, relative};
-use lab::faults::{faulty, on_grid, slit};
-use lab::pose::scale;
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
-use lab::{Pose, brute};
+use truth::faults::{faulty, on_grid, slit};
+use truth::pose::scale;
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Pose, brute};
 use lin_canny::{Class, MeshKind, PairTracker};
 
 #[test]

@@ -1,10 +1,10 @@
 //! Tracked over frames: slow motion, teleports, long rotation, skipped frames.
 
 use super::{judge, mesh, relative, shapes};
-use lab::Pose;
-use lab::pose::{quat, quat_mul, unit_quat};
-use lab::rng::Rng;
-use lab::soups;
+use truth::Pose;
+use truth::pose::{quat, quat_mul, unit_quat};
+use truth::rng::Rng;
+use truth::soups;
 use lin_canny::{Class, PairTracker};
 
 /// Frames of slow tumbling with a jump now and then.
@@ -80,7 +80,7 @@ fn a_million_steps_of_rotation_stay_right() {
     let (m, n) = (mesh(&a), mesh(&b));
     let mut tracker = PairTracker::new();
     let mut q = [0.0, 0.0, 0.0, 1.0];
-    let step = quat(lab::pose::unit([0.3, 0.9, -0.2]), 0.01);
+    let step = quat(truth::pose::unit([0.3, 0.9, -0.2]), 0.01);
     for k in 0..1_000_000u32 {
         q = unit_quat(quat_mul(step, q));
         let pose = Pose { q, t: [2.6, 0.1, 0.0] };

@@ -1,10 +1,10 @@
 //! Flush contact, tiny gaps, slivers, soups, scales, and bodies far away.
 
 use super::{judge, mesh, relative, size};
-use lab::pose::{add, quat, scale};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
-use lab::{Pose, brute};
+use truth::pose::{add, quat, scale};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Pose, brute};
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Class, Mesh, MeshError, PairTracker};
 
@@ -16,7 +16,7 @@ fn flush_plates_are_settled_high_in_the_trees() {
         let mut tracker = PairTracker::new();
         for k in 0..40 {
             let angle = 0.005 * f64::from(k);
-            let q = lab::pose::quat_mul(quat([1.0, 0.0, 0.0], tilt), quat([0.0, 0.0, 1.0], angle));
+            let q = truth::pose::quat_mul(quat([1.0, 0.0, 0.0], tilt), quat([0.0, 0.0, 1.0], angle));
             let pose = Pose {
                 q,
                 t: [0.2, 0.1 * angle, 0.1 + gap + 2.0 * tilt],

@@ -15,8 +15,8 @@
 //! | shape, composite or mesh that stands for another body | that body, by one of the above | `pieces`, `features` |
 
 use super::relative;
-use lab::Pose;
-use lab::rng::Rng;
+use truth::Pose;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;

@@ -1,8 +1,8 @@
 //! Long thin triangles: shafts, cones, bearings, links and trays as CAD has them.
 
 use super::{mesh, relative};
-use lab::pose::{quat, quat_mul, unit_quat};
-use lab::{Pose, turned};
+use truth::pose::{quat, quat_mul, unit_quat};
+use truth::{Pose, turned};
 use lin_canny::{Mesh, MeshKind, PairTracker};
 
 #[test]

@@ -31,10 +31,10 @@ mod solids;
 mod stand_ins;
 mod valleys;
 
-pub(crate) use lab::forms::mesh;
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
-use lab::{Pose, brute};
+pub(crate) use truth::forms::mesh;
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Pose, brute};
 use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
 
 pub(crate) fn relative(pose: &Pose) -> RelativePose {
@@ -43,7 +43,7 @@ pub(crate) fn relative(pose: &Pose) -> RelativePose {
 
 /// L of a pair.
 pub(crate) fn size(a: &Soup, b: &Soup, pose: &Pose) -> f64 {
-    a.radius() + b.radius() + lab::pose::norm(pose.t)
+    a.radius() + b.radius() + truth::pose::norm(pose.t)
 }
 
 /// Closed meshes of a few hundred triangles.
@@ -83,7 +83,7 @@ pub(crate) fn judge_by_surfaces(
             );
             assert!(found.upper - found.lower < 1e-13 * size(a, b, pose), "{found:?}");
             let on_b = pose.apply(found.point_on_b.into());
-            let apart = lab::pose::norm(lab::pose::sub(on_b, found.point_on_a.into()));
+            let apart = truth::pose::norm(truth::pose::sub(on_b, found.point_on_a.into()));
             assert!((apart - truth).abs() < noise, "{found:?} {apart}");
         }
         Class::Touching => assert!(found.lower == 0.0 && truth < noise, "{found:?} {truth}"),

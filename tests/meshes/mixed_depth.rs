@@ -3,10 +3,10 @@
 
 use super::pieces::soup;
 use super::{mesh, relative};
-use lab::pose::{add, norm, scale};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
-use lab::{Pose, brute};
+use truth::pose::{add, norm, scale};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Pose, brute};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, Composite, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};

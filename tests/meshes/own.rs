@@ -2,10 +2,10 @@
 
 use super::bending::{WAYS, bent, sheet, vertices};
 use super::mesh;
-use lab::exact_meshes::{itself, pairs_within};
-use lab::rational::{RBig, exact, rounded, sqrt};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use truth::exact_meshes::{itself, pairs_within};
+use truth::rational::{RBig, exact, rounded, sqrt};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Answer, Class, Mesh, PairTracker, RelativePose};
 

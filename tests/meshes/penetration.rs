@@ -1,10 +1,10 @@
 //! Bounds of the penetration depth: of convex meshes beside the depth of the bodies, of others beside shifts by brute force.
 
 use super::{mesh, relative, shapes};
-use lab::Pose;
-use lab::pose::{add, scale, unit_quat};
-use lab::rng::Rng;
-use lab::soups;
+use truth::Pose;
+use truth::pose::{add, scale, unit_quat};
+use truth::rng::Rng;
+use truth::soups;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, Composite, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker};

@@ -1,10 +1,10 @@
 //! Bodies of convex pieces: against all pairs of pieces, in place and with poses of their own, tracked and cold.
 
 use super::{mesh, relative};
-use lab::pose::{quat, quat_mul, scale, unit_quat};
-use lab::rng::Rng;
-use lab::soups::Soup;
-use lab::{Pose, brute};
+use truth::pose::{quat, quat_mul, scale, unit_quat};
+use truth::rng::Rng;
+use truth::soups::Soup;
+use truth::{Pose, brute};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, Composite, CompositeError, PairTracker, Piece};
@@ -72,7 +72,7 @@ fn pieces_equal_brute_force() {
                 assert!(tracker.within(&a, &b, &relative(&pose), truth - 1e-12).is_no());
                 assert!(tracker.within(&a, &b, &relative(&pose), truth + 1e-12).is_yes());
                 let on_b = pose.apply(found.point_on_b.into());
-                let apart = lab::pose::norm(lab::pose::sub(on_b, found.point_on_a.into()));
+                let apart = truth::pose::norm(truth::pose::sub(on_b, found.point_on_a.into()));
                 assert!((apart - truth).abs() < 1e-13);
             }
             assert_eq!(

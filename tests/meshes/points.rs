@@ -1,6 +1,6 @@
 //! Promise: a point beside a closed mesh, and a ray beside or through one, is decided by exact arithmetic.
 
-use lab::driven::points::{self, Mix};
+use truth::driven::points::{self, Mix};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Change, Effects, Scene};

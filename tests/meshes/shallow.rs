@@ -2,10 +2,10 @@
 
 use super::contacts::{exact, is_normal, patches};
 use super::{mesh, relative};
-use lab::Pose;
-use lab::pose::{add, scale, sub};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use truth::Pose;
+use truth::pose::{add, scale, sub};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 use lin_canny::{Class, ContactPatches, Mesh, PairTracker};
 
 /// Solids of all kinds, stretched by up to a hundred along each axis.

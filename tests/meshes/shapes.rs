@@ -1,10 +1,10 @@
 //! Shapes of every kind against meshes and in bodies of pieces: against all pairs of parts, in both orders, warm and cold.
 
 use super::{mesh, relative};
-use lab::pose::{quat, quat_mul, scale, unit_quat};
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
-use lab::{Pose, brute};
+use truth::pose::{quat, quat_mul, scale, unit_quat};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Pose, brute};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
@@ -61,7 +61,7 @@ fn tumble((soup, m): (&Soup, &Mesh), body: &Composite, seed: u64, tally: &mut [u
             }
             assert!(!inside, "{seed} {frame} {found:?}");
             let on_b = pose.apply(found.point_on_b.into());
-            let apart = lab::pose::norm(lab::pose::sub(on_b, found.point_on_a.into()));
+            let apart = truth::pose::norm(truth::pose::sub(on_b, found.point_on_a.into()));
             assert!((apart - truth).abs() < 1e-9, "{seed} {frame} {apart} {truth}");
             assert!(warm.lower_bound(m, body, &at) <= truth + 1e-12);
             assert!(

@@ -1,10 +1,10 @@
 //! Faces that cancel: a window written as a cavity through the whole wall, its ends in the faces of the wall.
 
 use super::{mesh, relative};
-use lab::Pose;
-use lab::driven::slots::union_of;
-use lab::rng::Rng;
-use lab::soups::Soup;
+use truth::Pose;
+use truth::driven::slots::union_of;
+use truth::rng::Rng;
+use truth::soups::Soup;
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Class, Mesh, MeshKind, PairTracker};
 
@@ -85,8 +85,8 @@ fn turned_triangles_are_turned_back() {
         outer.clone(),
         outer.clone().with(&cavity),
         outer.clone().with(&cavity).with(&core),
-        lab::soups::knot(60, 8, 0.12),
-        lab::soups::bracket().with(&outer.clone().moved(&Pose::shift([9.0, 0.0, 0.0]))),
+        truth::soups::knot(60, 8, 0.12),
+        truth::soups::bracket().with(&outer.clone().moved(&Pose::shift([9.0, 0.0, 0.0]))),
     ];
     let mut surfaces = 0;
     for soup in &shapes {

@@ -1,8 +1,8 @@
 //! Pins in slots: depths where edges cross and no vertex is inside, of U, blocks and doors, beside a closed form.
 
 use super::mesh;
-use lab::driven::slots::{Mix, play, union_of};
-use lab::soups::Soup;
+use truth::driven::slots::{Mix, play, union_of};
+use truth::soups::Soup;
 use lin_canny::PairTracker;
 
 /// A U whose lower arm ends at y = `depth`, and a pin in its gap from y = 0 to 2.
@@ -22,7 +22,7 @@ fn pin_in_u(depth: f64) -> [Soup; 2] {
 fn a_pin_in_a_slot_has_its_depth() {
     for depth in [0.1, 1e-3, 1e-6] {
         let [u, pin] = pin_in_u(depth).map(|s| mesh(&s));
-        let at = super::relative(&lab::Pose::IDENTITY);
+        let at = super::relative(&truth::Pose::IDENTITY);
         for (a, b) in [(&u, &pin), (&pin, &u)] {
             let found = PairTracker::new().penetration(a, b, &at).unwrap();
             assert!(

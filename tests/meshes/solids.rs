@@ -1,9 +1,9 @@
 //! Promise: solids with faces in common have the class of whole numbers, wherever their origin lies.
 
 use super::{mesh, relative};
-use lab::Pose;
-use lab::driven::solids::{Mix, PLACES, play};
-use lab::soups::Soup;
+use truth::Pose;
+use truth::driven::solids::{Mix, PLACES, play};
+use truth::soups::Soup;
 use lin_canny::{Class, ManifoldOptions, Mesh, PairTracker};
 
 fn played(seeds: u64) {

@@ -2,8 +2,8 @@
 
 use core::f64::consts::TAU;
 
-use lab::driven::stand_ins::{self, Mix};
-use lab::rng::Rng;
+use truth::driven::stand_ins::{self, Mix};
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
@@ -262,7 +262,7 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
         assert_eq!(Surface::from_convex(&body).is_ok(), body.face_count() > 0);
         forms.extend(Mesh::from_convex(&body).ok().map(Geometry::from));
         for _ in 0..12 {
-            let pose = lab::Pose {
+            let pose = truth::Pose {
                 q: rng.quat(),
                 t: rng.in_ball().map(|x| 1.5 * x),
             };

@@ -2,9 +2,9 @@
 
 use super::contacts::exact;
 use super::{mesh, relative};
-use lab::Pose;
-use lab::rng::Rng;
-use lab::soups::Soup;
+use truth::Pose;
+use truth::rng::Rng;
+use truth::soups::Soup;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{Composite, ContactPatches, ConvexPolyhedron, PairTracker, PatchContacts, Piece, Shape};
 

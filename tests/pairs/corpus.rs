@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use lab::corpus::{self, Case};
-use lab::rng::Rng;
-use lab::shapes::Shape;
-use lab::support::{between, body, class, pairs};
-use lab::{Pose, bound};
+use truth::corpus::{self, Case};
+use truth::rng::Rng;
+use truth::shapes::Shape;
+use truth::support::{between, body, class, pairs};
+use truth::{Pose, bound};
 use lin_canny::{ConvexPolyhedron, FeaturePair, Outcome, Tracker};
 
 fn cases() -> Vec<Case> {
@@ -26,7 +26,7 @@ fn judge(c: &Case, o: &Outcome, unit: f64, exactly: bool, what: &str) {
     let what = format!("{} {what}: {o:?}", c.name);
     assert_eq!(o.class, class(c.class), "{what}");
     assert!(o.lower <= o.distance && o.distance <= o.upper, "{what}");
-    if let (lab::Class::Separated, Some(d)) = (c.class, c.distance) {
+    if let (truth::Class::Separated, Some(d)) = (c.class, c.distance) {
         let d = d * unit;
         // The file holds the distance rounded to nearest: the truth is within half a unit of it.
         assert!(
@@ -40,7 +40,7 @@ fn judge(c: &Case, o: &Outcome, unit: f64, exactly: bool, what: &str) {
         };
         assert!((o.distance - d).abs() <= slack, "{what} is not {d:e}");
     }
-    if let (lab::Class::Overlapping, Some(d)) = (c.class, c.distance) {
+    if let (truth::Class::Overlapping, Some(d)) = (c.class, c.distance) {
         let (d, slack) = (d * unit, 1e-14 * c.size() * unit);
         assert!((o.distance - d).abs() <= slack, "{what} is not {d:e}");
         assert!(
@@ -66,7 +66,7 @@ fn ask(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: (&Pose, &Pos
     let mut pair = Tracker::new();
     assert_eq!(
         pair.intersects(a, b, &pose),
-        c.class != lab::Class::Separated,
+        c.class != truth::Class::Separated,
         "{} {what}",
         c.name
     );
@@ -116,11 +116,11 @@ fn run(c: &Case) {
 
 /// Moved in common: only the rounding of the poses may show.
 fn moved(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron) {
-    let common = Pose::turn(lab::pose::unit([1.0, -2.0, 0.5]), 0.9, [3.0, 1.0, -2.0]);
+    let common = Pose::turn(truth::pose::unit([1.0, -2.0, 0.5]), 0.9, [3.0, 1.0, -2.0]);
     let (pa, pb) = (common.after(&c.pose_a), common.after(&c.pose_b));
     let o = Tracker::new().closest(a, b, &between(&pa, &pb));
-    let slack = 1e-14 * (c.size() + 10.0 + lab::pose::norm(c.pose_a.t) + lab::pose::norm(c.pose_b.t));
-    let truth = if c.class == lab::Class::Touching {
+    let slack = 1e-14 * (c.size() + 10.0 + truth::pose::norm(c.pose_a.t) + truth::pose::norm(c.pose_b.t));
+    let truth = if c.class == truth::Class::Touching {
         Some(0.0)
     } else {
         c.distance
@@ -179,7 +179,7 @@ fn the_oracle_agrees_with_the_corpus() {
         } else {
             assert_ne!(
                 c.class,
-                lab::Class::Separated,
+                truth::Class::Separated,
                 "{}: the distance is {:e}",
                 c.name,
                 truth.distance
@@ -197,7 +197,7 @@ fn exact_bounds_agree_with_the_corpus() {
     let mut judged = 0;
     for c in cases()
         .iter()
-        .filter(|c| !is_small(c) && c.class == lab::Class::Separated)
+        .filter(|c| !is_small(c) && c.class == truth::Class::Separated)
     {
         let (a, b) = (body(&c.a), body(&c.b));
         let o = Tracker::new().closest(&a, &b, &between(&c.pose_a, &c.pose_b));

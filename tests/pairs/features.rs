@@ -3,11 +3,11 @@
 //!
 //! No answer names an edge beside a face or two faces: one of their vertices or edges stands for them.
 
-use lab::motion::{orbit_and_spin, random_poses};
-use lab::pose::radius;
-use lab::rng::Rng;
-use lab::support;
-use lab::support::kinds;
+use truth::motion::{orbit_and_spin, random_poses};
+use truth::pose::radius;
+use truth::rng::Rng;
+use truth::support;
+use truth::support::kinds;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
@@ -180,7 +180,7 @@ fn hand_made_cases() {
         for swap in [false, true] {
             check(&case, &Isometry3::identity(), swap);
             for _ in 0..20 {
-                let rotation = lab::Pose {
+                let rotation = truth::Pose {
                     q: rng.quat(),
                     t: [0.0; 3],
                 }
@@ -227,7 +227,7 @@ fn all_kinds_are_met() {
     for _ in 0..60 {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
         let radii = (radius(&support::plain(a).points), radius(&support::plain(b).points));
-        let count = |mix: &mut [[usize; 3]; 3], frames: Vec<lab::motion::Frame>| {
+        let count = |mix: &mut [[usize; 3]; 3], frames: Vec<truth::motion::Frame>| {
             let mut tracker = Tracker::new();
             for f in frames {
                 let o = tracker.closest(a, b, &support::relative(&f));

@@ -1,10 +1,10 @@
 //! Promise: one tracker answers any two geometries, in either order, at one pose and over time.
 
-use lab::Pose;
-use lab::forms;
-use lab::forms::{Form, TIE, forms, sphere};
-use lab::pose::scale;
-use lab::rng::Rng;
+use truth::Pose;
+use truth::forms;
+use truth::forms::{Form, TIE, forms, sphere};
+use truth::pose::scale;
+use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};

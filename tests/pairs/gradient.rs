@@ -1,18 +1,18 @@
 //! Promise: the gradient is the derivative of the exact signed distance by either pose, apart and overlapping, and one-sided at ties.
 
-use lab::exact::{self, Body};
-use lab::motion::Frame;
-use lab::pose::{add, quat, quat_mul, scale, unit_quat};
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support;
-use lab::{Point, Pose};
+use truth::exact::{self, Body};
+use truth::motion::Frame;
+use truth::pose::{add, quat, quat_mul, scale, unit_quat};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support;
+use truth::{Point, Pose};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{Class, Manifold, ManifoldOptions, Tracker};
 
 /// A pose moved along a twist in its own frame.
 fn moved(pose: &Pose, linear: Point, angular: Point, by: f64) -> Pose {
-    let length = lab::pose::norm(angular);
+    let length = truth::pose::norm(angular);
     let turn = if length > 0.0 {
         quat(scale(angular, 1.0 / length), length * by)
     } else {

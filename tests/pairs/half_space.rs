@@ -1,10 +1,10 @@
 //! Promise: a polyhedron on a half-space has its exact height, and contacts that bear it.
 
-use lab::pose::{dot, norm, scale, sub};
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support;
-use lab::{Point, Pose};
+use truth::pose::{dot, norm, scale, sub};
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support;
+use truth::{Point, Pose};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, HalfSpace, HalfSpaceError, ManifoldOptions, RelativePose};

@@ -1,10 +1,10 @@
 //! Faces and vertices of thousands of edges: no query looks at all of them, and the answers are right.
 
-use lab::motion::Frame;
-use lab::rng::Rng;
-use lab::support::relative;
-use lab::workload;
-use lab::{Point, Pose};
+use truth::motion::Frame;
+use truth::rng::Rng;
+use truth::support::relative;
+use truth::workload;
+use truth::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, RelativePose, Solver, Tracker};
 use std::f64::consts::TAU;

@@ -1,11 +1,11 @@
 //! What may change about a query without changing its answer: letters, unit, place, order of the points, the way the
 //! pose is given, the tracker.
 
-use lab::motion::Frame;
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support::{body, relative};
-use lab::{Point, Pose};
+use truth::motion::Frame;
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support::{body, relative};
+use truth::{Point, Pose};
 use lin_canny::{Class, Outcome, RelativePose, Tracker};
 use proptest::prelude::*;
 
@@ -18,9 +18,9 @@ fn scene(seed: u64) -> (Shape, Shape, Frame) {
     } else {
         rng.range(1.0, 4.0)
     };
-    let t = lab::pose::scale(rng.unit(), reach);
+    let t = truth::pose::scale(rng.unit(), reach);
     let turned = |rng: &mut Rng| if rng.chance(0.3) { Pose::IDENTITY.q } else { rng.quat() };
-    let at = lab::pose::scale(rng.unit(), 2.0);
+    let at = truth::pose::scale(rng.unit(), 2.0);
     let frame = Frame {
         a: Pose {
             q: turned(&mut rng),
@@ -28,7 +28,7 @@ fn scene(seed: u64) -> (Shape, Shape, Frame) {
         },
         b: Pose {
             q: turned(&mut rng),
-            t: lab::pose::add(at, t),
+            t: truth::pose::add(at, t),
         },
     };
     (a, b, frame)
@@ -53,7 +53,7 @@ fn agree(x: &Outcome, y: &Outcome, size: f64) -> Result<(), TestCaseError> {
 }
 
 fn size(frame: &Frame) -> f64 {
-    2.0 * 3f64.sqrt() + lab::pose::norm(lab::pose::sub(frame.b.t, frame.a.t))
+    2.0 * 3f64.sqrt() + truth::pose::norm(truth::pose::sub(frame.b.t, frame.a.t))
 }
 
 /// Whether two distances are within a unit in the last place: of one halfway between two doubles either may be the answer.
@@ -105,7 +105,7 @@ proptest! {
         let round = |t: Point| t.map(|x| (x * 1_048_576.0).round() / 1_048_576.0);
         let shift = [f64::from(far) * 65_536.0, 1024.0, -3.0 * f64::from(far)];
         let here = Frame { a: Pose { t: round(frame.a.t), ..frame.a }, b: Pose { t: round(frame.b.t), ..frame.b } };
-        let there = |p: &Pose| Pose { t: lab::pose::add(p.t, shift), ..*p };
+        let there = |p: &Pose| Pose { t: truth::pose::add(p.t, shift), ..*p };
         let there = Frame { a: there(&here.a), b: there(&here.b) };
         for (x, y) in ask(&a, &b, &relative(&here)).iter().zip(&ask(&a, &b, &relative(&there))) {
             prop_assert_eq!(x, y);
@@ -127,7 +127,7 @@ proptest! {
     fn a_common_motion_leaves_the_distance(seed: u64) {
         let (a, b, frame) = scene(seed);
         let mut rng = Rng::new(seed ^ 1);
-        let common = Pose { q: rng.quat(), t: lab::pose::scale(rng.unit(), 100.0) };
+        let common = Pose { q: rng.quat(), t: truth::pose::scale(rng.unit(), 100.0) };
         let moved = frame.moved(&common);
         // The motion is rounded where it is far out: a unit in the last place of 100 moves a body by 1.4e-14.
         let slack = 1e-12;

@@ -1,13 +1,13 @@
 //! Promise: a tracker changes time, never the answer: along motions, after jumps, for bodies it was not made for, and for
 //! flat bodies.
 
-use lab::bound;
-use lab::motion::{self, Frame};
-use lab::pose::{radius, unit};
-use lab::rng::Rng;
-use lab::shapes::Shape;
-use lab::support;
-use lab::support::{plain, relative};
+use truth::bound;
+use truth::motion::{self, Frame};
+use truth::pose::{radius, unit};
+use truth::rng::Rng;
+use truth::shapes::Shape;
+use truth::support;
+use truth::support::{plain, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};

@@ -1,16 +1,16 @@
 //! Promise: on small bodies every answer is that of exact arithmetic, in every way of asking.
 //!
-//! The judge is `lab::exact`, brute force over all feature pairs in integers. Bounds hold the truth, the distance is within
+//! The judge is `truth::exact`, brute force over all feature pairs in integers. Bounds hold the truth, the distance is within
 //! 1e-14 L of it, witnesses lie in their bodies, the normal attains the distance; warm and cold, A to B and B to A.
 
-use lab::bound;
-use lab::exact::{self, Exact};
-use lab::motion::{self, Frame};
-use lab::pose::radius;
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support;
-use lab::{Body, Pose};
+use truth::bound;
+use truth::exact::{self, Exact};
+use truth::motion::{self, Frame};
+use truth::pose::radius;
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support;
+use truth::{Body, Pose};
 use lin_canny::{ConvexPolyhedron, Outcome, Tracker};
 
 /// Allowed error in units of L.
@@ -82,7 +82,7 @@ impl Pair {
     }
 
     /// Asks in every way; `warm` has seen this pair at other poses.
-    fn ask(&self, frame: &Frame, warm: &mut Tracker) -> lab::Class {
+    fn ask(&self, frame: &Frame, warm: &mut Tracker) -> truth::Class {
         let truth = self.truth(frame);
         let ([a, b], pose) = (&self.bodies, support::relative(frame));
         self.judge(frame, &Tracker::new().closest(a, b, &pose), &truth, "cold");
@@ -92,7 +92,7 @@ impl Pair {
         back.judge(&frame.swapped(), &turned, &truth, "swapped");
         let exact = Tracker::new().closest_exact(a, b, &pose);
         self.judge(frame, &exact, &truth, "exact");
-        if truth.class == lab::Class::Separated {
+        if truth.class == truth::Class::Separated {
             let (d, s) = (exact.distance, truth.distance);
             assert!(
                 s.next_down() <= d && d <= s.next_up(),
@@ -116,7 +116,7 @@ fn stream(seed: u64, make: impl Fn(&mut Rng) -> Shape) {
         let mut warm = Tracker::new();
         for frame in motion::random_poses(&mut rng, 10, radii, (0.3, 1.3), 1.0) {
             match pair.ask(&frame, &mut warm) {
-                lab::Class::Separated => separated += 1,
+                truth::Class::Separated => separated += 1,
                 _ => overlapping += 1,
             }
         }

@@ -1,12 +1,12 @@
 //! Promise: `intersects` and `within` are decided exactly, for closed sets, and agree with the distance.
 
-use lab::exact;
-use lab::motion::{self, random_poses};
-use lab::pose::radius;
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support;
-use lab::support::shifted;
+use truth::exact;
+use truth::motion::{self, random_poses};
+use truth::pose::radius;
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support;
+use truth::support::shifted;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, Tracker};
@@ -93,7 +93,7 @@ fn predicates_are_those_of_the_oracle() {
         for f in random_poses(&mut rng, 5, radii, (0.2, 1.2), 1.0) {
             let truth = exact::solve((&a).into(), &f.a, (&b).into(), &f.b);
             let (pose, back) = (support::relative(&f), support::relative(&f.swapped()));
-            let apart = truth.class == lab::Class::Separated;
+            let apart = truth.class == truth::Class::Separated;
             seen[truth.class as usize] += 1;
             for t in [&mut warm, &mut Tracker::new()] {
                 assert_eq!(t.intersects(&body_a, &body_b, &pose), !apart, "{a:?} {b:?} {f:?}");

@@ -6,11 +6,11 @@
 //!
 //! Coherence (Mirtich 1998, section 7): one body on a sinusoidal path turns by a fixed angle a frame.
 
-use lab::pose::{quat, unit};
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support::{assert_right, between, body};
-use lab::{Pose, exact};
+use truth::pose::{quat, unit};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support::{assert_right, between, body};
+use truth::{Pose, exact};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Totals, Tracker};
 
 /// Upper bound of the width of a certified answer, in units of L.
@@ -39,7 +39,7 @@ fn nearly_parallel(rng: &mut Rng) -> Pose {
 fn middle(a: &Pose, b: &Pose) -> Pose {
     let half = |x: f64, y: f64| 0.5 * (x + y);
     Pose {
-        q: lab::pose::unit_quat(std::array::from_fn(|i| half(a.q[i], b.q[i]))),
+        q: truth::pose::unit_quat(std::array::from_fn(|i| half(a.q[i], b.q[i]))),
         t: std::array::from_fn(|i| half(a.t[i], b.t[i])),
     }
 }

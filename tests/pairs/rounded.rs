@@ -1,15 +1,15 @@
 //! Promise: rounded polyhedra are their cores less both radii, on both sides of contact, and classes and predicates are
 //! exact.
 //!
-//! The judge is `lab::exact` on the cores; the radii are taken off in rational arithmetic by its two squares.
+//! The judge is `truth::exact` on the cores; the radii are taken off in rational arithmetic by its two squares.
 
 use std::f64::consts::PI;
 
-use lab::exact;
-use lab::rng::Rng;
-use lab::shapes::Shape as Plain;
-use lab::support;
-use lab::{Body, Pose};
+use truth::exact;
+use truth::rng::Rng;
+use truth::shapes::Shape as Plain;
+use truth::support;
+use truth::{Body, Pose};
 use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, PairTracker, RelativePose, Shape};
 
@@ -44,14 +44,14 @@ fn signed_distances_are_those_of_the_cores_less_the_radii() {
         ];
         let pose_b = Pose {
             q: rng.quat(),
-            t: lab::pose::scale(rng.unit(), rng.range(0.0, 4.0)),
+            t: truth::pose::scale(rng.unit(), rng.range(0.0, 4.0)),
         };
         let pose = support::between(&Pose::IDENTITY, &pose_b);
         let [a, b] = [0, 1].map(|k| rounded(&cores[k], radii[k]));
         let truth = exact::solve(Body::from(&cores[0]), &Pose::IDENTITY, Body::from(&cores[1]), &pose_b);
         // The truth of the core is rounded once, and the difference twice.
         let s = truth.distance - radii[0] - radii[1];
-        let size = 2.0 + radii[0] + radii[1] + lab::pose::norm(pose_b.t);
+        let size = 2.0 + radii[0] + radii[1] + truth::pose::norm(pose_b.t);
         let mut pair = PairTracker::new();
         for _ in 0..2 {
             let o = pair.closest(&a, &b, &pose);

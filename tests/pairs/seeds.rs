@@ -1,9 +1,9 @@
 //! Every pair of features as the start of a walk leads to the same class, and to bounds of the same distance.
 
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support::{assert_right, between, body, pairs};
-use lab::{Pose, exact};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support::{assert_right, between, body, pairs};
+use truth::{Pose, exact};
 use lin_canny::{Class, Solver, Tracker};
 
 /// A corner of a thin plate: faces that come to a point of `angle` radians.
@@ -35,9 +35,9 @@ fn poses(rng: &mut Rng) -> Vec<(Pose, Pose)> {
         at(upright, [1e-4, 0.0, 1e-5]),
         at(upright, [1.0, 1.0, 1.0]),
         at(upright, [0.0; 3]),
-        at(lab::pose::quat([0.0, 0.0, 1.0], 1e-9), [0.3, 0.2, 2.0 + 1e-12]),
-        at(rng.quat(), lab::pose::scale(rng.unit(), 2.5)),
-        at(rng.quat(), lab::pose::scale(rng.unit(), 1.5)),
+        at(truth::pose::quat([0.0, 0.0, 1.0], 1e-9), [0.3, 0.2, 2.0 + 1e-12]),
+        at(rng.quat(), truth::pose::scale(rng.unit(), 2.5)),
+        at(rng.quat(), truth::pose::scale(rng.unit(), 1.5)),
         (
             Pose {
                 q: rng.quat(),

@@ -2,7 +2,7 @@
 //! below the normal numbers, for extents from 1e-100 to 1e100.
 #![cfg(feature = "exact")]
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::scene::{Body, Effects, Group, Scene};
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};

@@ -1,7 +1,7 @@
 //! Surfaces of the tests.
 
-pub(crate) use lab::forms::sphere;
-use lab::rng::Rng;
+pub(crate) use truth::forms::sphere;
+use truth::rng::Rng;
 use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface, revolution};
@@ -27,7 +27,7 @@ pub(crate) fn torus(middle: f64, r: f64) -> Surface {
 
 /// A vase of 32 patches.
 pub(crate) fn vase() -> Surface {
-    let curves = lab::nets::vase();
+    let curves = truth::nets::vase();
     let curves: Vec<&[[f64; 3]]> = curves.iter().map(Vec::as_slice).collect();
     revolution(&curves).expect("a vase")
 }
@@ -39,7 +39,7 @@ pub(crate) fn bumpy(rng: &mut Rng, degrees: [usize; 2], bump: f64) -> Patch {
 }
 
 pub(crate) fn grid(rng: &mut Rng, degrees: [usize; 2], bump: f64) -> Vec<Point3<f64>> {
-    let points = lab::nets::bumps(rng, degrees, bump);
+    let points = truth::nets::bumps(rng, degrees, bump);
     points.into_iter().map(Point3::from).collect()
 }
 

@@ -1,6 +1,6 @@
 //! Surfaces over time: closed forms, dense samples; nothing late, nothing missed.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast, cast_within, free_until};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};

@@ -1,6 +1,6 @@
 //! Surfaces against bodies of convex pieces: piece by piece, over time, in both orders.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};

@@ -1,6 +1,6 @@
 //! Closed forms: spheres, cylinders, boxes.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;

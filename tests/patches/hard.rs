@@ -1,6 +1,6 @@
 //! Saddles, poles, cusps, tangent and crossing surfaces, refused input, budgets.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::patch::{Nurbs, Patch, PatchError, Surface, revolution};
 use lin_canny::{Class, Decision, Mesh, PairTracker, Question, RelativePose};

@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use lab::curved::{KINDS as SHAPES, Kind};
-use lab::rng::Rng;
+use truth::curved::{KINDS as SHAPES, Kind};
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::patch::{Nurbs, Patch, Surface, revolution};
 use lin_canny::polyhedron::solids;

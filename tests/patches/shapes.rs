@@ -1,6 +1,6 @@
 //! Surfaces against convex shapes: closed forms, the tracker of shapes, dense samples.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;

@@ -11,7 +11,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::{Answer, ConvexPolyhedron, PairTracker, RelativePose, Shape, Spot};
 
-use lab::curved::{Kind, Triple, Wide, dot, matrix, norm, turned, turned_back, wide};
+use truth::curved::{Kind, Triple, Wide, dot, matrix, norm, turned, turned_back, wide};
 
 type Homogeneous = [Wide; 4];
 

@@ -6,9 +6,9 @@ mod named;
 mod words;
 mod worlds;
 
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support::body;
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support::body;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::{
@@ -440,7 +440,7 @@ fn pieces<'g>(scene: &mut Scene, rng: &mut Rng, a: impl Into<GeometryRef<'g>>, b
 
 /// A square of bumps, two units wide.
 fn bumpy(scene: &Scene, rng: &mut Rng) -> Surface {
-    let points = scene.points(&lab::nets::bumps(rng, [2, 2], 0.5));
+    let points = scene.points(&truth::nets::bumps(rng, [2, 2], 0.5));
     let patch = Patch::polynomial([2, 2], &points).expect("a patch");
     Surface::new(vec![patch]).expect("a surface")
 }

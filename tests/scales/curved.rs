@@ -1,7 +1,7 @@
 //! Pairs of curved shapes at powers of two: bit for bit where all are solved in the caller's unit, and where all are
 //! solved in their own.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::{Class, Geometry, PairTracker, RelativePose, Shape};
 

@@ -4,15 +4,15 @@
 mod calls;
 mod curved;
 
-use lab::support;
+use truth::support;
 use std::cmp::Ordering;
 
-use lab::bound;
-use lab::motion::{Frame, random_poses};
-use lab::pose::{add, norm, radius, scale, sub};
-use lab::rng::Rng;
-use lab::shapes::{self, Shape};
-use lab::support::{body, relative};
+use truth::bound;
+use truth::motion::{Frame, random_poses};
+use truth::pose::{add, norm, radius, scale, sub};
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
+use truth::support::{body, relative};
 use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
 fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {

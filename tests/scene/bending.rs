@@ -1,8 +1,8 @@
 //! Meshes that bend in a scene: all effects see the vertices as they are.
 
 use super::{ALL, read_back};
-use lab::forms::mesh;
-use lab::soups::{self, Soup};
+use truth::forms::mesh;
+use truth::soups::{self, Soup};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Effects, Scene, SceneError};

@@ -1,11 +1,11 @@
 //! Promise: whatever is called in whatever order, a scene says what is true.
 
 use crate::{NONE, group, read_back};
-use lab::driven::scenes;
-use lab::driven::scenes::Mix;
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support::body;
+use truth::driven::scenes;
+use truth::driven::scenes::Mix;
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support::body;
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -60,7 +60,7 @@ fn questions_on_top_equal_brute_force() {
             Body::moving(shape)
         };
         scene
-            .insert(made.group(group(k as u8 / 2 % 2)), lab::Pose { q, t }.isometry())
+            .insert(made.group(group(k as u8 / 2 % 2)), truth::Pose { q, t }.isometry())
             .unwrap();
     }
     scene.step();

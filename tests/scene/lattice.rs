@@ -5,7 +5,7 @@ use crate::ALL;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;

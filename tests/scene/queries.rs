@@ -1,7 +1,7 @@
 //! Scenes beside brute force: the closest pair of two groups, ignored pairs, effects for all groups.
 
 use crate::group;
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
@@ -11,7 +11,7 @@ const BOXES: Effects = Effects::none().boxes(true);
 
 fn pose(rng: &mut Rng, room: f64) -> Isometry3<f64> {
     let (q, t) = (rng.quat(), [0; 3].map(|_| rng.range(-room, room)));
-    lab::Pose { q, t }.isometry()
+    truth::Pose { q, t }.isometry()
 }
 
 /// Bodies of the groups 1 and 2 in a room of half size `room`; every fourth body is fixed and has the user data 1.

@@ -2,7 +2,7 @@
 //! pair of kinds cannot answer are refused by name.
 
 use crate::{ALL, NONE, Replay, read_back};
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};

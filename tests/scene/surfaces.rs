@@ -1,8 +1,8 @@
 //! Promise: surfaces of patches stand in scenes beside surfaces and convex shapes; what no tracker answers is refused by name.
 
 use crate::{ALL, NONE, read_back};
-use lab::forms::sphere;
-use lab::rng::Rng;
+use truth::forms::sphere;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Scene, SceneError};

@@ -1,7 +1,7 @@
 //! Features `parallel` and `serde`: any number of threads gives the same bits, and so does a scene that was written and read back.
 #![cfg(all(feature = "parallel", feature = "serde"))]
 
-use lab::crowd::{Crowd, Kind};
+use truth::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Effects, Event, Group, Scene, Settings};
 use lin_canny::{Distance, Manifold, ManifoldOptions, Outcome};
 

@@ -2,7 +2,7 @@
 //! through another where impacts are called for.
 
 use crate::{ALL, NONE, read_back};
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};

@@ -3,8 +3,8 @@
 //! `cargo run --release -p lin-canny-plan --example piano -- [--door WIDTH] [--seed N] [--out FILE.svg]`
 
 use clap::Parser;
-use lab::command::{file, number, seconds};
-use lab::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
+use race::command::{file, number, seconds};
+use race::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Progress};
@@ -35,7 +35,7 @@ struct Options {
 type Trouble = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }
 
 /// Half sides of the room, and of the wall.
@@ -119,7 +119,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
             vec![start.into(), goal.into()]
         }
     };
-    lab::command::write(&options.out, &draw(&checker, &walls, &plan, &path))?;
+    race::command::write(&options.out, &draw(&checker, &walls, &plan, &path))?;
     println!("drawn to {}", options.out.display());
     Ok(())
 }

@@ -204,7 +204,7 @@ fn exchange(weights: &mut [f64], values: &mut [f64], products: &[Vec<f64>], mu: 
 mod tests {
     extern crate std;
     use super::*;
-    use lab::rng::Rng;
+    use truth::rng::Rng;
 
     /// Against a search over the plane: the penalised model is concave, so no place on a fine grid
     /// about the answer may be better.

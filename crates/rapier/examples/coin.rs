@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, Start, prism};
-use lab::command::{file, write};
+use race::command::{file, write};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
 
@@ -148,5 +148,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }

@@ -13,8 +13,8 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::{bin, pebble, turn};
 use cpu_time::ThreadTime;
-use lab::command::{count, file, write};
-use lab::rng::Rng;
+use race::command::{count, file, write};
+use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_rapier::lin_canny_parry::lin_canny::{ManifoldOptions, Velocity, scene};
@@ -175,5 +175,5 @@ fn run(options: &Options) -> Result<(), Trouble> {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }

@@ -19,9 +19,9 @@ use clap::Parser;
 use common::picture::{BLUE, Drawn, GREY, ORANGE, Picture, View};
 use common::{Scene, layers, prism};
 use cpu_time::ThreadTime;
-use lab::command::{count, file, number, write};
-use lab::progress::Progress;
-use lab::rng::Rng;
+use race::command::{count, file, number, write};
+use race::progress::Progress;
+use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::ConvexPolyhedron;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
@@ -358,5 +358,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }

@@ -18,9 +18,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use clap::Parser;
 use common::{Engine, Setup, bin, layers, pebble};
 use cpu_time::ThreadTime;
-use lab::command::{count, file, write};
-use lab::progress::Progress;
-use lab::rng::Rng;
+use race::command::{count, file, write};
+use race::progress::Progress;
+use truth::rng::Rng;
 use lin_canny_rapier::single::Certified;
 use lin_canny_rapier::single::rapier::parry::query::details::{NormalConstraints, ShapeCastOptions};
 use lin_canny_rapier::single::rapier::parry::query::{
@@ -257,5 +257,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }

@@ -17,9 +17,9 @@ use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, bin, layers, pebble};
 use cpu_time::ThreadTime;
-use lab::command::{count, file, write};
-use lab::progress::Progress;
-use lab::rng::Rng;
+use race::command::{count, file, write};
+use race::progress::Progress;
+use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Vector;
 
@@ -229,5 +229,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }

@@ -14,8 +14,8 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, bin, layers, pebble, prism};
-use lab::command::{count, file, write};
-use lab::rng::Rng;
+use race::command::{count, file, write};
+use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Vector;
 
@@ -219,5 +219,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }

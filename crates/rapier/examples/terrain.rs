@@ -12,9 +12,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use cpu_time::ThreadTime;
-use lab::command::{count, file, write};
-use lab::progress::Progress;
-use lab::rng::Rng;
+use race::command::{count, file, write};
+use race::progress::Progress;
+use truth::rng::Rng;
 use lin_canny_rapier::single::rapier::parry::query::{QueryDispatcher, Ray, RayCast};
 use lin_canny_rapier::single::rapier::prelude::*;
 use lin_canny_rapier::single::{Certified, Hull, MeshShape, certified_world};
@@ -51,7 +51,7 @@ fn size(text: &str) -> Result<f32, String> {
 
 /// Points and triangles of hills with y up.
 fn hills(cells: usize) -> (Vec<Vector>, Vec<[u32; 3]>) {
-    let soup = lab::turned::terrain(cells);
+    let soup = truth::turned::terrain(cells);
     let up = |p: &[f64; 3]| Vector::new(p[0] as f32, p[2] as f32, -p[1] as f32);
     (soup.points.iter().map(up).collect(), soup.triangles)
 }

@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Setup, Start, prism};
-use lab::command::{file, read, write};
+use race::command::{file, read, write};
 use lin_canny_rapier::lin_canny_parry::lin_canny::ConvexPolyhedron;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Unit};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
@@ -217,5 +217,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }

@@ -34,7 +34,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }
 
 fn run(Options { folder, many }: &Options) -> Result<(), Trouble> {

@@ -3,9 +3,9 @@
 //! `cargo run --release -p lin-canny-robot --example arm -- [--cell X.obj ..] [--seed N] [--out FILE.svg]`
 
 use clap::Parser;
-use lab::arm::{Trouble, cell, draw, motion};
-use lab::command::{file, seconds};
-use lab::plot::Chart;
+use truth::arm::{Trouble, cell, draw, motion};
+use race::command::{file, seconds};
+use race::plot::Chart;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Point3};
@@ -36,7 +36,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }
 
 /// Times of the built-in motion of `clearance` at which the gripper is in the left and in the right bin.
@@ -104,7 +104,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         .line("shortened", before)
         .line("widened", after);
     let text = picture(&mut checker, &things, &wide, &chart.svg()?)?;
-    lab::command::write(&options.out, &text)?;
+    race::command::write(&options.out, &text)?;
     println!("drawn to {}", options.out.display());
     Ok(())
 }

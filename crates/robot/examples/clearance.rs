@@ -8,10 +8,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use lab::arm::{Trouble, cell, draw, motion};
-use lab::command::{count, file};
-use lab::plot::Chart;
-use lab::progress::Progress;
+use truth::arm::{Trouble, cell, draw, motion};
+use race::command::{count, file};
+use race::plot::Chart;
+use race::progress::Progress;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair};
@@ -125,7 +125,7 @@ fn picture(
 }
 
 fn main() -> ExitCode {
-    lab::command::main(run)
+    race::command::main(run)
 }
 
 fn run(options: &Options) -> Result<(), Trouble> {
@@ -183,7 +183,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     tell(frame, &name, &near);
     let caption = format!("{title}, frame {frame}: {:.4}, {name}", near.distance);
     let chart = chart(&closest, &title).svg()?;
-    lab::command::write(
+    race::command::write(
         &options.out,
         &picture(&checker, &joints(frame), &near, caption, &chart)?,
     )?;

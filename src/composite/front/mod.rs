@@ -288,7 +288,7 @@ fn claim(way: &Way, n: [f32; 3], centre: [f32; 3], gap: f32) -> ([f32; 3], f32) 
 /// Returns direction and base of an entry, and the gap that it proves at another pose, for the
 /// tests of the error bounds. Poses are rows and translation; the last two are the radius and a
 /// segment.
-#[cfg(feature = "proofs")]
+#[cfg(feature = "__proofs")]
 pub(crate) fn entry_at(
     poses: [([f32; 9], [f32; 3]); 2],
     (n, gap): ([f32; 3], f32),

@@ -320,7 +320,7 @@ fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WI
 
 /// Returns the gap of a pair of boxes (axes, centre, half extents), for the tests of the error
 /// bounds. All directions are tried.
-#[cfg(feature = "proofs")]
+#[cfg(feature = "__proofs")]
 pub(crate) fn gap_of(
     (rotation, translation): ([f32; 9], [f32; 3]),
     boxes: [[[f32; 3]; 5]; 2],

@@ -8,7 +8,7 @@ use crate::body::shape::Support;
 use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
-#[cfg(feature = "proofs")]
+#[cfg(feature = "__proofs")]
 use crate::pair::transform::Transform;
 
 /// Most pieces that hold the closest points: one for a vertex of the difference, two for an edge,
@@ -328,12 +328,12 @@ impl<T: Scalar> ProvenBounds<T> {
 }
 
 /// Direction, height and distance of support points of two directions; distance of a mixture.
-#[cfg(feature = "proofs")]
+#[cfg(feature = "__proofs")]
 type ToldAlong = ([(Vec3<f64>, f64, f64); 2], f64);
 
 /// What two unit directions tell of a pair, for the tests of the error bounds: the direction, the
 /// height and the distance of its support points for each, and the distance of their mixture.
-#[cfg(feature = "proofs")]
+#[cfg(feature = "__proofs")]
 pub(crate) fn bounds_along<A: Support, B: Support>(
     (a, b): (&A, &B),
     frame: Transform<f64>,

@@ -38,7 +38,7 @@ mod warm;
 
 use alloc::sync::Arc;
 
-#[cfg(feature = "proofs")]
+#[cfg(feature = "__proofs")]
 pub(crate) use best::bounds_along;
 pub(crate) use pair::WarmStart;
 use pair::{SolverSetting, closest_of};

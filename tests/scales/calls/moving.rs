@@ -1,7 +1,7 @@
 //! Casts, and the clearances and segments of a planner.
 
 use super::{Scene, bumpy, composite, curved, dented};
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::impact::{Tolerance, cast, cast_within, free_until, held_until};
 use lin_canny::separation::Separation;
 use lin_canny::{PairTracker, Tracker};

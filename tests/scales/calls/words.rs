@@ -1,9 +1,9 @@
 //! What a scene makes and tells: lengths in its unit, and bodies, poses and motions of its size.
 
 use super::{Scene, Word};
-use lab::rng::Rng;
-use lab::shapes;
-use lab::support::body;
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support::body;
 use lin_canny::impact::Impact;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};

@@ -1,7 +1,7 @@
 //! Worlds of boxes, and scenes of bodies of every kind: events, pairs and answers.
 
 use super::{Scene, composite, curved, dented};
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::broad::{self, Aabb, BroadPhase, PencilSweep, SortedAxes};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Point3, Vector3};

@@ -118,7 +118,7 @@ impl<'a> Planes<'a> {
 
 #[cfg(test)]
 mod tests {
-    use lab::rng::Rng;
+    use truth::rng::Rng;
     use lin_canny::{PairTracker, RelativePose};
 
     use super::super::hull::Hull;

@@ -1,6 +1,6 @@
 //! Casts: judged by the distances of the dispatcher at many instants.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 
 use super::dispatch::{CONVEX, kinds, random_pose};
 use super::engine::Certified;

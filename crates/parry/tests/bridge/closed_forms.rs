@@ -1,6 +1,6 @@
 //! What stays with parry's closed forms, at every size: half-spaces, balls, balls and cuboids.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 
 use super::dispatch::random_pose;

@@ -1,9 +1,9 @@
 //! V-HACD behind its validator: intervals hold for the mesh, at any size and place.
 
-use lab::Pose;
-use lab::pose::scale;
-use lab::rng::Rng;
-use lab::soups::{self, Soup};
+use truth::Pose;
+use truth::pose::scale;
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 use lin_canny_parry::lin_canny::nalgebra::Point3;
 use lin_canny_parry::lin_canny::{Class, Decomposition, Mesh, PairTracker, RelativePose};
 

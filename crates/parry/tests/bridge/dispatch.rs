@@ -1,6 +1,6 @@
 //! The dispatcher: right answers, no state, no panic.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny_parry::lin_canny::{RelativePose, Tracker};
 
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};
@@ -17,7 +17,7 @@ type Manifolds = Vec<ContactManifold<(), u32>>;
 
 fn points(rng: &mut Rng, n: usize, size: f64) -> Vec<Vector> {
     let axes = std::array::from_fn(|_| size * rng.range(0.5, 1.0));
-    let points = lab::shapes::ellipsoid(rng, n, axes).points;
+    let points = truth::shapes::ellipsoid(rng, n, axes).points;
     points.into_iter().map(|p| Vector::from(p.map(|x| x as Real))).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny_parry::lin_canny::nalgebra::{Matrix3, Point3, Vector3};
 use lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_parry::lin_canny::{ConvexPolyhedron, Tracker};
@@ -31,7 +31,7 @@ fn hulls(size: f64) -> Vec<Hull> {
     let mut list: Vec<Vec<Vector>> = [[1.0, 0.8, 0.6], [1.0, 0.9, 0.05], [1.0, 0.03, 0.02]]
         .into_iter()
         .flat_map(|axes| [24, 200].map(|n| (axes, n)))
-        .map(|(axes, n)| lab::shapes::ellipsoid(&mut rng, n, axes).points)
+        .map(|(axes, n)| truth::shapes::ellipsoid(&mut rng, n, axes).points)
         .map(|points| points.into_iter().map(|p| vector(p.map(|x| x * size))).collect())
         .collect();
     list.push(
@@ -51,8 +51,8 @@ fn mass_properties_are_right_at_any_size() {
         for hull in hulls(size) {
             let mass = hull.mass_properties(800.0);
             let [i, j, k, w] = mass.principal_inertia_local_frame.to_array().map(f64::from);
-            let turn = lab::Pose {
-                q: lab::pose::unit_quat([i, j, k, w]),
+            let turn = truth::Pose {
+                q: truth::pose::unit_quat([i, j, k, w]),
                 t: [0.0; 3],
             }
             .isometry()

@@ -1,6 +1,6 @@
 //! Manifolds at any size: judged by the core in `f64`, of the same bodies at the same pose.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny_parry::lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny_parry::lin_canny::{ConvexPolyhedron, Outcome, PairTracker, RelativePose, Shape};
 

@@ -1,6 +1,6 @@
 //! Meshes as shapes of parry: right answers at every size, contacts of floors without inner edges.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny_parry::lin_canny::Mesh;
 
 use super::dispatch::{CONVEX, kinds, random_pose};
@@ -130,7 +130,7 @@ fn compounds_rest_on_a_floor_and_keep_the_data_of_their_contacts() {
 fn a_closed_mesh_answers_as_its_hull() {
     let mut rng = Rng::new(42);
     let ours = Certified::default();
-    let points: Vec<_> = lab::shapes::ellipsoid(&mut rng, 30, [1.0, 0.8, 0.6]).points;
+    let points: Vec<_> = truth::shapes::ellipsoid(&mut rng, 30, [1.0, 0.8, 0.6]).points;
     let points: Vec<Vector> = points.into_iter().map(|p| Vector::from(p.map(|x| x as Real))).collect();
     let hull = Hull::from_points(&points).expect("a hull");
     let mesh = MeshShape::from(Mesh::from_convex(hull.body()).expect("a mesh"));

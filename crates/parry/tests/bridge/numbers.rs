@@ -1,6 +1,6 @@
 //! Numbers of every kind: an answer or `Unsupported`, never a panic, and never without end.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};
 use super::engine::parry::query::details::ShapeCastOptions;

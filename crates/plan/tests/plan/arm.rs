@@ -1,7 +1,7 @@
 //! The arm of the example `arm` in its cell, through a window in a wall that stands between the bins.
 
 use cpu_time::ThreadTime;
-use lab::arm::{cell, motion, robot};
+use truth::arm::{cell, motion, robot};
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;

@@ -1,8 +1,8 @@
 //! Certified segments in rooms full of hulls.
 
 use crate::judge::{first_contact, meet, replay};
-use lab::rng::Rng;
-use lab::rooms::Room;
+use truth::rng::Rng;
+use truth::rooms::Room;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
@@ -220,7 +220,7 @@ fn clearances_are_those_of_all_pairs() {
                     (at[i] + rng.range(-0.1, 0.1)).clamp(-6.0, 6.0)
                 }
             });
-            let pose = Isometry3::from_parts(Vector3::from(at).into(), lab::casts::rotation(&mut rng));
+            let pose = Isometry3::from_parts(Vector3::from(at).into(), truth::casts::rotation(&mut rng));
             let slack = *rng.pick(&[0.0, 0.0, 0.3, f64::INFINITY]);
             let near = checker
                 .nearest(&RigidSpace::configuration(&pose), slack)

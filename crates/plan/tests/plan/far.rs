@@ -1,6 +1,6 @@
 //! Segments over which many joints turn far: what is called free is free, and the work stays small.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{Checker, ConfigurationSpace, Joint, SerialArm, Verdict, World};

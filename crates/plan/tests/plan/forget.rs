@@ -1,8 +1,8 @@
 //! A checker that has forgotten answers as a new one, bit for bit.
 
-use lab::arm::{cell, motion, robot};
-use lab::cells::Cell;
-use lab::rng::Rng;
+use truth::arm::{cell, motion, robot};
+use truth::cells::Cell;
+use truth::rng::Rng;
 use lin_canny_plan::{Checker, ConfigurationSpace, SerialArm, World};
 
 fn of_meshes() -> Checker<SerialArm> {

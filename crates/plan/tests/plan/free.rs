@@ -1,9 +1,9 @@
 //! Free or not at a single configuration: an arm of meshes in its cell.
 
-use lab::cells::Cell;
-use lab::pose::Pose;
-use lab::rng::Rng;
-use lab::{brute, soups::Soup};
+use truth::cells::Cell;
+use truth::pose::Pose;
+use truth::rng::Rng;
+use truth::{brute, soups::Soup};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, Shape};
 use lin_canny_plan::{Checker, ConfigurationSpace, RigidSpace, SerialArm, World};

@@ -2,7 +2,7 @@
 
 use crate::judge::{Placed, first_contact, pose_of};
 use cpu_time::ThreadTime;
-use lab::rooms::wall;
+use truth::rooms::wall;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Piece, Progress};
@@ -43,7 +43,7 @@ fn passage(width: f64, seeds: u64, limit: Duration) -> (u64, Duration) {
     let obstacles = wall(width);
     let (mut solved, mut longest) = (0, Duration::ZERO);
     for seed in 0..seeds {
-        let (space, [start, goal]) = lab::rooms::passage();
+        let (space, [start, goal]) = truth::rooms::passage();
         let mut checker = Checker::new(space, world(&robot, &obstacles)).expect("a world");
         let began = ThreadTime::now();
         let plan = checker
@@ -160,7 +160,7 @@ fn a_rectangle_turns_in_the_plane() {
 fn half_turns<C: ConfigurationSpace + Clone>(space: &C) -> u32 {
     let mut found = 0;
     for seed in [17, 341, 1965].into_iter().chain(0..40) {
-        let mut rng = lab::rng::Rng::of_case(17, seed);
+        let mut rng = truth::rng::Rng::of_case(17, seed);
         let mut world = World::new();
         world.robot_body("rod", cuboid(rng.range(0.4, 1.0), 0.05, 0.1));
         for k in 0..4 + rng.below(20) {

@@ -1,7 +1,7 @@
 //! Motions of configuration spaces keep the contract of `Motion`, and gradients are derivatives.
 
-use lab::casts::rotation;
-use lab::rng::Rng;
+use truth::casts::rotation;
+use truth::rng::Rng;
 use lin_canny::motion::Course;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
 use lin_canny_plan::{

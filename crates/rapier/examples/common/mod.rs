@@ -4,7 +4,7 @@
 
 pub(crate) mod picture;
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::{RelativePose, Tracker};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
@@ -148,7 +148,7 @@ impl Scene {
 /// Returns `n` points on an ellipsoid with semi-axes between `least` and `most`.
 pub(crate) fn pebble(rng: &mut Rng, n: usize, least: f64, most: f64) -> Vec<Vector> {
     let axes = std::array::from_fn(|_| rng.range(least, most));
-    let points = lab::shapes::ellipsoid(rng, n, axes).points;
+    let points = truth::shapes::ellipsoid(rng, n, axes).points;
     points.into_iter().map(|p| Vector::from(p.map(|x| x as f32))).collect()
 }
 

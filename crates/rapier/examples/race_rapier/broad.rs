@@ -1,7 +1,7 @@
 //! The broad phase of rapier.
 
-use lab::boxes::Scene;
-use lab::race::boxes::engines::Engine;
+use truth::boxes::Scene;
+use race::common::boxes::engines::Engine;
 use lin_canny_rapier::single::rapier::prelude::*;
 
 /// rapier's broad phase at its best: cuboids without bodies, no prediction distance.

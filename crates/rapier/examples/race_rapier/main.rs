@@ -20,8 +20,8 @@ use lin_canny_rapier::single as engine;
 
 use broad::Broad;
 use clap::{Parser, ValueEnum};
-use lab::boxes::Kind;
-use lab::race::{Options, Rows, boxes, scene};
+use truth::boxes::Kind;
+use race::common::{Options, Rows, boxes, scene};
 use pipeline::Pipeline;
 use std::process::ExitCode;
 
@@ -46,7 +46,7 @@ enum Race {
 }
 
 fn main() -> ExitCode {
-    lab::command::main(race)
+    race::command::main(race)
 }
 
 fn race(Command { race, options }: &Command) -> Result<(), String> {

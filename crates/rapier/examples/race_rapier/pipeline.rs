@@ -1,8 +1,8 @@
 //! Collision detection of rapier without dynamics.
 
-use lab::Pose;
-use lab::crowd::Crowd;
-use lab::race::scene::engines::{Engine, RANGE, hulls32, pose32};
+use truth::Pose;
+use truth::crowd::Crowd;
+use race::common::scene::engines::{Engine, RANGE, hulls32, pose32};
 use lin_canny_rapier::single::rapier::prelude as rapier;
 use rapier::{
     ActiveCollisionTypes, BroadPhaseBvh, ColliderBuilder, ColliderHandle, ColliderSet, CollisionPipeline, ContactPair,

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::{RelativePose, Tracker};
 
 use super::engine::rapier::prelude::*;
@@ -39,7 +39,7 @@ fn pile(count: usize, scale: Real, dispatcher: Certified) -> (PhysicsWorld, Vec<
     let mut rng = Rng::new(41);
     let bodies = (0..count).map(|k| {
         let axes = std::array::from_fn(|_| rng.range(0.3, 0.5));
-        let shell = lab::shapes::ellipsoid(&mut rng, 12, axes).points;
+        let shell = truth::shapes::ellipsoid(&mut rng, 12, axes).points;
         let inner = shell.iter().take(3).map(|p| p.map(|x| 0.5 * x));
         let narrow = |p: [f64; 3]| Vector::from(p.map(|x| x as Real)) * scale;
         let points: Vec<Vector> = inner.chain(shell.iter().copied()).map(narrow).collect();
@@ -175,8 +175,8 @@ fn depth(world: &PhysicsWorld, bodies: &[(RigidBodyHandle, Hull)]) -> f64 {
         let p = world.bodies[h].position();
         let [i, j, k, w] = p.rotation.to_array().map(f64::from);
         let t = p.translation.to_array().map(f64::from);
-        lab::Pose {
-            q: lab::pose::unit_quat([i, j, k, w]),
+        truth::Pose {
+            q: truth::pose::unit_quat([i, j, k, w]),
             t,
         }
         .isometry()

@@ -1,6 +1,6 @@
 //! Small bodies of every convex kind under the gravity of the earth: stacked, and thrown on a floor.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_rapier::lin_canny_parry::lin_canny::{Geometry, PairTracker, RelativePose, Shape};
 
@@ -143,8 +143,8 @@ fn posed(body: &RigidBody, at: &Isometry3<f64>) -> Isometry3<f64> {
     let pose = body.position();
     let [i, j, k, w] = pose.rotation.to_array().map(f64::from);
     let t = pose.translation.to_array().map(f64::from);
-    let q = lab::pose::unit_quat([i, j, k, w]);
-    lab::Pose { q, t }.isometry() * at
+    let q = truth::pose::unit_quat([i, j, k, w]);
+    truth::Pose { q, t }.isometry() * at
 }
 
 /// The greatest depth of two bodies in each other, or of one in the floor.

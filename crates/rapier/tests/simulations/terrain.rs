@@ -1,6 +1,6 @@
 //! Small bodies on a terrain: a mesh of hills under every kind of convex body.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 
 use super::engine::rapier::parry::query::{QueryDispatcher, Ray, RayCast};
 use super::engine::rapier::prelude::*;
@@ -8,7 +8,7 @@ use super::engine::{Certified, Hull, MeshShape, certified_world};
 
 /// Hills with y up, of `2 n^2` triangles a tenth wide.
 fn hills(n: usize) -> MeshShape {
-    let soup = lab::turned::terrain(n);
+    let soup = truth::turned::terrain(n);
     let up = |p: &[f64; 3]| Vector::new(p[0] as Real, p[2] as Real, -p[1] as Real);
     let points: Vec<Vector> = soup.points.iter().map(up).collect();
     MeshShape::from_triangles(&points, &soup.triangles).expect("hills")

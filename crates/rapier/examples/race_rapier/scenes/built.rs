@@ -1,6 +1,6 @@
 //! The scenes, made by program.
 
-use lab::rng::Rng;
+use truth::rng::Rng;
 use lin_canny_rapier::single::rapier::prelude::*;
 use lin_canny_rapier::single::{Certified, Hull, certified_world};
 

@@ -13,8 +13,8 @@ mod built;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use lab::progress::Progress;
-use lab::race::{Options, Rows};
+use race::progress::Progress;
+use race::common::{Options, Rows};
 use lin_canny_rapier::single::rapier::pipeline::PhysicsWorld;
 
 use crate::common::Engine;

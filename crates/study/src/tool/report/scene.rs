@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use lab::arm::draw::{Picture, outline};
+use truth::arm::draw::{Picture, outline};
 use lin_canny::ConvexPolyhedron;
 use lin_canny_plan::ConfigurationSpace;
 use lin_canny_study::robot::Film;

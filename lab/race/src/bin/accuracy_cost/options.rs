@@ -1,0 +1,68 @@
+//! What the command line asks for.
+
+use std::path::PathBuf;
+
+use clap::Parser;
+use clap::builder::PossibleValuesParser;
+use race::command::file;
+
+const PARTS: [&str; 7] = ["levels", "motion", "gap", "geometry", "curved", "nonconvex", "asking"];
+
+/// What each step of accuracy costs in time: every level of this crate and of parry on the same motions,
+/// errors against exact arithmetic. Prints tables and draws pictures
+#[derive(Parser)]
+pub(crate) struct Options {
+    /// One row a pass: engine,level,family,n,ns,err (err over the size of the pair)
+    #[arg(long, value_name = "FILE.csv", value_parser = file("csv"))]
+    pub(crate) csv: Option<PathBuf>,
+    /// Where to draw
+    #[arg(long, value_name = "FOLDER", default_value = "target/accuracy-cost")]
+    pub(crate) out: PathBuf,
+    /// Fewer frames and passes: ten seconds
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// One part alone
+    #[arg(long, value_name = "PART", value_parser = PossibleValuesParser::new(PARTS))]
+    pub(crate) only: Option<String>,
+    /// A mesh of your own instead of ours, taken as a hull of radius 1; give two (parts levels, motion,
+    /// gap, asking)
+    #[arg(long, value_name = "FILE")]
+    mesh: Vec<String>,
+}
+
+impl Options {
+    /// Frames of a motion.
+    pub(crate) fn frames(&self) -> usize {
+        if self.quick { 200 } else { 600 }
+    }
+
+    /// Passes, and stretches of a motion whose error is a row of its own.
+    pub(crate) fn passes(&self) -> usize {
+        if self.quick { 3 } else { 5 }
+    }
+
+    /// Frames that exact arithmetic looks at.
+    pub(crate) fn sampled(&self) -> usize {
+        if self.quick { 15 } else { 50 }
+    }
+
+    pub(crate) fn does(&self, part: &str) -> bool {
+        self.only.as_ref().is_none_or(|p| p == part)
+    }
+
+    /// Returns the meshes of the user, if there are any.
+    pub(crate) fn meshes(&self) -> Option<[&str; 2]> {
+        match self.mesh.as_slice() {
+            [a, b] => Some([a, b]),
+            _ => None,
+        }
+    }
+
+    /// Refuses one mesh, or more than two.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        match self.mesh.len() {
+            0 | 2 => Ok(()),
+            given => Err(format!("two meshes are needed, or none; {given} given")),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! The truth by exact arithmetic: where the distance of a frame lies, whoever is asked.
+//!
+//! Small bodies are solved over the integers. For larger ones a direction and two points are proposals, whoever made them:
+//! exact arithmetic says what the direction proves and how far apart the points are, and between the two lies the truth.
+
+use truth::bound;
+use truth::exact::solve;
+use truth::rng::Rng;
+use lin_canny::{RelativePose, Tracker};
+
+use truth::pairs::Pair;
+
+/// Vertices of a body up to which pairs are solved over the integers.
+const SMALL: usize = 16;
+
+/// Where the distance lies.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Truth {
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+}
+
+impl Truth {
+    /// Of a frame in which the bodies are apart.
+    pub(crate) fn of(pair: &Pair, frame: usize) -> Self {
+        let f = &pair.frames[frame];
+        let (a, b) = (pair.a.plain(), pair.b.plain());
+        if a.points.len().max(b.points.len()) <= SMALL {
+            let d = solve(a, &f.a, b, &f.b).distance;
+            return Self { lower: d, upper: d };
+        }
+        let (pa, pb) = &pair.isometries[frame];
+        let relative = RelativePose::new(pa, pb).expect("poses of a motion");
+        let o = Tracker::new().closest_exact(&pair.a.ours, &pair.b.ours, &relative);
+        let normal = f.a.rotate(o.normal.into_inner().into());
+        let c = bound::check(a, &f.a, b, &f.b, normal, o.point_on_a.into(), o.point_on_b.into());
+        Self {
+            lower: c.lower,
+            upper: c.upper + 2.0 * c.outside.max(0.0),
+        }
+    }
+
+    /// How far off a distance certainly is; infinite where there is none.
+    pub(crate) fn miss(&self, distance: f64) -> f64 {
+        if distance.is_nan() {
+            f64::INFINITY
+        } else {
+            (self.lower - distance).max(distance - self.upper).max(0.0)
+        }
+    }
+}
+
+/// The truth of some frames of a motion.
+pub(crate) struct Sampled {
+    pub(crate) frames: Vec<usize>,
+    truths: Vec<Truth>,
+    sizes: Vec<f64>,
+}
+
+impl Sampled {
+    pub(crate) fn new(pair: &Pair, count: usize) -> Self {
+        Self::of(pair.frames.len(), count, |f| (Truth::of(pair, f), pair.size(f)))
+    }
+
+    /// Of some of `total` frames, by a function that returns the truth of a frame and the size of the pair.
+    pub(crate) fn of(total: usize, count: usize, truth: impl Fn(usize) -> (Truth, f64)) -> Self {
+        // One frame of each stretch, which one by chance: what comes again every so many frames is met.
+        let mut rng = Rng::new(29);
+        let stretch = |k: usize| k * total / count..(k + 1) * total / count;
+        let frames: Vec<usize> = (0..count)
+            .map(stretch)
+            .filter(|s| !s.is_empty())
+            .map(|s| s.start + rng.below(s.len()))
+            .collect();
+        let (truths, sizes) = frames.iter().map(|&f| truth(f)).unzip();
+        Self { frames, truths, sizes }
+    }
+
+    /// The widest of what is left open, over the size of the pair.
+    pub(crate) fn width(&self) -> f64 {
+        let widths = self
+            .truths
+            .iter()
+            .zip(&self.sizes)
+            .map(|(t, l)| (t.upper - t.lower) / l);
+        widths.fold(0.0, f64::max)
+    }
+
+    /// The largest error over the size of the pair, in each of `parts` stretches of the motion.
+    pub(crate) fn errors(&self, parts: usize, distance: impl Fn(usize) -> f64) -> Vec<f64> {
+        let miss = |k: usize| self.truths[k].miss(distance(self.frames[k])) / self.sizes[k];
+        let n = self.frames.len();
+        (0..parts)
+            .map(|p| (p * n / parts..(p + 1) * n / parts).map(miss).fold(0.0, f64::max))
+            .collect()
+    }
+}

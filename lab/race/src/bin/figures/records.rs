@@ -1,0 +1,51 @@
+//! Pictures of measurements, from the newest record of the instrument `accuracy_cost`.
+
+use std::path::{Path, PathBuf};
+
+use race::accuracy;
+use race::plot::Chart;
+use race::record;
+
+use crate::Trouble;
+
+/// The newest file of an ending; dates sort as their names do.
+fn newest(folder: &Path, ending: &str) -> Result<PathBuf, Trouble> {
+    let files = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let name = |p: &PathBuf| p.file_name().is_some_and(|n| n.to_string_lossy().ends_with(ending));
+    let mut records: Vec<PathBuf> = files.filter_map(|f| Some(f.ok()?.path())).filter(name).collect();
+    records.sort();
+    Ok(records
+        .pop()
+        .ok_or(format!("no record that ends in {ending} in benches/record"))?)
+}
+
+/// A chart as text that can stand in documentation: without blank lines, and no wider than the page.
+pub(crate) fn text(chart: &Chart) -> Result<String, Trouble> {
+    let svg = chart.svg()?;
+    let lines = svg.lines().filter(|l| !l.trim().is_empty());
+    Ok(lines.flat_map(|l| [l, "\n"]).collect())
+}
+
+/// Names and texts of the pictures, and of the table beside them.
+pub(crate) fn pictures(folder: &Path) -> Result<Vec<(&'static str, String)>, Trouble> {
+    let files = [newest(folder, "-accuracy.csv")?, newest(folder, "-shapes.csv")?];
+    let rows = record::read(&files[0])?;
+    let shapes = record::read(&files[1])?;
+    println!("from {} and {}", files[0].display(), files[1].display());
+    Ok(vec![
+        (
+            "cost.md",
+            accuracy::table(&rows, "sphere 0.5deg", &[8, 32, 128, 512, 2048, 8192]),
+        ),
+        (
+            "accuracy.svg",
+            text(&accuracy::error_and_time(&rows, "sphere 0.05deg", 512))?,
+        ),
+        ("motion.svg", text(&accuracy::time_and_motion(&rows, 512))?),
+        ("contact-error.svg", text(&accuracy::error_and_gap(&rows, "flush", 8))?),
+        ("contact-time.svg", text(&accuracy::time_and_gap(&rows, "flush", 8))?),
+        ("geometry.svg", text(&accuracy::geometry(&rows))?),
+        ("curved.svg", text(&accuracy::curved(&shapes, "cylinder-ellipsoid"))?),
+        ("asking.svg", text(&accuracy::asking(&rows, "asking 0.05deg", 512))?),
+    ])
+}

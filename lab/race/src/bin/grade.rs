@@ -1,0 +1,217 @@
+//! Answers a file of cases: `grade [--level walk|certified|exact] [--shapes hull|mesh] [--cold] FILE PART START`.
+//!
+//! The format of both files stands in `tests/CASES.md`. Each case of FILE from number START on gets a line in PART,
+//! flushed as it is written, so that whoever drives this can restart it behind a case that ends it. The tracker is kept
+//! along the frames of one motion (unless `--cold`); witnesses are in each body's own frame.
+
+use std::collections::HashMap;
+use std::fmt::Write as _;
+use std::fs::File;
+use std::io::Write as _;
+use std::time::Instant;
+
+use clap::{Parser, ValueEnum};
+use truth::suite::{Case, Line, Reader};
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
+use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
+
+/// Which level of accuracy answers.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Accuracy {
+    Walk,
+    Certified,
+    Exact,
+}
+
+/// How bodies are made: from the vertices alone, or with the faces given.
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Shapes {
+    Hull,
+    Mesh,
+}
+
+/// Answers the cases of FILE from number START on and appends a line for each to PART; both formats
+/// stand in tests/CASES.md
+#[derive(Parser)]
+struct Options {
+    /// Accuracy of the answers
+    #[arg(long, value_enum, default_value_t = Accuracy::Certified)]
+    level: Accuracy,
+    /// Bodies from the vertices alone, or with the faces given
+    #[arg(long, value_enum, default_value_t = Shapes::Hull)]
+    shapes: Shapes,
+    /// A new tracker for every case
+    #[arg(long)]
+    cold: bool,
+    file: String,
+    part: String,
+    start: usize,
+}
+
+/// A pose from the numbers of the file: taken as they are where they are a rotation, else divided by the norm.
+fn pose(p: &truth::Pose) -> Isometry3<f64> {
+    let [x, y, z, w] = p.q;
+    let q = Quaternion::new(w, x, y, z);
+    let unit = (q.norm_squared() - 1.0).abs() <= 1e-12;
+    let q = if unit {
+        UnitQuaternion::new_unchecked(q)
+    } else {
+        UnitQuaternion::new_normalize(q)
+    };
+    Isometry3::from_parts(Translation3::new(p.t[0], p.t[1], p.t[2]), q)
+}
+
+fn body(shape: &truth::shapes::Shape, mesh: bool) -> Result<ConvexPolyhedron, Box<dyn std::error::Error>> {
+    let points: Vec<_> = shape.points.iter().map(|&p| Point3::from(p)).collect();
+    Ok(match (mesh && !shape.faces.is_empty(), points.len()) {
+        (true, _) => ConvexPolyhedron::from_faces(&points, &shape.faces)?,
+        (false, 1) => ConvexPolyhedron::point(points[0])?,
+        (false, 2) => ConvexPolyhedron::segment(points[0], points[1])?,
+        (false, _) => ConvexPolyhedron::from_points(&points).or_else(|_| ConvexPolyhedron::polygon(&points))?,
+    })
+}
+
+/// One line of the answer file.
+fn answer(
+    tracker: &mut Tracker,
+    level: Accuracy,
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    case: &Case,
+    layers: &mut Layers,
+) -> Result<String, Box<dyn std::error::Error>> {
+    let (pa, pb) = (pose(&case.pose_a), pose(&case.pose_b));
+    let began = Instant::now();
+    let relative = RelativePose::new(&pa, &pb)?;
+    let (class, distance, on_a, on_b, normal, layer) = match level {
+        Accuracy::Walk => {
+            let p = tracker.propose(a, b, &relative);
+            let class = if p.distance == Some(0.0) {
+                Class::Touching
+            } else if p.distance.is_some() {
+                Class::Separated
+            } else {
+                Class::Overlapping
+            };
+            (
+                class,
+                p.distance.unwrap_or(0.0),
+                p.point_on_a,
+                p.point_on_b,
+                p.normal,
+                p.solver,
+            )
+        }
+        Accuracy::Certified => {
+            let o = tracker.closest(a, b, &relative);
+            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
+        }
+        Accuracy::Exact => {
+            let o = tracker.closest_exact(a, b, &relative);
+            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
+        }
+    };
+    let ns = began.elapsed().as_nanos();
+    layers.count(&case.family, class, layer as usize);
+    let word = match class {
+        Class::Separated => "sep",
+        Class::Touching => "touch",
+        Class::Overlapping => "pen",
+        _ => "none",
+    };
+    let n = pa.rotation * normal;
+    let mut line = format!("{} {word} {distance:e}", case.id);
+    for x in on_a.iter().chain(on_b.iter()).chain(n.iter()) {
+        write!(line, " {x:e}")?;
+    }
+    writeln!(line, " {ns}")?;
+    Ok(line)
+}
+
+/// Which layer answered how many cases of each family: separated and not.
+#[derive(Default)]
+struct Layers(HashMap<String, [[u64; 7]; 2]>);
+
+impl Layers {
+    fn count(&mut self, family: &str, class: Class, layer: usize) {
+        let row = self.0.entry(family.to_owned()).or_default();
+        row[usize::from(class != Class::Separated)][layer] += 1;
+    }
+
+    fn print(&self) {
+        let mut families: Vec<_> = self.0.iter().collect();
+        families.sort();
+        eprintln!(
+            "{:<16} {:>5} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+            "family", "", "walk", "restart", "fallback", "dd", "exact", "far", "surface"
+        );
+        let mut sums = [[0; 7]; 2];
+        let line = |name: &str, kind: &str, row: &[u64; 7]| {
+            let cells: String = row.iter().map(|n| format!(" {n:>9}")).collect();
+            eprintln!("{name:<16} {kind:>5}{cells}");
+        };
+        for (name, rows) in families {
+            for (k, kind) in ["sep", "other"].iter().enumerate() {
+                line(name, kind, &rows[k]);
+                for (sum, n) in sums[k].iter_mut().zip(rows[k]) {
+                    *sum += n;
+                }
+            }
+        }
+        line("all", "sep", &sums[0]);
+        line("all", "other", &sums[1]);
+    }
+}
+
+fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
+    let mut part = File::create(&o.part)?;
+    let level = match o.level {
+        Accuracy::Walk => "walk",
+        Accuracy::Certified => "certified",
+        Accuracy::Exact => "exact",
+    };
+    // The walk alone computes no depth.
+    let signed = if o.level == Accuracy::Walk { "no" } else { "yes" };
+    writeln!(
+        part,
+        "# engine lin-canny {level}\n# signed {signed}\n# witness local\n# normal yes\n# distance yes"
+    )?;
+    let mut bodies: HashMap<usize, Option<ConvexPolyhedron>> = HashMap::new();
+    let (mut tracker, mut sequence, mut layers, mut seen) = (Tracker::new(), None, Layers::default(), 0);
+    for line in Reader::open(&o.file)? {
+        match line? {
+            Line::Header(_) => {}
+            Line::Shape(s) => {
+                let built = body(&s.shape, o.shapes == Shapes::Mesh)
+                    .inspect_err(|e| eprintln!("shape {}: {e}", s.id))
+                    .ok();
+                bodies.insert(s.id, built);
+            }
+            Line::Case(case) => {
+                seen += 1;
+                if o.cold || case.sequence.is_none() || case.sequence != sequence {
+                    tracker.reset();
+                }
+                sequence = case.sequence;
+                if seen <= o.start {
+                    continue;
+                }
+                let (a, b) = (
+                    bodies.get(&case.a).and_then(Option::as_ref),
+                    bodies.get(&case.b).and_then(Option::as_ref),
+                );
+                let text = match (a, b) {
+                    (Some(a), Some(b)) => answer(&mut tracker, o.level, a, b, &case, &mut layers)?,
+                    _ => format!("{} noshape - - - - - - - - - - -\n", case.id),
+                };
+                part.write_all(text.as_bytes())?;
+            }
+        }
+    }
+    layers.print();
+    Ok(())
+}
+
+fn main() -> std::process::ExitCode {
+    race::command::main(run)
+}

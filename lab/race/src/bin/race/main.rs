@@ -1,0 +1,84 @@
+//! Races against other libraries on the same motions.
+//!
+//! ```text
+//! cargo run --release -p lab --bin race -- pairs [--csv FILE] [--quick] [--only SCENE] [--upto N]
+//! ```
+
+mod bending;
+mod cad;
+mod contact;
+mod curved;
+mod impact;
+mod instructions;
+mod meshes;
+mod pairs;
+mod patches;
+mod plan;
+mod points;
+mod rays;
+mod rrt;
+
+use clap::{Parser, ValueEnum};
+use truth::boxes::Kind;
+use race::common::{Options, Rows, boxes, scene};
+use std::process::ExitCode;
+
+/// Ours against other libraries: closest points of two bodies, of two curved shapes, their contacts,
+/// boxes of many bodies, whole scenes, casts of moving bodies, meshes, segments of planners, curved
+/// surfaces, rays, hulls of points; instructions of queries
+#[derive(Parser)]
+struct Command {
+    /// Which race
+    #[arg(value_enum)]
+    race: Race,
+    #[command(flatten)]
+    options: Options,
+    /// One cell of the instructions, to be asked by itself
+    #[arg(long, hide = true)]
+    cell: Option<String>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Race {
+    Pairs,
+    Curved,
+    Contact,
+    Boxes,
+    Scene,
+    Impact,
+    Meshes,
+    Plan,
+    Patches,
+    Rays,
+    Hulls,
+    Instructions,
+}
+
+fn main() -> ExitCode {
+    race::command::main(race)
+}
+
+fn race(Command { race, options, cell }: &Command) -> Result<(), String> {
+    if let Some(cell) = cell {
+        return instructions::run_cell(cell);
+    }
+    let (scenes, run): (Vec<&str>, fn(&Options) -> Rows) = match race {
+        Race::Pairs => (pairs::SCENES.into(), pairs::run),
+        Race::Curved => (curved::SCENES.into(), curved::run),
+        Race::Contact => (truth::contacts::SCENES.into(), contact::run),
+        Race::Boxes => (boxes::RACED.map(Kind::name).into(), |o| boxes::run(o, &[])),
+        Race::Scene => (scene::SCENES.map(|s| s.0).into(), |o| scene::run(o, &[])),
+        Race::Impact => (impact::SCENES.map(|s| s.0).into(), impact::run),
+        Race::Meshes => (meshes::SCENES.into(), meshes::run),
+        Race::Plan => (plan::SCENES.into(), plan::run),
+        Race::Patches => (patches::SCENES.into(), patches::run),
+        Race::Rays => (rays::SCENES.into(), rays::run),
+        Race::Hulls => (points::SCENES.into(), points::run),
+        Race::Instructions => {
+            options.check(&instructions::SCENES)?;
+            return options.save(&instructions::run(options)?);
+        }
+    };
+    options.check(&scenes)?;
+    options.save(&run(options))
+}

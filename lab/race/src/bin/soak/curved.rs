@@ -1,0 +1,335 @@
+//! Curved shapes along random motions, each frame judged by the duality gap in double-double (`truth::curved`).
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use truth::Pose;
+use truth::curved::{KINDS, Kind, Place, Wide, special, wide};
+use truth::motion::{self, Frame};
+use truth::pose::{norm, sub};
+use truth::rng::Rng;
+use lin_canny::{Class, Outcome, PairTracker, Shape, Solver};
+
+/// Aspect up to which the width of bounds is promised, and the promise, over the size of the pair.
+const ASPECT: f64 = 30.0;
+const WIDTH: f64 = 1e-13;
+
+/// The promised width for a pair with a superquadric.
+const ROUGH: f64 = 2e-13;
+
+/// Counts of the curved motions of a run.
+#[derive(Default, Debug)]
+pub(crate) struct Mix {
+    pub(crate) frames: u64,
+    pub(crate) queries: u64,
+    /// Separated, touching, overlapping, undecided.
+    pub(crate) classes: [u64; 4],
+    /// Frames of separated shapes that a solver after the first answered.
+    pub(crate) beyond: u64,
+    /// Frames of pairs with a rounded shape.
+    pub(crate) rounded: u64,
+    /// Width of the bounds of separated shapes, over the size of the pair.
+    pub(crate) widest: f64,
+}
+
+impl Mix {
+    pub(crate) fn add(&mut self, o: &Self) {
+        self.frames += o.frames;
+        self.queries += o.queries;
+        self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
+        self.beyond += o.beyond;
+        self.rounded += o.rounded;
+        self.widest = self.widest.max(o.widest);
+    }
+}
+
+/// A pair of shapes, the cores and roundings that the judge knows, and a motion.
+struct Trial {
+    cores: [Kind; 2],
+    round: [f64; 2],
+    shapes: [Shape; 2],
+    /// Whether the aspect is one for which the width of the bounds is promised.
+    plain: bool,
+    frames: Vec<Frame>,
+}
+
+fn trial(rng: &mut Rng) -> Trial {
+    if rng.chance(0.25) {
+        return special_trial(rng);
+    }
+    let plain = rng.chance(0.9);
+    let aspect = rng.log_range(1.0, if plain { ASPECT } else { 1e5 });
+    let (first, second) = (*rng.pick(&KINDS), *rng.pick(&KINDS[3..]));
+    let mut cores = [Kind::random(first, rng, aspect), Kind::random(second, rng, aspect)];
+    if rng.chance(0.5) {
+        cores.reverse();
+    }
+    let mut round = || {
+        if rng.chance(0.25) {
+            rng.log_range(1e-6, 1.0)
+        } else {
+            0.0
+        }
+    };
+    let round = [round(), round()];
+    let shape = |k: usize| match round[k] {
+        0.0 => cores[k].shape(),
+        r => cores[k].shape().rounded(r).expect("a rounding is positive"),
+    };
+    let shapes = [shape(0), shape(1)];
+    let frames = moves(&cores, round, rng);
+    Trial {
+        cores,
+        round,
+        shapes,
+        plain,
+        frames,
+    }
+}
+
+/// Sharp shapes at special poses: lowered onto an edge, about parallel axes, superquadrics near the limits of their exponents
+/// close to contact.
+fn special_trial(rng: &mut Rng) -> Trial {
+    let (cores, frames) = match rng.below(3) {
+        0 => {
+            let (cores, place, side, _) = special::flush_over_edge(rng);
+            let lifts = [0.1, 1e-2, 1e-4, 1e-7, 1e-9, 1e-11, 1e-13, 0.0, 0.0];
+            let lowered = lifts.map(|lift| Place {
+                t: [place.t[0], place.t[1], place.t[2] + side * lift],
+                ..place
+            });
+            (cores, lowered.iter().map(Place::frame).collect())
+        }
+        1 => {
+            let (cores, place) = special::about_parallel_axes(rng);
+            (cores, vec![place.frame()])
+        }
+        _ => {
+            let mut cores = [
+                special::near_limits(rng),
+                Kind::random(rng.pick::<&str>(&KINDS), rng, 3.0),
+            ];
+            if rng.chance(0.5) {
+                cores.reverse();
+            }
+            let frames = moves(&cores, [0.0; 2], rng);
+            (cores, frames)
+        }
+    };
+    let shapes = [cores[0].shape(), cores[1].shape()];
+    Trial {
+        cores,
+        round: [0.0; 2],
+        shapes,
+        plain: true,
+        frames,
+    }
+}
+
+/// A motion that comes near, touches or overlaps.
+fn moves(cores: &[Kind; 2], round: [f64; 2], rng: &mut Rng) -> Vec<Frame> {
+    let radii = (cores[0].radius() + round[0], cores[1].radius() + round[1]);
+    let (sum, small) = (radii.0 + radii.1, radii.0.min(radii.1));
+    let n = 40 + rng.below(120);
+    let degrees = rng.log_range(1e-3, 30.0);
+    let upright = |z: f64| Frame {
+        a: Pose::IDENTITY,
+        b: Pose::shift([0.0, 0.0, z]),
+    };
+    let up = |k: usize, z: f64| cores[k].height(&wide([0.0, 0.0, z])).0 + round[k];
+    let top = upright(up(0, 1.0) + up(1, -1.0));
+    match rng.below(8) {
+        0 | 1 => {
+            let gaps = (-rng.range(0.0, 0.9) * sum, rng.range(0.0, 0.5) * sum);
+            motion::orbit_and_spin(rng, n, degrees, radii, gaps, 100)
+        }
+        2 => {
+            let miss = rng.range(0.0, 1.2) * sum;
+            motion::tumble_past(rng, n, degrees, miss, 3.0 * sum)
+        }
+        3 => {
+            let miss = if rng.chance(0.3) {
+                0.0
+            } else {
+                rng.range(0.0, 0.7) * sum
+            };
+            motion::pass_through(rng, n, radii, miss)
+        }
+        4 => {
+            let (shift, angle) = (small * rng.log_range(1e-17, 1e-2), rng.log_range(1e-17, 1e-2));
+            motion::jitter(rng, top, shift, angle, n)
+        }
+        5 => {
+            let axis = if rng.chance(0.5) { [0.0, 0.0, 1.0] } else { rng.unit() };
+            motion::spin(if rng.chance(0.7) { top } else { upright(0.0) }, axis, degrees, n)
+        }
+        6 => {
+            let (axis, near) = (rng.unit(), sum * rng.range(0.0, 0.99));
+            motion::approach(rng, axis, 1.5 * sum, near, 1e-14, n)
+        }
+        _ => motion::random_poses(rng, n, radii, (0.0, 1.2), sum),
+    }
+}
+
+/// Plays one trial: what failed, at which frame.
+pub(crate) fn play(seed: u64) -> Result<Mix, String> {
+    let mut rng = Rng::new(seed);
+    let trial = trial(&mut rng);
+    let (mut mix, mut pair, mut last) = (Mix::default(), PairTracker::new(), None);
+    for (k, frame) in trial.frames.iter().enumerate() {
+        let place = Place::of(frame);
+        let asked = catch_unwind(AssertUnwindSafe(|| {
+            frame_of(&trial, &place, &mut pair, &mut rng, &mut mix)
+        }));
+        let fault = match asked {
+            Ok(Ok(o)) => jump(&trial, last.replace((place, o)).as_ref(), &place, &o),
+            Ok(Err(what)) => Some(what),
+            Err(_) => Some("a panic".to_owned()),
+        };
+        if let Some(what) = fault {
+            let Trial { cores, round, .. } = &trial;
+            return Err(format!("frame {k}: {what}\n{cores:?}, rounded by {round:?}\n{place:?}"));
+        }
+    }
+    Ok(mix)
+}
+
+/// One frame: the tracked answer, judged.
+fn frame_of(
+    trial: &Trial,
+    place: &Place,
+    pair: &mut PairTracker,
+    rng: &mut Rng,
+    mix: &mut Mix,
+) -> Result<Outcome, String> {
+    let [a, b] = &trial.shapes;
+    let pose = place.pose();
+    let o = pair.closest(a, b, &pose);
+    mix.frames += 1;
+    mix.queries += 1;
+    mix.classes[o.class as usize] += 1;
+    mix.beyond += u64::from(o.class == Class::Separated && o.solver != Solver::Walk);
+    mix.rounded += u64::from(trial.round != [0.0; 2]);
+    let fault = judged(trial, place, &o, rng, mix);
+    if fault.is_none() && rng.chance(0.125) {
+        mix.queries += 5;
+        return match others(trial, place, &o, pair) {
+            Some(what) => Err(format!("{what}\n{o:?}")),
+            None => Ok(o.outcome),
+        };
+    }
+    fault.map_or(Ok(o.outcome), |what| Err(format!("{what}\n{o:?}")))
+}
+
+/// The width of bounds that is promised for the pair, over its size.
+fn widest(trial: &Trial) -> f64 {
+    let is_rough = |kind: &Kind| matches!(kind, Kind::Superquadric(..));
+    if trial.cores.iter().any(is_rough) { ROUGH } else { WIDTH }
+}
+
+/// Gap within which class and predicates may leave open which of them holds, over the size of the pair.
+fn open_within(trial: &Trial) -> f64 {
+    let is_polyhedral = |kind: &Kind| matches!(kind, Kind::Hull(_));
+    if trial.cores.iter().all(is_polyhedral) {
+        0.0
+    } else if widest(trial) == ROUGH {
+        1e-13
+    } else {
+        3e-14
+    }
+}
+
+/// Whether an answer contradicts itself or the judge.
+fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mix) -> Option<String> {
+    let [a, b] = &trial.cores;
+    let round = trial.round[0] + trial.round[1];
+    let size = place.size(a, b) + round;
+    let slack = 8.0 * f64::EPSILON * size;
+    if !(o.lower <= o.distance && o.distance <= o.upper && o.upper.is_finite()) {
+        return Some("bounds out of order".into());
+    }
+    let points = [o.point_on_a, o.point_on_b];
+    if points.iter().any(|p| !p.coords.iter().all(|x| x.is_finite())) {
+        return Some("a point that is no number".into());
+    }
+    if (o.normal.norm() - 1.0).abs() > 1e-15 {
+        return Some("a normal not of unit length".into());
+    }
+    let proof = place.height(a, b, &wide((*o.normal).into())).0 - round;
+    if o.lower > proof + slack && o.class == Class::Overlapping {
+        return Some(format!("the normal proves {proof:e} alone"));
+    }
+    // Any direction is a lower bound of the truth.
+    let height = |n: [f64; 3]| place.height(a, b, &wide(n)).0 - round;
+    let directions = std::iter::repeat_with(|| rng.unit()).take(4);
+    let best = directions.map(height).fold(proof, f64::max);
+    if best > o.upper + slack {
+        return Some(format!("a direction proves {best:e}"));
+    }
+    if o.class != Class::Separated {
+        return None;
+    }
+    let width = (o.upper - o.lower) / size;
+    if trial.plain {
+        mix.widest = mix.widest.max(width);
+    }
+    if trial.plain && width > widest(trial) {
+        return Some(format!("bounds {width:e} L wide"));
+    }
+    // Points of rounded shapes are outside of the cores by the rounding.
+    let (_, upper) = place.truth(a, b, o);
+    let rounded = round > 0.0;
+    (!rounded && (Wide::from(o.lower) - upper).0 > slack).then(|| format!("the points prove {upper:?}"))
+}
+
+/// Other ways to the same answer.
+fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> Option<String> {
+    let [a, b] = &trial.shapes;
+    let pose = place.pose();
+    let meet = |p: &Outcome| o.lower <= p.upper && p.lower <= o.upper;
+    let cold = PairTracker::new().closest(a, b, &pose);
+    if !meet(&cold) {
+        return Some(format!("cold: {cold:?}"));
+    }
+    let swapped = PairTracker::new().closest(b, a, &pose.swapped());
+    if !meet(&swapped) {
+        return Some(format!("swapped: {swapped:?}"));
+    }
+    let round = trial.round[0] + trial.round[1];
+    let size = place.size(&trial.cores[0], &trial.cores[1]) + round;
+    // Predicates take bounds of their own, which may tell more of shapes that nearly touch.
+    let nearly = open_within(trial) * size;
+    let (meets, is_apart) = (!pair.intersects(a, b, &pose).is_no(), o.class == Class::Separated);
+    if meets == is_apart && o.lower > nearly {
+        return Some("intersects contradicts the class".into());
+    }
+    if pair.within(a, b, &pose, o.upper.max(0.0)).is_no() {
+        return Some("not within the upper bound".into());
+    }
+    // The predicate takes bounds of its own, and what they leave open counts as within.
+    if trial.plain && o.lower > 0.0 && pair.within(a, b, &pose, o.lower - widest(trial) * size).is_yes() {
+        return Some("within less than the lower bound".into());
+    }
+    if round == 0.0 {
+        return None;
+    }
+    // A rounded pair is the pair of the cores, less the roundings.
+    let cores = trial.cores.each_ref().map(Kind::shape);
+    let core = PairTracker::new().closest(&cores[0], &cores[1], &pose);
+    let slack = 8.0 * f64::EPSILON * size;
+    let agree = core.lower - round <= o.upper + slack && o.lower <= core.upper - round + slack;
+    (!agree).then(|| format!("the cores: {core:?}"))
+}
+
+/// Whether the distance changed by more than any point of B moved.
+fn jump(trial: &Trial, last: Option<&(Place, Outcome)>, place: &Place, o: &Outcome) -> Option<String> {
+    let (old, p) = last?;
+    let chord = |sign: f64| {
+        let squares = (0..4).map(|k| (place.q[k] - sign * old.q[k]).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let reach = trial.cores[1].radius() + trial.round[1];
+    let moved = norm(sub(place.t, old.t)) + 2.0 * chord(1.0).min(chord(-1.0)) * reach;
+    let slack = moved + 1e-14 * (norm(place.t) + norm(old.t) + reach);
+    let jumped = o.lower > p.upper + slack || p.lower > o.upper + slack;
+    jumped.then(|| format!("the distance jumped from {:e} to {:e}", p.distance, o.distance))
+}

@@ -1,0 +1,362 @@
+//! Judges an answer without the crate: bounds, normal and witnesses against the points that the bodies were made of.
+//!
+//! Each frame in f64 with the rounding of that added; what does not pass there, and a share of the rest, by exact
+//! arithmetic; small bodies now and then by the naive oracle, which knows the truth.
+
+use truth::motion::Frame;
+use truth::pose::{add, cross, dot, norm, scale, sub, unit};
+use truth::rng::Rng;
+use truth::shapes::Shape;
+use truth::support;
+use truth::{Body, Point, Pose, bound, exact};
+use lin_canny::{Class, Manifold, Outcome};
+
+use crate::draw::{Drawn, Trial};
+
+/// Half a unit in the last place of 1.
+const UNIT: f64 = f64::EPSILON / 2.0;
+
+/// Coordinates that are more than 2^49 times as large as the pair count for its size by this part of them.
+const FAR: f64 = 1.0 / (1u64 << 48) as f64;
+
+/// Width of bounds that is promised, in units of the pair's size.
+const WIDTH: f64 = 1e-13;
+
+/// One body as the judge sees it: the points it was made of, and the faces it says it has.
+pub(crate) struct Side {
+    shape: Shape,
+    /// A corner and the unit normal of each face, as f64 has them.
+    planes: Vec<(Point, Point)>,
+    /// What the radius is about.
+    middle: Point,
+    radius: f64,
+    /// Greatest distance of a point from the body's own origin.
+    reach: f64,
+    /// The same with its faces found exactly, for the oracle.
+    small: Option<Shape>,
+}
+
+impl Side {
+    fn new(drawn: &Drawn) -> Self {
+        let body = &drawn.body;
+        let rim = |f| {
+            let source = |v| body.source_vertex(v).expect("a vertex was a point") as u32;
+            body.face_vertices(f).map(source).collect::<Vec<u32>>()
+        };
+        let points = drawn.shape.points.clone();
+        let faces: Vec<_> = body.faces().map(rim).collect();
+        let plane = |f: &Vec<u32>| {
+            let at = |k: usize| points[f[k] as usize];
+            let fan = (2..f.len()).map(|k| cross(sub(at(k - 1), at(0)), sub(at(k), at(0))));
+            (at(0), unit(fan.fold([0.0; 3], add)))
+        };
+        let planes = faces.iter().map(plane).collect();
+        // The middle of the box, but zero in every coordinate in which that is no more than two half diagonals from the body's own
+        // origin: what L is about. A single point stays where it is.
+        let bound = |worse: fn(f64, f64) -> f64| {
+            let corner = |p: Point, q: &Point| std::array::from_fn(|k| worse(p[k], q[k]));
+            points.iter().fold(points[0], corner)
+        };
+        let (low, high): (Point, Point) = (bound(f64::min), bound(f64::max));
+        let half = 0.5 * norm(sub(high, low));
+        let far = |x: f64| {
+            if points.len() > 1 && x.abs() > 2.0 * half {
+                x
+            } else {
+                0.0
+            }
+        };
+        let middle: Point = std::array::from_fn(|k| far(0.5 * low[k] + 0.5 * high[k]));
+        let radius = points.iter().map(|&p| norm(sub(p, middle))).fold(0.0, f64::max);
+        Self {
+            planes,
+            middle,
+            radius,
+            reach: truth::pose::radius(&points),
+            small: oracle_shape(&points),
+            shape: Shape {
+                name: drawn.shape.name.clone(),
+                points,
+                faces,
+            },
+        }
+    }
+
+    fn body(&self) -> Body<'_> {
+        (&self.shape).into()
+    }
+
+    /// How far a point lies outside the worst plane; bodies without volume are looked at across their faces alone.
+    fn outside(&self, p: Point) -> f64 {
+        let heights = self.planes.iter().map(|&(c, n)| dot(n, sub(p, c)));
+        heights.fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+/// What the oracle can solve within milliseconds.
+fn oracle_shape(points: &[Point]) -> Option<Shape> {
+    let shape = Shape::hull("small", points.to_vec());
+    match points.len() {
+        1 | 2 => Some(shape),
+        4..=16 => Some(shape.solved()).filter(|s| !s.faces.is_empty()),
+        _ => None,
+    }
+}
+
+/// A drawn pair as the judge sees it.
+pub(crate) struct Judge {
+    a: Side,
+    b: Side,
+}
+
+/// What an answer shows of itself along its normal and at its witnesses.
+#[derive(Clone, Copy, Debug)]
+struct Shown {
+    /// Distance of the supporting planes across the normal.
+    gap: f64,
+    /// Distance of the witnesses.
+    apart: f64,
+    /// The larger height of a witness above its body's faces, zero within.
+    outside: f64,
+    /// What rounding may have added to any of these.
+    slack: f64,
+}
+
+impl Judge {
+    pub(crate) fn new(trial: &Trial) -> Self {
+        Self {
+            a: Side::new(&trial.a),
+            b: Side::new(&trial.b),
+        }
+    }
+
+    /// Radii about the middles and the distance of these: what bounds are relative to.
+    pub(crate) fn size(&self, f: &Frame) -> f64 {
+        let a_from_b = f.relative();
+        self.a.radius + self.b.radius + norm(sub(a_from_b.apply(self.b.middle), self.a.middle))
+    }
+
+    /// What f64 may lose in the frame of A.
+    fn slack(&self, f: &Frame) -> f64 {
+        64.0 * UNIT * (self.a.reach + self.b.reach + norm(sub(f.b.t, f.a.t)))
+    }
+
+    /// The distance of the supporting planes across `n`, in A's frame and in f64.
+    fn gap(&self, a_from_b: &Pose, n: Point) -> f64 {
+        let in_b = a_from_b.rotate_back(n);
+        let high = self.a.shape.points.iter().map(|&p| dot(n, p));
+        let low = self.b.shape.points.iter().map(|&p| dot(in_b, p));
+        low.fold(f64::INFINITY, f64::min) + dot(n, a_from_b.t) - high.fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// What is wrong with an answer, if anything is, by f64 and, where that cannot tell or if `exactly`, by exact
+    /// arithmetic. Says whether that was needed.
+    pub(crate) fn fault(&self, f: &Frame, o: &Outcome, exactly: bool) -> (Option<String>, bool) {
+        if let Some(fault) = contradiction(o) {
+            return (Some(fault.into()), false);
+        }
+        let size = self.size(f);
+        let rounded = self.shown(f, o);
+        let found = self.weigh(f, o, &rounded, size);
+        // What f64 calls a fault may be its own; what it lets pass is judged as far as it sees.
+        if !exactly && found.is_none() && rounded.slack <= 0.1 * size * WIDTH {
+            return (None, false);
+        }
+        (self.weigh(f, o, &self.shown_exactly(f, o), size), true)
+    }
+
+    fn shown(&self, f: &Frame, o: &Outcome) -> Shown {
+        let a_from_b = f.relative();
+        let (p, q, n) = parts(o);
+        Shown {
+            gap: self.gap(&a_from_b, n),
+            apart: norm(sub(a_from_b.apply(q), p)),
+            outside: self.a.outside(p).max(self.b.outside(q)).max(0.0),
+            slack: self.slack(f),
+        }
+    }
+
+    fn shown_exactly(&self, f: &Frame, o: &Outcome) -> Shown {
+        let (p, q, n) = parts(o);
+        let (a, b) = (self.a.body(), self.b.body());
+        let over = |s: &Side, p: Point| {
+            if s.shape.faces.is_empty() {
+                0.0
+            } else {
+                bound::outside_by(p, s.body())
+            }
+        };
+        Shown {
+            gap: bound::support_gap(a, &f.a, b, &f.b, f.a.rotate(n)),
+            apart: bound::witness_distance(p, &f.a, q, &f.b),
+            outside: over(&self.a, p).max(over(&self.b, q)).max(0.0),
+            // A witness is rounded where its body has it.
+            slack: 8.0 * UNIT * (self.a.reach + self.b.reach),
+        }
+    }
+
+    /// The promises, one by one. The first two are what soundness is.
+    fn weigh(&self, f: &Frame, o: &Outcome, s: &Shown, size: f64) -> Option<String> {
+        let rounding = if s.slack > 8.0 * UNIT * (self.a.reach + self.b.reach) {
+            s.slack
+        } else {
+            0.0
+        };
+        let overlapping = o.class == Class::Overlapping;
+        let width = WIDTH * size + 2.0 * s.slack;
+        let (p, q, n) = parts(o);
+        let between = sub(f.relative().apply(q), p);
+        let aside = norm(sub(between, scale(n, dot(n, between))));
+        let told = [
+            (
+                o.upper >= s.gap - rounding,
+                "the upper bound is below the gap along the normal",
+            ),
+            (
+                overlapping || o.lower <= s.apart + 2.0 * s.outside + s.slack,
+                "the lower bound is above the distance of the witnesses",
+            ),
+            (
+                o.upper - o.lower <= WIDTH * (size + FAR * (self.a.reach + self.b.reach)),
+                "the bounds are wide",
+            ),
+            (s.gap >= o.lower - width, "the normal does not prove the lower bound"),
+            (
+                overlapping || s.apart <= o.upper + width,
+                "the witnesses do not attain the upper bound",
+            ),
+            (s.outside <= width, "a witness lies outside its body"),
+            (
+                !overlapping || (dot(n, between) - o.distance).abs() <= width + self.slack(f),
+                "the witnesses are not the depth apart along the normal",
+            ),
+            (
+                // Where needles cross, a turn by rounding shifts the place of the crossing by much more.
+                !overlapping || aside <= 1e-10 * size + self.slack(f),
+                "the witnesses are not behind each other along the normal",
+            ),
+        ];
+        // Comparisons with NaN are false.
+        let fault = told.iter().find(|(holds, _)| !holds)?.1;
+        Some(format!("{fault}: {s:?}, size {size:e}"))
+    }
+
+    /// What is wrong with the contacts of an answer, if anything is: each lies on both bodies, and its points are opposite each
+    /// other along the normal, as far apart as they say.
+    pub(crate) fn contact_fault(&self, f: &Frame, o: &Outcome, m: &Manifold) -> Option<String> {
+        let (a_from_b, width) = (f.relative(), WIDTH * self.size(f) + 2.0 * self.slack(f));
+        let (p, q, n) = parts(o);
+        let aside = |between: Point| norm(sub(between, scale(n, dot(n, between))));
+        let between = |p: Point, q: Point| sub(a_from_b.apply(q), p);
+        let of_witnesses = aside(between(p, q));
+        // Edges that are parallel but for an angle have feet, not opposite points.
+        let edges = m.features().is_some_and(|f| support::kinds(f) == (1, 1));
+        let wrong = m.points().iter().find(|c| {
+            let (p, q) = (c.point_on_a.coords.into(), c.point_on_b.coords.into());
+            let off = self.a.outside(p).abs().max(self.b.outside(q).abs());
+            let apart = between(p, q);
+            let opposite = edges || aside(apart) <= of_witnesses + width;
+            !(off <= width && opposite && (dot(n, apart) - c.separation).abs() <= width)
+        });
+        let told = wrong.map(|c| format!("a contact off its bodies or not opposite: {c:?}"));
+        told.or_else(|| m.points().is_empty().then(|| "no contact".into()))
+    }
+
+    /// Directions that might show a lesser depth or a greater distance than the answer allows.
+    pub(crate) fn refuted(&self, f: &Frame, o: &Outcome, rng: &mut Rng) -> Option<String> {
+        let a_from_b = f.relative();
+        let n = parts(o).2;
+        let of_a = sample(&self.a.planes, rng).map(|(_, n)| n);
+        let of_a: Vec<Point> = of_a.collect();
+        let of_b = sample(&self.b.planes, rng).map(|(_, n)| scale(a_from_b.rotate(n), -1.0));
+        let of_b: Vec<Point> = of_b.collect();
+        let near = (0..48).map(|k| unit(add(n, scale(rng.unit(), 2f64.powi(-(k % 24))))));
+        let near: Vec<Point> = near.collect();
+        let allowed = o.upper + self.slack(f);
+        let beats = |n: &&Point| norm(**n) > 0.5 && self.gap(&a_from_b, **n) > allowed;
+        let better = of_a.iter().chain(&of_b).chain(&near).find(beats)?;
+        let gap = bound::support_gap(self.a.body(), &f.a, self.b.body(), &f.b, f.a.rotate(*better));
+        (gap > o.upper).then(|| format!("the gap along {better:?} of A is {gap:e}, above the upper bound"))
+    }
+
+    /// How far a signed distance may have changed between two frames.
+    pub(crate) fn most_change(&self, f: &Frame, g: &Frame) -> f64 {
+        let moved = |p: &Pose, q: &Pose, r: f64| {
+            let axis = |k: usize| std::array::from_fn(|i| if i == k { r } else { 0.0 });
+            let turn = [0, 1, 2].map(|k| norm(sub(p.rotate(axis(k)), q.rotate(axis(k)))));
+            turn.iter().sum::<f64>()
+        };
+        let shift = norm(sub(sub(f.b.t, f.a.t), sub(g.b.t, g.a.t)));
+        shift + moved(&f.a, &g.a, self.a.reach) + moved(&f.b, &g.b, self.b.reach) + self.slack(f) + self.slack(g)
+    }
+
+    /// The truth, where the bodies are small enough for the oracle.
+    pub(crate) fn truth(&self, f: &Frame) -> Option<truth::Exact> {
+        let (a, b) = (self.a.small.as_ref()?, self.b.small.as_ref()?);
+        if a.faces.is_empty() && b.faces.is_empty() {
+            return None;
+        }
+        Some(exact::solve(a.into(), &f.a, b.into(), &f.b))
+    }
+}
+
+/// At most 128 of the planes.
+fn sample(planes: &[(Point, Point)], rng: &mut Rng) -> impl Iterator<Item = (Point, Point)> {
+    let step = planes.len().div_ceil(128).max(1);
+    planes.iter().skip(rng.below(step)).step_by(step).copied()
+}
+
+/// Witnesses and normal as plain data.
+fn parts(o: &Outcome) -> (Point, Point, Point) {
+    (
+        o.point_on_a.coords.into(),
+        o.point_on_b.coords.into(),
+        o.normal.into_inner().into(),
+    )
+}
+
+/// What an answer says against itself.
+fn contradiction(o: &Outcome) -> Option<&'static str> {
+    let (p, q, n) = parts(o);
+    let finite = [o.distance, o.upper, o.lower];
+    let finite = finite.iter().chain(&p).chain(&q).chain(&n).all(|x| x.is_finite());
+    let classed = match o.class {
+        // Where f64 ends, exact arithmetic may know more than a bound can say.
+        Class::Separated => o.lower >= 0.0,
+        Class::Overlapping => o.upper <= 0.0,
+        Class::Touching => o.lower <= 0.0 && o.upper >= 0.0,
+        _ => false,
+    };
+    let told = [
+        (finite, "a number is not finite"),
+        (
+            o.lower <= o.distance && o.distance <= o.upper,
+            "the distance is not between its bounds",
+        ),
+        (classed, "the class contradicts the bounds"),
+        ((norm(n) - 1.0).abs() <= 16.0 * UNIT, "the normal is not of unit length"),
+    ];
+    told.iter().find(|(holds, _)| !holds).map(|t| t.1)
+}
+
+/// An answer against the truth, to the last bit.
+pub(crate) fn against(truth: &truth::Exact, o: &Outcome) -> Option<String> {
+    // The differences are small and hence exact, or so large that their sign is not in doubt.
+    let above = (o.lower - truth.distance) - truth.remainder;
+    let below = (o.upper - truth.distance) - truth.remainder;
+    let right = o.class == support::class(truth.class) && above <= 0.0 && below >= 0.0;
+    (!right).then(|| {
+        format!(
+            "the truth is {} {:e} {:+e}",
+            truth.class, truth.distance, truth.remainder
+        )
+    })
+}
+
+/// Two answers to one question.
+pub(crate) fn differ(x: &Outcome, y: &Outcome) -> Option<String> {
+    let width = (x.upper - x.lower) + (y.upper - y.lower);
+    let agree =
+        x.class == y.class && x.lower <= y.upper && y.lower <= x.upper && (x.distance - y.distance).abs() <= width;
+    (!agree).then(|| format!("another answer to the question: {y:?}"))
+}

@@ -1,0 +1,369 @@
+//! A long run against an independent judge: random bodies of every hard family and curved shapes, moved at random, one tracker along
+//! each motion, every frame judged.
+//!
+//! ```text
+//! cargo run --release -p lab --bin soak -- --minutes 60 [--seed S] [--threads N] [--out DIR] [--trial K]
+//! ```
+//!
+//! What fails is written to DIR (`target/soak-failures`) as a text that `cargo run --example replay` answers; the run goes on and
+//! ends with exit code 1. A trial is named by seed and number: `--trial K` runs that one alone.
+
+mod curved;
+mod draw;
+mod faulty;
+mod judge;
+mod tally;
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use draw::Trial;
+use judge::Judge;
+use race::command::{count, number};
+use truth::driven::{lattice, points, scenes, slivers, solids, stand_ins};
+use truth::motion::Frame;
+use race::progress::Progress;
+use truth::rng::Rng;
+use truth::support;
+use lin_canny::broad::PencilSweep;
+use lin_canny::scene::Scene;
+use lin_canny::{Accuracy, Class, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
+use tally::Tally;
+
+/// Random bodies of every hard family and curved shapes in random motions, meshes with the faults of
+/// real files, worlds of boxes, and scenes of bodies of every kind, every frame judged by arithmetic of
+/// its own
+///
+/// Failures are written to DIR as texts for the example replay, and end the program with status 1.
+#[derive(Parser)]
+struct Options {
+    /// How long
+    #[arg(long, value_name = "M", default_value_t = 1.0, value_parser = number(0.0))]
+    minutes: f64,
+    /// Names the run
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Threads
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = count(1))]
+    threads: usize,
+    /// Where failures go
+    #[arg(long, value_name = "DIR", default_value = "target/soak-failures")]
+    out: PathBuf,
+    /// This trial alone
+    #[arg(long, value_name = "K")]
+    trial: Option<u64>,
+}
+
+impl Options {
+    /// The command that plays a trial again.
+    fn command(&self, trial: u64) -> String {
+        format!(
+            "cargo run --release --all-features -p lab --bin soak -- --seed {} --trial {trial}",
+            self.seed
+        )
+    }
+}
+
+/// One motion with all that is kept along it.
+struct Run<'a> {
+    options: &'a Options,
+    number: u64,
+    trial: &'a Trial,
+    judge: Judge,
+    pair: Tracker,
+    /// Along the same motion, letters exchanged.
+    back: Tracker,
+    rng: Rng,
+    tally: Tally,
+}
+
+impl Run<'_> {
+    fn fail(&mut self, frame: usize, before: &Tracker, pose: &RelativePose, what: &str) {
+        self.tally.failures += 1;
+        let (a, b) = (&self.trial.a, &self.trial.b);
+        let head = format!(
+            "seed {} trial {} frame {frame}: {} ({}) and {} ({}), {}\n{what}",
+            self.options.seed, self.number, a.family, a.shape.name, b.family, b.shape.name, self.trial.motion
+        );
+        let replay = before.replay(&a.body, &b.body, pose, Accuracy::Certified);
+        let text: String = head.lines().map(|l| format!("# {l}\n")).collect();
+        eprintln!("{text}{replay}\n{}\n", self.options.command(self.number));
+        let name = format!("{}-{}-{frame}.txt", self.options.seed, self.number);
+        let file = self.options.out.join(name);
+        let written =
+            std::fs::create_dir_all(&self.options.out).and_then(|()| std::fs::write(&file, text + &replay.to_string()));
+        if let Err(e) = written {
+            eprintln!("{}: {e}", file.display());
+        }
+    }
+
+    fn frames(&mut self) {
+        let truths: [usize; 3] = std::array::from_fn(|_| self.rng.below(self.trial.frames.len()));
+        let mut last: Option<(Frame, f64)> = None;
+        for (k, frame) in self.trial.frames.iter().enumerate() {
+            let pose = support::relative(frame);
+            let before = self.pair.clone();
+            let began = Instant::now();
+            let asked = catch_unwind(AssertUnwindSafe(|| {
+                self.pair.closest(&self.trial.a.body, &self.trial.b.body, &pose)
+            }));
+            self.tally.slowest = self.tally.slowest.max((began.elapsed().as_nanos(), self.number));
+            self.tally.queries += 1;
+            let Ok(o) = asked else {
+                self.fail(k, &before, &pose, "a panic");
+                self.pair.reset();
+                last = None;
+                continue;
+            };
+            self.tally.frame(self.trial.motion, &o);
+            let (mut fault, exactly) = self.judge.fault(frame, &o, k % 64 == 0);
+            fault = fault.or(self.pair.check().err());
+            self.tally.exactly += u64::from(exactly);
+            if let Some((old, s)) = last
+                && fault.is_none()
+                && (o.distance - s).abs() > self.judge.most_change(&old, frame)
+            {
+                fault = Some(format!("the distance jumped from {s:e}"));
+            }
+            if fault.is_none() && self.trial.motion == draw::ALONG_A_RIM {
+                fault = self.contacts(frame, &pose, &o);
+            }
+            last = Some((*frame, o.distance));
+            if fault.is_none() && self.rng.chance(0.125) {
+                fault = self.more(frame, &pose, &o);
+            }
+            if fault.is_none() && truths.contains(&k) {
+                fault = self.against_truth(frame, &pose, &o);
+            }
+            if let Some(what) = fault {
+                self.fail(k, &before, &pose, &format!("{what}\n{o:?}"));
+            }
+        }
+    }
+
+    /// Other ways to the same answer, and directions that might refute it.
+    fn more(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
+        let (a, b) = (&self.trial.a.body, &self.trial.b.body);
+        let cold = Tracker::new().closest(a, b, pose);
+        let swapped = self.back.closest(b, a, &pose.swapped());
+        let exact = Tracker::new().closest_exact(a, b, pose);
+        let intersects = self.pair.intersects(a, b, pose);
+        let within = self.pair.within(a, b, pose, o.upper.max(0.0));
+        let beyond = o.lower > 0.0 && self.pair.within(a, b, pose, o.lower.next_down());
+        self.tally.queries += 6;
+        let wrong = |holds: bool, what: &str| (!holds).then(|| what.to_owned());
+        judge::differ(o, &cold)
+            .or_else(|| judge::differ(o, &swapped))
+            .or_else(|| judge::differ(o, &exact))
+            .or_else(|| {
+                wrong(
+                    intersects == (o.class != Class::Separated),
+                    "intersects contradicts the class",
+                )
+            })
+            .or_else(|| wrong(within, "not within the upper bound"))
+            .or_else(|| wrong(!beyond, "within less than the lower bound"))
+            .or_else(|| self.judge.refuted(frame, o, &mut self.rng))
+    }
+
+    /// The manifold of an answer, judged.
+    fn contacts(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
+        let (a, b) = (&self.trial.a.body, &self.trial.b.body);
+        let options = ManifoldOptions::within(o.upper.max(0.0));
+        self.tally.manifolds += 1;
+        self.judge
+            .contact_fault(frame, o, &Manifold::of_outcome((a, b), pose, o, &options))
+    }
+
+    fn against_truth(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
+        let truth = self.judge.truth(frame)?;
+        let exact = Tracker::new().closest_exact(&self.trial.a.body, &self.trial.b.body, pose);
+        self.tally.truths += 1;
+        self.tally.queries += 1;
+        let ulp = truth.distance.next_up() - truth.distance;
+        let last_bit = truth.class != truth::Class::Separated || (exact.distance - truth.distance).abs() <= ulp;
+        judge::against(&truth, o)
+            .or_else(|| judge::against(&truth, &exact).map(|what| format!("{what}, and exactly {exact:?}")))
+            .or_else(|| (!last_bit).then(|| format!("the truth is {:e}, not exactly {exact:?}", truth.distance)))
+    }
+}
+
+/// One trial, all of it; a panic outside of a query is one too.
+fn run(options: &Options, number: u64) -> Tally {
+    let trial = draw::trial(options.seed, number);
+    let mut run = Run {
+        options,
+        number,
+        judge: Judge::new(&trial),
+        trial: &trial,
+        pair: Tracker::new(),
+        back: Tracker::new(),
+        rng: Rng::of_case(options.seed ^ 0x50a4, number),
+        tally: Tally::default(),
+    };
+    run.tally.trials = 1;
+    if catch_unwind(AssertUnwindSafe(|| run.frames())).is_err() {
+        run.tally.failures += 1;
+        eprintln!(
+            "a panic outside the first query of a frame\n{}\n",
+            options.command(number)
+        );
+    }
+    drive(options, number, &mut run.tally);
+    let frames = run.tally.frames;
+    run.tally.body(trial.a.family, frames);
+    run.tally.body(trial.b.family, frames);
+    run.tally
+}
+
+/// What a trial plays besides its motion: a sequence that is drawn from a seed and judged by arithmetic of its own.
+struct Driver {
+    name: &'static str,
+    /// Mixed into the seed, so that no two drivers draw the same numbers.
+    salt: u64,
+    /// Sequences a trial.
+    count: u64,
+    /// Plays the sequence of a seed; an error says what is wrong.
+    play: fn(u64, &mut Tally) -> Result<(), String>,
+}
+
+/// Bytes of the calls of a scene.
+const CALLS: usize = 1500;
+
+const DRIVERS: [Driver; 8] = [
+    // Lattices, bricks and stacks: equal bounds, an index used again and slow motion together, each step against brute force.
+    Driver {
+        name: "world of equal boxes",
+        salt: 0x1a77,
+        count: 16,
+        play: |seed, tally| lattice::sequence(seed, PencilSweep::new()).map(|mix| tally.worlds.add(&mix)),
+    },
+    // A failure is written as the numbers of the pair, because only polyhedra can be replayed.
+    Driver {
+        name: "motion of curved and rounded shapes",
+        salt: 0xc0c0,
+        count: 4,
+        play: |seed, tally| curved::play(seed).map(|mix| tally.curves.add(&mix)),
+    },
+    // Triangles without area, cut edges, repeats and slivers, compared with the same meshes without them.
+    Driver {
+        name: "pair of meshes with faults",
+        salt: 0xfa17,
+        count: 2,
+        play: |seed, tally| faulty::play(seed).map(|mix| tally.faulty.add(&mix)),
+    },
+    // Triangles that are a line but for rounding, on oblique lines and planes, among ordinary ones.
+    Driver {
+        name: "meshes of slivers",
+        salt: 0x511f,
+        count: 4,
+        play: |seed, tally| slivers::play(seed).map(|mix| tally.slivers.add(&mix)),
+    },
+    // Equal, flush, nested and crossing solids whose coordinates lie far from their origin.
+    Driver {
+        name: "solids with faces in common",
+        salt: 0x501d,
+        count: 1,
+        play: |seed, tally| solids::play(seed).map(|mix| tally.solids.add(&mix)),
+    },
+    // Points and rays closer to a closed mesh than rounding, judged over the rationals.
+    Driver {
+        name: "points and rays next to a mesh",
+        salt: 0x9017,
+        count: 1,
+        play: |seed, tally| points::play(seed).map(|mix| tally.points.add(&mix)),
+    },
+    // Pieces of every measure, clones of one lineage, equal bodies with other numbers.
+    Driver {
+        name: "bodies that stand in for others",
+        salt: 0x57a9,
+        count: 1,
+        play: |seed, tally| stand_ins::play(seed).map(|mix| tally.stand_ins.add(&mix)),
+    },
+    // Bodies without velocities, ticks, jumps and files together, each step against brute force.
+    Driver {
+        name: "scene of bodies of every kind",
+        salt: 0x5ce2,
+        count: 3,
+        play: |seed, tally| {
+            let mut rng = Rng::new(seed);
+            let bytes: Vec<u8> = (0..CALLS).map(|_| rng.bits() as u8).collect();
+            tally.scenes.add(&scenes::drive(&bytes, read_back));
+            Ok(())
+        },
+    },
+];
+
+/// All sequences of a trial.
+fn drive(options: &Options, number: u64, tally: &mut Tally) {
+    for driver in &DRIVERS {
+        for k in 0..driver.count {
+            let seed = Rng::of_case(options.seed ^ driver.salt, number * driver.count + k).bits();
+            let played = catch_unwind(AssertUnwindSafe(|| (driver.play)(seed, tally)));
+            let what = match played {
+                Ok(Ok(())) => continue,
+                Ok(Err(what)) => what,
+                Err(_) => "a panic, or another answer than brute force gives (see above)".to_owned(),
+            };
+            tally.failures += 1;
+            eprintln!("{} {seed}: {what}\n{}\n", driver.name, options.command(number));
+        }
+    }
+}
+
+/// The scene as a file gives it back, if files are compiled in.
+fn read_back(scene: &Scene) -> Scene {
+    #[cfg(feature = "serde")]
+    let read = serde_json::from_str(&serde_json::to_string(scene).expect("a scene is written")).expect("and read");
+    #[cfg(not(feature = "serde"))]
+    let read = scene.clone();
+    read
+}
+
+/// Trials until the time is over.
+fn soak(options: &Options) -> (Tally, f64) {
+    let limit = Duration::from_secs_f64(60.0 * options.minutes);
+    let (began, next) = (Instant::now(), AtomicU64::new(0));
+    let bar = Progress::new("soak", limit.as_secs());
+    let sum = Mutex::new(Tally::default());
+    let work = || {
+        while began.elapsed() < limit {
+            let tally = run(options, next.fetch_add(1, Ordering::Relaxed));
+            let mut sum = sum.lock().expect("no thread panics with the sum");
+            sum.add(tally);
+            bar.steps(began.elapsed().as_secs().saturating_sub(bar.done()));
+            bar.say(&format!("{} queries, {} failures", sum.queries, sum.failures));
+        }
+    };
+    std::thread::scope(|s| {
+        (0..options.threads.max(1)).for_each(|_| drop(s.spawn(work)));
+    });
+    drop(bar);
+    (
+        sum.into_inner().expect("no thread panics with the sum"),
+        began.elapsed().as_secs_f64(),
+    )
+}
+
+fn main() -> ExitCode {
+    race::command::main(judge_all)
+}
+
+fn judge_all(options: &Options) -> Result<(), String> {
+    println!("seed {}, failures go to {}", options.seed, options.out.display());
+    let began = Instant::now();
+    let (tally, seconds) = match options.trial {
+        Some(number) => (run(options, number), began.elapsed().as_secs_f64()),
+        None => soak(options),
+    };
+    tally.print(seconds);
+    match tally.failures {
+        0 => Ok(()),
+        n => Err(format!("{n} failures")),
+    }
+}

@@ -1,0 +1,153 @@
+//! Counts of a run.
+
+use std::collections::BTreeMap;
+
+use crate::curved;
+use crate::faulty;
+use truth::driven::lattice::Mix;
+use truth::driven::{points, scenes, slivers, solids, stand_ins};
+use lin_canny::Outcome;
+
+const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
+const LAYERS: [&str; 7] = [
+    "walk",
+    "restart",
+    "fallback",
+    "double-double",
+    "exact",
+    "far",
+    "surface",
+];
+
+#[derive(Default)]
+pub(crate) struct Tally {
+    pub(crate) trials: u64,
+    /// Frames of motions, each judged.
+    pub(crate) frames: u64,
+    /// Calls of the crate, those included that are compared with a frame's answer.
+    pub(crate) queries: u64,
+    /// Frames judged by exact arithmetic.
+    pub(crate) exactly: u64,
+    /// Frames whose truth the oracle told.
+    pub(crate) truths: u64,
+    pub(crate) failures: u64,
+    /// Manifolds judged.
+    pub(crate) manifolds: u64,
+    /// Worlds of equal boxes.
+    pub(crate) worlds: Mix,
+    /// Scenes of bodies of every kind.
+    pub(crate) scenes: scenes::Mix,
+    /// Motions of curved shapes.
+    pub(crate) curves: curved::Mix,
+    /// Meshes with faults.
+    pub(crate) faulty: faulty::Mix,
+    /// Meshes of slivers.
+    pub(crate) slivers: slivers::Mix,
+    /// Solids with faces in common.
+    pub(crate) solids: solids::Mix,
+    /// Points and rays next to closed meshes.
+    pub(crate) points: points::Mix,
+    /// Bodies that stand in for others.
+    pub(crate) stand_ins: stand_ins::Mix,
+    /// Nanoseconds of the slowest query, and its trial.
+    pub(crate) slowest: (u128, u64),
+    classes: [u64; 4],
+    layers: [u64; 7],
+    bodies: BTreeMap<&'static str, u64>,
+    motions: BTreeMap<&'static str, [u64; 4]>,
+}
+
+impl Tally {
+    /// One frame of a trial.
+    pub(crate) fn frame(&mut self, motion: &'static str, o: &Outcome) {
+        self.frames += 1;
+        self.classes[o.class as usize] += 1;
+        self.layers[o.solver as usize] += 1;
+        self.motions.entry(motion).or_default()[o.class as usize] += 1;
+    }
+
+    pub(crate) fn body(&mut self, family: &'static str, frames: u64) {
+        *self.bodies.entry(family).or_default() += frames;
+    }
+
+    pub(crate) fn add(&mut self, o: Self) {
+        self.trials += o.trials;
+        self.frames += o.frames;
+        self.queries += o.queries;
+        self.exactly += o.exactly;
+        self.truths += o.truths;
+        self.failures += o.failures;
+        self.manifolds += o.manifolds;
+        self.worlds.add(&o.worlds);
+        self.curves.add(&o.curves);
+        self.faulty.add(&o.faulty);
+        self.slivers.add(&o.slivers);
+        self.solids.add(&o.solids);
+        self.points.add(&o.points);
+        self.stand_ins.add(&o.stand_ins);
+        self.scenes.add(&o.scenes);
+        self.slowest = self.slowest.max(o.slowest);
+        self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
+        self.layers.iter_mut().zip(o.layers).for_each(|(s, n)| *s += n);
+        o.bodies.into_iter().for_each(|(name, n)| self.body(name, n));
+        for (name, row) in o.motions {
+            let sum = self.motions.entry(name).or_default();
+            sum.iter_mut().zip(row).for_each(|(s, n)| *s += n);
+        }
+    }
+
+    /// The whole of it; `seconds` of wall time.
+    pub(crate) fn print(&self, seconds: f64) {
+        let list = |names: &[&str], counts: &[u64]| {
+            let words = names.iter().zip(counts).filter(|(_, n)| **n > 0);
+            words.map(|(w, n)| format!("{w} {n}")).collect::<Vec<_>>().join(", ")
+        };
+        println!(
+            "{} queries in {:.0} s, {:.0} a second with their judgement",
+            self.queries,
+            seconds,
+            self.queries as f64 / seconds
+        );
+        println!("worlds of equal boxes: {:?}", self.worlds);
+        println!("scenes of bodies of every kind: {:?}", self.scenes);
+        println!("meshes with faults: {:?}", self.faulty);
+        println!("meshes of slivers: {:?}", self.slivers);
+        println!("solids with faces in common: {:?}", self.solids);
+        println!("points and rays next to a mesh: {:?}", self.points);
+        println!("bodies that stand in for others: {:?}", self.stand_ins);
+        let c = &self.curves;
+        println!(
+            "{} frames of curved shapes, {} queries: {}; {} of rounded shapes, {} separated beyond the first solver, bounds at most {:.1e} L wide",
+            c.frames,
+            c.queries,
+            list(&CLASSES, &c.classes),
+            c.rounded,
+            c.beyond,
+            c.widest
+        );
+        println!(
+            "{} frames of {} motions: {}",
+            self.frames,
+            self.trials,
+            list(&CLASSES, &self.classes)
+        );
+        println!("answered by: {}", list(&LAYERS, &self.layers));
+        println!(
+            "judged: all in f64, {} by exact bounds, {} by the exact oracle, {} manifolds; slowest query {:.1} ms (trial {})",
+            self.exactly,
+            self.truths,
+            self.manifolds,
+            self.slowest.0 as f64 / 1e6,
+            self.slowest.1
+        );
+        println!("\nframes by motion: separated, touching, overlapping");
+        for (name, [apart, touch, over, _]) in &self.motions {
+            println!("  {name:<16} {apart:>11} {touch:>11} {over:>11}");
+        }
+        println!("frames by body");
+        for (name, n) in &self.bodies {
+            println!("  {name:<16} {n:>11}");
+        }
+        println!("\n{} failures", self.failures);
+    }
+}

@@ -1,0 +1,130 @@
+//! Broad phases in one form.
+
+use truth::boxes::{Kind, Scene};
+use crate::common::tree::Tree;
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep, SortedAxes};
+
+/// A broad phase that is fed a scene.
+pub trait Engine {
+    /// Name in tables and records.
+    fn name(&self) -> &'static str;
+    /// Preparation that is not timed: the step's input in the form the engine wants it.
+    fn prepare(&mut self, scene: &Scene);
+    /// The timed part.
+    fn step(&mut self);
+    /// Pairs present, where the engine counts them.
+    fn pairs(&self) -> Option<usize>;
+    /// Bytes of the whole structure, where the engine tells.
+    fn bytes(&self) -> Option<usize>;
+}
+
+struct Ours<B> {
+    name: &'static str,
+    broad: B,
+    ids: Vec<BodyId>,
+    batch: Vec<(BodyId, Aabb)>,
+}
+
+impl<B: BroadPhase> Ours<B> {
+    fn new(name: &'static str, mut broad: B, scene: &Scene) -> Self {
+        let margin = if matches!(scene.kind, Kind::Movers | Kind::UniformSlow) {
+            0.04
+        } else {
+            0.0
+        };
+        let body = BodyOptions::moving().margin(margin);
+        let ids = scene.boxes.iter().filter_map(|b| broad.insert(b, body).ok()).collect();
+        Self {
+            name,
+            broad,
+            ids,
+            batch: Vec::new(),
+        }
+    }
+}
+
+impl<B: BroadPhase> Engine for Ours<B> {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    fn prepare(&mut self, scene: &Scene) {
+        self.batch.clear();
+        self.batch.extend(
+            scene
+                .moved
+                .iter()
+                .map(|&i| (self.ids[i as usize], scene.boxes[i as usize])),
+        );
+    }
+
+    fn step(&mut self) {
+        assert!(self.broad.set_boxes(&self.batch).is_ok());
+        std::hint::black_box(self.broad.step());
+    }
+
+    fn pairs(&self) -> Option<usize> {
+        Some(self.broad.pair_count())
+    }
+
+    fn bytes(&self) -> Option<usize> {
+        Some(self.broad.bytes())
+    }
+}
+
+/// parry's tree alone: leaves updated in place, optimised and refitted as its documentation has it, all pairs listed.
+struct Parry {
+    tree: Tree,
+    boxes: Vec<(u32, parry3d::bounding_volume::Aabb)>,
+}
+
+fn parry_box(aabb: &Aabb) -> parry3d::bounding_volume::Aabb {
+    let point = |p: &lin_canny::nalgebra::Point3<f64>| parry3d::math::Vector::new(p.x as f32, p.y as f32, p.z as f32);
+    parry3d::bounding_volume::Aabb::new(point(&aabb.min), point(&aabb.max))
+}
+
+impl Parry {
+    fn new(scene: &Scene) -> Self {
+        let leaves: Vec<_> = scene.boxes.iter().map(parry_box).collect();
+        Self {
+            tree: Tree::new(&leaves),
+            boxes: Vec::new(),
+        }
+    }
+}
+
+impl Engine for Parry {
+    fn name(&self) -> &'static str {
+        "parry-bvh"
+    }
+
+    fn prepare(&mut self, scene: &Scene) {
+        self.boxes.clear();
+        self.boxes
+            .extend(scene.moved.iter().map(|&i| (i, parry_box(&scene.boxes[i as usize]))));
+    }
+
+    fn step(&mut self) {
+        self.tree.step(self.boxes.iter().copied());
+    }
+
+    fn pairs(&self) -> Option<usize> {
+        Some(self.tree.pairs.len())
+    }
+
+    fn bytes(&self) -> Option<usize> {
+        Some(self.tree.bytes())
+    }
+}
+
+/// Makes an engine for a scene.
+pub type Make = fn(&Scene) -> Box<dyn Engine>;
+
+/// In the order of the tables.
+pub const ENGINES: [(&str, Make); 3] = [
+    ("ours", |scene| Box::new(Ours::new("ours", PencilSweep::new(), scene))),
+    ("parry-bvh", |scene| Box::new(Parry::new(scene))),
+    ("three-axes", |scene| {
+        Box::new(Ours::new("three-axes", SortedAxes::new(), scene))
+    }),
+];

@@ -1,0 +1,170 @@
+//! Exact arithmetic under the oracle: bodies placed over the rationals, roots rounded once.
+//!
+//! A pose puts a vertex at `R(q) v / |q|^2 + t`, where `R(q) v` is the vector part of `q v conj(q)`. That is rational in
+//! the bits of `q`, `v` and `t`, so a quaternion that is not quite unit still places a body without any rounding.
+//! Brought over one common denominator, coordinates become integers, and geometry needs integers alone.
+
+use crate::{Point, Pose};
+use dashu_base::{Abs, BitTest, DivRem, Gcd, SquareRoot};
+use dashu_int::{IBig, UBig};
+pub use dashu_ratio::RBig;
+
+/// A vector of integers.
+pub type IntVec = [IBig; 3];
+
+/// The exact value of `x`, which must be finite.
+pub fn exact(x: f64) -> RBig {
+    RBig::try_from(x).unwrap_or_else(|_| panic!("{x} is not finite"))
+}
+
+/// `x` rounded to nearest, ties to even.
+pub fn rounded(x: &RBig) -> f64 {
+    x.to_f64().value()
+}
+
+/// The matrix `R(q) / |q|^2`; `q` is not zero.
+pub fn rotation(q: [f64; 4]) -> [[RBig; 3]; 3] {
+    let q = q.map(exact);
+    let [x, y, z, w] = &q;
+    let two = |a: RBig| &a + &a;
+    let rows = [
+        [w * w + x * x - y * y - z * z, two(x * y - w * z), two(x * z + w * y)],
+        [two(x * y + w * z), w * w - x * x + y * y - z * z, two(y * z - w * x)],
+        [two(x * z - w * y), two(y * z + w * x), w * w - x * x - y * y + z * z],
+    ];
+    let norm2 = q.iter().fold(RBig::ZERO, |s, c| s + c * c);
+    rows.map(|row| row.map(|m| m / &norm2))
+}
+
+/// Where `pose` puts every point, exactly.
+pub fn placed(points: &[Point], pose: &Pose) -> Vec<[RBig; 3]> {
+    let m = rotation(pose.q);
+    let t = pose.t.map(exact);
+    let place = |p: &Point| {
+        let v = p.map(exact);
+        std::array::from_fn(|i| &m[i][0] * &v[0] + &m[i][1] * &v[1] + &m[i][2] * &v[2] + &t[i])
+    };
+    points.iter().map(place).collect()
+}
+
+/// Two sets of points as integers over one common denominator, which is returned last.
+pub fn common(a: &[[RBig; 3]], b: &[[RBig; 3]]) -> (Vec<IntVec>, Vec<IntVec>, UBig) {
+    let lcm = |d: UBig, x: &RBig| &d / (&d).gcd(x.denominator()) * x.denominator();
+    let den = a.iter().chain(b).flatten().fold(UBig::ONE, lcm);
+    let whole = |x: &RBig| x.numerator() * IBig::from(&den / x.denominator());
+    let each = |set: &[[RBig; 3]]| set.iter().map(|p| p.each_ref().map(whole)).collect();
+    (each(a), each(b), den)
+}
+
+/// `sqrt(x)` for `x >= 0`: correctly rounded, and what rounding lost, rounded too.
+pub fn sqrt(x: &RBig) -> (f64, f64) {
+    if x.is_zero() {
+        return (0.0, 0.0);
+    }
+    // Scale by 4^h so that the integer root has at least 200 bits; a last bit stands for all that is below it,
+    // so that rounding sees on which side of a tie the true root lies.
+    let (num, den) = (x.numerator().abs_ref(), x.denominator());
+    let bits = num.bit_len() as i64 - den.bit_len() as i64;
+    let h = ((402 - bits).max(0) / 2) as usize;
+    let (m, rest) = (num << (2 * h)).div_rem(den);
+    let root = m.sqrt();
+    let inexact = !rest.is_zero() || &root * &root != m;
+    let sticky = (root << 1) + UBig::from(u8::from(inexact));
+    let value = RBig::from_parts(sticky.into(), UBig::ONE << (h + 1));
+    let head = rounded(&value);
+    if !head.is_finite() {
+        return (head, 0.0);
+    }
+    (head, rounded(&(value - exact(head))))
+}
+
+/// `x / sqrt(norm2)` correctly rounded, with the sign of `x`; `norm2 > 0`.
+pub fn over_root(x: &RBig, norm2: &RBig) -> f64 {
+    let size = sqrt(&(x * x / norm2)).0;
+    if *x < RBig::ZERO { -size } else { size }
+}
+
+/// `a - b`.
+pub fn sub(a: &IntVec, b: &IntVec) -> IntVec {
+    std::array::from_fn(|i| &a[i] - &b[i])
+}
+
+/// `a . b`.
+pub fn dot(a: &IntVec, b: &IntVec) -> IBig {
+    &a[0] * &b[0] + &a[1] * &b[1] + &a[2] * &b[2]
+}
+
+/// `a x b`.
+pub fn cross(a: &IntVec, b: &IntVec) -> IntVec {
+    [
+        &a[1] * &b[2] - &a[2] * &b[1],
+        &a[2] * &b[0] - &a[0] * &b[2],
+        &a[0] * &b[1] - &a[1] * &b[0],
+    ]
+}
+
+/// Helper for the absolute value of a borrowed integer.
+trait AbsRef {
+    fn abs_ref(&self) -> UBig;
+}
+
+impl AbsRef for IBig {
+    fn abs_ref(&self) -> UBig {
+        self.clone()
+            .abs()
+            .try_into()
+            .expect("an absolute value is not negative")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+
+    #[test]
+    fn roots_of_squares_are_exact_and_others_round_to_nearest() {
+        assert_eq!(sqrt(&exact(0.0)), (0.0, 0.0));
+        assert_eq!(sqrt(&exact(9.0)), (3.0, 0.0));
+        let mut r = Rng::new(5);
+        for _ in 0..2000 {
+            let x = r.log_range(1e-150, 1e150);
+            assert_eq!(sqrt(&(exact(x) * exact(x))), (x, 0.0));
+            let (head, tail) = sqrt(&exact(x));
+            assert_eq!(head, x.sqrt(), "the processor rounds square roots correctly");
+            assert!(tail.abs() <= head * 1.2e-16);
+        }
+    }
+
+    #[test]
+    fn tiny_and_huge_roots_do_not_leave_the_range() {
+        let tiny = exact(f64::from_bits(1));
+        assert_eq!(sqrt(&(&tiny * &tiny)).0, f64::from_bits(1));
+        let huge = exact(f64::MAX);
+        assert_eq!(sqrt(&(&huge * &huge)).0, f64::MAX);
+        assert_eq!(over_root(&exact(-6.0), &exact(4.0)), -3.0);
+    }
+
+    #[test]
+    fn placing_is_exact_for_a_quaternion_that_is_not_unit() {
+        // q = (0, 0, 3, 3) is a quarter turn about z whatever its length.
+        let pose = Pose {
+            q: [0.0, 0.0, 3.0, 3.0],
+            t: [0.5, 0.0, 1e-30],
+        };
+        let p = placed(&[[1.0, 2.0, 3.0]], &pose);
+        assert_eq!(p[0], [exact(-1.5), exact(1.0), exact(3.0) + exact(1e-30)]);
+    }
+
+    #[test]
+    fn common_denominators_keep_the_values() {
+        let third = RBig::from_parts(1.into(), 3u8.into());
+        let (a, b, den) = common(
+            &[[third, exact(0.5), exact(2.0)]],
+            &[[exact(0.25), exact(0.0), exact(-1.0)]],
+        );
+        assert_eq!(den, UBig::from(12u8));
+        assert_eq!(a[0], [4.into(), 6.into(), 24.into()]);
+        assert_eq!(b[0], [3.into(), 0.into(), (-12).into()]);
+    }
+}

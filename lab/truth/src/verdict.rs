@@ -1,0 +1,96 @@
+//! How two bodies lie, and the oracle's answer.
+
+use crate::rational::sqrt;
+use dashu_ratio::RBig;
+use std::cmp::Ordering;
+use std::fmt;
+
+/// How two closed bodies lie, decided exactly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Class {
+    /// No common point.
+    Separated,
+    /// Common points, but no common interior point.
+    Touching,
+    /// A common interior point.
+    Overlapping,
+}
+
+impl Class {
+    /// The class of a signed distance, by its comparison with zero.
+    pub fn of_sign(distance_to_zero: Ordering) -> Self {
+        match distance_to_zero {
+            Ordering::Greater => Self::Separated,
+            Ordering::Equal => Self::Touching,
+            Ordering::Less => Self::Overlapping,
+        }
+    }
+
+    /// The word of case files: `sep`, `touch` or `pen`.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Separated => "sep",
+            Self::Touching => "touch",
+            Self::Overlapping => "pen",
+        }
+    }
+
+    /// The class a word of case files means.
+    pub fn from_word(word: &str) -> Option<Self> {
+        [Self::Separated, Self::Touching, Self::Overlapping]
+            .into_iter()
+            .find(|c| c.word() == word)
+    }
+}
+
+impl fmt::Display for Class {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.word())
+    }
+}
+
+/// The oracle's answer.
+#[derive(Clone, Debug)]
+pub struct Exact {
+    /// How the bodies lie.
+    pub class: Class,
+    /// Signed distance, correctly rounded: minus the depth when overlapping.
+    pub distance: f64,
+    /// What rounding `distance` lost: `distance + remainder` is good to 106 bits, the range of doubles permitting.
+    pub remainder: f64,
+    /// The exact square of the signed distance.
+    pub squared: RBig,
+}
+
+impl Exact {
+    /// The answer from its class and the square of the distance.
+    pub fn new(class: Class, squared: RBig) -> Self {
+        let (head, tail) = sqrt(&squared);
+        let sign = if class == Class::Overlapping { -1.0 } else { 1.0 };
+        Self {
+            class,
+            distance: sign * head,
+            remainder: sign * tail,
+            squared,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_lead_back_to_their_class() {
+        for c in [Class::Separated, Class::Touching, Class::Overlapping] {
+            assert_eq!(Class::from_word(&c.to_string()), Some(c));
+        }
+        assert_eq!(Class::from_word("none"), None);
+    }
+
+    #[test]
+    fn overlap_is_negative() {
+        let e = Exact::new(Class::of_sign(Ordering::Less), 2.into());
+        assert_eq!((e.distance, e.remainder > 0.0), (-std::f64::consts::SQRT_2, true));
+    }
+}
