@@ -1,14 +1,14 @@
 //! What accuracy costs: the axes of the instrument `accuracy_cost`, for following one of them over time.
 //!
 //! `cargo bench --bench accuracy`, with `-- --save-baseline NAME` before a change and `-- --baseline NAME` after it. Errors,
-//! and all engines interleaved: `cargo run --release -p lab --bin accuracy_cost`.
+//! and all engines interleaved: `cargo run --release -p race --bin accuracy_cost`.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, criterion_group, criterion_main, measurement::WallTime};
+use lin_canny::{RelativePose, Tracker};
 use truth::pairs::{Body, Pair, ball};
 use truth::parry::GjkCached;
-use lin_canny::{RelativePose, Tracker};
 
 const FRAMES: usize = 500;
 

@@ -4,8 +4,8 @@
 //! with one.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use truth::boxes::{Kind, Scene};
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep, SortedAxes};
+use truth::boxes::{Kind, Scene};
 
 fn step<B: BroadPhase>(criterion: &mut Criterion, name: &str, new: fn() -> B, sizes: &[usize]) {
     let mut group = criterion.benchmark_group(name);

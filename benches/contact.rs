@@ -1,15 +1,15 @@
 //! Bodies in contact: depth and manifold, beside parry's.
 //!
 //! `cargo bench --bench contact`. Scenes, shapes, sizes and engines are those of the race
-//! (`cargo run --release -p lab --bin race -- contact`), which runs the engines interleaved and compares their answers; these
+//! (`cargo run --release -p race --bin race -- contact`), which runs the engines interleaved and compares their answers; these
 //! benches are for following one of them over time.
 
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
+use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
 use truth::contacts::{PREDICTION, SCENES, Scene, plain, shapes};
 use truth::parry::{self, ContactPair};
-use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
 
 const FRAMES: usize = 200;
 

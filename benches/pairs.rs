@@ -1,17 +1,17 @@
 //! Pairs of bodies: tracked and cold queries, the build of a hull and its box, beside parry.
 //!
-//! `cargo bench --bench pairs`. The race (`cargo run --release -p lab --bin race -- pairs`) runs the same motions with all
+//! `cargo bench --bench pairs`. The race (`cargo run --release -p race --bin race -- pairs`) runs the same motions with all
 //! engines interleaved; these benches are for following one of them over time.
 
 use std::hint::black_box;
 
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion};
+use lin_canny::{BoxHint, ConvexPolyhedron, RelativePose, Solver, Tracker};
 use truth::motion::Frame;
 use truth::parry::{Climber, GjkCached};
 use truth::rng::Rng;
 use truth::workload;
-use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion};
-use lin_canny::{BoxHint, ConvexPolyhedron, RelativePose, Solver, Tracker};
 
 const FRAMES: usize = 500;
 
@@ -168,10 +168,7 @@ fn boxes(c: &mut Criterion) {
                 body.aabb_at(&Isometry3::from_parts([1.0, 2.0, 3.0].into(), turn), &mut hint)
             });
         });
-        let cloud: Vec<_> = points
-            .iter()
-            .map(|p| parry3d_f64::math::Vector::from(*p))
-            .collect();
+        let cloud: Vec<_> = points.iter().map(|p| parry3d_f64::math::Vector::from(*p)).collect();
         let Some(other) = parry3d_f64::shape::ConvexPolyhedron::from_convex_hull(&cloud) else {
             continue;
         };

@@ -1,9 +1,9 @@
 //! A step of a scene, by what is called for: `cargo bench --bench scene`. Against other libraries: `race scene`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use truth::crowd::{Crowd, Kind};
 use lin_canny::ManifoldOptions;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
+use truth::crowd::{Crowd, Kind};
 
 const NONE: Effects = Effects::none();
 

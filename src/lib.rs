@@ -11,7 +11,7 @@
 //!
 //! *Left: a tracked pair, the Voronoi region of the closest face, and the features met on the way.
 //! Right: feature pairs tested per frame against the motion per frame. Pictures of this page:
-//! `cargo run --release -p lab --bin figures`.*
+//! `cargo run --release -p race --bin figures`.*
 //!
 //! # Quick start
 //!
@@ -334,7 +334,7 @@ mod pair_tracker;
 pub mod patch;
 #[cfg(feature = "__proofs")]
 #[doc(hidden)]
-pub mod proofs;
+pub mod __proofs;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
 #[path = "../tests/support/rng.rs"]

@@ -3,12 +3,12 @@
 
 use std::alloc::System;
 
-use truth::rng::Rng;
-use truth::shapes;
-use truth::support::body;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::{Class, Manifold, ManifoldOptions, RelativePose, Solver, Tracker};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support::body;
 
 #[global_allocator]
 static COUNTING: &StatsAlloc<System> = &INSTRUMENTED_SYSTEM;

@@ -3,8 +3,8 @@
 //! A process of its own: the global pool of threads is made once in a process.
 #![cfg(feature = "parallel")]
 
-use truth::boxes::{Kind, Scene};
 use lin_canny::broad::*;
+use truth::boxes::{Kind, Scene};
 
 fn with_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
     rayon::ThreadPoolBuilder::new()

@@ -2,8 +2,8 @@
 
     pip install pin coal example-robot-data, and the Python package lin-canny
     cargo build --release -p lin-canny-robot
-    python robot/compare.py --tool target/release/lin-canny-robot --rows 10000
-    python robot/compare.py --tool target/release/lin-canny-robot --segments 1000 --places 10000
+    python crates/robot/compare.py --tool target/release/lin-canny-robot --rows 10000
+    python crates/robot/compare.py --tool target/release/lin-canny-robot --segments 1000 --places 10000
 
 Meshes are convex hulls on both sides, or the triangles as they are with `--geometry mesh`. Pairs are
 the same on both sides: all but adjacent links and those that met at each of 1,000 configurations. Configurations are uniform

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use truth::meshes;
 use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
 use lin_canny::{ConvexPolyhedron, Feature, Mesh, MeshError, MeshKind};
+use truth::meshes;
 
 /// A mesh is called convex if its hull adds at most this share of air: files in single precision round flat faces by
 /// some 1e-7 of the size.

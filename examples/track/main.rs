@@ -14,13 +14,13 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use race::plot::{Chart, save_stack};
-use race::progress::Progress;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{Class, ConvexPolyhedron, Geometry, Outcome, PairTracker, RelativePose, Solver, Tracker};
 use lin_canny_record::Recorder;
 use load::Loaded;
 use options::Options;
+use race::plot::{Chart, save_stack};
+use race::progress::Progress;
 
 type Trouble = Box<dyn std::error::Error>;
 

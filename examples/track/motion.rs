@@ -1,9 +1,9 @@
 //! How the two bodies move: frames about the origin of `truth::motion`, turned into poses of bodies that stand anywhere.
 
-use truth::motion::{Frame, tumble_past};
-use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3};
+use truth::motion::{Frame, tumble_past};
+use truth::rng::Rng;
 
 /// Degrees that A turns over the whole motion; B turns less, about another axis.
 const TURN: f64 = 360.0;

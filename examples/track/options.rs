@@ -23,7 +23,7 @@ pub(crate) struct Options {
     /// Where to draw
     #[arg(long, value_name = "FILE.svg", default_value = "target/track.svg", value_parser = file("svg"))]
     pub(crate) out: PathBuf,
-    /// Where to write the frames, 2,000 of them at most, for the viewer (folder viewer/)
+    /// Where to write the frames, 2,000 of them at most, for the viewer (folder crates/viewer/)
     #[arg(long, value_name = "FILE.jsonl", value_parser = file("jsonl"))]
     pub(crate) record: Option<PathBuf>,
     /// Poses of B in A's frame, `x y z qx qy qz qw`, one a line, with blanks or commas between them; the

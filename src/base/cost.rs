@@ -5,8 +5,8 @@
 //!
 //! ```text
 //! # half a minute: tables, pictures, --csv FILE
-//! cargo run --release -p lab --bin accuracy_cost
-//! cargo run --release -p lab --bin accuracy_cost -- --mesh A.obj --mesh B.stl
+//! cargo run --release -p race --bin accuracy_cost
+//! cargo run --release -p race --bin accuracy_cost -- --mesh A.obj --mesh B.stl
 //! ```
 //!
 //! Errors are relative to exact arithmetic, in units of the size L of the pair ([front

@@ -55,7 +55,7 @@
 //!
 //! # What is proved by machine
 //!
-//! The kernels are transcribed once more in `lab/src/proofs`, over any kind of number. With f64 a
+//! The kernels are transcribed once more in `lab/proofs/src`, over any kind of number. With f64 a
 //! transcription agrees with the crate bit for bit. With polynomials of errors in exact rationals
 //! it yields a bound for all inputs: *proved*, below, beside what the constant, or a part of its
 //! derivation, *allows*. With numbers that carry their own error it is attacked from below: *found*

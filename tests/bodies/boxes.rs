@@ -1,11 +1,11 @@
 //! Promise: the box of a placed body holds it exactly, and is no larger than its rounding.
 
-use truth::Pose;
-use truth::rng::Rng;
-use truth::shapes::{self, Shape};
 use lin_canny::broad::Aabb;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{BoxHint, ConvexPolyhedron};
+use truth::Pose;
+use truth::rng::Rng;
+use truth::shapes::{self, Shape};
 
 /// Whether the exact place of every vertex is between the corners.
 fn holds(body: &ConvexPolyhedron, pose: &Pose, low: Point3<f64>, high: Point3<f64>) -> bool {

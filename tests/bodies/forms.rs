@@ -1,11 +1,11 @@
 //! Bodies scaled, moved and drawn; hulls of meshes and what they add.
 
-use truth::forms::mesh;
-use truth::rng::Rng;
-use truth::soups;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, solids};
 use lin_canny::{HullFit, Mesh, RelativePose, Tracker};
+use truth::forms::mesh;
+use truth::rng::Rng;
+use truth::soups;
 
 fn bodies() -> Vec<ConvexPolyhedron> {
     let square = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]].map(Point3::from);

@@ -1,9 +1,9 @@
 //! Bodies from points: the hull is right for every hard family, judged by brute force over exact signs.
 
-use truth::rng::Rng;
 use lin_canny::polyhedron::{BuildError, ConvexPolyhedron, solids};
 use nalgebra::{Point3, Vector3};
 use robust::{Coord3D, orient3d};
+use truth::rng::Rng;
 
 type Points = Vec<Point3<f64>>;
 

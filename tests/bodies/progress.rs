@@ -2,11 +2,11 @@
 
 use std::ops::ControlFlow;
 
-use truth::rng::Rng;
-use truth::soups;
 use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
 use lin_canny::{Composite, ConvexPolyhedron, Decomposition, Mesh, MeshError, Piece, Progress};
+use truth::rng::Rng;
+use truth::soups;
 
 fn cloud(count: usize) -> Vec<Point3<f64>> {
     let mut rng = Rng::of_case(40, count as u64);

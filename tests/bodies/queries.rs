@@ -1,9 +1,9 @@
 //! What one body tells of itself: mass, closest points, neighbours.
 
-use truth::rng::Rng;
 use lin_canny::Feature;
 use lin_canny::polyhedron::{ConvexPolyhedron, solids};
 use nalgebra::{Matrix3, Point3, Rotation3, Vector3};
+use truth::rng::Rng;
 
 #[test]
 fn mass_properties_match_closed_forms() {

@@ -1,9 +1,9 @@
 //! Promise: a body is built in near `n log n`, also where many points lie on faces and edges of the hull.
 
 use cpu_time::ThreadTime;
-use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Point3, Vector3};
+use truth::rng::Rng;
 
 /// Points near a sphere with coordinates of so few bits that sums of three are exact, times three.
 fn dyadic_sphere(n: usize) -> Vec<Vector3<f64>> {

@@ -1,9 +1,9 @@
 //! Promise: any sequence of calls of the broad phase is answered or refused: no panic, both structures agree, and the pairs
 //! are those of brute force.
 
+use proptest::prelude::*;
 use truth::driven::calls::{Tally, drive};
 use truth::rng::Rng;
-use proptest::prelude::*;
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]

@@ -1,10 +1,10 @@
 //! The broad phase against brute force, frame by frame, and its two structures against each other.
 
-use truth::boxes::{Kind, Scene, brute_force};
-use truth::rng::Rng;
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeSet;
+use truth::boxes::{Kind, Scene, brute_force};
+use truth::rng::Rng;
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
 

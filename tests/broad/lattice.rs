@@ -1,8 +1,8 @@
 //! Promise: pairs are those of brute force where bounds are equal everywhere: bricks, lattices, stacks.
 
-use truth::driven::lattice::{Mix, sequence};
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
+use truth::driven::lattice::{Mix, sequence};
 
 fn play<B: BroadPhase>(sequences: u64, make: impl Fn() -> B) {
     let mut mix = Mix::default();

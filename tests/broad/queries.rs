@@ -1,9 +1,9 @@
 //! Questions about boxes equal the obvious answers.
 
-use truth::boxes::{Kind, Scene};
-use truth::rng::Rng;
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
+use truth::boxes::{Kind, Scene};
+use truth::rng::Rng;
 
 fn ask(kind: Kind) -> usize {
     let mut scene = Scene::new(kind, 500);
@@ -98,8 +98,8 @@ fn nearest_of_few_ends() {
 
 #[test]
 fn same_pairs_as_the_tree_of_parry() {
-    use parry3d::bounding_volume::Aabb as Box32;
-    use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
+    use parry3d_f64::bounding_volume::Aabb as ParryBox;
+    use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
     for kind in Kind::ALL {
         let mut scene = Scene::new(kind, 800);
         let mut broad = PencilSweep::new();
@@ -110,13 +110,13 @@ fn same_pairs_as_the_tree_of_parry() {
             .collect();
         for _ in 0..5 {
             broad.step();
-            let leaves: Vec<Box32> = ids
+            let leaves: Vec<ParryBox> = ids
                 .iter()
                 .map(|id| broad.stored_box(*id).unwrap())
                 .map(|b| {
-                    Box32::new(
-                        parry3d::math::Vector::from_array(b.lo),
-                        parry3d::math::Vector::from_array(b.hi),
+                    ParryBox::new(
+                        parry3d_f64::math::Vector::from_array(b.lo.map(f64::from)),
+                        parry3d_f64::math::Vector::from_array(b.hi.map(f64::from)),
                     )
                 })
                 .collect();

@@ -1,10 +1,10 @@
 //! A broad phase written down in the middle of its life and read again goes on identically, down to slots and order.
 #![cfg(feature = "serde")]
 
-use truth::boxes::{Kind, Scene};
-use truth::rng::Rng;
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
+use truth::boxes::{Kind, Scene};
+use truth::rng::Rng;
 
 fn copy<B: serde::Serialize + serde::de::DeserializeOwned>(broad: &B) -> B {
     serde_json::from_str(&serde_json::to_string(broad).unwrap()).unwrap()

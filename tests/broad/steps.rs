@@ -1,8 +1,8 @@
 //! Promise: a step costs in proportion to what changed in it. Counted are entries inside windows, not time.
 
-use truth::rng::Rng;
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
+use truth::rng::Rng;
 
 fn place(rng: &mut Rng, side: f64) -> Point3<f64> {
     Point3::new(rng.range(0.0, side), rng.range(0.0, side), rng.range(0.0, side))

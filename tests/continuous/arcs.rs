@@ -2,6 +2,9 @@
 //! arithmetic.
 
 use super::meshes::{ends, moved, sheet, vertices};
+use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::impact::{Cast, Impact, Tolerance};
+use lin_canny::{Class, Mesh, PairTracker, RelativePose};
 use truth::exact_meshes::apart;
 use truth::forms::mesh;
 use truth::pose::{add, quat, scale};
@@ -9,9 +12,6 @@ use truth::rational::RBig;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Point, Pose};
-use lin_canny::continuous::{self, MeshOverFrame};
-use lin_canny::impact::{Cast, Impact, Tolerance};
-use lin_canny::{Class, Mesh, PairTracker, RelativePose};
 
 /// A motion from one pose to another: the origin straight, the angle evenly.
 struct Turning {

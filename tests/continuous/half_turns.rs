@@ -1,13 +1,13 @@
 //! Half turns: a mesh over a frame goes round as `Steady::between` of the poses given.
 
-use truth::forms::mesh;
-use truth::rng::Rng;
-use truth::soups;
 use lin_canny::Mesh;
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Unit, UnitQuaternion, Vector3};
+use truth::forms::mesh;
+use truth::rng::Rng;
+use truth::soups;
 
 /// A quaternion as a pose, of a length that is off by rounding, or by what is accepted.
 fn turned(q: Quaternion<f64>, length: f64) -> Isometry3<f64> {

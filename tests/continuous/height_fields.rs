@@ -1,12 +1,12 @@
 //! Meshes that all but one condition of a height field hold of: each meets itself where the condition is broken.
 
 use super::meshes::{ends, judge, sheet};
-use truth::Point;
-use truth::pose::{add, scale};
-use truth::soups::Soup;
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::Tolerance;
 use std::f64::consts::TAU;
+use truth::Point;
+use truth::pose::{add, scale};
+use truth::soups::Soup;
 
 /// Judges a mesh against itself over a frame; returns whether it meets.
 fn meets(begin: &Soup, end: &Soup, what: &str) -> bool {

@@ -2,15 +2,15 @@
 //! decided.
 
 use super::Tally;
+use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::impact::Tolerance;
+use lin_canny::nalgebra::Point3;
+use lin_canny::{Mesh, VertexError};
 use truth::forms::mesh;
 use truth::paths::families::{self, KINDS};
 use truth::paths::{self, Moving};
 use truth::rng::Rng;
 use truth::soups::Soup;
-use lin_canny::continuous::{self, MeshOverFrame};
-use lin_canny::impact::Tolerance;
-use lin_canny::nalgebra::Point3;
-use lin_canny::{Mesh, VertexError};
 
 const WIDTH: f64 = 1e-6;
 

@@ -1,13 +1,13 @@
 //! Coordinates of every magnitude in one frame: a call ends at its budget.
 
 use cpu_time::ThreadTime;
-use truth::forms::mesh;
-use truth::soups;
 use lin_canny::Mesh;
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::nalgebra::Isometry3;
 use std::time::Duration;
+use truth::forms::mesh;
+use truth::soups;
 
 /// A cube of side two of which a vertex moved far out.
 fn stretched(far: f64) -> Mesh {

@@ -8,13 +8,13 @@ mod kinds;
 mod limits;
 mod meshes;
 
+use lin_canny::continuous;
+use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance};
+use lin_canny::nalgebra::Point3;
 use truth::paths::families::{self, KINDS};
 use truth::paths::{self, Path, Truth};
 use truth::rational::exact;
 use truth::rng::Rng;
-use lin_canny::continuous;
-use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance};
-use lin_canny::nalgebra::Point3;
 
 /// Set to a number: so many queries of each kind.
 const MANY: &str = "LIN_CANNY_QUERIES";

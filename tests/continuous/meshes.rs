@@ -1,6 +1,10 @@
 //! Meshes over a frame: first contacts are those of all pairs of triangles, and exact arithmetic finds them in the bracket.
 
 use super::given;
+use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::impact::{Impact, ImpactError, Tolerance};
+use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::{Class, Mesh};
 use truth::Point;
 use truth::forms::mesh;
 use truth::paths::{self, Truth};
@@ -8,10 +12,6 @@ use truth::pose::{add, scale};
 use truth::rational::exact;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny::continuous::{self, MeshOverFrame};
-use lin_canny::impact::{Impact, ImpactError, Tolerance};
-use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{Class, Mesh};
 
 const WIDTH: f64 = 1e-9;
 

@@ -2,10 +2,10 @@
 
 use super::Mix;
 use super::suites::sampled;
-use truth::curved::{Kind, Place, parse};
-use truth::rng::Rng;
 use lin_canny::shape::Core;
 use lin_canny::{Class, Outcome, PairTracker, RelativePose, Shape};
+use truth::curved::{Kind, Place, parse};
+use truth::rng::Rng;
 
 /// A shape without its rounding, as ours and as the judge's.
 fn core(shape: &Shape) -> (Shape, Kind) {

@@ -10,10 +10,10 @@ mod special;
 mod starts;
 mod suites;
 
-use truth::curved::{KINDS, Kind, Place, Wide};
-use truth::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::{Class, Outcome, PairTracker, Solver};
+use truth::curved::{KINDS, Kind, Place, Wide};
+use truth::rng::Rng;
 
 /// What a suite met.
 #[derive(Default, Debug)]

@@ -2,10 +2,10 @@
 //! and those of a shape at rest stand still.
 
 use super::at_gap;
-use truth::curved::{KINDS, Kind, Place, wide};
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, PairTracker, Shape, Tracker};
+use truth::curved::{KINDS, Kind, Place, wide};
+use truth::rng::Rng;
 
 const R: f64 = 0.5;
 

@@ -2,11 +2,11 @@
 //! normal at the distance returned.
 
 use super::{at_gap, pairs};
+use lin_canny::nalgebra::Vector3;
+use lin_canny::{Class, Outcome, PairTracker};
 use truth::curved::special::{about_parallel_axes, flush_over_edge};
 use truth::curved::{Kind, Place, matrix, turned_back, wide};
 use truth::rng::Rng;
-use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Outcome, PairTracker};
 
 /// Largest error of witnesses, times L, and of those of superquadrics, whose heights are less exact; of a depth known to an
 /// interval, the width is added, as far as to `WIDE`.

@@ -2,11 +2,11 @@
 //! their exponents.
 
 use super::Mix;
+use lin_canny::nalgebra::Vector3;
+use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
 use truth::curved::special::{about_parallel_axes, flush_over_edge, near_limits};
 use truth::curved::{KINDS, Kind, Place};
 use truth::rng::Rng;
-use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
 
 /// Whether an answer of shapes that are flush is the gap, along the axis of the faces.
 fn is_flush(o: &Outcome, side: f64, apart: f64, size: f64) -> bool {

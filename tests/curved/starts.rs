@@ -1,9 +1,9 @@
 //! Promise: a start along a normal changes the work of a query and never its bounds.
 
-use truth::curved::{Kind, Place, wide};
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
+use truth::curved::{Kind, Place, wide};
+use truth::rng::Rng;
 
 use super::{Mix, at_gap, count, pairs};
 

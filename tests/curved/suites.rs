@@ -1,11 +1,11 @@
 //! Overlaps, identities, hard families and stale trackers.
 
 use super::{Mix, at_gap, count, pairs};
-use truth::curved::{KINDS, Kind, Place, wide};
-use truth::rng::Rng;
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, Outcome, PairTracker, Shape, Solver};
+use truth::curved::{KINDS, Kind, Place, wide};
+use truth::rng::Rng;
 
 fn closest(a: &Shape, b: &Shape, place: &Place) -> Outcome {
     PairTracker::new().closest(a, b, &place.pose()).outcome

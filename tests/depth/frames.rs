@@ -1,6 +1,9 @@
 //! A depth over frames: it is continuous, and what is kept changes what it costs and not what it is.
 
 use crate::{both, closest, pushed};
+use lin_canny::nalgebra::Vector3;
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Replay, Solver, Tracker};
 use truth::contacts::widest_face;
 use truth::motion::{self, Frame};
 use truth::pose::{norm, radius, scale, sub};
@@ -8,9 +11,6 @@ use truth::rng::Rng;
 use truth::shapes;
 use truth::support;
 use truth::{Pose, workload};
-use lin_canny::nalgebra::Vector3;
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Replay, Solver, Tracker};
 
 /// The signed distance changes no faster than the bodies move, on both sides of contact and across it.
 #[test]

@@ -1,14 +1,14 @@
 //! Bodies and places at which rounding hides the depth, or its witnesses.
 
 use crate::{both, closest, judge, judge_both};
+use lin_canny::nalgebra::Vector3;
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, Replay, Solver};
 use truth::Pose;
 use truth::pose::{scale, sub};
 use truth::rng::Rng;
 use truth::shapes;
 use truth::support;
-use lin_canny::nalgebra::Vector3;
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Replay, Solver};
 
 /// A plate, and at a corner of it a speck a billionth as large and a million times thinner still: the volumes that prove the
 /// overlap are far below rounding of the plate's.

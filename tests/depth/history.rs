@@ -1,12 +1,12 @@
 //! The depth of an overlap is a function of the bodies and the pose: what a tracker was asked before shows in no bit.
 
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 use truth::Pose;
 use truth::motion::Frame;
 use truth::pose::{quat, quat_mul, scale};
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 
 /// Overlaps asked of a tracker that comes from elsewhere, and of a new one.
 #[derive(Debug, Default)]

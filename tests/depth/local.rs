@@ -2,6 +2,7 @@
 //! tracker of a proven depth, and with the letters exchanged. Bodies apart are answered as ever.
 
 use crate::nearest::{nudged, pose, shape};
+use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, PairTracker, Question, Tracker, Until};
 use truth::exact::{self, Exact};
 use truth::motion::{self, Frame};
 use truth::pose::{dot, radius, scale, sub};
@@ -9,7 +10,6 @@ use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support;
 use truth::{Body, Pose, bound};
-use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, PairTracker, Question, Tracker, Until};
 
 /// A pair of bodies in one order.
 struct Pair<'a> {

@@ -6,6 +6,7 @@ mod history;
 mod local;
 mod nearest;
 
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 use truth::exact;
 use truth::motion::Frame;
 use truth::pose::{norm, radius, scale, sub};
@@ -13,7 +14,6 @@ use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support;
 use truth::{Body, Pose};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 
 fn both(a: Pose, b: Pose) -> Frame {
     Frame { a, b }

@@ -2,6 +2,7 @@
 //! ordinary bodies, warm, cold, from a hint, and with the letters exchanged.
 
 use crate::both;
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
 use truth::contacts::widest_face;
 use truth::motion::Frame;
 use truth::pose::{add, quat, quat_mul, radius, scale, unit_quat};
@@ -9,7 +10,6 @@ use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support;
 use truth::{Body, Pose, exact, workload};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
 
 pub(crate) fn shape(rng: &mut Rng) -> Shape {
     let shape = match rng.below(8) {

@@ -1,7 +1,7 @@
 //! Arbitrary bytes are bodies, poses and queries, or are refused; within a time.
 
-use truth::driven::bytes;
 use std::time::{Duration, Instant};
+use truth::driven::bytes;
 
 use truth::driven::bytes::{Tally, drive};
 use truth::rng::Rng;

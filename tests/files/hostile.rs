@@ -1,9 +1,6 @@
 //! Files that were tampered with are refused, or hold bodies and poses as good as any (feature `serde`).
 #![cfg(feature = "serde")]
 
-use truth::driven::bytes;
-use truth::rng::Rng;
-use truth::shapes;
 use lin_canny::broad::{Aabb, BroadPhase, PencilSweep, SortedAxes};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
@@ -13,6 +10,9 @@ use lin_canny::{RelativePose, Shape, Tracker, Velocity};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 use std::sync::Arc;
+use truth::driven::bytes;
+use truth::rng::Rng;
+use truth::shapes;
 
 /// One to four bytes of a text changed to others that JSON knows.
 fn tampered(text: &str, rng: &mut Rng) -> String {

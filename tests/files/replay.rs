@@ -1,10 +1,10 @@
 //! A replay is the query, bit for bit, and a text that is none is refused by line.
 
-use truth::rng::Rng;
-use truth::shapes;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Accuracy, ConvexPolyhedron, Operand, PairTracker, RelativePose, Replay, ReplayError, Shape, Tracker};
+use truth::rng::Rng;
+use truth::shapes;
 
 fn bodies() -> Vec<ConvexPolyhedron> {
     let point = |x, y, z| Point3::new(x, y, z);

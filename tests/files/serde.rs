@@ -1,7 +1,6 @@
 //! Promise: every public type of the feature `serde` comes back from a file as it was.
 #![cfg(feature = "serde")]
 
-use truth::support;
 use lin_canny::polyhedron::solids;
 use lin_canny::{
     Class, ConvexPolyhedron, Distance, Manifold, ManifoldOptions, Outcome, PairTracker, Proposal, Question,
@@ -9,6 +8,7 @@ use lin_canny::{
 };
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use truth::support;
 
 fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(value: &T) -> T {
     let text = serde_json::to_string(value).expect("serialises");

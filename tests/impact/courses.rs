@@ -1,9 +1,9 @@
 //! Promise: a body on a motion is nowhere farther from the model of its course than the drift says, poses as rounded.
 
-use truth::rng::Rng;
 use lin_canny::motion::{Course, Motion, MotionError, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Operand, PoseError, Velocity};
+use truth::rng::Rng;
 
 fn vector(rng: &mut Rng, size: f64) -> Vector3<f64> {
     Vector3::from(rng.in_ball()) * size

@@ -1,11 +1,11 @@
 //! Motions that are not uniform: gravity as a motion of the user's own, for every kind of pair.
 
 use super::pairs::{Bodies, Fall};
-use truth::rng::Rng;
 use lin_canny::RelativePose;
 use lin_canny::impact::{Impact, Tolerance, cast, free_until, held_until};
 use lin_canny::motion::Motion;
 use lin_canny::nalgebra::{Isometry3, Vector3};
+use truth::rng::Rng;
 
 /// Balls of diameter one meet when the way between the centres is one.
 fn meeting(fall: &Fall) -> f64 {

@@ -2,14 +2,14 @@
 
 use super::judge::{Judge, Tally};
 use super::radius;
-use truth::casts::{Throw, aimed, body, rotation, solid};
-use truth::rng::Rng;
-use truth::shapes;
 use lin_canny::Tracker;
 use lin_canny::Velocity;
 use lin_canny::impact::{Impact, ImpactError, Tolerance, cast, cast_within};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use truth::casts::{Throw, aimed, body, rotation, solid};
+use truth::rng::Rng;
+use truth::shapes;
 
 const FINE: Tolerance = Tolerance::Distance(1e-10);
 

@@ -1,12 +1,12 @@
 //! Motions that are no motions, and intervals of no length: nothing is proven by them, and every cast ends.
 
 use super::pairs::{Bodies, Fall};
-use truth::rng::Rng;
 use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance, cast, cast_within, free_until, held_until};
 use lin_canny::motion::{Course, Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::separation::{Flight, Free, Measure, Proof, Separation, Tangent};
 use lin_canny::{Class, Operand, RelativePose, Velocity};
+use truth::rng::Rng;
 
 const FINE: Tolerance = Tolerance::Distance(1e-6);
 

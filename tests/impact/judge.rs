@@ -1,9 +1,9 @@
 //! Judges a cast by dense predicates and by conservative advancement.
 
-use truth::casts::{Advance, Throw, advance};
 use lin_canny::impact::{Cast, Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
+use truth::casts::{Advance, Throw, advance};
 
 /// What was seen.
 #[derive(Default)]

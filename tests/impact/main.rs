@@ -16,10 +16,10 @@ mod shapes;
 mod spins;
 
 use judge::{Judge, Tally};
-use truth::casts::{self, SHAPES, Throw};
-use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::impact::Tolerance;
+use truth::casts::{self, SHAPES, Throw};
+use truth::rng::Rng;
 
 /// Bodies of all families, small and large beside each other.
 pub(crate) fn bodies(rng: &mut Rng) -> Vec<ConvexPolyhedron> {

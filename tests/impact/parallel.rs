@@ -1,14 +1,14 @@
 //! Faces that stay parallel: plates that spin and slide over each other, bodies carried round together. The gap never
 //! changes, so the looks must not grow as the gap shrinks.
 
-use truth::casts::solid;
-use truth::rng::Rng;
-use truth::shapes;
 use lin_canny::Tracker;
 use lin_canny::Velocity;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use truth::casts::solid;
+use truth::rng::Rng;
+use truth::shapes;
 
 /// The most looks of casts at a gap, by the turn.
 fn most_looks(gap: f64, turn: f64) -> u32 {

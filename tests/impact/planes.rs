@@ -1,14 +1,14 @@
 //! Every plane's reach, judged by brute force over all vertices.
 
 use super::{bodies, radius};
-use truth::casts;
-use truth::rng::Rng;
 use lin_canny::Tracker;
 use lin_canny::impact::{Certificate, Tolerance, cast_proving, free_until};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::separation::Proof;
 use lin_canny::{ConvexPolyhedron, Velocity};
+use truth::casts;
+use truth::rng::Rng;
 
 /// The gap along `n` of the world, over all vertices.
 fn gap(a: &ConvexPolyhedron, pa: &Isometry3<f64>, b: &ConvexPolyhedron, pb: &Isometry3<f64>, n: &Vector3<f64>) -> f64 {

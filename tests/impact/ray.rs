@@ -1,11 +1,11 @@
 //! Promise: a ray cast brackets the first point of a ray in a body, of every kind, at any scale.
 
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
 use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, Ray, RayCast, RayCaster, RayError, RayHit, Shape};
+use truth::rng::Rng;
 
 fn pose(rng: &mut Rng, size: f64) -> Isometry3<f64> {
     let turn = UnitQuaternion::from_scaled_axis(Vector3::from(rng.unit()) * rng.range(0.0, 3.0));

@@ -1,12 +1,12 @@
 //! Promise: rays and meshes: the bracket holds the first crossing of a brute-force search, at any scale, from outside and inside, and of
 //! rays through vertices and along faces.
 
-use truth::forms::mesh;
-use truth::rng::Rng;
-use truth::soups::{self, Soup};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::Feature;
 use lin_canny::{Ray, RayCast, RayCaster};
+use truth::forms::mesh;
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 
 /// All crossings of a line with the triangles of a mesh: how far along it and the triangle, in order. `None` if one is near an edge or
 /// nearly parallel, or two are nearly equally far.

@@ -1,13 +1,13 @@
 //! Casts at every size and on every clock: an answer is that of size one, and never late.
 
 use super::pairs::{Bodies, Fall};
-use truth::casts::{aimed, body};
-use truth::rng::Rng;
 use lin_canny::Tracker;
 use lin_canny::impact::{Cast, Impact, Tolerance, cast, cast_within, held_until};
 use lin_canny::motion::{Course, Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ConvexPolyhedron, Velocity};
+use truth::casts::{aimed, body};
+use truth::rng::Rng;
 
 /// Bodies end at one half of `size`; B flies towards A, both turning about the line of flight.
 fn head_on(size: f64, tick: f64) -> [Steady; 2] {

@@ -1,11 +1,11 @@
 //! Casts of rounded and curved shapes: closed forms for balls, and dense sampling for every pair of kinds.
 
-use truth::casts;
-use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::{PairTracker, RelativePose, Shape, Velocity};
+use truth::casts;
+use truth::rng::Rng;
 
 const TOLERANCE: f64 = 1e-9;
 

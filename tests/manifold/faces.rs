@@ -3,6 +3,7 @@
 use crate::judge::judge;
 use crate::planar::spanned;
 use crate::{exact, flush, manifold};
+use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 use truth::contacts::widest_face;
 use truth::motion::Frame;
 use truth::pose::{add, cross, quat, quat_mul, scale, unit, unit_quat};
@@ -10,7 +11,6 @@ use truth::rng::Rng;
 use truth::shapes;
 use truth::support;
 use truth::{Pose, workload};
-use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 
 /// B's widest face on A's, anywhere on it, tilted by `tilt`.
 fn laid(a: &ConvexPolyhedron, b: &ConvexPolyhedron, distance: f64, tilt: f64, rng: &mut Rng) -> Frame {

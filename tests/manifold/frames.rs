@@ -1,5 +1,6 @@
 //! A manifold over frames: names last, old ones keep their bounds.
 
+use lin_canny::{ConvexPolyhedron, FeaturePair, Manifold, ManifoldOptions, Tracker};
 use truth::contacts::widest_face;
 use truth::motion::{self, Frame};
 use truth::pose::{add, radius};
@@ -7,7 +8,6 @@ use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support;
 use truth::{Pose, workload};
-use lin_canny::{ConvexPolyhedron, FeaturePair, Manifold, ManifoldOptions, Tracker};
 
 #[test]
 fn names_last_at_rest() {

@@ -2,13 +2,13 @@
 
 use crate::judge::judge;
 use crate::{exact, flush, manifold};
+use lin_canny::{ConvexPolyhedron, FaceId, Feature, FeaturePair, Manifold, ManifoldOptions, Tracker};
 use truth::motion::Frame;
 use truth::pose::{add, dot, norm, quat, quat_mul, radius, scale, unit_quat};
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support;
 use truth::{Point, Pose};
-use lin_canny::{ConvexPolyhedron, FaceId, Feature, FeaturePair, Manifold, ManifoldOptions, Tracker};
 
 /// Frames of all kinds, most of them near contact.
 fn hard_frames(rng: &mut Rng, radii: (f64, f64)) -> Vec<Frame> {

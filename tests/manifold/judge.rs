@@ -1,10 +1,10 @@
 //! What is true of every manifold.
 
+use lin_canny::{ConvexPolyhedron, FaceId, Feature, Manifold, ManifoldOptions, Outcome, Solver, Tracker};
 use truth::Point;
 use truth::motion::Frame;
 use truth::pose::{cross, dot, norm, scale, sub, unit};
 use truth::support;
-use lin_canny::{ConvexPolyhedron, FaceId, Feature, Manifold, ManifoldOptions, Outcome, Solver, Tracker};
 
 /// How far a point is off a feature of its body.
 fn off(body: &ConvexPolyhedron, feature: Feature, p: Point) -> f64 {

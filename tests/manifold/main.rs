@@ -9,12 +9,12 @@ mod planar;
 mod rims;
 
 use judge::judge;
+use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 use truth::motion::Frame;
 use truth::pose::unit;
 use truth::shapes;
 use truth::support;
 use truth::{Point, Pose};
-use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 
 fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
     let mut o = ManifoldOptions::within(prediction);

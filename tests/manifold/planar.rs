@@ -1,10 +1,10 @@
 //! What two faces share and what points span, in the plane across the normal, by brute force.
 
+use lin_canny::{ContactPoint, ConvexPolyhedron, Feature, Manifold};
 use truth::motion::Frame;
 use truth::pose::{cross, dot, unit};
 use truth::support;
 use truth::{Point, Pose};
-use lin_canny::{ContactPoint, ConvexPolyhedron, Feature, Manifold};
 
 /// Faces in the world seen along `n`, in two coordinates.
 fn seen(body: &ConvexPolyhedron, pose: &Pose, feature: Feature, [e1, e2]: [Point; 2]) -> Vec<[f64; 2]> {

@@ -2,13 +2,13 @@
 
 use crate::judge::judge;
 use crate::{exact, manifold};
+use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 use truth::motion::Frame;
 use truth::pose::scale;
 use truth::rng::Rng;
 use truth::shapes;
 use truth::support;
 use truth::{Point, Pose};
-use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 
 /// Half length of a straight rim along y, and half the width of its body along x.
 #[derive(Clone, Copy)]

@@ -1,15 +1,15 @@
 //! Casts of meshes and composites: safe times are free, hits meet, misses are misses, at dense samples.
 
 use super::{mesh, shapes};
-use truth::Pose;
-use truth::pose::{add, scale};
-use truth::rng::Rng;
-use truth::soups;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::separation::Separation;
 use lin_canny::{Class, Composite, GeometryRef, PairTracker, Piece, RelativePose, Shape, Velocity};
+use truth::Pose;
+use truth::pose::{add, scale};
+use truth::rng::Rng;
+use truth::soups;
 
 /// What casts found, and the queries they took.
 #[derive(Debug, Default)]

@@ -1,15 +1,15 @@
 //! Meshes that bend: after every replacement of vertices answers are those of brute force and of a mesh built anew.
 
 use super::{judge_by_surfaces, mesh, relative};
-use truth::pose::{norm, quat, quat_mul, scale, sub, unit_quat};
-use truth::rng::Rng;
-use truth::soups::{self, Soup};
-use truth::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{
     Class, Composite, ConvexPolyhedron, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape, VertexError,
 };
+use truth::pose::{norm, quat, quat_mul, scale, sub, unit_quat};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Point, Pose};
 
 /// A sheet of n by n squares about the origin, of side 2.
 pub(crate) fn sheet(n: u32) -> Soup {

@@ -4,10 +4,6 @@
 use super::bending::{anew, bent, sheet, vertices};
 use super::contacts::{check, deepest, within};
 use super::{mesh, relative};
-use truth::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
-use truth::rng::Rng;
-use truth::soups::{self, Soup};
-use truth::{Point, Pose, brute};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
@@ -15,6 +11,10 @@ use lin_canny::{
     Answer, Class, Composite, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairTracker, Piece, Ray,
     RayCast, RayCaster, RelativePose, Shape,
 };
+use truth::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{Point, Pose, brute};
 
 /// Shapes and their places.
 type Pieces = Vec<(Isometry3<f64>, Shape)>;

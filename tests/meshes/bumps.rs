@@ -2,12 +2,12 @@
 
 use super::contacts::{check, cuboid, deepest, exact, patches, within};
 use super::{mesh, relative};
+use lin_canny::nalgebra::Vector3;
+use lin_canny::{Composite, ContactPatches, PairTracker, Shape};
 use truth::Pose;
 use truth::pose::{quat, quat_mul, sub, unit, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny::nalgebra::Vector3;
-use lin_canny::{Composite, ContactPatches, PairTracker, Shape};
 
 /// A floor in squares with random heights, as an open surface.
 fn ground(n: usize, amplitude: f64, rng: &mut Rng) -> Soup {

@@ -1,12 +1,12 @@
 //! Contacts by convex patches: no ghosts on inner edges, normals of the mesh, names that last.
 
 use super::{mesh, relative};
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::{Composite, ContactPatches, ManifoldOptions, PairTracker, PatchContact, PatchContacts, Piece, Shape};
 use truth::Pose;
 use truth::pose::{add, quat, quat_mul, scale, sub, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{Composite, ContactPatches, ManifoldOptions, PairTracker, PatchContact, PatchContacts, Piece, Shape};
 
 pub(crate) fn patches(soup: &Soup) -> ContactPatches {
     ContactPatches::of_mesh(mesh(soup))

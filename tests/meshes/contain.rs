@@ -1,11 +1,11 @@
 //! Inside and outside: nested, linked, hollow and multi-part meshes, jumps through walls, flush boxes that overlap.
 
 use super::{mesh, relative};
+use lin_canny::{Class, MeshKind, PairTracker};
 use truth::pose::{quat, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Pose, brute};
-use lin_canny::{Class, MeshKind, PairTracker};
 
 #[test]
 fn windings_decide_over_jumps() {

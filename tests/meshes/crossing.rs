@@ -2,12 +2,12 @@
 //! and beside translations that part the bodies.
 
 use super::{mesh, relative};
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
 use truth::Pose;
 use truth::pose::{add, quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
 
 /// The ratios of lower and upper bounds of a family, and poses whose lower bound is zero.
 #[derive(Default)]

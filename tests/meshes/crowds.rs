@@ -1,11 +1,11 @@
 //! Work of queries of bodies that are in contact nearly everywhere: in one place, or in one another's.
 
 use super::{mesh, relative, shapes};
+use lin_canny::{Class, Mesh, MeshKind, MeshWork, PairTracker};
 use truth::Pose;
 use truth::pose::{quat, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny::{Class, Mesh, MeshKind, MeshWork, PairTracker};
 
 /// A dome of `2 n n` triangles over a square: a surface.
 fn dome(n: usize) -> Soup {

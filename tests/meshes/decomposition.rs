@@ -1,12 +1,12 @@
 //! Convex pieces in place of a mesh: gaps are bracketed, and distances are intervals that hold for the mesh.
 
 use super::{mesh, relative};
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::{Class, Composite, ConvexPolyhedron, Decomposition, Mesh, MeshError, PairTracker, Piece, Shape};
 use truth::Pose;
 use truth::pose::scale;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{Class, Composite, ConvexPolyhedron, Decomposition, Mesh, MeshError, PairTracker, Piece, Shape};
 
 fn hull(points: &[[f64; 3]]) -> Piece {
     let points: Vec<_> = points.iter().map(|p| Point3::from(*p)).collect();

@@ -1,12 +1,12 @@
 //! Faults that files of real meshes have, made on purpose: none of them opens a closed surface.
 
 use super::{mesh, relative};
+use lin_canny::{Class, MeshKind, PairTracker};
 use truth::faults::{faulty, on_grid, slit};
 use truth::pose::scale;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Pose, brute};
-use lin_canny::{Class, MeshKind, PairTracker};
 
 #[test]
 fn no_fault_opens_a_closed_surface() {

@@ -1,11 +1,11 @@
 //! Tracked over frames: slow motion, teleports, long rotation, skipped frames.
 
 use super::{judge, mesh, relative, shapes};
+use lin_canny::{Class, PairTracker};
 use truth::Pose;
 use truth::pose::{quat, quat_mul, unit_quat};
 use truth::rng::Rng;
 use truth::soups;
-use lin_canny::{Class, PairTracker};
 
 /// Frames of slow tumbling with a jump now and then.
 fn motion(frames: usize, degrees: f64, jump: usize, seed: u64) -> Vec<Pose> {

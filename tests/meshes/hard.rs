@@ -1,12 +1,12 @@
 //! Flush contact, tiny gaps, slivers, soups, scales, and bodies far away.
 
 use super::{judge, mesh, relative, size};
+use lin_canny::nalgebra::Point3;
+use lin_canny::{Class, Mesh, MeshError, PairTracker};
 use truth::pose::{add, quat, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Pose, brute};
-use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshError, PairTracker};
 
 #[test]
 fn flush_plates_are_settled_high_in_the_trees() {

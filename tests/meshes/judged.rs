@@ -4,16 +4,16 @@
 use super::bending::{WAYS, anew, bent, sheet, vertices};
 use super::own::judge_answer;
 use super::{mesh, relative};
+use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::patch::{Patch, Surface};
+use lin_canny::{Class, Geometry, Mesh, MeshKind, PairTracker, Ray, RayCast, RayCaster};
+use lin_canny_plan::{Checker, RigidSpace, World};
 use truth::exact_meshes::{apart, itself};
 use truth::pose::{quat, quat_mul, unit_quat};
 use truth::rational::{RBig, exact};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Pose, brute};
-use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::patch::{Patch, Surface};
-use lin_canny::{Class, Geometry, Mesh, MeshKind, PairTracker, Ray, RayCast, RayCaster};
-use lin_canny_plan::{Checker, RigidSpace, World};
 
 /// Frames of one body that bends in one way.
 const CLIP: usize = 20;

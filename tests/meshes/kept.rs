@@ -15,8 +15,6 @@
 //! | shape, composite or mesh that stands for another body | that body, by one of the above | `pieces`, `features` |
 
 use super::relative;
-use truth::Pose;
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
@@ -24,6 +22,8 @@ use lin_canny::{
     Answer, Composite, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose,
     Shape, Tracker,
 };
+use truth::Pose;
+use truth::rng::Rng;
 
 fn cuboid(half: [f64; 3]) -> ConvexPolyhedron {
     solids::cuboid(Vector3::from(half)).unwrap()

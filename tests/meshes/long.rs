@@ -1,9 +1,9 @@
 //! Long thin triangles: shafts, cones, bearings, links and trays as CAD has them.
 
 use super::{mesh, relative};
+use lin_canny::{Mesh, MeshKind, PairTracker};
 use truth::pose::{quat, quat_mul, unit_quat};
 use truth::{Pose, turned};
-use lin_canny::{Mesh, MeshKind, PairTracker};
 
 #[test]
 fn turned_parts_are_solids() {

@@ -31,11 +31,11 @@ mod solids;
 mod stand_ins;
 mod valleys;
 
+use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
 pub(crate) use truth::forms::mesh;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Pose, brute};
-use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
 
 pub(crate) fn relative(pose: &Pose) -> RelativePose {
     RelativePose::from_isometry(&pose.isometry()).unwrap()

@@ -1,12 +1,12 @@
 //! Families of poses against brute force: a few hundred each by default, ten thousand with `--ignored`.
 
 use super::{judge_by_surfaces, mesh, relative};
+use lin_canny::{Class, PairTracker};
 use truth::Pose;
 use truth::pose::{add, quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::turned;
-use lin_canny::{Class, PairTracker};
 
 /// How poses follow each other.
 #[derive(Clone, Copy, Debug)]

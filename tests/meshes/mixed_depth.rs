@@ -3,13 +3,13 @@
 
 use super::pieces::soup;
 use super::{mesh, relative};
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, Composite, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
 use truth::pose::{add, norm, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Pose, brute};
-use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
 
 fn penetration(a: GeometryRef, b: GeometryRef, at: &RelativePose) -> PenetrationBounds {
     PairTracker::new().penetration(a, b, at).expect("two solids")

@@ -1,13 +1,13 @@
 //! Predicates and classes of solids an ulp apart, in one place, and in units far from each other.
 
 use super::{mesh, relative};
+use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, Composite, ConvexPolyhedron, GeometryRef, Mesh, PairTracker, Piece, RelativePose, Shape};
 use truth::Pose;
 use truth::pose::{quat, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, ConvexPolyhedron, GeometryRef, Mesh, PairTracker, Piece, RelativePose, Shape};
 
 /// A pyramid upright on z = 0, or on its side, or lying on its top.
 fn pyramid(k: usize) -> Soup {

@@ -2,12 +2,12 @@
 
 use super::bending::{WAYS, bent, sheet, vertices};
 use super::mesh;
+use lin_canny::nalgebra::Point3;
+use lin_canny::{Answer, Class, Mesh, PairTracker, RelativePose};
 use truth::exact_meshes::{itself, pairs_within};
 use truth::rational::{RBig, exact, rounded, sqrt};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny::nalgebra::Point3;
-use lin_canny::{Answer, Class, Mesh, PairTracker, RelativePose};
 
 /// Judges an answer by the exact square of the distance.
 pub(crate) fn judge_answer(found: &Answer, square: &RBig, size: f64, what: &str) {

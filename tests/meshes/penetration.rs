@@ -1,13 +1,13 @@
 //! Bounds of the penetration depth: of convex meshes beside the depth of the bodies, of others beside shifts by brute force.
 
 use super::{mesh, relative, shapes};
+use lin_canny::nalgebra::Vector3;
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, Composite, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker};
 use truth::Pose;
 use truth::pose::{add, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups;
-use lin_canny::nalgebra::Vector3;
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker};
 
 fn shifted(pose: &Pose, by: Vector3<f64>) -> RelativePose {
     relative(&Pose {

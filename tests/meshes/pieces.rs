@@ -1,13 +1,13 @@
 //! Bodies of convex pieces: against all pairs of pieces, in place and with poses of their own, tracked and cold.
 
 use super::{mesh, relative};
+use lin_canny::nalgebra::Vector3;
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, Composite, CompositeError, PairTracker, Piece};
 use truth::pose::{quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::Soup;
 use truth::{Pose, brute};
-use lin_canny::nalgebra::Vector3;
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, CompositeError, PairTracker, Piece};
 
 /// Boxes and hulls strung along a path.
 fn chain(count: usize, in_place: bool, seed: u64) -> Composite {

@@ -1,12 +1,12 @@
 //! Promise: a point beside a closed mesh, and a ray beside or through one, is decided by exact arithmetic.
 
-use truth::driven::points::{self, Mix};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Change, Effects, Scene};
 use lin_canny::{
     Class, Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
 };
+use truth::driven::points::{self, Mix};
 
 fn cube(size: f64) -> Geometry {
     let hull = solids::cuboid(Vector3::repeat(size)).expect("a cube");

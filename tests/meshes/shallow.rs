@@ -2,11 +2,11 @@
 
 use super::contacts::{exact, is_normal, patches};
 use super::{mesh, relative};
+use lin_canny::{Class, ContactPatches, Mesh, PairTracker};
 use truth::Pose;
 use truth::pose::{add, scale, sub};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny::{Class, ContactPatches, Mesh, PairTracker};
 
 /// Solids of all kinds, stretched by up to a hundred along each axis.
 fn stretched(rng: &mut Rng) -> Vec<Soup> {

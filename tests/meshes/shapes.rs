@@ -1,13 +1,13 @@
 //! Shapes of every kind against meshes and in bodies of pieces: against all pairs of parts, in both orders, warm and cold.
 
 use super::{mesh, relative};
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
 use truth::pose::{quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Pose, brute};
-use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
 
 fn kinds() -> Vec<Shape> {
     vec![

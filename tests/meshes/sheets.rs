@@ -1,12 +1,12 @@
 //! Faces that cancel: a window written as a cavity through the whole wall, its ends in the faces of the wall.
 
 use super::{mesh, relative};
+use lin_canny::nalgebra::Point3;
+use lin_canny::{Class, Mesh, MeshKind, PairTracker};
 use truth::Pose;
 use truth::driven::slots::union_of;
 use truth::rng::Rng;
 use truth::soups::Soup;
-use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshKind, PairTracker};
 
 /// A wall of 4 x 10 x 2 and its window, and a bar through the window.
 fn wall_and_bar(fine: usize) -> [Soup; 2] {

@@ -1,10 +1,10 @@
 //! Triangles whose vertices are on one line but for rounding: an upper bound is the distance of points of both.
 
+use lin_canny::nalgebra::Point3;
+use lin_canny::{Mesh, PairTracker};
 use truth::Pose;
 use truth::driven::slivers::{Mix, play};
 use truth::rng::Rng;
-use lin_canny::nalgebra::Point3;
-use lin_canny::{Mesh, PairTracker};
 
 use super::relative;
 

@@ -1,9 +1,9 @@
 //! Pins in slots: depths where edges cross and no vertex is inside, of U, blocks and doors, beside a closed form.
 
 use super::mesh;
+use lin_canny::PairTracker;
 use truth::driven::slots::{Mix, play, union_of};
 use truth::soups::Soup;
-use lin_canny::PairTracker;
 
 /// A U whose lower arm ends at y = `depth`, and a pin in its gap from y = 0 to 2.
 fn pin_in_u(depth: f64) -> [Soup; 2] {

@@ -1,10 +1,10 @@
 //! Promise: solids with faces in common have the class of whole numbers, wherever their origin lies.
 
 use super::{mesh, relative};
+use lin_canny::{Class, ManifoldOptions, Mesh, PairTracker};
 use truth::Pose;
 use truth::driven::solids::{Mix, PLACES, play};
 use truth::soups::Soup;
-use lin_canny::{Class, ManifoldOptions, Mesh, PairTracker};
 
 fn played(seeds: u64) {
     let (mut mix, mut failed) = (Mix::default(), Vec::new());

@@ -2,12 +2,12 @@
 
 use core::f64::consts::TAU;
 
-use truth::driven::stand_ins::{self, Mix};
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
+use truth::driven::stand_ins::{self, Mix};
+use truth::rng::Rng;
 
 fn cuboid(half: [f64; 3]) -> ConvexPolyhedron {
     solids::cuboid(Vector3::from(half)).unwrap()

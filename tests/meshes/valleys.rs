@@ -2,11 +2,11 @@
 
 use super::contacts::exact;
 use super::{mesh, relative};
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::{Composite, ContactPatches, ConvexPolyhedron, PairTracker, PatchContacts, Piece, Shape};
 use truth::Pose;
 use truth::rng::Rng;
 use truth::soups::Soup;
-use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Composite, ContactPatches, ConvexPolyhedron, PairTracker, PatchContacts, Piece, Shape};
 
 const PREDICTION: f64 = 5e-3;
 

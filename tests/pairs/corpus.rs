@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
+use lin_canny::{ConvexPolyhedron, FeaturePair, Outcome, Tracker};
 use truth::corpus::{self, Case};
 use truth::rng::Rng;
 use truth::shapes::Shape;
 use truth::support::{between, body, class, pairs};
 use truth::{Pose, bound};
-use lin_canny::{ConvexPolyhedron, FeaturePair, Outcome, Tracker};
 
 fn cases() -> Vec<Case> {
     let all = corpus::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus"));

@@ -3,14 +3,14 @@
 //!
 //! No answer names an edge beside a face or two faces: one of their vertices or edges stands for them.
 
+use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 use truth::motion::{orbit_and_spin, random_poses};
 use truth::pose::radius;
 use truth::rng::Rng;
 use truth::support;
 use truth::support::kinds;
-use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 
 fn hull(points: &[[f64; 3]]) -> ConvexPolyhedron {
     ConvexPolyhedron::from_points(&points.iter().map(|&p| Point3::from(p)).collect::<Vec<_>>()).expect("a hull")

@@ -1,10 +1,5 @@
 //! Promise: one tracker answers any two geometries, in either order, at one pose and over time.
 
-use truth::Pose;
-use truth::forms;
-use truth::forms::{Form, TIE, forms, sphere};
-use truth::pose::scale;
-use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -15,6 +10,11 @@ use lin_canny::{
     Answer, Class, Composite, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh, PairTracker,
     PairWork, PatchContact, Question, RelativePose, Shape, Velocity,
 };
+use truth::Pose;
+use truth::forms;
+use truth::forms::{Form, TIE, forms, sphere};
+use truth::pose::scale;
+use truth::rng::Rng;
 
 type Body = (Geometry, Form);
 

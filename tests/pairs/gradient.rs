@@ -1,5 +1,7 @@
 //! Promise: the gradient is the derivative of the exact signed distance by either pose, apart and overlapping, and one-sided at ties.
 
+use lin_canny::nalgebra::Vector3;
+use lin_canny::{Class, Manifold, ManifoldOptions, Tracker};
 use truth::exact::{self, Body};
 use truth::motion::Frame;
 use truth::pose::{add, quat, quat_mul, scale, unit_quat};
@@ -7,8 +9,6 @@ use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support;
 use truth::{Point, Pose};
-use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Manifold, ManifoldOptions, Tracker};
 
 /// A pose moved along a twist in its own frame.
 fn moved(pose: &Pose, linear: Point, angular: Point, by: f64) -> Pose {

@@ -1,13 +1,13 @@
 //! Promise: a polyhedron on a half-space has its exact height, and contacts that bear it.
 
+use lin_canny::nalgebra::Vector3;
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, HalfSpace, HalfSpaceError, ManifoldOptions, RelativePose};
 use truth::pose::{dot, norm, scale, sub};
 use truth::rng::Rng;
 use truth::shapes;
 use truth::support;
 use truth::{Point, Pose};
-use lin_canny::nalgebra::Vector3;
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, HalfSpace, HalfSpaceError, ManifoldOptions, RelativePose};
 
 /// Heights of all vertices over a plane, by a scan.
 fn heights(body: &ConvexPolyhedron, pose: &Pose, normal: Point, offset: f64) -> Vec<f64> {

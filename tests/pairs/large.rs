@@ -1,13 +1,13 @@
 //! Faces and vertices of thousands of edges: no query looks at all of them, and the answers are right.
 
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, RelativePose, Solver, Tracker};
+use std::f64::consts::TAU;
 use truth::motion::Frame;
 use truth::rng::Rng;
 use truth::support::relative;
 use truth::workload;
 use truth::{Point, Pose};
-use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, RelativePose, Solver, Tracker};
-use std::f64::consts::TAU;
 
 /// Corners of a polygon on an ellipse: evenly spaced ones on a circle, or random ones.
 fn polygon(n: usize, rng: &mut Rng, even: bool) -> Vec<[f64; 2]> {

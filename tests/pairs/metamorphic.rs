@@ -1,13 +1,13 @@
 //! What may change about a query without changing its answer: letters, unit, place, order of the points, the way the
 //! pose is given, the tracker.
 
+use lin_canny::{Class, Outcome, RelativePose, Tracker};
+use proptest::prelude::*;
 use truth::motion::Frame;
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support::{body, relative};
 use truth::{Point, Pose};
-use lin_canny::{Class, Outcome, RelativePose, Tracker};
-use proptest::prelude::*;
 
 /// A pair at a pose of any kind, from a seed.
 fn scene(seed: u64) -> (Shape, Shape, Frame) {

@@ -1,6 +1,9 @@
 //! Promise: a tracker changes time, never the answer: along motions, after jumps, for bodies it was not made for, and for
 //! flat bodies.
 
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
 use truth::bound;
 use truth::motion::{self, Frame};
 use truth::pose::{radius, unit};
@@ -8,9 +11,6 @@ use truth::rng::Rng;
 use truth::shapes::Shape;
 use truth::support;
 use truth::support::{plain, relative};
-use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
 
 /// Two answers to one question: the same class, and bounds and distances that agree.
 fn same(x: &Outcome, y: &Outcome, what: impl std::fmt::Display) {

@@ -3,6 +3,7 @@
 //! The judge is `truth::exact`, brute force over all feature pairs in integers. Bounds hold the truth, the distance is within
 //! 1e-14 L of it, witnesses lie in their bodies, the normal attains the distance; warm and cold, A to B and B to A.
 
+use lin_canny::{ConvexPolyhedron, Outcome, Tracker};
 use truth::bound;
 use truth::exact::{self, Exact};
 use truth::motion::{self, Frame};
@@ -11,7 +12,6 @@ use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support;
 use truth::{Body, Pose};
-use lin_canny::{ConvexPolyhedron, Outcome, Tracker};
 
 /// Allowed error in units of L.
 const ERROR: f64 = 1e-14;

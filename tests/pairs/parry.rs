@@ -3,15 +3,15 @@
 //! parry3d-f64 is asked twice: through the hull it builds itself, cold, and through its generic GJK with the cached simplex
 //! over our points. Its envelope (`truth::parry::tolerance`): bodies of size about 1, relative error below 6e-8 or `1e-15 / gap`.
 
+use lin_canny::nalgebra::Vector3;
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 use truth::motion::{Frame, random_poses};
 use truth::parry::{self, Climber, GjkCached, tolerance};
 use truth::pose::{add, radius, scale};
 use truth::rng::Rng;
 use truth::shapes::Shape;
 use truth::support;
-use lin_canny::nalgebra::Vector3;
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 
 /// Separated poses, over all pairs.
 const POSES: usize = 100_000;

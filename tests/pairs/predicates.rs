@@ -1,5 +1,8 @@
 //! Promise: `intersects` and `within` are decided exactly, for closed sets, and agree with the distance.
 
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::polyhedron::solids;
+use lin_canny::{Class, ConvexPolyhedron, Tracker};
 use truth::exact;
 use truth::motion::{self, random_poses};
 use truth::pose::radius;
@@ -7,9 +10,6 @@ use truth::rng::Rng;
 use truth::shapes;
 use truth::support;
 use truth::support::shifted;
-use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Tracker};
 
 fn cube() -> ConvexPolyhedron {
     solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).expect("a cube")

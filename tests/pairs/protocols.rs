@@ -6,12 +6,12 @@
 //!
 //! Coherence (Mirtich 1998, section 7): one body on a sinusoidal path turns by a fixed angle a frame.
 
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Totals, Tracker};
 use truth::pose::{quat, unit};
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support::{assert_right, between, body};
 use truth::{Pose, exact};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Totals, Tracker};
 
 /// Upper bound of the width of a certified answer, in units of L.
 const WIDTH: f64 = 1e-13;

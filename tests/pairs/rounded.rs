@@ -5,13 +5,13 @@
 
 use std::f64::consts::PI;
 
+use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
+use lin_canny::{Class, ConvexPolyhedron, Outcome, PairTracker, RelativePose, Shape};
 use truth::exact;
 use truth::rng::Rng;
 use truth::shapes::Shape as Plain;
 use truth::support;
 use truth::{Body, Pose};
-use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, PairTracker, RelativePose, Shape};
 
 /// A hull of four to eight random points, or a segment or a point.
 fn core(rng: &mut Rng, least: usize) -> Plain {

@@ -1,10 +1,10 @@
 //! Every pair of features as the start of a walk leads to the same class, and to bounds of the same distance.
 
+use lin_canny::{Class, Solver, Tracker};
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support::{assert_right, between, body, pairs};
 use truth::{Pose, exact};
-use lin_canny::{Class, Solver, Tracker};
 
 /// A corner of a thin plate: faces that come to a point of `angle` radians.
 fn tip(angle: f64) -> Shape {

@@ -2,12 +2,12 @@
 //! below the normal numbers, for extents from 1e-100 to 1e100.
 #![cfg(feature = "exact")]
 
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::scene::{Body, Effects, Group, Scene};
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 use std::cmp::Ordering;
 use std::sync::Arc;
+use truth::rng::Rng;
 
 /// A tetrahedron with three edges of length `e` along the axes, all rising or all falling, from a vertex at the origin.
 fn corner(e: f64) -> ConvexPolyhedron {

@@ -1,10 +1,10 @@
 //! Surfaces of the tests.
 
-pub(crate) use truth::forms::sphere;
-use truth::rng::Rng;
 use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface, revolution};
+pub(crate) use truth::forms::sphere;
+use truth::rng::Rng;
 
 pub(crate) const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 

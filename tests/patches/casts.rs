@@ -1,12 +1,12 @@
 //! Surfaces over time: closed forms, dense samples; nothing late, nothing missed.
 
-use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast, cast_within, free_until};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::separation::Separation;
 use lin_canny::{Decision, PairTracker, RelativePose, Shape, Velocity};
+use truth::rng::Rng;
 
 use crate::bodies::{bumpy, sphere};
 use crate::shapes::{kinds, sampled};

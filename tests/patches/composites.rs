@@ -1,11 +1,11 @@
 //! Surfaces against bodies of convex pieces: piece by piece, over time, in both orders.
 
-use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::{Class, Composite, Decision, PairTracker, Piece, Question, RelativePose, Velocity};
+use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose};
 use crate::shapes::{kinds, sampled};

@@ -1,10 +1,10 @@
 //! Closed forms: spheres, cylinders, boxes.
 
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Answer, Class, PairTracker, Question, Shape, Tracker};
+use truth::rng::Rng;
 
 use crate::bodies::{place, pose, sphere, tube};
 

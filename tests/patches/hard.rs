@@ -1,9 +1,9 @@
 //! Saddles, poles, cusps, tangent and crossing surfaces, refused input, budgets.
 
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::patch::{Nurbs, Patch, PatchError, Surface, revolution};
 use lin_canny::{Class, Decision, Mesh, PairTracker, Question, RelativePose};
+use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose, sphere, torus, tube, vase};
 use crate::truth::judge;

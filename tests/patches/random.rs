@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use truth::curved::{KINDS as SHAPES, Kind};
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::patch::{Nurbs, Patch, Surface, revolution};
 use lin_canny::polyhedron::solids;
 use lin_canny::{PairTracker, Question};
+use truth::curved::{KINDS as SHAPES, Kind};
+use truth::rng::Rng;
 
 use crate::bodies::{grid, place, pose};
 use crate::truth::{Body, Sentence, judge, judge_shape};

@@ -1,9 +1,9 @@
 //! What changes the numbers of a surface but not the surface changes no answer: intervals overlap.
 
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::patch::{Nurbs, Patch, Surface};
 use lin_canny::{PairTracker, Question, Spot};
+use truth::rng::Rng;
 
 use crate::bodies::{bumpy, grid, place, pose};
 

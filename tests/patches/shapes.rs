@@ -1,10 +1,10 @@
 //! Surfaces against convex shapes: closed forms, the tracker of shapes, dense samples.
 
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Answer, Class, ConvexPolyhedron, Decision, PairTracker, Question, RelativePose, Shape};
+use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose, sphere, tube, vase};
 

@@ -1,9 +1,9 @@
 //! Trackers that were used for other bodies: their answers are those of new trackers, whatever the numbers of the bodies.
 
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::{Composite, Decision, PairTracker, Piece, Question, Shape};
+use truth::rng::Rng;
 
 use crate::bodies::{place, pose, sphere};
 use crate::random::{KINDS, surface};

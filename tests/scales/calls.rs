@@ -6,15 +6,15 @@ mod named;
 mod words;
 mod worlds;
 
-use truth::rng::Rng;
-use truth::shapes;
-use truth::support::body;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::{
     Composite, ContactPatches, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh,
     PairTracker, Piece, Question, RelativePose, Shape, Tracker, Until,
 };
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support::body;
 
 const CASES: u64 = 2;
 

@@ -1,9 +1,9 @@
 //! Pairs of curved shapes at powers of two: bit for bit where all are solved in the caller's unit, and where all are
 //! solved in their own.
 
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::{Class, Geometry, PairTracker, RelativePose, Shape};
+use truth::rng::Rng;
 
 /// A pair as drawn: kinds, measures, a rotation and a translation.
 struct Pair {

@@ -4,16 +4,16 @@
 mod calls;
 mod curved;
 
-use truth::support;
 use std::cmp::Ordering;
+use truth::support;
 
+use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 use truth::bound;
 use truth::motion::{Frame, random_poses};
 use truth::pose::{add, norm, radius, scale, sub};
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support::{body, relative};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
 fn pairs(rng: &mut Rng) -> Vec<(Shape, Shape, Vec<Frame>)> {
     let mut pair = || {

@@ -1,12 +1,12 @@
 //! Meshes that bend in a scene: all effects see the vertices as they are.
 
 use super::{ALL, read_back};
-use truth::forms::mesh;
-use truth::soups::{self, Soup};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Effects, Scene, SceneError};
 use lin_canny::{Geometry, ManifoldOptions, PairTracker, RelativePose, VertexError};
+use truth::forms::mesh;
+use truth::soups::{self, Soup};
 
 fn vertices(soup: &Soup) -> Vec<Point3<f64>> {
     soup.points.iter().map(|p| Point3::from(*p)).collect()

@@ -1,17 +1,17 @@
 //! Promise: whatever is called in whatever order, a scene says what is true.
 
 use crate::{NONE, group, read_back};
-use truth::driven::scenes;
-use truth::driven::scenes::Mix;
-use truth::rng::Rng;
-use truth::shapes;
-use truth::support::body;
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
 use lin_canny::{Class, ManifoldOptions, Mesh, RelativePose, Tracker, Velocity};
 use std::sync::Arc;
+use truth::driven::scenes;
+use truth::driven::scenes::Mix;
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support::body;
 
 /// The bytes of a generator lead everywhere.
 #[test]

@@ -1,11 +1,11 @@
 //! Promise: a scene finds what brute force over all pairs finds, on every frame, whatever is called for and however cheaply.
 
 use crate::{ALL, Keys, NONE, Replay};
-use truth::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
 use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use truth::crowd::{Crowd, Kind};
 
 /// A crowd in a scene.
 struct Play {

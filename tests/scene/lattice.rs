@@ -5,11 +5,11 @@ use crate::ALL;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Scene};
+use truth::rng::Rng;
 
 type Place = [i32; 3];
 

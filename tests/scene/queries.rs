@@ -1,11 +1,11 @@
 //! Scenes beside brute force: the closest pair of two groups, ignored pairs, effects for all groups.
 
 use crate::group;
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
 use lin_canny::{Class, Outcome, RelativePose, Tracker};
+use truth::rng::Rng;
 
 const BOXES: Effects = Effects::none().boxes(true);
 

@@ -2,7 +2,6 @@
 //! pair of kinds cannot answer are refused by name.
 
 use crate::{ALL, NONE, Replay, read_back};
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
@@ -11,6 +10,7 @@ use lin_canny::{
     Shape, ShapeKind, Tracker, Velocity,
 };
 use std::sync::Arc;
+use truth::rng::Rng;
 
 const D: f64 = 0.2;
 

@@ -1,12 +1,12 @@
 //! Promise: surfaces of patches stand in scenes beside surfaces and convex shapes; what no tracker answers is refused by name.
 
 use crate::{ALL, NONE, read_back};
-use truth::forms::sphere;
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Scene, SceneError};
 use lin_canny::{Class, Composite, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
+use truth::forms::sphere;
+use truth::rng::Rng;
 
 const D: f64 = 0.2;
 const FAR: f64 = 0.5;

@@ -1,9 +1,9 @@
 //! Features `parallel` and `serde`: any number of threads gives the same bits, and so does a scene that was written and read back.
 #![cfg(all(feature = "parallel", feature = "serde"))]
 
-use truth::crowd::{Crowd, Kind};
 use lin_canny::scene::{Body, BodyId, Effects, Event, Group, Scene, Settings};
 use lin_canny::{Distance, Manifold, ManifoldOptions, Outcome};
+use truth::crowd::{Crowd, Kind};
 
 const KINDS: [Kind; 2] = [Kind::Sparse, Kind::Pile];
 

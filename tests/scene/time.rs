@@ -2,7 +2,6 @@
 //! through another where impacts are called for.
 
 use crate::{ALL, NONE, read_back};
-use truth::rng::Rng;
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -12,6 +11,7 @@ use lin_canny::schedule::Schedule;
 use lin_canny::{Composite, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity};
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use truth::rng::Rng;
 
 /// How a scene decides which pairs to look at.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! A seeded generator of random numbers: xoshiro256++ (Blackman and Vigna 2019), its state filled by splitmix64.
 //!
 //! The same seed gives the same bits on every machine, so a failing case is named by its seed. The unit tests of the
-//! library and the crate `lab` use this file, so it names nothing of either.
+//! library and the package `truth` use this file, so it names nothing of either.
 
 /// The generator. `Rng::new(seed)`; any seed will do, zero too.
 #[derive(Clone, Debug)]

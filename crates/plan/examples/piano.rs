@@ -3,12 +3,12 @@
 //! `cargo run --release -p lin-canny-plan --example piano -- [--door WIDTH] [--seed N] [--out FILE.svg]`
 
 use clap::Parser;
-use race::command::{file, number, seconds};
-use race::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Progress};
 use lin_canny_plan::{Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanOptions, PlanarSpace, World};
+use race::command::{file, number, seconds};
+use race::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};

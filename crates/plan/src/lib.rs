@@ -93,7 +93,7 @@
 //! A robot with dynamics, moving obstacles, closed chains: the spaces here are geometry. Six free
 //! axes in tight clutter take seconds: an arm through a window 0.5 and 0.35 m high at most 0.5 and
 //! 4.1 s over 20 seeds, a plank 0.2 thick through a hole of 0.3 at most 0.7 s
-//! (`plan/tests`, ignored tests). A planner with a tuned sampler and fixed steps may be faster
+//! (`crates/plan/tests`, ignored tests). A planner with a tuned sampler and fixed steps may be faster
 //! and may be wrong.
 //!
 //! No other planner is part of the crate: [`Checker::free_at`] and [`is_free`](Checker::is_free)

@@ -4,7 +4,7 @@
     python bench/robot.py --rounds 5
 
 Thread CPU time in microseconds per configuration, the least of the rounds, all in turn in every
-round. The arm is `robot/examples/gripper.urdf` without its cell. Pinocchio measures the same pairs
+round. The arm is `crates/robot/examples/gripper.urdf` without its cell. Pinocchio measures the same pairs
 of links by `computeDistances`; the least is the clearance.
 """
 

@@ -1,7 +1,7 @@
 """Clearance of an arm at random configurations: a histogram, and which pairs are in the way.
 
     pip install matplotlib
-    cd robot/examples
+    cd crates/robot/examples
     python ../../python/examples/study.py gripper.urdf --srdf gripper.srdf --cell cell.json --threads 2
 """
 

@@ -1,7 +1,7 @@
 """The study of `study.py` on Ray: configurations are a dataset, a checker lives in each actor.
 
     pip install "ray[data]" matplotlib
-    cd robot/examples
+    cd crates/robot/examples
     python ../../python/examples/study_ray.py gripper.urdf --srdf gripper.srdf --cell cell.json
 
 On a cluster the files have to be at the same absolute paths on all machines. Ray takes seconds to

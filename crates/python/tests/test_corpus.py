@@ -8,7 +8,7 @@ import pytest
 
 import lin_canny as lc
 
-CORPUS = Path(__file__).parents[2] / "tests" / "corpus"
+CORPUS = Path(__file__).parents[3] / "tests" / "corpus"
 STATES = {"sep": "separated", "touch": "touching", "pen": "overlapping"}
 
 pytestmark = pytest.mark.skipif(not CORPUS.is_dir(), reason="the corpus of the repository is not at hand")

@@ -14,9 +14,9 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, Start, prism};
-use race::command::{file, write};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
+use race::command::{file, write};
 
 /// A coin laid flat on a half-space and on a cuboid, of 4 to 128 sides: parry's hulls against ours
 #[derive(Parser)]

@@ -13,8 +13,6 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::{bin, pebble, turn};
 use cpu_time::ThreadTime;
-use race::command::{count, file, write};
-use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_rapier::lin_canny_parry::lin_canny::{ManifoldOptions, Velocity, scene};
@@ -22,6 +20,8 @@ use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Pose;
 use lin_canny_rapier::single::{Hull, Simulation};
 use lin_canny_rapier::{Body, Continuous, Effects, FrictionModel, Report, Settings};
+use race::command::{count, file, write};
+use truth::rng::Rng;
 
 type Trouble = Box<dyn std::error::Error>;
 

@@ -19,15 +19,15 @@ use clap::Parser;
 use common::picture::{BLUE, Drawn, GREY, ORANGE, Picture, View};
 use common::{Scene, layers, prism};
 use cpu_time::ThreadTime;
-use race::command::{count, file, number, write};
-use race::progress::Progress;
-use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::ConvexPolyhedron;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
 use lin_canny_rapier::single::{Certified, Hull, MeshShape, certified_world};
+use race::command::{count, file, number, write};
+use race::progress::Progress;
+use truth::rng::Rng;
 
 /// 150 small steel parts in a tray: rapier with parry's hulls and contacts, and with ours
 #[derive(Parser)]

@@ -18,9 +18,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 use clap::Parser;
 use common::{Engine, Setup, bin, layers, pebble};
 use cpu_time::ThreadTime;
-use race::command::{count, file, write};
-use race::progress::Progress;
-use truth::rng::Rng;
 use lin_canny_rapier::single::Certified;
 use lin_canny_rapier::single::rapier::parry::query::details::{NormalConstraints, ShapeCastOptions};
 use lin_canny_rapier::single::rapier::parry::query::{
@@ -28,6 +25,9 @@ use lin_canny_rapier::single::rapier::parry::query::{
     PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit, ShapeDistance, ShapeIntersection, Unsupported,
 };
 use lin_canny_rapier::single::rapier::prelude::*;
+use race::command::{count, file, write};
+use race::progress::Progress;
+use truth::rng::Rng;
 
 /// What a call of the contact dispatcher costs, replayed from a pile of hulls in rapier: parry's
 /// dispatcher against ours

@@ -17,11 +17,11 @@ use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, bin, layers, pebble};
 use cpu_time::ThreadTime;
+use lin_canny_rapier::lin_canny_parry::single::isometry;
+use lin_canny_rapier::single::rapier::prelude::Vector;
 use race::command::{count, file, write};
 use race::progress::Progress;
 use truth::rng::Rng;
-use lin_canny_rapier::lin_canny_parry::single::isometry;
-use lin_canny_rapier::single::rapier::prelude::Vector;
 
 /// A pile of hulls in rapier: cost of a step and depth of the overlaps, parry's contacts against ours
 #[derive(Parser)]

@@ -14,10 +14,10 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, bin, layers, pebble, prism};
-use race::command::{count, file, write};
-use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Vector;
+use race::command::{count, file, write};
+use truth::rng::Rng;
 
 /// Piles in rapier scaled to 1/1000, and millimetre parts in metres: parry's contacts against ours
 #[derive(Parser)]

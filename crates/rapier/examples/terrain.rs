@@ -12,12 +12,12 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use cpu_time::ThreadTime;
-use race::command::{count, file, write};
-use race::progress::Progress;
-use truth::rng::Rng;
 use lin_canny_rapier::single::rapier::parry::query::{QueryDispatcher, Ray, RayCast};
 use lin_canny_rapier::single::rapier::prelude::*;
 use lin_canny_rapier::single::{Certified, Hull, MeshShape, certified_world};
+use race::command::{count, file, write};
+use race::progress::Progress;
+use truth::rng::Rng;
 
 /// Small bodies on terrains of triangles in rapier: parry's contacts against ours
 #[derive(Parser)]

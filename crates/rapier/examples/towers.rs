@@ -3,7 +3,7 @@
 //! `cargo run --release -p lin-canny-rapier --example towers -- [--with FILE.csv]... [--csv FILE] [--out FILE.svg]`
 //!
 //! rapier with parry's contacts and with ours; `--with` adds the towers of another engine, one row a body, as `--csv` writes them
-//! (`python/bench/towers.py` writes those of MuJoCo). Printed is how far any prism moved from where it was laid, over the size; the
+//! (`crates/python/bench/towers.py` writes those of MuJoCo). Printed is how far any prism moved from where it was laid, over the size; the
 //! picture shows the towers of two centimetres.
 
 mod common;
@@ -15,11 +15,11 @@ use std::process::ExitCode;
 use clap::Parser;
 use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Setup, Start, prism};
-use race::command::{file, read, write};
 use lin_canny_rapier::lin_canny_parry::lin_canny::ConvexPolyhedron;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Unit};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
+use race::command::{file, read, write};
 
 /// Towers of ten prisms for 1,000 steps: rapier with parry's contacts and with ours
 #[derive(Parser)]

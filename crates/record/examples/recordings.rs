@@ -1,7 +1,7 @@
-//! Writes the recordings that stand in `viewer/examples/`, or a large one.
+//! Writes the recordings that stand in `crates/viewer/examples/`, or a large one.
 //!
 //! ```text
-//! cargo run --release -p lin-canny-record --example recordings -- viewer/examples
+//! cargo run --release -p lin-canny-record --example recordings -- crates/viewer/examples
 //! cargo run --release -p lin-canny-record --example recordings -- FOLDER --many BODIES FRAMES
 //! ```
 
@@ -23,7 +23,7 @@ use lin_canny_record::{Bracket, PencilLine, Recorder};
 
 type Trouble = Box<dyn Error>;
 
-/// Writes the recordings of viewer/examples, or a large one, into a folder
+/// Writes the recordings of crates/viewer/examples, or a large one, into a folder
 #[derive(Parser)]
 struct Options {
     /// Where to write

@@ -3,17 +3,17 @@
 //! `cargo run --release -p lin-canny-robot --example arm -- [--cell X.obj ..] [--seed N] [--out FILE.svg]`
 
 use clap::Parser;
-use truth::arm::{Trouble, cell, draw, motion};
-use race::command::{file, seconds};
-use race::plot::Chart;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
 use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
+use race::command::{file, seconds};
+use race::plot::Chart;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use truth::arm::{Trouble, cell, draw, motion};
 
 /// A six-axis arm takes its gripper from the left bin to the right one
 ///

@@ -8,14 +8,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use truth::arm::{Trouble, cell, draw, motion};
-use race::command::{count, file};
-use race::plot::Chart;
-use race::progress::Progress;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair};
 use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
+use race::command::{count, file};
+use race::plot::Chart;
+use race::progress::Progress;
+use truth::arm::{Trouble, cell, draw, motion};
 
 /// An arm moves through a cell: the closest pair per frame, of the arm with the cell and of the arm with
 /// itself

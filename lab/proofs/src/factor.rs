@@ -2,9 +2,9 @@
 //! and the true one.
 
 use super::majorant::{power, rounding};
-use truth::rational::{exact, sqrt};
 use dashu_ratio::RBig;
 use std::ops::{Add, Div, Mul};
+use truth::rational::{exact, sqrt};
 
 /// What positive numbers are computed with.
 pub trait Positive: Clone + Add<Output = Self> + Mul<Output = Self> + Div<Output = Self> {

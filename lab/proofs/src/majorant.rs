@@ -7,10 +7,10 @@
 
 use super::number::Number;
 use super::polynomial::Polynomial;
-use truth::rational::exact;
 use dashu_int::{IBig, UBig};
 use dashu_ratio::RBig;
 use std::ops::{Add, Mul, Neg, Sub};
+use truth::rational::exact;
 
 /// Precision of f64.
 pub const DOUBLE: u32 = 53;

@@ -6,9 +6,9 @@
 
 use super::majorant::power;
 use super::polynomial::{Monomial, Polynomial, Symbol};
-use truth::rational::exact;
 use dashu_ratio::RBig;
 use std::collections::{BTreeMap, BTreeSet};
+use truth::rational::exact;
 
 /// Lengths of vectors by letter; one if a letter is not named.
 pub type Lengths<'a> = &'a [(char, RBig)];

@@ -2,10 +2,10 @@
 
 use super::majorant::{power, unit};
 use super::number::Number;
-use truth::rational::exact;
 use dashu_base::Abs;
 use dashu_ratio::RBig;
 use std::ops::{Add, Mul, Neg, Sub};
+use truth::rational::exact;
 
 /// A bound of the size of a number and of all numbers that it was made of; and the same of their grids: a number is a
 /// whole multiple of a power of two, and no rounding takes that from it. A product on the grid of the least number of

@@ -2,7 +2,7 @@
 //! impact, and the contacts then, if the two bear any.
 //!
 //! ```text
-//! cargo run --release --example any_pair
+//! cargo run --release -p race --example any_pair
 //! ```
 
 use lin_canny::impact::{Impact, Tolerance, cast};

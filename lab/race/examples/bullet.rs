@@ -1,7 +1,7 @@
 //! Small spinning bodies fly at a thin plate, one step of a game at a time: who notices, and who lets them through.
 //!
 //! ```text
-//! cargo run --release --example bullet -- [--out FILE.svg] [--throws N]
+//! cargo run --release -p race --example bullet -- [--out FILE.svg] [--throws N]
 //! ```
 //!
 //! Rods and discs of ten centimetres, spinning at up to 300 radians a second, fly past and into a plate of 2 mm, in steps of 1/60 s. Four
@@ -10,20 +10,20 @@
 //! instants of every miss.
 
 use clap::Parser;
-use truth::casts::solid;
-use race::command::{count, file};
-use truth::contacts::plain;
-use truth::parry::casts::{Flight, nonlinear, sweep};
-use truth::parry::{self, ParryPose};
-use race::plot::Chart;
-use truth::rng::Rng;
-use truth::shapes;
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
+use race::command::{count, file};
+use race::plot::Chart;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use truth::casts::solid;
+use truth::contacts::plain;
+use truth::parry::casts::{Flight, nonlinear, sweep};
+use truth::parry::{self, ParryPose};
+use truth::rng::Rng;
+use truth::shapes;
 
 type Trouble = Box<dyn std::error::Error>;
 

@@ -1,7 +1,7 @@
 //! Casts of a file: one case a line, one answer a line.
 //!
 //! ```text
-//! cargo run --release --example cast -- FILE
+//! cargo run --release -p race --example cast -- FILE
 //! ```
 //!
 //! `--help` describes a line.

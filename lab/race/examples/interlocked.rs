@@ -1,6 +1,6 @@
 //! Two interlocked rings tumble: the front of one frame with the closest points as a picture, and what a frame takes, beside parry.
 //!
-//! `cargo run --release --example interlocked`
+//! `cargo run --release -p race --example interlocked`
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -9,15 +9,15 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use race::command::{file, write};
-use truth::pose::{cross, dot, norm, quat, quat_mul, scale, sub, unit, unit_quat};
-use truth::soups::{self, Soup};
-use truth::{Point, Pose};
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Answer, Mesh, PairTracker, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
+use race::command::{file, write};
+use truth::pose::{cross, dot, norm, quat, quat_mul, scale, sub, unit, unit_quat};
+use truth::soups::{self, Soup};
+use truth::{Point, Pose};
 
 type Trouble = Box<dyn std::error::Error>;
 

@@ -1,15 +1,15 @@
-//! Draws the columns, the sweep and the pairs of a small scene: `cargo run --release --example pencils`.
+//! Draws the columns, the sweep and the pairs of a small scene: `cargo run --release -p race --example pencils`.
 //!
 //! Above: the columns seen from the side, shaded by how many bodies they list, and the pairs. Below: the busiest column,
 //! its boxes in sorted order, each from start to end; pairs are joined by lines.
 
 use clap::Parser;
-use truth::boxes::{Kind, Scene};
-use race::command::{file, write};
 use lin_canny::broad::{BodyId, BodyOptions, BroadPhase, Pencil, PencilSweep, StoredBox};
+use race::command::{file, write};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use truth::boxes::{Kind, Scene};
 
 const SCALE: f32 = 9.0;
 

@@ -1,7 +1,7 @@
 //! Who is looked at when: a swarm of spinning hulls, each pair asleep until its certificate runs out.
 //!
 //! ```text
-//! cargo run --release --example schedule -- [--bodies N] [--ticks N] [--rate HZ] [--out FILE.svg]
+//! cargo run --release -p race --example schedule -- [--bodies N] [--ticks N] [--rate HZ] [--out FILE.svg]
 //! ```
 //!
 //! Bodies fly straight through each other and bounce off the walls of a cube. Every pair is looked at when it is due, and again by
@@ -9,18 +9,18 @@
 //! let sleep, against how long it truly stayed apart. Dots above the diagonal would be overlaps slept through.
 
 use clap::Parser;
-use race::command::{count, file, number};
-use race::plot::Chart;
-use truth::rng::Rng;
 use lin_canny::impact::free_until;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::schedule::{Schedule, ticks};
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
+use race::command::{count, file, number};
+use race::plot::Chart;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use truth::rng::Rng;
 
 type Trouble = Box<dyn std::error::Error>;
 

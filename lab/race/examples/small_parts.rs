@@ -7,14 +7,14 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use race::command::{count, file};
-use race::plot::Chart;
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3};
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query::contact;
 use parry3d::shape;
+use race::command::{count, file};
+use race::plot::Chart;
+use truth::rng::Rng;
 
 /// Depths of overlapping hulls from 1 m down to 1 mm: how many of parry's f32 answers are wrong by more
 /// than 1 % of the part's size, how many overlaps it misses, and a picture

@@ -1,22 +1,22 @@
 //! A probe flies through ten thousand fixed bodies, and only `within` is called for: is anything nearer than 0.25?
 //!
-//! `cargo run --release --example walkthrough -- [--out FILE.svg] [--bodies N] [--frames N]`
+//! `cargo run --release -p race --example walkthrough -- [--out FILE.svg] [--bodies N] [--frames N]`
 
 use clap::Parser;
-use race::command::{count, file};
-use race::plot::{Chart, save_stack};
-use race::progress::Progress;
-use truth::rng::Rng;
-use truth::shapes::ellipsoid;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Report, Scene};
+use race::command::{count, file};
+use race::plot::{Chart, save_stack};
+use race::progress::Progress;
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
+use truth::rng::Rng;
+use truth::shapes::ellipsoid;
 
 type Trouble = Box<dyn std::error::Error>;
 

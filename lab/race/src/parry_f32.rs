@@ -2,13 +2,13 @@
 //!
 //! Bodies and world poses are rounded to f32 first, as a user of that crate has them.
 
-use truth::parry::Witnesses;
-use truth::shapes::triangles;
-use truth::{Face, Point, Pose};
 use parry3d::math::{Pose as ParryPose, Rotation, Vector};
 use parry3d::query::ClosestPoints;
 use parry3d::query::details::closest_points_support_map_support_map;
 use parry3d::shape::ConvexPolyhedron;
+use truth::parry::Witnesses;
+use truth::shapes::triangles;
+use truth::{Face, Point, Pose};
 
 /// A body of parry's own.
 pub type Hull = ConvexPolyhedron;

@@ -108,7 +108,7 @@ fn what_is_wrong_is_said() {
 
 #[test]
 fn our_own_meshes_are_convex_bodies() {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/meshes");
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/meshes");
     for (name, points, faces) in [("gem.obj", 40, 69), ("nut.stl", 12, 20)] {
         let m = load(dir.join(name)).unwrap();
         assert_eq!((m.points.len(), m.faces.len()), (points, faces), "{name}");

@@ -73,7 +73,7 @@ fn a_case_can_be_solved() {
 /// The description's own example, its lines joined, says what the oracle says.
 #[test]
 fn the_description_is_right() {
-    let text = include_str!("../../tests/CASES.md");
+    let text = include_str!("../../../tests/CASES.md");
     let json = text
         .lines()
         .filter(|l| l.starts_with("    {\"t\"") || l.starts_with("     \""));

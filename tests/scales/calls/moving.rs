@@ -1,11 +1,11 @@
 //! Casts, and the clearances and segments of a planner.
 
 use super::{Scene, bumpy, composite, curved, dented};
-use truth::rng::Rng;
 use lin_canny::impact::{Tolerance, cast, cast_within, free_until, held_until};
 use lin_canny::separation::Separation;
 use lin_canny::{PairTracker, Tracker};
 use lin_canny_plan::{Checker, TranslationSpace, World};
+use truth::rng::Rng;
 
 /// Every question about a pair of motions.
 fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation) {

@@ -1,15 +1,15 @@
 //! What a scene makes and tells: lengths in its unit, and bodies, poses and motions of its size.
 
 use super::{Scene, Word};
-use truth::rng::Rng;
-use truth::shapes;
-use truth::support::body;
 use lin_canny::impact::Impact;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{
     ContactPoint, ConvexPolyhedron, Decision, Distance, Manifold, Outcome, PenetrationBounds, RelativePose, Velocity,
 };
+use truth::rng::Rng;
+use truth::shapes;
+use truth::support::body;
 
 impl Scene {
     pub(super) fn lengths(&mut self, what: &str, lengths: impl IntoIterator<Item = f64>) {

@@ -1,12 +1,12 @@
 //! Worlds of boxes, and scenes of bodies of every kind: events, pairs and answers.
 
 use super::{Scene, composite, curved, dented};
-use truth::rng::Rng;
 use lin_canny::broad::{self, Aabb, BroadPhase, PencilSweep, SortedAxes};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::scene::{self, Body, Effects, Group};
 use lin_canny::{Geometry, ManifoldOptions, Velocity};
+use truth::rng::Rng;
 
 pub(super) fn boxes(scene: &mut Scene, rng: &mut Rng) {
     let seed = rng.bits();

@@ -118,8 +118,8 @@ impl<'a> Planes<'a> {
 
 #[cfg(test)]
 mod tests {
-    use truth::rng::Rng;
     use lin_canny::{PairTracker, RelativePose};
+    use truth::rng::Rng;
 
     use super::super::hull::Hull;
     use super::super::mesh::geometry;

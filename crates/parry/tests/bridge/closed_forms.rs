@@ -1,7 +1,7 @@
 //! What stays with parry's closed forms, at every size: half-spaces, balls, balls and cuboids.
 
-use truth::rng::Rng;
 use lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
+use truth::rng::Rng;
 
 use super::dispatch::random_pose;
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};

@@ -1,11 +1,11 @@
 //! V-HACD behind its validator: intervals hold for the mesh, at any size and place.
 
+use lin_canny_parry::lin_canny::nalgebra::Point3;
+use lin_canny_parry::lin_canny::{Class, Decomposition, Mesh, PairTracker, RelativePose};
 use truth::Pose;
 use truth::pose::scale;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
-use lin_canny_parry::lin_canny::nalgebra::Point3;
-use lin_canny_parry::lin_canny::{Class, Decomposition, Mesh, PairTracker, RelativePose};
 
 use super::engine::parry::transformation::vhacd::VHACDParameters;
 use super::engine::{DecompositionError, decompose};

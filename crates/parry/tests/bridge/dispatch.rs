@@ -1,7 +1,7 @@
 //! The dispatcher: right answers, no state, no panic.
 
-use truth::rng::Rng;
 use lin_canny_parry::lin_canny::{RelativePose, Tracker};
+use truth::rng::Rng;
 
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};
 use super::engine::parry::query::{

@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use truth::rng::Rng;
 use lin_canny_parry::lin_canny::nalgebra::{Matrix3, Point3, Vector3};
 use lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_parry::lin_canny::{ConvexPolyhedron, Tracker};
+use truth::rng::Rng;
 
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};
 use super::engine::parry::query::details::ShapeCastOptions;

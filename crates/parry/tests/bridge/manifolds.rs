@@ -1,8 +1,8 @@
 //! Manifolds at any size: judged by the core in `f64`, of the same bodies at the same pose.
 
-use truth::rng::Rng;
 use lin_canny_parry::lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny_parry::lin_canny::{ConvexPolyhedron, Outcome, PairTracker, RelativePose, Shape};
+use truth::rng::Rng;
 
 use super::dispatch::random_pose;
 use super::engine::parry::math::{Pose, Real, Vector};

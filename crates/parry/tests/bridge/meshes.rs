@@ -1,7 +1,7 @@
 //! Meshes as shapes of parry: right answers at every size, contacts of floors without inner edges.
 
-use truth::rng::Rng;
 use lin_canny_parry::lin_canny::Mesh;
+use truth::rng::Rng;
 
 use super::dispatch::{CONVEX, kinds, random_pose};
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};

@@ -1,12 +1,12 @@
 //! The arm of the example `arm` in its cell, through a window in a wall that stands between the bins.
 
 use cpu_time::ThreadTime;
-use truth::arm::{cell, motion, robot};
 use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, SerialArm, World};
 use std::time::Duration;
+use truth::arm::{cell, motion, robot};
 
 /// The cell with a wall that the arm can pass through a window alone, so many metres high.
 fn checker(window: f64) -> Checker<SerialArm> {

@@ -1,13 +1,13 @@
 //! Certified segments in rooms full of hulls.
 
 use crate::judge::{first_contact, meet, replay};
-use truth::rng::Rng;
-use truth::rooms::Room;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::{Composite, Mesh, Piece, Shape, Tracker};
 use lin_canny_plan::{Checker, PlanError, RigidSpace, TranslationSpace, Verdict, World, WorldId};
+use truth::rng::Rng;
+use truth::rooms::Room;
 
 /// What was seen of some segments.
 #[derive(Debug, Default)]

@@ -1,10 +1,10 @@
 //! Segments over which many joints turn far: what is called free is free, and the work stays small.
 
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny_plan::{Checker, ConfigurationSpace, Joint, SerialArm, Verdict, World};
 use std::f64::consts::TAU;
+use truth::rng::Rng;
 
 /// An arm of links of 0.2 m that bend in turn about two axes, among twelve posts.
 fn checker(joints: usize) -> Checker<SerialArm> {

@@ -1,9 +1,9 @@
 //! A checker that has forgotten answers as a new one, bit for bit.
 
+use lin_canny_plan::{Checker, ConfigurationSpace, SerialArm, World};
 use truth::arm::{cell, motion, robot};
 use truth::cells::Cell;
 use truth::rng::Rng;
-use lin_canny_plan::{Checker, ConfigurationSpace, SerialArm, World};
 
 fn of_meshes() -> Checker<SerialArm> {
     let cell = Cell::new(5);

@@ -1,12 +1,12 @@
 //! Free or not at a single configuration: an arm of meshes in its cell.
 
+use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use lin_canny::{ConvexPolyhedron, Shape};
+use lin_canny_plan::{Checker, ConfigurationSpace, RigidSpace, SerialArm, World};
 use truth::cells::Cell;
 use truth::pose::Pose;
 use truth::rng::Rng;
 use truth::{brute, soups::Soup};
-use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{ConvexPolyhedron, Shape};
-use lin_canny_plan::{Checker, ConfigurationSpace, RigidSpace, SerialArm, World};
 
 fn posed(pose: &Isometry3<f64>) -> Pose {
     let (q, t) = (pose.rotation.coords, pose.translation.vector);

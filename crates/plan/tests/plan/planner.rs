@@ -2,7 +2,6 @@
 
 use crate::judge::{Placed, first_contact, pose_of};
 use cpu_time::ThreadTime;
-use truth::rooms::wall;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Piece, Progress};
@@ -10,6 +9,7 @@ use lin_canny_plan::{
     Checker, ConfigurationSpace, FreewayEnd, PlanError, PlanOptions, PlanarSpace, RigidSpace, TranslationSpace, World,
 };
 use std::time::Duration;
+use truth::rooms::wall;
 
 fn cuboid(x: f64, y: f64, z: f64) -> ConvexPolyhedron {
     solids::cuboid(Vector3::new(x, y, z)).expect("a box")

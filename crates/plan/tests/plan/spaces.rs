@@ -1,13 +1,13 @@
 //! Motions of configuration spaces keep the contract of `Motion`, and gradients are derivatives.
 
-use truth::casts::rotation;
-use truth::rng::Rng;
 use lin_canny::motion::Course;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
 use lin_canny_plan::{
     ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanarSpace, RigidSpace, SegmentMotion, SerialArm,
     TranslationSpace, TreeJoint,
 };
+use truth::casts::rotation;
+use truth::rng::Rng;
 
 /// An arm of random joints, both kinds, bodies on every link.
 fn arm(rng: &mut Rng, joints: usize) -> SerialArm {

@@ -4,11 +4,11 @@
 
 pub(crate) mod picture;
 
-use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::{RelativePose, Tracker};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
 use lin_canny_rapier::single::{Certified, Hull, certified_world};
+use truth::rng::Rng;
 
 /// Who answers the contacts of hulls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

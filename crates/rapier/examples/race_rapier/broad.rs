@@ -1,8 +1,8 @@
 //! The broad phase of rapier.
 
-use truth::boxes::Scene;
-use race::common::boxes::engines::Engine;
 use lin_canny_rapier::single::rapier::prelude::*;
+use race::common::boxes::engines::Engine;
+use truth::boxes::Scene;
 
 /// rapier's broad phase at its best: cuboids without bodies, no prediction distance.
 pub(crate) struct Broad {

@@ -20,10 +20,10 @@ use lin_canny_rapier::single as engine;
 
 use broad::Broad;
 use clap::{Parser, ValueEnum};
-use truth::boxes::Kind;
-use race::common::{Options, Rows, boxes, scene};
 use pipeline::Pipeline;
+use race::common::{Options, Rows, boxes, scene};
 use std::process::ExitCode;
+use truth::boxes::Kind;
 
 /// Boxes of many bodies, collision detection of whole scenes, and whole steps: ours against parry's and rapier's
 #[derive(Parser)]

@@ -1,13 +1,13 @@
 //! Collision detection of rapier without dynamics.
 
-use truth::Pose;
-use truth::crowd::Crowd;
-use race::common::scene::engines::{Engine, RANGE, hulls32, pose32};
 use lin_canny_rapier::single::rapier::prelude as rapier;
+use race::common::scene::engines::{Engine, RANGE, hulls32, pose32};
 use rapier::{
     ActiveCollisionTypes, BroadPhaseBvh, ColliderBuilder, ColliderHandle, ColliderSet, CollisionPipeline, ContactPair,
     IslandManager, NarrowPhase, RigidBodySet,
 };
+use truth::Pose;
+use truth::crowd::Crowd;
 
 /// rapier without dynamics: colliders that belong to no body.
 pub(crate) struct Pipeline {

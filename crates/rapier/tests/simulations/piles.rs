@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::{RelativePose, Tracker};
+use truth::rng::Rng;
 
 use super::engine::rapier::prelude::*;
 use super::engine::{Certified, Hull, certified_world};

@@ -1,8 +1,8 @@
 //! Small bodies of every convex kind under the gravity of the earth: stacked, and thrown on a floor.
 
-use truth::rng::Rng;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny_rapier::lin_canny_parry::lin_canny::{Geometry, PairTracker, RelativePose, Shape};
+use truth::rng::Rng;
 
 use super::engine::rapier::prelude::*;
 use super::engine::{Certified, Hull, certified_world};

@@ -13,7 +13,7 @@ use super::Demo;
 use crate::panel::number;
 use crate::stage::{Body, PALETTE, Pair, Stage};
 
-/// Written by `cargo run --release -p lab --bin hard_cases -- --out viewer/cases.json`.
+/// Written by `cargo run --release -p race --bin hard_cases -- --out crates/viewer/cases.json`.
 const CASES: &str = include_str!("../../cases.json");
 
 #[derive(Deserialize)]

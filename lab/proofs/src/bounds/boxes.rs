@@ -10,8 +10,8 @@ use crate::norm::length;
 use crate::number::Number;
 use crate::polynomial::Polynomial;
 use crate::vectors::{Arrow, Lengths, Turn, Vectors, Within};
-use truth::rational::exact;
 use dashu_ratio::RBig;
+use truth::rational::exact;
 
 pub(super) fn bounds() -> Vec<Bound> {
     let single = |part, kernel, error: RBig| Bound::single("BOXES", kernel, error).case(part);

@@ -5,8 +5,8 @@ use crate::factor::{Factor, Positive};
 use crate::majorant::{Majorant, SINGLE, power, rounding, unit};
 use crate::number::dot;
 use crate::vectors::{Arrow, Lengths, Vectors};
-use truth::rational::exact;
 use dashu_ratio::RBig;
+use truth::rational::exact;
 
 pub(super) fn bounds() -> Vec<Bound> {
     let whole = Bound::whole;

@@ -7,8 +7,8 @@ use crate::majorant::{DOUBLE, Majorant, SINGLE, power, rounding, unit};
 use crate::norm::length;
 use crate::number::{Number, Vector, cross, dot, named, sum};
 use crate::polynomial::Polynomial;
-use truth::rational::exact;
 use dashu_ratio::RBig;
+use truth::rational::exact;
 
 /// Deviation of the squared norm of a pose from one (`POSE_UNIT`), and room for its rounding.
 fn off_unit() -> RBig {

@@ -1,7 +1,7 @@
 //! What is proved against the constants.
 
+use lin_canny::__proofs::constants;
 use proofs::bounds::{self, Allowed, Bound};
-use lin_canny::proofs::constants;
 
 use crate::table::of_planner;
 

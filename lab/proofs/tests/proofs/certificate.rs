@@ -1,15 +1,15 @@
 //! The certificate's transcription against the walk and the solver of least distances, bit for bit, on bodies of a few
 //! vertices.
 
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
+use lin_canny::__proofs::{self as library, WalkEnd};
+use lin_canny::{ConvexPolyhedron, EdgeId, FaceId, Feature, RelativePose, VertexId};
 use proofs::kernels::certificate::{self, Placing};
 use proofs::kernels::double::Twice;
 use proofs::kernels::signs;
 use proofs::number::{Number, Vector, cross, dot, one_norm, scaled};
 use proofs::vectors::Coordinates;
 use truth::rng::Rng;
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
-use lin_canny::proofs::{self, WalkEnd};
-use lin_canny::{ConvexPolyhedron, EdgeId, FaceId, Feature, RelativePose, VertexId};
 
 pub(crate) type Single = Coordinates<f64>;
 
@@ -67,11 +67,11 @@ fn planes(body: &ConvexPolyhedron, e: EdgeId) -> [(Vector<f64>, f64); 2] {
 }
 
 fn radius(body: &ConvexPolyhedron) -> f64 {
-    proofs::stored_radius(body)
+    library::stored_radius(body)
 }
 
 fn constant(name: &str) -> f64 {
-    let all = proofs::constants();
+    let all = library::constants();
     all.iter().find(|(n, _)| *n == name).expect("a constant").1 * (f64::EPSILON / 2.0)
 }
 
@@ -199,7 +199,7 @@ fn walks() {
     for k in 0..TRIES {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
         let Some(pose) = pose(&mut rng) else { continue };
-        let Some(end) = proofs::walk_end(a, b, &pose) else {
+        let Some(end) = library::walk_end(a, b, &pose) else {
             continue;
         };
         let (kind, (distances, lowers)) = transcribed(&end, [a, b]);
@@ -224,10 +224,10 @@ fn supports() {
     for k in 0..TRIES {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
         let (pose, normal) = (pose(&mut rng), [0; 3].map(|_| rng.range(-3.0, 3.0)));
-        let Some((end, pose)) = pose.and_then(|p| Some((proofs::walk_end(a, b, &p)?, p))) else {
+        let Some((end, pose)) = pose.and_then(|p| Some((library::walk_end(a, b, &p)?, p))) else {
             continue;
         };
-        let (distance, n, [v, w]) = proofs::support_distance((a, b), &pose, normal).expect("a pair in range");
+        let (distance, n, [v, w]) = library::support_distance((a, b), &pose, normal).expect("a pair in range");
         let placing = Placing::<Single> {
             rotation: end.rotation,
             translation: end.translation,
@@ -277,7 +277,7 @@ fn solves<N: Solving>(seed: u64, is_double_double: bool) {
     for k in 0..TRIES / 4 {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
         let Some(pose) = pose(&mut rng) else { continue };
-        let Some(end) = proofs::minimum_end((a, b), &pose, is_double_double) else {
+        let Some(end) = library::minimum_end((a, b), &pose, is_double_double) else {
             continue;
         };
         let placing = Placing::<Coordinates<N>> {
@@ -317,7 +317,7 @@ fn poses_in_double_double() {
     let bodies = bodies(&mut rng);
     for k in 0..TRIES / 10 {
         let Some(pose) = pose(&mut rng) else { continue };
-        let Some(end) = proofs::minimum_end((&bodies[0], &bodies[1]), &pose, true) else {
+        let Some(end) = library::minimum_end((&bodies[0], &bodies[1]), &pose, true) else {
             continue;
         };
         let (p, q) = pose.poses();

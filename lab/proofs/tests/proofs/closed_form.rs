@@ -1,18 +1,18 @@
 //! Distances of features in closed form: bit for bit those of the transcription, and of no pair of features but the
 //! closest.
 
-use truth::motion::{self, Frame};
-use truth::pose::radius;
+use lin_canny::__proofs::{self as library, FeatureDistance};
+use lin_canny::{ConvexPolyhedron, Feature, FeaturePair, RelativePose, Tracker, VertexId};
 use proofs::kernels::double::Twice;
 use proofs::kernels::{certificate, closed_form};
 use proofs::number::{Number, Vector, cross, dot, sub};
 use proofs::vectors::Coordinates;
+use truth::motion::{self, Frame};
+use truth::pose::radius;
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::{Body, Class, Pose, support};
 use truth::{bound, exact};
-use lin_canny::proofs::{self, FeatureDistance};
-use lin_canny::{ConvexPolyhedron, Feature, FeaturePair, RelativePose, Tracker, VertexId};
 
 type Double = Coordinates<Twice>;
 
@@ -31,7 +31,7 @@ fn asked(
 ) -> Option<FeatureDistance> {
     let at = Tracker::new().closest(bodies.0, bodies.1, pose);
     let points = (at.point_on_a.coords.into(), at.point_on_b.coords.into());
-    proofs::closed_form(bodies, pose, FeaturePair { a, b }, points)
+    library::closed_form(bodies, pose, FeaturePair { a, b }, points)
 }
 
 /// The vertices of a feature, of a face the first three.

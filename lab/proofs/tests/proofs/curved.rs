@@ -1,13 +1,13 @@
 //! The certificate's transcription against curved pairs and half-spaces, bit for bit.
 
 use super::certificate::{Single, TRIES, bodies, length, pose};
+use lin_canny::nalgebra::{Point3, Vector3};
+use lin_canny::__proofs as library;
+use lin_canny::{HalfSpace, RelativePose, Shape};
 use proofs::kernels::certificate::{self, Placing};
 use proofs::kernels::curved;
 use proofs::number::{Vector, dot, scaled};
 use truth::rng::Rng;
-use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::proofs;
-use lin_canny::{HalfSpace, RelativePose, Shape};
 
 /// An ellipsoid, a cylinder or a cone, with its measures.
 fn curved_shape(rng: &mut Rng, kind: usize) -> (Shape, [f64; 3]) {
@@ -38,7 +38,7 @@ fn on_shape(kind: usize, [x, y, z]: [f64; 3], n: Vector<f64>) -> Vector<f64> {
 }
 
 fn placing(pose: &RelativePose) -> Placing<Single> {
-    let (rotation, translation) = proofs::placing(pose);
+    let (rotation, translation) = library::placing(pose);
     Placing { rotation, translation }
 }
 
@@ -51,7 +51,7 @@ fn curved_pairs() {
         let Some(pose) = pose(&mut rng) else { continue };
         let directions = [0; 2].map(|_| [0; 3].map(|_| rng.range(-3.0, 3.0)));
         let weights = [0; 2].map(|_| rng.range(0.1, 1.0));
-        let (told, mixed) = proofs::curved_end((&a, &b), &pose, directions, weights).expect("two directions");
+        let (told, mixed) = library::curved_end((&a, &b), &pose, directions, weights).expect("two directions");
         let placing = placing(&pose);
         let pieces = [0, 1].map(|i| {
             let n = scaled(directions[i], 1.0 / length(directions[i]));

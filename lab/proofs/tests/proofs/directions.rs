@@ -1,13 +1,13 @@
 //! What underflow takes from signs along directions: case D of `tolerance`.
 
 use super::underflow::{LONGEST_EDGE, constant, exactly, half_least};
+use lin_canny::__proofs as library;
 use proofs::Polynomial;
 use proofs::kernels::signs;
 use proofs::majorant::{Majorant, power, unit};
 use proofs::number::Vector;
 use truth::rational::{RBig, exact};
 use truth::rng::Rng;
-use lin_canny::proofs;
 
 /// An exact direction of size one that was rounded: off by `2^-900` of its largest coordinate, here `d`, beside the
 /// roundings.
@@ -101,7 +101,7 @@ fn no_sign_is_certain_of_products_that_underflow() {
         let half = (2 * rng.int(1, 50) + 1) as f64 * 2f64.powi(-537);
         let (ny, nz) = (half / y * 2f64.powi(-538), half / z * 2f64.powi(-538));
         let n = [0.5, ny.next_up(), -nz.next_down()];
-        assert_eq!(proofs::edge_sign(n, [0.0, y, z]), 0, "{n:?} {y} {z}");
+        assert_eq!(library::edge_sign(n, [0.0, y, z]), 0, "{n:?} {y} {z}");
     }
 }
 
@@ -120,7 +120,7 @@ fn a_certain_slope_is_right_in_underflow() {
         let [y, z] = [0; 2].map(|_| whole(&mut rng, 6) * 2f64.powi(-490) * 2f64.powi(-490 - rng.below(95) as i32));
         let n = [1.0, y, z];
         let truth = exact_rise(n, e) * exact_rise(m, f) - exact_rise(n, f) * exact_rise(m, e);
-        if let Some(sign) = proofs::steeper(n, m, e, f) {
+        if let Some(sign) = library::steeper(n, m, e, f) {
             assert_eq!(sign, sign_of(&truth), "{n:?} {m:?} {e:?} {f:?}");
             certain += 1;
         }

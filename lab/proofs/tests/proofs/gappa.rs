@@ -1,12 +1,12 @@
-//! The scripts of `lab/proofs`: roots, quotients and chains of scalars once more, by another prover (Gappa, Daumas and
+//! The scripts of `lab/proofs/gappa`: roots, quotients and chains of scalars once more, by another prover (Gappa, Daumas and
 //! Melquiond 2010). They speak of the source as it stands; `.ci/proofs` runs them where Gappa is installed, and says so
 //! where it is not.
 
 use std::path::{Path, PathBuf};
 
 fn scripts() -> Vec<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("lab/proofs");
-    let entries = std::fs::read_dir(folder).expect("lab/proofs is there");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("gappa");
+    let entries = std::fs::read_dir(folder).expect("the folder is there");
     let mut paths: Vec<PathBuf> = entries.map(|e| e.expect("an entry").path()).collect();
     paths.retain(|p| p.extension().is_some_and(|e| e == "gappa"));
     paths.sort();
@@ -19,7 +19,7 @@ fn text(path: &Path) -> String {
 
 /// The definition of a constant as the source writes it.
 fn definition(name: &str) -> Option<String> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../src");
     let files = [
         "base/tolerance.rs",
         "base/tolerance/motions.rs",
@@ -46,7 +46,7 @@ fn scripts_speak_of_the_source() {
         }
         for line in script.lines().filter_map(|l| l.strip_prefix("# code: ")) {
             let (file, function) = line.split_once(' ').expect("a file and a function");
-            let code = text(&Path::new(env!("CARGO_MANIFEST_DIR")).join(file));
+            let code = text(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file));
             assert!(code.contains(&format!("fn {function}")), "{}: {line}", path.display());
         }
     }

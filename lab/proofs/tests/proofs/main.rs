@@ -3,7 +3,6 @@
 //! The kernels are transcribed in `proofs`. A transcription is the crate's kernel bit for bit (`transcribed`), and
 //! the error that exact arithmetic derives from the transcription is at most the constant (`bounds`), with what underflow takes
 //! (`underflow`).
-#![cfg(feature = "__proofs")]
 
 mod bounds;
 mod certificate;

@@ -1,6 +1,7 @@
 //! What leaves the range: the table of degrees of `tolerance`, and the scale at which a product may leave f64.
 
 use super::underflow::LONGEST_EDGE;
+use lin_canny::__proofs as library;
 use proofs::Reach;
 use proofs::kernels::planes;
 use proofs::kernels::{patches, paths, signs};
@@ -8,11 +9,10 @@ use proofs::majorant::power;
 use proofs::number::{Vector, cross, dot};
 use proofs::vectors::Coordinates;
 use truth::rational::exact;
-use lin_canny::proofs;
 
 /// The exponent of a limit of the crate, or of its inverse: how many powers of two it is from one.
 fn exponent(name: &str) -> i64 {
-    let all = proofs::limits();
+    let all = library::limits();
     let (_, limit) = all.iter().find(|(n, _)| *n == name).expect("a limit");
     let exponent = (limit.to_bits() >> 52) as i64 - 1023;
     assert_eq!(power(exponent), exact(*limit), "{name} is a power of two");

@@ -88,12 +88,12 @@ const FILES: [&str; 5] = [
     "base/tolerance/motions.rs",
     "base/tolerance/patches.rs",
     "base/tolerance/signs.rs",
-    "../plan/src/tolerance.rs",
+    "../crates/plan/src/tolerance.rs",
 ];
 
 /// The constants of the planner in roundings, as its source has them.
 pub(crate) fn of_planner() -> Vec<(&'static str, f64)> {
-    let text = std::fs::read_to_string(source("../plan/src/tolerance.rs")).expect("the source is text");
+    let text = std::fs::read_to_string(source("../crates/plan/src/tolerance.rs")).expect("the source is text");
     let value = |name: &'static str| {
         let (_, rest) = text.split_once(&format!("const {name}: f64 = ")).expect("a constant");
         let (count, _) = rest.split_once(" * UNIT;").expect("a count of roundings");
@@ -103,7 +103,7 @@ pub(crate) fn of_planner() -> Vec<(&'static str, f64)> {
 }
 
 fn source(path: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(path)
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../src").join(path)
 }
 
 /// The names of all constants.

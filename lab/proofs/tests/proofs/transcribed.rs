@@ -1,10 +1,10 @@
 //! The transcriptions against the crate, bit for bit.
 
 use super::inputs::Inputs;
+use lin_canny::__proofs as library;
 use proofs::kernels::signs::TwoPlanes;
 use proofs::kernels::{double, patches, paths, places, poses, signs};
 use proofs::number::{self, Vector, sub};
-use lin_canny::proofs;
 
 /// Tries of a kernel.
 const TRIES: u64 = 100_000;
@@ -31,7 +31,7 @@ pub(crate) fn agree(name: &str, run: impl Fn(&mut Inputs) -> [Vec<f64>; 2]) {
 
 fn constant(name: &str) -> f64 {
     let unit = f64::EPSILON / 2.0;
-    let all = proofs::constants();
+    let all = library::constants();
     all.iter().find(|(n, _)| *n == name).expect("a constant").1 * unit
 }
 
@@ -44,12 +44,12 @@ fn rises() {
     let (error, least) = (constant("EDGE_SIGN"), least_rise());
     agree("rise", |inputs| {
         let (n, e) = (inputs.numbers(), inputs.numbers());
-        let (value, bound) = proofs::rise(n, e);
+        let (value, bound) = library::rise(n, e);
         let (ours, size) = signs::rise(n, e);
         let limit = error * size + least;
         let sign = f64::from(i32::from(ours > limit) - i32::from(ours < -limit));
         [
-            vec![value, bound, f64::from(proofs::edge_sign(n, e))],
+            vec![value, bound, f64::from(library::edge_sign(n, e))],
             vec![ours, limit, sign],
         ]
     });
@@ -60,7 +60,7 @@ fn slopes() {
     let (error, least) = (constant("STEEPER"), least_rise());
     agree("slopes", |inputs| {
         let [n, m, e, f]: [Vector<f64>; 4] = [0; 4].map(|_| inputs.numbers());
-        let (value, bound) = proofs::slopes(n, m, e, f);
+        let (value, bound) = library::slopes(n, m, e, f);
         let (ours, size) = signs::slopes([n, m], [e, f]);
         let [s_ne, s_mf, s_nf, s_me] = [(n, e), (m, f), (n, f), (m, e)].map(|(a, b)| signs::rise(a, b).1);
         let limit = error * size + least * (1.0 + s_ne + s_mf + s_nf + s_me);
@@ -75,7 +75,7 @@ fn sides_of_triangles() {
         let [u, w, base, p]: [Vector<f64>; 4] = [0; 4].map(|_| inputs.numbers());
         let sides = sub(p, base).map(f64::abs);
         [
-            vec![proofs::side_height(u, w, base, p), proofs::guard(u, w, sides)],
+            vec![library::side_height(u, w, base, p), library::guard(u, w, sides)],
             vec![signs::side([u, w, sub(p, base)]), signs::guard([u, w, sides], error)],
         ]
     });
@@ -85,7 +85,7 @@ fn sides_of_triangles() {
 fn volumes() {
     agree("volume", |inputs| {
         let [a, b, c]: [Vector<f64>; 3] = [0; 3].map(|_| inputs.numbers());
-        [vec![proofs::volume(a, b, c)], vec![signs::volume([a, b, c])]]
+        [vec![library::volume(a, b, c)], vec![signs::volume([a, b, c])]]
     });
 }
 
@@ -93,7 +93,7 @@ fn volumes() {
 fn weights_of_triangles() {
     agree("triangle", |inputs| {
         let [p, q, r]: [Vector<f64>; 3] = [0; 3].map(|_| inputs.numbers());
-        let Some((weights, direction, squared)) = proofs::triangle([p, q, r]) else {
+        let Some((weights, direction, squared)) = library::triangle([p, q, r]) else {
             return [vec![0.0], vec![0.0]];
         };
         let n = signs::normal([sub(q, p), sub(r, p)]);
@@ -115,7 +115,7 @@ fn sides_of_pyramids() {
         let square = |v: Vector<f64>| number::dot(v, v);
         let squares = square(sub(from, to)) + square(sub(apex, to));
         [
-            proofs::pyramid_side(from, to, apex).to_vec(),
+            library::pyramid_side(from, to, apex).to_vec(),
             [&n[..], &[height, squares]].concat(),
         ]
     });
@@ -126,7 +126,7 @@ fn sides_of_faces_and_heights() {
     agree("over_side", |inputs| {
         let [n, edge, to]: [Vector<f64>; 3] = [0; 3].map(|_| inputs.numbers());
         [
-            vec![proofs::over_side(n, edge, to), proofs::over_middle(n, edge, to)],
+            vec![library::over_side(n, edge, to), library::over_middle(n, edge, to)],
             vec![signs::over_side(n, edge, to), signs::height_over(n, edge, to)],
         ]
     });
@@ -145,7 +145,7 @@ fn bounds_by_two_planes() {
         let bound = signs::two_planes_bound(&signs::two_planes(n, planes, weights, scale), error, radius);
         let ours = if scale >= 0.0 { bound } else { f64::INFINITY };
         // Of weights that prove nothing there is no bound to compare.
-        let of_crate = proofs::two_planes_bound(n, planes, weights, radius);
+        let of_crate = library::two_planes_bound(n, planes, weights, radius);
         if of_crate == f64::INFINITY && ours == f64::INFINITY {
             return [vec![0.0], vec![0.0]];
         }
@@ -158,7 +158,7 @@ fn relative_poses() {
     agree("relative pose", |inputs| {
         let (qa, qb) = (inputs.quaternion(), inputs.quaternion());
         let (ta, tb): (Vector<f64>, Vector<f64>) = (inputs.numbers(), inputs.numbers());
-        let Some((rows, shift)) = proofs::relative_pose((qa, ta), (qb, tb)) else {
+        let Some((rows, shift)) = library::relative_pose((qa, ta), (qb, tb)) else {
             return [vec![0.0], vec![0.0]];
         };
         let (na, nb) = (poses::squared_norm(qa), poses::squared_norm(qb));
@@ -178,9 +178,9 @@ fn matrices_and_turns() {
         let rows = [0; 3].map(|_| inputs.numbers());
         [
             [
-                proofs::rotation_matrix(q, s).concat(),
-                proofs::product(rows, v).to_vec(),
-                proofs::turned(q, v).to_vec(),
+                library::rotation_matrix(q, s).concat(),
+                library::product(rows, v).to_vec(),
+                library::turned(q, v).to_vec(),
             ]
             .concat(),
             [
@@ -197,7 +197,7 @@ fn matrices_and_turns() {
 fn cuts_of_cubics() {
     agree("rest", |inputs| {
         let (c, x): ([f64; 4], f64) = (inputs.numbers(), inputs.between(0.0, 1.0));
-        [proofs::rest(c, x).to_vec(), places::rest(c, x, 1.0 - x).to_vec()]
+        [library::rest(c, x).to_vec(), places::rest(c, x, 1.0 - x).to_vec()]
     });
 }
 
@@ -210,7 +210,7 @@ fn points_of_patches() {
             .collect();
         let at = [inputs.between(0.0, 1.0), inputs.between(0.0, 1.0)];
         let ours = patches::value(&net, degrees, at.map(|t| [1.0 - t, t]));
-        [vec![proofs::patch_value(&net, degrees, at)], vec![ours]]
+        [vec![library::patch_value(&net, degrees, at)], vec![ours]]
     });
 }
 
@@ -239,8 +239,8 @@ fn blossoms_and_degrees() {
         let rows: Vec<[f64; 4]> = (0..degree + 2).map(|i| [0, 1, 2, 3].map(|k| rows[k][i])).collect();
         [
             [
-                proofs::blossom(&points, &knots, degree, ends, upper).to_vec(),
-                proofs::raise(&points).concat(),
+                library::blossom(&points, &knots, degree, ends, upper).to_vec(),
+                library::raise(&points).concat(),
             ]
             .concat(),
             [blossom.to_vec(), rows.concat()].concat(),
@@ -265,9 +265,9 @@ fn numbers_of_twice_the_precision() {
         };
         [
             [
-                proofs::double_sum(a, b),
-                proofs::double_product(a, b),
-                proofs::double_quotient(a, b),
+                library::double_sum(a, b),
+                library::double_product(a, b),
+                library::double_quotient(a, b),
             ]
             .concat(),
             [double::add(a, b), double::mul(a, b), quotients].concat(),
@@ -290,10 +290,10 @@ fn vertices_on_straight_paths() {
             paths::end(at[1], n),
             paths::gap(n, [a, b]),
         ];
-        let of_crate = [proofs::path_volume(a, b, c), proofs::third(d)];
+        let of_crate = [library::path_volume(a, b, c), library::third(d)];
         let join = |place: Vector<f64>, first: &[f64], rest: &[f64]| [&place[..], first, rest].concat();
         [
-            join(proofs::place([a, b], time), &of_crate, &proofs::path_areas(at, n)),
+            join(library::place([a, b], time), &of_crate, &library::path_areas(at, n)),
             join(place, &ours[..2], &ours[2..]),
         ]
     });

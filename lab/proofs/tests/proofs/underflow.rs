@@ -1,5 +1,6 @@
 //! What underflow takes: the cases of `tolerance`.
 
+use lin_canny::__proofs as library;
 use proofs::bounds::{self, Bound};
 use proofs::kernels::certificate::{self, Placing};
 use proofs::kernels::{curved, patches, paths, poses, signs};
@@ -7,10 +8,9 @@ use proofs::majorant::{Majorant, power, unit};
 use proofs::number::{Number, Vector, dot};
 use proofs::vectors::Coordinates;
 use proofs::{Polynomial, Reach};
+use std::sync::LazyLock;
 use truth::rational::{RBig, exact};
 use truth::rng::Rng;
-use lin_canny::proofs;
-use std::sync::LazyLock;
 
 type Errors = Coordinates<Majorant>;
 
@@ -31,7 +31,7 @@ pub(crate) fn exactly<const K: usize>(letter: char) -> [Majorant; K] {
 }
 
 fn constant_of(name: &str) -> f64 {
-    let all = proofs::constants();
+    let all = library::constants();
     all.iter().find(|(n, _)| *n == name).expect("a constant").1
 }
 
@@ -167,9 +167,9 @@ fn doubles_lose_little() {
         let (a, b) = (number(at), number(-1000 - at));
         let of = |d: [f64; 2]| exact(d[0]) + exact(d[1]);
         for (found, truth) in [
-            (proofs::double_product(a, b), of(a) * of(b)),
-            (proofs::double_product(a, a), of(a) * of(a)),
-            (proofs::double_sum(a, b), of(a) + of(b)),
+            (library::double_product(a, b), of(a) * of(b)),
+            (library::double_product(a, a), of(a) * of(a)),
+            (library::double_sum(a, b), of(a) + of(b)),
         ] {
             let off = size(of(found) - &truth);
             let relative = exact(10.0) * unit() * unit() * size(truth);
@@ -247,7 +247,7 @@ fn bounds_leave_the_stored_unit_outward() {
         }
         let x = f64::from_bits((x.to_bits() & !(0x7ff << 52)) | ((size + 1023) as u64) << 52);
         let (y, truth) = (
-            proofs::scaled_down(x, 2f64.powi(exponent as i32)),
+            library::scaled_down(x, 2f64.powi(exponent as i32)),
             exact(x) * power(exponent),
         );
         if y == f64::NEG_INFINITY {

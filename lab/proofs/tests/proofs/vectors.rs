@@ -2,11 +2,11 @@
 
 use super::inputs::Inputs;
 use super::transcribed::agree;
+use lin_canny::__proofs as library;
 use proofs::kernels::boxes::{self, Oriented};
 use proofs::kernels::{patches, planes};
 use proofs::number::{Vector, cross, dot};
 use proofs::vectors::{Coordinates, Vectors};
-use lin_canny::proofs;
 
 type Single = Coordinates<f32>;
 
@@ -63,7 +63,7 @@ fn gaps_of_boxes() {
         let r = [0; 3].map(|_| single(inputs));
         let (shift, known) = (single(inputs), single(inputs));
         let rotation: [f32; 9] = r.concat().try_into().expect("nine numbers");
-        let of_crate = proofs::box_gap((rotation, shift), pair, Some(known));
+        let of_crate = library::box_gap((rotation, shift), pair, Some(known));
         let [a, b] = pair.map(|[x, y, z, centre, half]| Oriented::<Single> {
             axes: [x, y, z],
             centre,
@@ -95,7 +95,7 @@ fn entries_of_fronts() {
         let (n, gap, centre) = (single(inputs), inputs.single(), single(inputs));
         let radius = inputs.single().abs();
         let rod = if inputs.below(2) == 0 { [0.0; 3] } else { single(inputs) };
-        let (m, base, left) = proofs::front_entry(flat, (n, gap), centre, (radius, rod));
+        let (m, base, left) = library::front_entry(flat, (n, gap), centre, (radius, rod));
         let (m_ours, base_ours) = boxes::entry::<Single>(poses[0], n, centre, gap);
         let (turn, along) = boxes::carried::<Single>(poses[1], [n, m_ours], centre, base_ours);
         let mut ours = along - radius * dot(turn, turn).sqrt();
@@ -114,7 +114,7 @@ fn planes_in_motion() {
     agree("plane", |inputs| {
         let [normal, spin, rate]: [Vector<f64>; 3] = [0; 3].map(|_| inputs.numbers());
         let ways: [Vector<f64>; 3] = [0; 3].map(|_| inputs.numbers());
-        let ([first, second], way) = proofs::plane_derivatives(normal, spin, rate, ways);
+        let ([first, second], way) = library::plane_derivatives(normal, spin, rate, ways);
         let turning = planes::Turning::<Coordinates<f64>> { normal, spin, rate };
         let ours = planes::derivatives(&turning, 2.0);
         [
@@ -131,7 +131,7 @@ fn flights_of_balls() {
         let radius = inputs.number().abs();
         let more = 2f64.powi(-40);
         [
-            proofs::flight_of_ball(from, velocity, radius).to_vec(),
+            library::flight_of_ball(from, velocity, radius).to_vec(),
             planes::approach::<Coordinates<f64>>(from, velocity, radius, more).to_vec(),
         ]
     });
@@ -142,7 +142,7 @@ fn turns_and_products_of_quaternions() {
     agree("turn", |inputs| {
         let (axis, other): (Vector<f64>, [f64; 4]) = (inputs.numbers(), inputs.numbers());
         let [sine, cosine, rest]: [f64; 3] = inputs.numbers();
-        let of_crate = proofs::half_turn(axis, (sine, cosine), rest, other);
+        let of_crate = library::half_turn(axis, (sine, cosine), rest, other);
         let ours = planes::spun(axis, [sine, cosine], rest);
         [of_crate.concat(), [ours, planes::composed(ours, other)].concat()]
     });
@@ -155,6 +155,6 @@ fn derivatives_of_curves() {
         let net: Vec<f64> = (0..=degree).map(|_| inputs.number()).collect();
         let at = inputs.between(0.0, 1.0);
         let ours = degree as f64 * patches::first(net.clone(), 1.0 - at, at);
-        [vec![proofs::patch_first(&net, degree, at)], vec![ours]]
+        [vec![library::patch_first(&net, degree, at)], vec![ours]]
     });
 }

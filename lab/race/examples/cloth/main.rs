@@ -6,7 +6,7 @@
 //! its closest triangle is pushed off, until the proven distance says that no point of the cloth is nearer than half of the
 //! thickness.
 //!
-//! `cargo run --release --example cloth` prints the frames and writes the picture `target/cloth.svg`.
+//! `cargo run --release -p race --example cloth` prints the frames and writes the picture `target/cloth.svg`.
 
 mod draw;
 
@@ -17,10 +17,10 @@ use std::time::{Duration, Instant};
 
 use clap::Parser;
 use draw::Picture;
-use race::command::{file, write};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
+use race::command::{file, write};
 
 /// Squares along a side of the sheet, and half its side in metres.
 const SQUARES: usize = 28;

@@ -1,7 +1,7 @@
 //! Curved surfaces: a pot of rational patches and a twisted blade of a B-spline that swings about the pot.
 //!
 //! ```text
-//! cargo run --release --example patches -- [--frames N] [--width W] [--out FILE.svg]
+//! cargo run --release -p race --example patches -- [--frames N] [--width W] [--out FILE.svg]
 //! ```
 //!
 //! Prints what intervals of several widths cost and how far they miss the narrowest, then draws the front of one frame and the closest points
@@ -14,12 +14,12 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use truth::Point;
-use race::command::{count, file, number};
-use truth::pose::dot;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Nurbs, PatchError, Surface, SurfacePart, revolution};
 use lin_canny::{Answer, PairTracker, Question, RelativePose};
+use race::command::{count, file, number};
+use truth::Point;
+use truth::pose::dot;
 
 /// A blade swings about a pot: the front of a frame and the closest points as a picture
 #[derive(Parser)]

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use truth::curved::parse;
 use lin_canny::PairTracker;
+use truth::curved::parse;
 
 /// Prints a table of pairs of curved shapes and draws them, or answers the pairs of a file
 ///

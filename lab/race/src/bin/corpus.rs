@@ -2,9 +2,9 @@
 //! against the exact values in the files.
 //!
 //! ```text
-//! cargo run --release -p lab --bin corpus             # the table of the README
-//! cargo run --release -p lab --bin corpus -- --list   # and every failure by name
-//! cargo run --release -p lab --bin corpus -- --truth  # what the exact oracle says of the small cases
+//! cargo run --release -p race --bin corpus             # the table of the README
+//! cargo run --release -p race --bin corpus -- --list   # and every failure by name
+//! cargo run --release -p race --bin corpus -- --truth  # what the exact oracle says of the small cases
 //! ```
 //!
 //! A case fails where an engine gives no answer, panics or says NaN; names the wrong side of contact although the bodies are
@@ -17,11 +17,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
+use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 use truth::corpus::{self, Case};
 use truth::parry;
 use truth::shapes::Shape;
 use truth::support::{between, body};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
 
 /// Signed distance, or that the bodies overlap, of unknown depth.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -272,7 +272,7 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), String> {
-    let cases = corpus::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus"));
+    let cases = corpus::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/corpus"));
     if options.truth {
         for c in cases.iter().filter(|c| c.is_small(42)) {
             let t = c.truth();

@@ -1,23 +1,23 @@
 //! What effects cost: a thousand hulls fall into a pile, the same motion for growing sets of effects, and for the full set with one
 //! effect removed.
 //!
-//! `cargo run --release -p lab --bin falling_pile -- [--csv FILE] [--out FILE.svg] [--bodies N] [--quick]`
+//! `cargo run --release -p race --bin falling_pile -- [--csv FILE] [--out FILE.svg] [--bodies N] [--quick]`
 //!
 //! The motion is scripted, so every set sees the same poses. Printed is the report of a step in the middle of the pile; the file
 //! has a line for each set with its counts and times, and the picture the time of a step over the fall.
 
 use clap::Parser;
-use race::command::{count, file};
-use truth::crowd::{Crowd, Kind};
-use race::plot::{Chart, save_stack};
-use race::progress::Progress;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, Change, Effects, Event, Group, Report, Scene};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions};
+use race::command::{count, file};
+use race::plot::{Chart, save_stack};
+use race::progress::Progress;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
+use truth::crowd::{Crowd, Kind};
 
 type Trouble = Box<dyn std::error::Error>;
 

@@ -11,9 +11,9 @@ use std::io::Write as _;
 use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
-use truth::suite::{Case, Line, Reader};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
+use truth::suite::{Case, Line, Reader};
 
 /// Which level of accuracy answers.
 #[derive(Clone, Copy, PartialEq, ValueEnum)]

@@ -1,7 +1,7 @@
 //! The hard cases that the viewer's page shows: small solids of `tests/corpus/`, each with the truth and what parry answered.
 //!
 //! ```text
-//! cargo run --release -p lab --bin hard_cases -- --out viewer/cases.json
+//! cargo run --release -p race --bin hard_cases -- --out crates/viewer/cases.json
 //! ```
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,9 +10,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use race::command::{file, write};
+use serde_json::{Value, json};
 use truth::corpus::{self, Case};
 use truth::{Pose, parry};
-use serde_json::{Value, json};
 
 /// Cases of these families in which parry errs are taken, at most so many of each.
 const MOST_OF_A_FAMILY: usize = 3;
@@ -42,7 +42,7 @@ fn main() -> ExitCode {
 
 fn run(options: &Options) -> Result<(), String> {
     std::panic::set_hook(Box::new(|_| {})); // parry's panics are answers
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/corpus");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/corpus");
     let mut taken: Vec<(String, Value)> = Vec::new();
     for case in corpus::load(&folder) {
         let is_small = case.a.points.len().max(case.b.points.len()) <= MOST_POINTS;

@@ -1,14 +1,14 @@
 //! The box of a placed hull: ours and parry's, in nanoseconds a box.
 
 use super::Rows;
-use truth::rng::Rng;
-use truth::{Pose, shapes};
 use lin_canny::nalgebra::Point3;
 use lin_canny::{BoxHint, ConvexPolyhedron};
 use parry3d::math::{Pose as ParryPose, Rotation, Vector};
 use parry3d::shape::{ConvexPolyhedron as ParryHull, Shape};
 use std::hint::black_box;
 use std::time::Instant;
+use truth::rng::Rng;
+use truth::{Pose, shapes};
 
 /// Poses of a body that turns by a degree and a bit a frame.
 fn poses(rng: &mut Rng) -> Vec<Pose> {

@@ -1,8 +1,8 @@
 //! The scenes, made by program.
 
-use truth::rng::Rng;
 use lin_canny_rapier::single::rapier::prelude::*;
 use lin_canny_rapier::single::{Certified, Hull, certified_world};
+use truth::rng::Rng;
 
 use super::Scene;
 use crate::common::{Engine, bin, layers, pebble, turn};

@@ -13,9 +13,9 @@ mod built;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use race::progress::Progress;
-use race::common::{Options, Rows};
 use lin_canny_rapier::single::rapier::pipeline::PhysicsWorld;
+use race::common::{Options, Rows};
+use race::progress::Progress;
 
 use crate::common::Engine;
 

@@ -5,12 +5,12 @@
 //! I. Hence I lies in P and P in I grown by h, and for every direction the support of P exceeds that of I by 0 to h. So the signed
 //! distance of two bodies lies between that of their inner hulls less both h, and that of their inner hulls.
 
-use truth::motion::Frame;
-use truth::pose::{norm, sub};
-use race::progress::Progress;
-use race::record::{Row, spread};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
+use race::progress::Progress;
+use race::record::{Row, spread};
+use truth::motion::Frame;
+use truth::pose::{norm, sub};
 
 use crate::engines::clocked;
 use crate::options::Options;

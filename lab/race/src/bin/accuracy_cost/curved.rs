@@ -5,14 +5,14 @@
 
 use std::hint::black_box;
 
+use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::{ConvexPolyhedron, PairTracker, RelativePose, Shape, Tracker};
+use race::progress::Progress;
+use race::record::Row;
 use truth::curved::{Kind, Place};
 use truth::motion::{self, Frame};
 use truth::parry::{Core, Map, MapGjk};
-use race::progress::Progress;
-use race::record::Row;
 use truth::rng::Rng;
-use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{ConvexPolyhedron, PairTracker, RelativePose, Shape, Tracker};
 
 use crate::measure;
 use crate::options::Options;

@@ -170,7 +170,11 @@ pub(crate) fn time(case: Case, pair: &Pair) -> f64 {
 #[inline(always)]
 fn pass(case: Case, level: Accuracy, pair: &Pair) -> f64 {
     let fresh = State::new(case, pair);
-    clocked(pair.frames.len(), || fresh.clone(), |f, s| ask(Case { level, ..case }, pair, f, s))
+    clocked(
+        pair.frames.len(),
+        || fresh.clone(),
+        |f, s| ask(Case { level, ..case }, pair, f, s),
+    )
 }
 
 /// Nanoseconds of processor time a query: the first passes find the caches and branch tables of another engine, the last is the one that counts.

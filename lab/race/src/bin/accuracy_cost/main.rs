@@ -1,7 +1,7 @@
 //! What accuracy costs in time: every level of this crate and of parry, errors against exact arithmetic.
 //!
 //! ```text
-//! cargo run --release -p lab --bin accuracy_cost -- [--csv FILE] [--out FOLDER] [--quick] [--only PART] [--mesh A --mesh B]
+//! cargo run --release -p race --bin accuracy_cost -- [--csv FILE] [--out FOLDER] [--quick] [--only PART] [--mesh A --mesh B]
 //! ```
 //!
 //! | part | question |
@@ -30,11 +30,11 @@ mod truth;
 use std::path::Path;
 use std::process::ExitCode;
 
+use options::Options;
 use race::accuracy;
 use race::plot::Chart;
 use race::progress::Progress;
 use race::record::{self, Row};
-use options::Options;
 
 type Trouble = Box<dyn std::error::Error>;
 

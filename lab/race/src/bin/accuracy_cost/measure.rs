@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
+use lin_canny::{Solver, Totals};
 use race::progress::Progress;
 use race::record::{Row, spread};
-use lin_canny::{Solver, Totals};
 
 use crate::engines::{self, Case};
 use crate::options::Options;

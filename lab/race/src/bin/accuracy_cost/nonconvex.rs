@@ -5,18 +5,18 @@
 
 use std::hint::black_box;
 
-use truth::pose::{Pose, quat, quat_mul, unit_quat};
-use race::progress::Progress;
-use race::record::Row;
-use truth::rng::Rng;
-use truth::soups::{self, Soup};
-use truth::{brute, pose};
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Composite, ConvexPolyhedron, Decomposition, Mesh, PairTracker, Piece, RelativePose, Tracker};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
 use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
+use race::progress::Progress;
+use race::record::Row;
+use truth::pose::{Pose, quat, quat_mul, unit_quat};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
+use truth::{brute, pose};
 
 use crate::measure;
 use crate::options::Options;

@@ -1,9 +1,9 @@
 //! Levels on families of bodies; the same against motion and against the gap.
 
+use lin_canny::Solver;
 use race::plot::Chart;
 use race::progress::Progress;
 use race::record::Row;
-use lin_canny::Solver;
 
 use crate::engines::{Accuracy, Case};
 use crate::measure::{self, Seen};

@@ -3,10 +3,10 @@
 //! Small bodies are solved over the integers. For larger ones a direction and two points are proposals, whoever made them:
 //! exact arithmetic says what the direction proves and how far apart the points are, and between the two lies the truth.
 
+use lin_canny::{RelativePose, Tracker};
 use truth::bound;
 use truth::exact::solve;
 use truth::rng::Rng;
-use lin_canny::{RelativePose, Tracker};
 
 use truth::pairs::Pair;
 

@@ -1,12 +1,12 @@
 //! What the accuracy of a cast costs: distance queries a hit against the tolerance, by counting, so the picture is the same on
 //! every machine.
 
-use truth::casts::{self, Advance, Throw};
-use race::plot::Chart;
-use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::Tracker;
 use lin_canny::impact::{Impact, Tolerance, cast};
+use race::plot::Chart;
+use truth::casts::{self, Advance, Throw};
+use truth::rng::Rng;
 
 use crate::Trouble;
 

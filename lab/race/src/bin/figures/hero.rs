@@ -1,11 +1,11 @@
 //! The picture at the top: a tracked pair with the Voronoi region of the face, and what a frame costs.
 
-use truth::motion::orbit_and_spin;
-use race::plot::Chart;
-use truth::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Class, ConvexPolyhedron, FaceId, Feature, Outcome, RelativePose, Tracker};
+use race::plot::Chart;
+use truth::motion::orbit_and_spin;
+use truth::rng::Rng;
 
 use crate::Trouble;
 use race::svg::{BLUE, GREEN, INK, ORANGE, Place, Svg};

@@ -1,5 +1,5 @@
 //! Draws every picture of the README and the documentation, from runs of the crate and from the records of its measurements:
-//! `cargo run --release -p lab --bin figures -- [FOLDER]`.
+//! `cargo run --release -p race --bin figures -- [FOLDER]`.
 
 mod casts;
 mod contact;
@@ -29,7 +29,7 @@ fn main() -> ExitCode {
 
 fn run(folder: &Path) -> Result<(), Trouble> {
     println!("drawing to {}", folder.display());
-    let records = Path::new(env!("CARGO_MANIFEST_DIR")).join("../benches/record");
+    let records = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../benches/record");
     let mut pictures = vec![
         ("hero.svg", hero::picture()?),
         ("casts.svg", casts::picture()?),

@@ -1,10 +1,10 @@
 //! Who answers wrong where rounding decides: a box with an edge in the plane of another's face, shifted ulp by ulp.
 
-use truth::exact::solve;
-use truth::{Class, Pose, shapes};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
+use truth::exact::solve;
+use truth::{Class, Pose, shapes};
 
 use crate::Trouble;
 use race::svg::Svg;

@@ -18,16 +18,16 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use cpu_time::ThreadTime;
-use truth::forms::mesh;
-use truth::pose::{Pose, quat, quat_mul};
-use race::common::{Rows, median};
-use truth::soups::{self, Soup};
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{Mesh, PairTracker, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{TriMesh, TriMeshFlags};
+use race::common::{Rows, median};
+use truth::forms::mesh;
+use truth::pose::{Pose, quat, quat_mul};
+use truth::soups::{self, Soup};
 
 /// Frames of a pass.
 const FRAMES: usize = 60;

@@ -5,15 +5,15 @@
 //! (column `shape`: the gap). `link-over-tray`: the link of a robot hovers over a tray and swings. `terrain`: a rock rolls over hills;
 //! `n` is the number of the terrain's triangles.
 
-use truth::forms::mesh;
 use std::hint::black_box;
+use truth::forms::mesh;
 
+use lin_canny::{Mesh, PairTracker, RelativePose};
+use race::progress::Progress;
 use truth::Pose;
 use truth::pose::{quat, quat_mul, unit_quat};
-use race::progress::Progress;
 use truth::soups::{self, Soup};
 use truth::turned;
-use lin_canny::{Mesh, PairTracker, RelativePose};
 
 use crate::meshes::time;
 use race::common::{Options, Rows};

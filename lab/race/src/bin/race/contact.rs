@@ -7,12 +7,12 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use truth::contacts::{self, PREDICTION, SCENES, Scene, plain};
-use truth::parry::{self, ContactPair};
-use race::progress::Progress;
-use truth::workload::DEPTH;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::{ConvexPolyhedron, Manifold, ManifoldOptions, RelativePose, Tracker};
+use race::progress::Progress;
+use truth::contacts::{self, PREDICTION, SCENES, Scene, plain};
+use truth::parry::{self, ContactPair};
+use truth::workload::DEPTH;
 
 use race::common::{Options, Rows, WARM_UP, median};
 

@@ -7,11 +7,11 @@
 use std::hint::black_box;
 use std::time::Instant;
 
+use lin_canny::nalgebra::{Isometry3, Vector3};
+use lin_canny::{PairTracker, RelativePose, Shape, Solver, Totals};
 use truth::motion::{self, Frame};
 use truth::parry::{Core, Map, MapGjk};
 use truth::rng::Rng;
-use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::{PairTracker, RelativePose, Shape, Solver, Totals};
 
 use race::common::{Options, Rows, WARM_UP, median};
 

@@ -9,17 +9,17 @@
 use std::hint::black_box;
 
 use cpu_time::ThreadTime;
-use truth::casts::{self, Advance, SHAPES, Throw};
-use truth::contacts::plain;
-use truth::parry::casts::{Flight, SLOP, linear, nonlinear, sweep};
-use truth::parry::{self, ParryPose};
-use race::progress::Progress;
-use truth::rng::Rng;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::Tracker;
 use lin_canny::impact::{Cast, Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+use race::progress::Progress;
+use truth::casts::{self, Advance, SHAPES, Throw};
+use truth::contacts::plain;
+use truth::parry::casts::{Flight, SLOP, linear, nonlinear, sweep};
+use truth::parry::{self, ParryPose};
+use truth::rng::Rng;
 
 use race::common::{Options, Rows};
 

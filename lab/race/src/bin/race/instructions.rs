@@ -5,8 +5,8 @@
 use std::hint::black_box;
 use std::process::Command;
 
-use race::progress::Progress;
 use race::common::{Options, Rows};
+use race::progress::Progress;
 
 use crate::pairs::{Engine, State, ask, degrees, pair};
 use truth::rng::Rng;

@@ -1,7 +1,7 @@
 //! Races against other libraries on the same motions.
 //!
 //! ```text
-//! cargo run --release -p lab --bin race -- pairs [--csv FILE] [--quick] [--only SCENE] [--upto N]
+//! cargo run --release -p race --bin race -- pairs [--csv FILE] [--quick] [--only SCENE] [--upto N]
 //! ```
 
 mod bending;
@@ -19,9 +19,9 @@ mod rays;
 mod rrt;
 
 use clap::{Parser, ValueEnum};
-use truth::boxes::Kind;
 use race::common::{Options, Rows, boxes, scene};
 use std::process::ExitCode;
+use truth::boxes::Kind;
 
 /// Ours against other libraries: closest points of two bodies, of two curved shapes, their contacts,
 /// boxes of many bodies, whole scenes, casts of moving bodies, meshes, segments of planners, curved

@@ -8,21 +8,21 @@
 //! hole, where most of both is nearly equally close. In `pieces` rings and knots are made of convex pieces, a rock by parry's VHACD, and `n`
 //! is the number of pieces: ours as a `Composite`, parry's as a `Compound`. The scenes of `cad.rs` are raced by ours alone.
 
-use truth::forms::mesh;
 use std::hint::black_box;
 use std::time::{Duration, Instant};
+use truth::forms::mesh;
 
 use cpu_time::ThreadTime;
-use truth::pose::{Pose, quat, quat_mul, unit_quat};
-use race::progress::Progress;
-use truth::rng::Rng;
-use truth::soups::{self, Soup};
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Composite, ConvexPolyhedron, Mesh, PairTracker, Piece, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::{Compound, SharedShape, TriMesh};
 use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
+use race::progress::Progress;
+use truth::pose::{Pose, quat, quat_mul, unit_quat};
+use truth::rng::Rng;
+use truth::soups::{self, Soup};
 
 use crate::{bending, cad};
 use race::common::{Options, Rows, median};

@@ -9,15 +9,15 @@ use std::collections::BTreeMap;
 use std::hint::black_box;
 use std::time::Instant;
 
+use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::{ConvexPolyhedron, RelativePose, Solver, Totals, Tracker};
+use race::progress::Progress;
 use truth::Point;
 use truth::contacts::plain;
 use truth::motion::Frame;
 use truth::parry::{Climber, GjkCached};
-use race::progress::Progress;
 use truth::rng::Rng;
 use truth::workload::{self, SIZES};
-use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{ConvexPolyhedron, RelativePose, Solver, Totals, Tracker};
 
 use race::common::{Options, Rows, WARM_UP, median};
 

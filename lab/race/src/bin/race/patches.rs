@@ -6,14 +6,14 @@
 use std::hint::black_box;
 
 use cpu_time::ThreadTime;
-use truth::pose::{Pose, quat, quat_mul, unit_quat};
-use truth::rng::Rng;
 use lin_canny::nalgebra::Point3;
 use lin_canny::patch::{Patch, Surface, revolution};
 use lin_canny::{Mesh, PairTracker, Question, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
+use truth::pose::{Pose, quat, quat_mul, unit_quat};
+use truth::rng::Rng;
 
 use race::common::{Options, Rows};
 

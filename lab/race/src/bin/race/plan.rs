@@ -8,15 +8,15 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use truth::cells::Cell;
-use race::progress::Progress;
-use truth::rng::Rng;
-use truth::rooms::Room;
 use lin_canny::broad::{Aabb, BodyOptions, BroadPhase, PencilSweep};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{BoxHint, RelativePose, Tracker};
 use lin_canny_plan::{Checker, ConfigurationSpace, PlanOptions, RigidSpace, Verdict};
+use race::progress::Progress;
+use truth::cells::Cell;
+use truth::rng::Rng;
+use truth::rooms::Room;
 
 use crate::rrt;
 use race::common::{Options, Rows, median};

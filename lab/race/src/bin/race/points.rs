@@ -2,16 +2,16 @@
 //! the farthest point is from the hull of these vertices; the points have a radius of about one.
 //!
 //! Points lie on a sphere, in a ball, in a cube, or on a sphere flattened to a thousandth (`flat`). qhull takes part in
-//! `python/bench/hulls.py`.
+//! `crates/python/bench/hulls.py`.
 
 use std::hint::black_box;
 
 use cpu_time::ThreadTime;
+use lin_canny::nalgebra::{Isometry3, Point3};
+use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
 use race::progress::Progress;
 use truth::rng::Rng;
 use truth::{Point, parry};
-use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
 
 use race::common::{Options, Rows, median};
 

@@ -7,15 +7,15 @@
 use std::hint::black_box;
 
 use cpu_time::ThreadTime;
-use truth::forms::mesh;
-use truth::parry::{self, ParryPose};
-use truth::rng::Rng;
-use truth::soups;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ConvexPolyhedron, Geometry, Ray, RayCast, RayCaster, Shape};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query::{self, RayIntersection};
 use parry3d_f64::shape::{Capsule, Cylinder, TriMesh};
+use truth::forms::mesh;
+use truth::parry::{self, ParryPose};
+use truth::rng::Rng;
+use truth::soups;
 
 use race::common::{Options, Rows};
 

@@ -2,12 +2,12 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use lin_canny::{Class, Outcome, PairTracker, Shape, Solver};
 use truth::Pose;
 use truth::curved::{KINDS, Kind, Place, Wide, special, wide};
 use truth::motion::{self, Frame};
 use truth::pose::{norm, sub};
 use truth::rng::Rng;
-use lin_canny::{Class, Outcome, PairTracker, Shape, Solver};
 
 /// Aspect up to which the width of bounds is promised, and the promise, over the size of the pair.
 const ASPECT: f64 = 30.0;

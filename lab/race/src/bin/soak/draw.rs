@@ -1,12 +1,12 @@
-//! Draws bodies and motions at random, of every family of `lab`.
+//! Draws bodies and motions at random, of every family of `truth`.
 
+use lin_canny::ConvexPolyhedron;
+use lin_canny::nalgebra::Point3;
 use truth::motion::{self, Frame};
 use truth::pose::{radius, scale};
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::{Point, Pose};
-use lin_canny::ConvexPolyhedron;
-use lin_canny::nalgebra::Point3;
 
 /// A body with the family it was drawn from.
 #[derive(Clone)]

@@ -2,13 +2,13 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use lin_canny::nalgebra::Point3;
+use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
 use truth::faults::{faulty, on_grid};
 use truth::pose::scale;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 use truth::{Pose, brute};
-use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
 
 /// Poses of a pair.
 const POSES: usize = 8;

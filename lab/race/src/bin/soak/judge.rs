@@ -3,13 +3,13 @@
 //! Each frame in f64 with the rounding of that added; what does not pass there, and a share of the rest, by exact
 //! arithmetic; small bodies now and then by the naive oracle, which knows the truth.
 
+use lin_canny::{Class, Manifold, Outcome};
 use truth::motion::Frame;
 use truth::pose::{add, cross, dot, norm, scale, sub, unit};
 use truth::rng::Rng;
 use truth::shapes::Shape;
 use truth::support;
 use truth::{Body, Point, Pose, bound, exact};
-use lin_canny::{Class, Manifold, Outcome};
 
 use crate::draw::{Drawn, Trial};
 

@@ -2,10 +2,10 @@
 //! each motion, every frame judged.
 //!
 //! ```text
-//! cargo run --release -p lab --bin soak -- --minutes 60 [--seed S] [--threads N] [--out DIR] [--trial K]
+//! cargo run --release -p race --bin soak -- --minutes 60 [--seed S] [--threads N] [--out DIR] [--trial K]
 //! ```
 //!
-//! What fails is written to DIR (`target/soak-failures`) as a text that `cargo run --example replay` answers; the run goes on and
+//! What fails is written to DIR (`target/soak-failures`) as a text that `cargo run -p race --example replay` answers; the run goes on and
 //! ends with exit code 1. A trial is named by seed and number: `--trial K` runs that one alone.
 
 mod curved;
@@ -24,16 +24,16 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use draw::Trial;
 use judge::Judge;
-use race::command::{count, number};
-use truth::driven::{lattice, points, scenes, slivers, solids, stand_ins};
-use truth::motion::Frame;
-use race::progress::Progress;
-use truth::rng::Rng;
-use truth::support;
 use lin_canny::broad::PencilSweep;
 use lin_canny::scene::Scene;
 use lin_canny::{Accuracy, Class, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
+use race::command::{count, number};
+use race::progress::Progress;
 use tally::Tally;
+use truth::driven::{lattice, points, scenes, slivers, solids, stand_ins};
+use truth::motion::Frame;
+use truth::rng::Rng;
+use truth::support;
 
 /// Random bodies of every hard family and curved shapes in random motions, meshes with the faults of
 /// real files, worlds of boxes, and scenes of bodies of every kind, every frame judged by arithmetic of
@@ -63,7 +63,7 @@ impl Options {
     /// The command that plays a trial again.
     fn command(&self, trial: u64) -> String {
         format!(
-            "cargo run --release --all-features -p lab --bin soak -- --seed {} --trial {trial}",
+            "cargo run --release --all-features -p race --bin soak -- --seed {} --trial {trial}",
             self.seed
         )
     }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use crate::curved;
 use crate::faulty;
+use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
 use truth::driven::{points, scenes, slivers, solids, stand_ins};
-use lin_canny::Outcome;
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
 const LAYERS: [&str; 7] = [

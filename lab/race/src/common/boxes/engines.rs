@@ -1,8 +1,8 @@
 //! Broad phases in one form.
 
-use truth::boxes::{Kind, Scene};
 use crate::common::tree::Tree;
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep, SortedAxes};
+use truth::boxes::{Kind, Scene};
 
 /// A broad phase that is fed a scene.
 pub trait Engine {

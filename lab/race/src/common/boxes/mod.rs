@@ -9,10 +9,10 @@ pub mod engines;
 
 use super::hulls;
 use super::{Options, Rows};
-use truth::boxes::{Kind, Scene};
 use cpu_time::ThreadTime;
 use engines::{ENGINES, Engine, Make};
 use std::time::{Duration, Instant};
+use truth::boxes::{Kind, Scene};
 
 /// What was measured of one engine on one scene, in nanoseconds a body and step.
 struct Row {

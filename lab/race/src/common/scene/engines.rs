@@ -1,7 +1,5 @@
 //! What steps whole scenes, in one form.
 
-use truth::Pose;
-use truth::crowd::Crowd;
 use crate::common::tree::Tree;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
@@ -11,6 +9,8 @@ use parry3d::math::{Pose as Pose32, Rotation, Vector};
 use parry3d::query;
 use parry3d::shape::SharedShape;
 use std::time::Duration;
+use truth::Pose;
+use truth::crowd::Crowd;
 
 /// How far distances are taken; the prediction distance of rapier.
 pub const RANGE: f64 = 0.02;

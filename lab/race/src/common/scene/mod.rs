@@ -16,11 +16,11 @@
 pub mod engines;
 
 use super::{Options, Rows};
-use truth::crowd::{Crowd, Kind};
 use crate::progress::Progress;
 use cpu_time::ThreadTime;
 use engines::{ENGINES, Engine, Make, RANGE};
 use std::time::{Duration, Instant};
+use truth::crowd::{Crowd, Kind};
 
 /// Steps of an engine: before any counts, at most, and for how long at most.
 const WARM: usize = 60;

@@ -1,4 +1,4 @@
-//! Kernels and constants for the tests of the error bounds (`tests/proofs`). No part of the
+//! Kernels and constants for the tests of the error bounds (package `proofs`). No part of the
 //! interface: a function may change or vanish in any version.
 
 #![allow(missing_docs)]
