@@ -326,15 +326,15 @@ pub mod broad;
 pub mod composite;
 mod convex;
 // Pages of the documentation, and tests of their code; no part of the library.
+#[cfg(feature = "__proofs")]
+#[doc(hidden)]
+pub mod __proofs;
 #[cfg(all(any(doc, doctest), feature = "surfaces", feature = "exact"))]
 pub mod guide;
 mod pair;
 mod pair_tracker;
 #[cfg(feature = "surfaces")]
 pub mod patch;
-#[cfg(feature = "__proofs")]
-#[doc(hidden)]
-pub mod __proofs;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
 #[path = "../tests/support/rng.rs"]

@@ -20,7 +20,7 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
         return Err(format!("{}: the poses are not overwritten", poses.display()).into());
     }
     let (a, b) = (load('A', meshes[0])?, load('B', meshes[1])?);
-    let text = race::command::read(poses)?;
+    let text = truth::command::read(poses)?;
     let mut rows = String::from("distance,lower,upper,ax,ay,az,bx,by,bz\n");
     let (mut tracker, mut frames, mut shared) = (PairTracker::new(), 0, 0);
     let began = std::time::Instant::now();
@@ -44,7 +44,7 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
         return Err(format!("{}: no pose", poses.display()).into());
     }
     let each = began.elapsed().as_micros() as f64 / f64::from(frames);
-    race::command::write(csv, &rows)?;
+    truth::command::write(csv, &rows)?;
     println!("{frames} poses, {shared} of them in contact; {each:.1} us a pose with reading and writing");
     println!("written: {}", csv.display());
     Ok(())

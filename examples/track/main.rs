@@ -9,7 +9,9 @@ mod given;
 mod load;
 mod motion;
 mod options;
+mod picture;
 
+use std::io::{IsTerminal, Write, stderr};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -19,8 +21,7 @@ use lin_canny::{Class, ConvexPolyhedron, Geometry, Outcome, PairTracker, Relativ
 use lin_canny_record::Recorder;
 use load::Loaded;
 use options::Options;
-use race::plot::{Chart, save_stack};
-use race::progress::Progress;
+use picture::{Curve, Shown};
 
 type Trouble = Box<dyn std::error::Error>;
 
@@ -45,8 +46,16 @@ struct Run {
     cold: f64,
 }
 
+impl Run {
+    /// The frame of the least distance.
+    fn closest(&self) -> Option<(usize, &Outcome)> {
+        let frames = self.outcomes.iter().enumerate();
+        frames.min_by(|x, y| x.1.distance.total_cmp(&y.1.distance))
+    }
+}
+
 fn main() -> ExitCode {
-    race::command::main(track)
+    truth::command::main(track)
 }
 
 fn track(options: &Options) -> Result<(), Trouble> {
@@ -54,7 +63,7 @@ fn track(options: &Options) -> Result<(), Trouble> {
     if let (Some(poses), Some(csv)) = (&options.poses, &options.csv) {
         return given::answer([a, b], poses, csv);
     }
-    println!("drawing to {}", options.out.display());
+    truth::command::writable(&options.out)?;
     let (a, b) = (load::load('A', a)?, load::load('B', b)?);
     let poses = motion::poses(&a.body, &b.body, options.frames as usize);
     let run = follow(&a.body, &b.body, &poses)?;
@@ -63,13 +72,12 @@ fn track(options: &Options) -> Result<(), Trouble> {
     }
     table(&a, &b, &run);
     summary(&run);
-    draw(options, &run)?;
+    draw(options, [&a.body, &b.body], &poses, &run)?;
     Ok(())
 }
 
 /// Asks every frame, keeping the tracker.
 fn follow(a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: &[[Isometry3<f64>; 2]]) -> Result<Run, Trouble> {
-    let progress = Progress::new("frames", poses.len() as u64);
     let (mut tracker, mut outcomes, mut time) = (Tracker::new(), Vec::with_capacity(poses.len()), Duration::ZERO);
     // Answers of a block are put where memory is warm, so that the clock sees queries and no page faults.
     let mut answers = Vec::with_capacity(BLOCK);
@@ -81,7 +89,7 @@ fn follow(a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: &[[Isometry3<f64>; 
         }
         time += began.elapsed();
         outcomes.append(&mut answers);
-        progress.steps(block.len() as u64);
+        progress(outcomes.len(), poses.len());
     }
     let mut cold = 0;
     for [pose_a, pose_b] in poses.iter().step_by(COLD) {
@@ -96,6 +104,19 @@ fn follow(a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: &[[Isometry3<f64>; 
         time,
         cold: f64::from(cold) / poses.len().div_ceil(COLD) as f64,
     })
+}
+
+/// Says how far the run is, if a person looks at it; after the last frame takes the line away.
+fn progress(done: usize, all: usize) {
+    let mut err = stderr();
+    if err.is_terminal() {
+        let line = if done < all {
+            format!("\r{done} of {all} frames")
+        } else {
+            "\r\x1b[K".into()
+        };
+        let _ = err.write_all(line.as_bytes());
+    }
 }
 
 /// Writes the motion and the answers for the viewer.
@@ -157,12 +178,7 @@ fn word(outcome: &Outcome) -> String {
 
 fn summary(run: &Run) {
     let (totals, frames) = (run.tracker.work(), run.outcomes.len());
-    let closest = run
-        .outcomes
-        .iter()
-        .enumerate()
-        .min_by(|x, y| x.1.distance.total_cmp(&y.1.distance));
-    if let Some((frame, o)) = closest {
+    if let Some((frame, o)) = run.closest() {
         println!(
             "\nclosest: {} in [{}, {}] at frame {frame}",
             o.distance, o.lower, o.upper
@@ -194,31 +210,38 @@ fn summary(run: &Run) {
     );
 }
 
-/// Distance and steps over time, one above the other.
-fn draw(options: &Options, run: &Run) -> Result<(), Trouble> {
-    let name = |k: usize| {
-        options.pair()[k]
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy()
-            .into_owned()
-    };
+/// The closest frame with the curves of distance and steps.
+fn draw(
+    options: &Options,
+    bodies: [&ConvexPolyhedron; 2],
+    poses: &[[Isometry3<f64>; 2]],
+    run: &Run,
+) -> Result<(), Trouble> {
     let group = run.outcomes.len().div_ceil(CURVE);
-    let curve = |of: fn(&[Outcome]) -> f64| {
+    let curve = |name, of: fn(&[Outcome]) -> f64| {
         let groups = run.outcomes.chunks(group).enumerate();
-        groups.map(|(k, g)| ((k * group) as f64, of(g))).collect::<Vec<_>>()
+        let points = groups.map(|(k, g)| (k * group, of(g))).collect();
+        Curve { name, points }
     };
-    let least = curve(|g| g.iter().map(|o| o.distance).fold(f64::INFINITY, f64::min));
-    let most = curve(|g| g.iter().map(|o| f64::from(o.work.steps)).fold(0.0, f64::max));
-    let distance = Chart::new(format!("{} and {}: distance", name(0), name(1)))
-        .axes("frame", "distance")
-        .from_zero()
-        .line("distance", least);
-    let steps = Chart::new("steps of the walk, tracked")
-        .axes("frame", "steps")
-        .from_zero()
-        .counts()
-        .size(860, 280)
-        .line("steps", most);
-    Ok(save_stack(&[&distance, &steps], &options.out)?)
+    let distance = curve("distance", |g| {
+        g.iter().map(|o| o.distance).fold(f64::INFINITY, f64::min)
+    });
+    let steps = curve("steps of the walk from the last frame's features", |g| {
+        g.iter().map(|o| f64::from(o.work.steps)).fold(0.0, f64::max)
+    });
+    let Some((frame, outcome)) = run.closest() else {
+        return Ok(());
+    };
+    let shown = Shown {
+        bodies,
+        poses: &poses[frame],
+        outcome,
+        title: format!(
+            "frame {frame}: {:.6} apart, between {:.12} and {:.12}",
+            outcome.distance, outcome.lower, outcome.upper
+        ),
+    };
+    picture::draw(&shown, &[distance, steps], &options.out)?;
+    println!("\npicture of frame {frame}: {}", options.out.display());
+    Ok(())
 }

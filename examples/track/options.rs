@@ -3,10 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Parser;
-use race::command::file;
+use truth::command::file;
 
 /// Two meshes tumble past each other. Prints the closest features, the distance with its bounds and the
-/// steps of each frame, and draws distance and steps over time
+/// steps of each frame, and draws the closest frame, and distance and steps over time
 ///
 /// The meshes are taken as their convex hulls. With --poses they are taken as they are, convex or not,
 /// and nothing is drawn.

@@ -7,11 +7,11 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Progress};
 use lin_canny_plan::{Checker, ConfigurationSpace, EdgeKind, FreewayEnd, Plan, PlanOptions, PlanarSpace, World};
-use race::command::{file, number, seconds};
-use race::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use truth::command::{file, number, seconds};
+use truth::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 
 /// An L, 0.9 by 0.5, goes through a door in a wall. Searches a path with the opportunistic planner,
 /// shortens it, and draws freeways (by sweep coordinate), bridges, links and the path in the plane of
@@ -35,7 +35,7 @@ struct Options {
 type Trouble = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 /// Half sides of the room, and of the wall.
@@ -119,7 +119,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
             vec![start.into(), goal.into()]
         }
     };
-    race::command::write(&options.out, &draw(&checker, &walls, &plan, &path))?;
+    truth::command::write(&options.out, &draw(&checker, &walls, &plan, &path))?;
     println!("drawn to {}", options.out.display());
     Ok(())
 }

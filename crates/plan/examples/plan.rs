@@ -36,7 +36,7 @@ struct Options {
     /// The robot and its obstacles
     file: PathBuf,
     /// Where to write the path
-    #[arg(long, value_name = "PATH.csv", default_value = "target/plan.csv", value_parser = race::command::file("csv"))]
+    #[arg(long, value_name = "PATH.csv", default_value = "target/plan.csv", value_parser = truth::command::file("csv"))]
     out: PathBuf,
 }
 
@@ -51,7 +51,7 @@ struct Job {
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    let job = read(&options.file).and_then(|job| race::command::writable(&options.out).map(|()| job));
+    let job = read(&options.file).and_then(|job| truth::command::writable(&options.out).map(|()| job));
     let found = job.map_err(|why| (2, why));
     match found.and_then(|job| run(&job, &options.out).map_err(|why| (1, why))) {
         Ok(true) => ExitCode::SUCCESS,
@@ -64,7 +64,7 @@ fn main() -> ExitCode {
 }
 
 fn read(file: &std::path::Path) -> Result<Job, String> {
-    let text = race::command::read(file)?;
+    let text = truth::command::read(file)?;
     let job = serde_json::from_str(&text)
         .map_err(|e| e.to_string())
         .and_then(|value| job(&value));
@@ -240,7 +240,7 @@ fn run(job: &Job, out: &std::path::Path) -> Result<bool, String> {
         return Ok(false);
     };
     let path = shortened(&mut checker, &found, job.seed).map_err(said)?;
-    race::command::write(out, &rows(&path))?;
+    truth::command::write(out, &rows(&path))?;
     println!("written: {}", out.display());
     Ok(true)
 }

@@ -16,7 +16,7 @@ use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, Start, prism};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
-use race::command::{file, write};
+use truth::command::{file, write};
 
 /// A coin laid flat on a half-space and on a cuboid, of 4 to 128 sides: parry's hulls against ours
 #[derive(Parser)]
@@ -148,5 +148,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }

@@ -20,7 +20,7 @@ use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Pose;
 use lin_canny_rapier::single::{Hull, Simulation};
 use lin_canny_rapier::{Body, Continuous, Effects, FrictionModel, Report, Settings};
-use race::command::{count, file, write};
+use truth::command::{count, file, write};
 use truth::rng::Rng;
 
 type Trouble = Box<dyn std::error::Error>;
@@ -175,5 +175,5 @@ fn run(options: &Options) -> Result<(), Trouble> {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }

@@ -25,8 +25,8 @@ use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
 use lin_canny_rapier::single::{Certified, Hull, MeshShape, certified_world};
-use race::command::{count, file, number, write};
 use race::progress::Progress;
+use truth::command::{count, file, number, write};
 use truth::rng::Rng;
 
 /// 150 small steel parts in a tray: rapier with parry's hulls and contacts, and with ours
@@ -358,5 +358,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }

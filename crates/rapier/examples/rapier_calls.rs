@@ -25,8 +25,8 @@ use lin_canny_rapier::single::rapier::parry::query::{
     PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit, ShapeDistance, ShapeIntersection, Unsupported,
 };
 use lin_canny_rapier::single::rapier::prelude::*;
-use race::command::{count, file, write};
 use race::progress::Progress;
+use truth::command::{count, file, write};
 use truth::rng::Rng;
 
 /// What a call of the contact dispatcher costs, replayed from a pile of hulls in rapier: parry's
@@ -257,5 +257,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }

@@ -19,8 +19,8 @@ use common::{Engine, Scene, Setup, bin, layers, pebble};
 use cpu_time::ThreadTime;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Vector;
-use race::command::{count, file, write};
 use race::progress::Progress;
+use truth::command::{count, file, write};
 use truth::rng::Rng;
 
 /// A pile of hulls in rapier: cost of a step and depth of the overlaps, parry's contacts against ours
@@ -229,5 +229,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }

@@ -16,7 +16,7 @@ use common::picture::{BLUE, Drawn, ORANGE, Picture, View};
 use common::{Engine, Scene, Setup, bin, layers, pebble, prism};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::Vector;
-use race::command::{count, file, write};
+use truth::command::{count, file, write};
 use truth::rng::Rng;
 
 /// Piles in rapier scaled to 1/1000, and millimetre parts in metres: parry's contacts against ours
@@ -219,5 +219,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }

@@ -15,8 +15,8 @@ use cpu_time::ThreadTime;
 use lin_canny_rapier::single::rapier::parry::query::{QueryDispatcher, Ray, RayCast};
 use lin_canny_rapier::single::rapier::prelude::*;
 use lin_canny_rapier::single::{Certified, Hull, MeshShape, certified_world};
-use race::command::{count, file, write};
 use race::progress::Progress;
+use truth::command::{count, file, write};
 use truth::rng::Rng;
 
 /// Small bodies on terrains of triangles in rapier: parry's contacts against ours

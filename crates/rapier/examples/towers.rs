@@ -19,7 +19,7 @@ use lin_canny_rapier::lin_canny_parry::lin_canny::ConvexPolyhedron;
 use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Unit};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
-use race::command::{file, read, write};
+use truth::command::{file, read, write};
 
 /// Towers of ten prisms for 1,000 steps: rapier with parry's contacts and with ours
 #[derive(Parser)]
@@ -217,5 +217,5 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }

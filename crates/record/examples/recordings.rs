@@ -34,7 +34,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 fn run(Options { folder, many }: &Options) -> Result<(), Trouble> {

@@ -8,12 +8,12 @@ use lin_canny::Progress;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
 use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
-use race::command::{file, seconds};
 use race::plot::Chart;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use truth::arm::{Trouble, cell, draw, motion};
+use truth::command::{file, seconds};
 
 /// A six-axis arm takes its gripper from the left bin to the right one
 ///
@@ -36,7 +36,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 /// Times of the built-in motion of `clearance` at which the gripper is in the left and in the right bin.
@@ -104,7 +104,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
         .line("shortened", before)
         .line("widened", after);
     let text = picture(&mut checker, &things, &wide, &chart.svg()?)?;
-    race::command::write(&options.out, &text)?;
+    truth::command::write(&options.out, &text)?;
     println!("drawn to {}", options.out.display());
     Ok(())
 }

@@ -12,10 +12,10 @@ use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, NearPair};
 use lin_canny_robot::{LoadOptions, Packages, Robot, Setup};
-use race::command::{count, file};
 use race::plot::Chart;
 use race::progress::Progress;
 use truth::arm::{Trouble, cell, draw, motion};
+use truth::command::{count, file};
 
 /// An arm moves through a cell: the closest pair per frame, of the arm with the cell and of the arm with
 /// itself
@@ -125,7 +125,7 @@ fn picture(
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 fn run(options: &Options) -> Result<(), Trouble> {
@@ -183,7 +183,7 @@ fn run(options: &Options) -> Result<(), Trouble> {
     tell(frame, &name, &near);
     let caption = format!("{title}, frame {frame}: {:.4}, {name}", near.distance);
     let chart = chart(&closest, &title).svg()?;
-    race::command::write(
+    truth::command::write(
         &options.out,
         &picture(&checker, &joints(frame), &near, caption, &chart)?,
     )?;

@@ -13,7 +13,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{Geometry, ManifoldOptions, Mesh, PairTracker, RelativePose, Shape, Velocity};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    race::command::no_options(
+    truth::command::no_options(
         "Every pair of a hull, a cylinder, a mesh and a surface in both orders: distance, time of impact and contacts",
     );
     let half = 0.5_f64.sqrt();

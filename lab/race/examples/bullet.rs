@@ -14,11 +14,11 @@ use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
-use race::command::{count, file};
 use race::plot::Chart;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use truth::casts::solid;
+use truth::command::{count, file};
 use truth::contacts::plain;
 use truth::parry::casts::{Flight, nonlinear, sweep};
 use truth::parry::{self, ParryPose};
@@ -44,7 +44,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 /// A body for both libraries.

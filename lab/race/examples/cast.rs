@@ -33,11 +33,11 @@ struct Options {
 type Trouble = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    race::command::main(|o: &Options| run(&o.file))
+    truth::command::main(|o: &Options| run(&o.file))
 }
 
 fn run(file: &Path) -> Result<(), String> {
-    let text = race::command::read(file)?;
+    let text = truth::command::read(file)?;
     let mut cases = text
         .lines()
         .enumerate()

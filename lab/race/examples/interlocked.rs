@@ -14,7 +14,7 @@ use lin_canny::{Answer, Mesh, PairTracker, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
-use race::command::{file, write};
+use truth::command::{file, write};
 use truth::pose::{cross, dot, norm, quat, quat_mul, scale, sub, unit, unit_quat};
 use truth::soups::{self, Soup};
 use truth::{Point, Pose};
@@ -39,7 +39,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 fn run(options: &Options) -> Result<(), Trouble> {

@@ -4,7 +4,7 @@ use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker, polyhedron::solids};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    race::command::no_options(
+    truth::command::no_options(
         "A box slides over the rim of a round plate: its contacts frame by frame, with the names they keep",
     );
     let plate = solids::prism(24, 0.2, 1.0)?;

@@ -5,11 +5,11 @@
 
 use clap::Parser;
 use lin_canny::broad::{BodyId, BodyOptions, BroadPhase, Pencil, PencilSweep, StoredBox};
-use race::command::{file, write};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use truth::boxes::{Kind, Scene};
+use truth::command::{file, write};
 
 const SCALE: f32 = 9.0;
 
@@ -22,7 +22,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(|o: &Options| run(&o.out))
+    truth::command::main(|o: &Options| run(&o.out))
 }
 
 fn run(out: &Path) -> Result<(), Box<dyn std::error::Error>> {

@@ -24,12 +24,12 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 fn read(file: Option<&Path>) -> Result<String, String> {
     if let Some(file) = file {
-        return race::command::read(file);
+        return truth::command::read(file);
     }
     if std::io::stdin().is_terminal() {
         return Err("a file is needed, or a text on the standard input".into());

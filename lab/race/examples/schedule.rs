@@ -15,11 +15,11 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::schedule::{Schedule, ticks};
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker, Velocity};
-use race::command::{count, file, number};
 use race::plot::Chart;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use truth::command::{count, file, number};
 use truth::rng::Rng;
 
 type Trouble = Box<dyn std::error::Error>;
@@ -49,7 +49,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 struct Swarm {

@@ -12,8 +12,8 @@ use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query::contact;
 use parry3d::shape;
-use race::command::{count, file};
 use race::plot::Chart;
+use truth::command::{count, file};
 use truth::rng::Rng;
 
 /// Depths of overlapping hulls from 1 m down to 1 mm: how many of parry's f32 answers are wrong by more
@@ -38,7 +38,7 @@ const SIZES: [f64; 10] = [1.0, 0.3, 0.1, 0.05, 0.03, 0.02, 0.01, 0.006, 0.003, 0
 const POSES_PER_PAIR: usize = 25;
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 /// The same hull in both engines.

@@ -7,7 +7,6 @@ use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Report, Scene};
-use race::command::{count, file};
 use race::plot::{Chart, save_stack};
 use race::progress::Progress;
 use std::collections::BTreeSet;
@@ -15,6 +14,7 @@ use std::f64::consts::TAU;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
+use truth::command::{count, file};
 use truth::rng::Rng;
 use truth::shapes::ellipsoid;
 
@@ -48,7 +48,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(walkthrough)
+    truth::command::main(walkthrough)
 }
 
 fn walkthrough(options: &Options) -> Result<(), Trouble> {

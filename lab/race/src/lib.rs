@@ -7,14 +7,11 @@
 //! | [`common`] | what the races here and the race with rapier share |
 //! | [`parry_f32`] | parry in single precision; in double precision it is the reference engine of the package `truth` |
 //! | [`record`], [`accuracy`] | measurements as CSV, and the pictures of what accuracy costs |
-//! | [`plot`], [`svg`] | charts and shapes as SVG |
-//! | [`progress`], [`command`] | progress bars, and the frame of a program with options |
+//! | [`plot`], [`progress`] | charts as SVG, progress bars |
 
 pub mod accuracy;
-pub mod command;
 pub mod common;
 pub mod parry_f32;
 pub mod plot;
 pub mod progress;
 pub mod record;
-pub mod svg;

@@ -268,7 +268,7 @@ fn escaped(text: &str) -> String {
 /// What kept the file from being written, with its name.
 pub fn save_stack(charts: &[&Chart], path: impl AsRef<Path>) -> Result<(), String> {
     let path = path.as_ref();
-    crate::command::write(path, &stack(charts)?)
+    truth::command::write(path, &stack(charts)?)
 }
 
 #[cfg(test)]

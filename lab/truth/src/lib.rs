@@ -29,6 +29,7 @@
 //! | [`corpus`] | the named hard cases of `tests/corpus/` |
 //! | [`parry`] | the reference engine |
 //! | [`meshes`] | OBJ and STL files |
+//! | [`command`], [`svg`] | the frame of a program with options, shapes as SVG: for the examples of all packages |
 //!
 //! Below `exact` and `bound` lie [`body`] (placed bodies), [`rational`] (exact arithmetic) and [`verdict`] (the oracle's
 //! answer); [`pose`] holds the pose and a few vector helpers.
@@ -41,6 +42,7 @@ pub mod brute;
 pub mod brute_hull;
 pub mod casts;
 pub mod cells;
+pub mod command;
 pub mod contacts;
 pub mod corpus;
 pub mod crowd;
@@ -66,6 +68,7 @@ pub mod shapes;
 pub mod soups;
 pub mod suite;
 pub mod support;
+pub mod svg;
 pub mod turned;
 pub mod verdict;
 pub mod workload;

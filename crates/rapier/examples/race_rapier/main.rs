@@ -46,7 +46,7 @@ enum Race {
 }
 
 fn main() -> ExitCode {
-    race::command::main(race)
+    truth::command::main(race)
 }
 
 fn race(Command { race, options }: &Command) -> Result<(), String> {

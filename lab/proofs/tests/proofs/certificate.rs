@@ -1,8 +1,8 @@
 //! The certificate's transcription against the walk and the solver of least distances, bit for bit, on bodies of a few
 //! vertices.
 
-use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::__proofs::{self as library, WalkEnd};
+use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
 use lin_canny::{ConvexPolyhedron, EdgeId, FaceId, Feature, RelativePose, VertexId};
 use proofs::kernels::certificate::{self, Placing};
 use proofs::kernels::double::Twice;

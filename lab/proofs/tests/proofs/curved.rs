@@ -1,8 +1,8 @@
 //! The certificate's transcription against curved pairs and half-spaces, bit for bit.
 
 use super::certificate::{Single, TRIES, bodies, length, pose};
-use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::__proofs as library;
+use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{HalfSpace, RelativePose, Shape};
 use proofs::kernels::certificate::{self, Placing};
 use proofs::kernels::curved;

@@ -20,7 +20,7 @@ use draw::Picture;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
-use race::command::{file, write};
+use truth::command::{file, write};
 
 /// Squares along a side of the sheet, and half its side in metres.
 const SQUARES: usize = 28;
@@ -217,7 +217,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(|o: &Options| run(&o.out))
+    truth::command::main(|o: &Options| run(&o.out))
 }
 
 fn run(out: &Path) -> Result<(), Box<dyn Error>> {

@@ -17,8 +17,8 @@ use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Nurbs, PatchError, Surface, SurfacePart, revolution};
 use lin_canny::{Answer, PairTracker, Question, RelativePose};
-use race::command::{count, file, number};
 use truth::Point;
+use truth::command::{count, file, number};
 use truth::pose::dot;
 
 /// A blade swings about a pot: the front of a frame and the closest points as a picture
@@ -39,7 +39,7 @@ struct Options {
 const VIEW: [Point; 3] = [[0.36, -0.80, 0.48], [0.91, 0.41, 0.0], [-0.20, 0.44, 0.88]];
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 fn pot() -> Result<Surface, PatchError> {
@@ -101,7 +101,7 @@ fn run(options: &Options) -> Result<(), String> {
     let (found, tracker, _) = track(&pot, &blade, &at, options.width);
     let last = poses.len() - 1;
     let svg = picture(&pot, &blade, &tracker, &found, &poses[last]);
-    race::command::write(&options.out, &svg)?;
+    truth::command::write(&options.out, &svg)?;
     println!("drawn: {}", options.out.display());
     Ok(())
 }

@@ -128,7 +128,7 @@ pub(crate) fn all(out: &Path) -> Result<(), String> {
         }
     }
     svg += "</svg>\n";
-    race::command::write(out, &svg)?;
+    truth::command::write(out, &svg)?;
     println!("drawn in {}", out.display());
     Ok(())
 }

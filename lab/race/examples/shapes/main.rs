@@ -22,19 +22,19 @@ struct Options {
     /// Pairs to answer, instead of the table
     file: Option<PathBuf>,
     /// Where to draw the table's pairs
-    #[arg(long, value_name = "FILE.svg", default_value = "target/shapes.svg", value_parser = race::command::file("svg"))]
+    #[arg(long, value_name = "FILE.svg", default_value = "target/shapes.svg", value_parser = truth::command::file("svg"))]
     out: PathBuf,
 }
 
 fn main() -> ExitCode {
-    race::command::main(|o: &Options| match &o.file {
+    truth::command::main(|o: &Options| match &o.file {
         Some(file) => answer(file),
         None => draw::all(&o.out),
     })
 }
 
 fn answer(file: &Path) -> Result<(), String> {
-    let (text, name) = (race::command::read(file)?, file.display());
+    let (text, name) = (truth::command::read(file)?, file.display());
     let is_pair = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with('#');
     let mut pairs = text.lines().enumerate().filter(|(_, l)| is_pair(l)).peekable();
     pairs.peek().ok_or(format!("{name}: no pair"))?;

@@ -268,7 +268,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 fn run(options: &Options) -> Result<(), String> {

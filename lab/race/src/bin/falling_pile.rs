@@ -10,13 +10,13 @@ use clap::Parser;
 use lin_canny::nalgebra::Isometry3;
 use lin_canny::scene::{Body, Change, Effects, Event, Group, Report, Scene};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions};
-use race::command::{count, file};
 use race::plot::{Chart, save_stack};
 use race::progress::Progress;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
+use truth::command::{count, file};
 use truth::crowd::{Crowd, Kind};
 
 type Trouble = Box<dyn std::error::Error>;
@@ -166,7 +166,7 @@ fn fastest(
 }
 
 fn main() -> ExitCode {
-    race::command::main(compare)
+    truth::command::main(compare)
 }
 
 fn compare(o: &Options) -> Result<(), Trouble> {
@@ -177,7 +177,7 @@ fn compare(o: &Options) -> Result<(), Trouble> {
     let runs = fastest(&shapes, &crowd, &motion, if o.quick { 1 } else { 5 })?;
     show(o.bodies, &runs);
     if let Some(file) = &o.csv {
-        race::command::write(file, &table(&runs))?;
+        truth::command::write(file, &table(&runs))?;
     }
     draw(&runs, o.bodies, &o.out)
 }

@@ -213,5 +213,5 @@ fn run(o: &Options) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 fn main() -> std::process::ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }

@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Parser;
-use race::command::{file, write};
 use serde_json::{Value, json};
+use truth::command::{file, write};
 use truth::corpus::{self, Case};
 use truth::{Pose, parry};
 
@@ -37,7 +37,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(run)
+    truth::command::main(run)
 }
 
 fn run(options: &Options) -> Result<(), String> {

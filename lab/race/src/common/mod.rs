@@ -22,7 +22,7 @@ const QUICK: usize = 1000;
 #[derive(Args, Debug)]
 pub struct Options {
     /// One row a result: scene,shape,n,engine,ns
-    #[arg(long, value_name = "FILE.csv", value_parser = crate::command::file("csv"))]
+    #[arg(long, value_name = "FILE.csv", value_parser = truth::command::file("csv"))]
     csv: Option<PathBuf>,
     /// Fewer frames, passes and bodies
     #[arg(long)]
@@ -65,7 +65,7 @@ impl Options {
     /// Writes the file asked for.
     pub fn save(&self, rows: &Rows) -> Result<(), String> {
         let Some(file) = &self.csv else { return Ok(()) };
-        crate::command::write(file, &rows.text)
+        truth::command::write(file, &rows.text)
     }
 }
 

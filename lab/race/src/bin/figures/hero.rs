@@ -8,7 +8,7 @@ use truth::motion::orbit_and_spin;
 use truth::rng::Rng;
 
 use crate::Trouble;
-use race::svg::{BLUE, GREEN, INK, ORANGE, Place, Svg};
+use truth::svg::{BLUE, GREEN, INK, ORANGE, Place, Svg};
 
 /// Frames of the motion on the left; the last one is drawn.
 const FRAMES: usize = 90;

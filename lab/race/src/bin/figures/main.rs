@@ -24,7 +24,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    race::command::main(|o: &Options| run(&o.folder))
+    truth::command::main(|o: &Options| run(&o.folder))
 }
 
 fn run(folder: &Path) -> Result<(), Trouble> {
@@ -40,7 +40,7 @@ fn run(folder: &Path) -> Result<(), Trouble> {
     ];
     pictures.extend(records::pictures(&records)?);
     for (name, text) in pictures {
-        race::command::write(&folder.join(name), &text)?;
+        truth::command::write(&folder.join(name), &text)?;
         println!("{name}: {} bytes", text.len());
     }
     Ok(())

@@ -5,7 +5,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, Feature, Outcome, RelativePose, Tracker};
 
 use crate::Trouble;
-use race::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
+use truth::svg::{BLUE, GREEN, GREY, INK, ORANGE, Place, SKY, Svg};
 
 /// The middle slice of a body, its axis through the page, and a point that asks where it is closest.
 struct Slice {

@@ -7,7 +7,7 @@ use truth::exact::solve;
 use truth::{Class, Pose, shapes};
 
 use crate::Trouble;
-use race::svg::Svg;
+use truth::svg::Svg;
 
 /// Cells along a side of a map.
 const SIDE: usize = 40;

@@ -55,7 +55,7 @@ enum Race {
 }
 
 fn main() -> ExitCode {
-    race::command::main(race)
+    truth::command::main(race)
 }
 
 fn race(Command { race, options, cell }: &Command) -> Result<(), String> {

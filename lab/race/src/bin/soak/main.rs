@@ -27,9 +27,9 @@ use judge::Judge;
 use lin_canny::broad::PencilSweep;
 use lin_canny::scene::Scene;
 use lin_canny::{Accuracy, Class, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
-use race::command::{count, number};
 use race::progress::Progress;
 use tally::Tally;
+use truth::command::{count, number};
 use truth::driven::{lattice, points, scenes, slivers, solids, stand_ins};
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -351,7 +351,7 @@ fn soak(options: &Options) -> (Tally, f64) {
 }
 
 fn main() -> ExitCode {
-    race::command::main(judge_all)
+    truth::command::main(judge_all)
 }
 
 fn judge_all(options: &Options) -> Result<(), String> {
