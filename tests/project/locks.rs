@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// The workspaces beside the core.
-const WORKSPACES: [&str; 4] = ["python", "rerun", "study", "viewer"];
+const WORKSPACES: [&str; 4] = ["crates/python", "crates/rerun", "crates/study", "crates/viewer"];
 
 fn read(name: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
@@ -14,9 +14,11 @@ fn read(name: &str) -> String {
 /// The text of a manifest by the name of its package.
 fn manifests() -> BTreeMap<String, String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folders = std::fs::read_dir(root).expect("the repository is readable");
-    let below = folders.map(|f| f.expect("the repository is readable").file_name());
-    let names = below.filter_map(|name| name.to_str().map(|name| format!("{name}/Cargo.toml")));
+    let below = ["crates", "lab"].into_iter().flat_map(|folder| {
+        let entries = std::fs::read_dir(root.join(folder)).expect("the repository is readable");
+        entries.map(move |e| (folder, e.expect("the repository is readable").file_name()))
+    });
+    let names = below.filter_map(|(folder, name)| Some(format!("{folder}/{}/Cargo.toml", name.to_str()?)));
     let files = names.filter(|name| root.join(name).exists());
     let texts = files.chain(["Cargo.toml".to_owned()]).map(|name| read(&name));
     let named = texts.filter_map(|text| Some((quoted(text.lines().find(|l| l.starts_with("name = "))?)?, text)));
