@@ -1,6 +1,6 @@
 //! What a row costs: a bare loop over `Checker::clearance` that remembers or forgets, and runs of one partition and of two.
 //!
-//! `cargo bench --bench cost -- [--rows N]` in the folder `study`; a line of CSV for each way.
+//! `cargo bench --bench cost -- [--rows N]` in `crates/study`; a line of CSV for each way.
 
 use std::path::Path;
 use std::sync::Arc;
