@@ -264,9 +264,10 @@
 //!
 //! # Reading the source
 //!
-//! `ARCHITECTURE.md` in the repository has the layers, the road of a body and of a pose, the
-//! invariants and a glossary. Start with `walk/mod.rs`: the loop is on one screen; then
-//! `pair/certificate.rs`, the proof, and `solve/ladder.rs`, the solvers behind the walk.
+//! `ARCHITECTURE.md` in the repository has the layers, the data flow from points to a body and
+//! from a pose to an outcome, the invariants and a glossary. Start with `walk/mod.rs`: the loop
+//! is on one screen; then `pair/certificate.rs`, the proof, and `solve/ladder.rs`, the solvers
+//! behind the walk.
 //!
 //! # From the thesis
 //!
@@ -310,7 +311,7 @@
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![cfg_attr(not(feature = "surfaces"), allow(dead_code, unused_imports, unused_macros))]
 #![no_std]
-// Bits that differ by target are refused by `clippy.toml`; tests are free.
+// Bits that differ by target are refused by `.clippy.toml`; tests are free.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 extern crate alloc;
 #[cfg(any(test, feature = "std"))]

@@ -58,12 +58,12 @@
 //! The kernels are transcribed once more in `lab/proofs/src`, over any kind of number. With f64 a
 //! transcription agrees with the crate bit for bit. With polynomials of errors in exact rationals
 //! it yields a bound for all inputs: *proved*, below, beside what the constant, or a part of its
-//! derivation, *allows*. With numbers that carry their own error it is attacked from below: *found*
-//! is the largest error that a search of some seconds meets, far from the bound where many
-//! roundings would have to conspire. All are in roundings of the format: `UNIT`, `UNIT_SINGLE`,
-//! `UNIT_DOUBLE_DOUBLE` for rows in double-double, or the square of `UNIT`. `tests/proofs` compares
-//! all of it with the code; nothing but Rust is needed. Gappa proves roots, quotients and chains of
-//! scalars once more where it is installed (`.ci/proofs`).
+//! derivation, *allows*. With numbers that carry their own error it is attacked from below:
+//! *found* is the largest error that a search of some seconds meets, far from the bound where
+//! many roundings would have to conspire. All are in roundings of the format: `UNIT`,
+//! `UNIT_SINGLE`, `UNIT_DOUBLE_DOUBLE` for rows in double-double, or the square of `UNIT`. The
+//! package `proofs` compares all of it with the code; nothing but Rust is needed. Gappa proves
+//! roots, quotients and chains of scalars once more where it is installed (`.ci/proofs`).
 //!
 //! * **Rows of `CERTIFICATE`** by feature pair, solver or kind of body are whole bounds of a
 //!   distance: displaced bodies and what is computed of them, as a polynomial of both radii and the
