@@ -52,9 +52,9 @@
 //! | Do two bodies share a point? Are they at most `d` apart? | [`Tracker::intersects`], [`within`](Tracker::within) | `bool`, exact; touching counts |
 //! | How far apart, how deep? | [`Tracker::distance`] | [`Distance`]: signed value and bounds |
 //! | Where, and which features? | [`Tracker::closest`] | [`Outcome`]: features, witness points, normal, distance, bounds |
-//! | The same to the last bit? | `Tracker::closest_exact` (feature `exact`) | class exact, distance within one unit in the last place (depths as by `closest`) |
+//! | How far apart, to within one unit in the last place? | `Tracker::closest_exact` (feature `exact`) | state exact, distance within one unit in the last place; depths as by `closest` |
 //! | As fast as possible, without bounds? | [`Tracker::propose`] | [`Proposal`]: features and witness points |
-//! | How deep at most, at about three times the price of a walk? | [`Tracker::closest_with_local_depth`] | as `closest`; of an overlap an upper bound of the depth, proven, often the depth itself |
+//! | How deep at most, at about three times the time of a distance? | [`Tracker::closest_with_local_depth`] | as `closest`; for an overlap a proven upper bound of the depth, often the depth itself |
 //! | Which points hold two bodies apart? | [`Tracker::manifold`] | [`Manifold`]: contact points with names that last over frames |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`]: derivative of the signed distance by either pose |
 //! | When do they meet? | [`impact::cast`], [`cast_within`](impact::cast_within) | a proven bracket, or a proven miss |
@@ -64,7 +64,7 @@
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
 //! | The same of any two geometries: curved and rounded `Shape`s, `Composite`s, `Mesh`es, `patch::Surface`s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
 //! | Which points hold any two solids apart, how deep are they? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`PatchContacts`]: points by direction, with names that last; [`PenetrationBounds`]: an interval |
-//! | Many bodies: who overlaps, is near, meets when; the closest pair of two groups? | [`scene::Scene`] | events, impacts and answers for the effects called for |
+//! | Many bodies: who overlaps, is near, meets when; the closest pair of two groups? | [`scene::Scene`] | events, impacts and answers for the queries that are enabled |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Is a motion of a robot free over its whole length, is there a path? | `Checker` of the crate `lin-canny-plan` | proven free, or the time and the pair that collide; a path |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
@@ -166,39 +166,7 @@
 //!
 //! ## Bodies and poses of parry and rapier
 //!
-//! parry and rapier use `glam`, rapier mostly in `f32`; numbers cross as arrays. A rotation from
-//! `f32` has to be normalised in `f64`.
-//!
-//! ```
-//! use lin_canny::nalgebra::{Isometry3, Point3, Translation3};
-//! use lin_canny::nalgebra::{Quaternion, UnitQuaternion};
-//! use lin_canny::{BuildError, ConvexPolyhedron, RelativePose, Tracker};
-//! // `rapier3d::parry` and `rapier3d::math` are the same.
-//! use parry3d::{math::{Pose, Vector}, shape};
-//!
-//! /// The hull of vertices: of `Cuboid::to_trimesh`, `TriMesh::vertices`.
-//! fn body(points: &[Vector]) -> Result<ConvexPolyhedron, BuildError> {
-//!     let wide = |p: &Vector| Point3::from(p.to_array().map(f64::from));
-//!     ConvexPolyhedron::from_points(&points.iter().map(wide).collect::<Vec<_>>())
-//! }
-//!
-//! fn pose(pose: &Pose) -> Isometry3<f64> {
-//!     let [i, j, k, w] = pose.rotation.to_array().map(f64::from);
-//!     let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
-//!     let translation = pose.translation.to_array().map(f64::from);
-//!     Isometry3::from_parts(Translation3::from(translation), rotation)
-//! }
-//!
-//! let a = body(&shape::Cuboid::new(Vector::new(1.0, 2.0, 3.0)).to_trimesh().0)?;
-//! let ball = shape::Ball::new(0.5).to_trimesh(8, 8).0;
-//! let ball = shape::ConvexPolyhedron::from_convex_hull(&ball).unwrap();
-//! let b = body(ball.points())?;
-//! let (pose_a, pose_b) = (Pose::identity(), Pose::translation(4.0, 0.1, 0.0));
-//! let a_from_b = RelativePose::new(&pose(&pose_a), &pose(&pose_b))?;
-//! let c = Tracker::new().closest(&a, &b, &a_from_b);
-//! assert!((c.distance - 2.5).abs() < 0.1);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
+//! The documentation of the crate `lin-canny-parry` has the lines that convert both.
 //!
 //! ## Parts that are not convex
 //!

@@ -53,6 +53,42 @@
 //!   dropped pair leaves nothing behind. Only bodies made of cuboids, balls, capsules, triangles and
 //!   plain polyhedra are remembered, by their points: those in use, and some thousands that are not.
 //!
+//! # Bodies and poses without the dispatcher
+//!
+//! To call [`lin_canny`] itself on what stands in a world of parry or rapier: both use `glam`, rapier
+//! mostly in `f32`, so numbers cross as arrays, and a rotation from `f32` has to be normalised in `f64`.
+//!
+//! ```
+//! use lin_canny::nalgebra::{Isometry3, Point3, Translation3};
+//! use lin_canny::nalgebra::{Quaternion, UnitQuaternion};
+//! use lin_canny::{BuildError, ConvexPolyhedron, RelativePose, Tracker};
+//! // `rapier3d::parry` and `rapier3d::math` are the same.
+//! use lin_canny_parry::single::parry::{math::{Pose, Vector}, shape};
+//!
+//! /// The hull of vertices: of `Cuboid::to_trimesh`, `TriMesh::vertices`.
+//! fn body(points: &[Vector]) -> Result<ConvexPolyhedron, BuildError> {
+//!     let wide = |p: &Vector| Point3::from(p.to_array().map(f64::from));
+//!     ConvexPolyhedron::from_points(&points.iter().map(wide).collect::<Vec<_>>())
+//! }
+//!
+//! fn pose(pose: &Pose) -> Isometry3<f64> {
+//!     let [i, j, k, w] = pose.rotation.to_array().map(f64::from);
+//!     let rotation = UnitQuaternion::new_normalize(Quaternion::new(w, i, j, k));
+//!     let translation = pose.translation.to_array().map(f64::from);
+//!     Isometry3::from_parts(Translation3::from(translation), rotation)
+//! }
+//!
+//! let a = body(&shape::Cuboid::new(Vector::new(1.0, 2.0, 3.0)).to_trimesh().0)?;
+//! let ball = shape::Ball::new(0.5).to_trimesh(8, 8).0;
+//! let ball = shape::ConvexPolyhedron::from_convex_hull(&ball).unwrap();
+//! let b = body(ball.points())?;
+//! let (pose_a, pose_b) = (Pose::identity(), Pose::translation(4.0, 0.1, 0.0));
+//! let a_from_b = RelativePose::new(&pose(&pose_a), &pose(&pose_b))?;
+//! let c = Tracker::new().closest(&a, &b, &a_from_b);
+//! assert!((c.distance - 2.5).abs() < 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # Which pairs are answered by whom
 //!
 //! | pair | distance, contact, test, closest points | manifold |
