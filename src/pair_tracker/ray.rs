@@ -156,7 +156,8 @@ pub struct RayHit {
 /// * Mesh, closed or open: the answer is proven for the ray to the bit (feature `exact`), so it is
 ///   never [`RayCast::Near`]; the bracket is at most `2e-12 L` wide.
 /// * Polyhedron: the same (features `exact` and `meshes`) if its faces are flat to the last bit, as
-///   those of hulls are; the bracket is about `1e-12 L` wide.
+///   those of hulls are; the bracket is about `1e-12 L` wide. An origin a hair outside any
+///   polyhedron is not [`RayCast::Inside`] (feature `exact`).
 /// * Curved shape, composite: proven for a point that moves along the ray, placed up to rounding;
 ///   about `1e-12 L` head on.
 /// * Surface of patches: [`RayCast::Near`] where the ray meets it, because a point proves no
@@ -258,6 +259,7 @@ impl RayCaster {
                 }
             }
         };
+        let found = self.with_origin(found, body, pose, ray);
         #[cfg(feature = "meshes")]
         if let Some(hull) = body.polyhedron()
             && let Some(met) = super::ray_hull::proven(hull, pose, ray, ((from, until), (length, width)), &found)
@@ -275,6 +277,21 @@ impl RayCaster {
             return Ok(super::ray_mesh::entered(mesh, pose, ray, (hit.safe, hit.hit)));
         }
         Ok(found)
+    }
+
+    /// Returns what a cast found with the place of the origin by the predicate, if the body is a
+    /// polyhedron: a motion places the body up to rounding, and bounds of a point next to the body
+    /// may hold zero.
+    fn with_origin(&mut self, found: RayCast, body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray) -> RayCast {
+        let is_near = found.safe().is_some_and(|safe| safe <= 0.0) && body.polyhedron().is_some();
+        let (Some(point), Some(at), true) = (&self.point, placed(pose, &ray.origin), is_near) else {
+            return found;
+        };
+        match (self.tracker.intersects(body, point, &at).known(), found) {
+            (Some(true), _) => RayCast::Inside,
+            (Some(false), RayCast::Inside) => RayCast::Near { safe: 0.0 },
+            _ => found,
+        }
     }
 
     /// Returns the body's point closest to a point in the world.

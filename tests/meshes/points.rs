@@ -7,6 +7,7 @@ use lin_canny::{
     Class, Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
 };
 use truth::driven::points::{self, Mix};
+use truth::rng::Rng;
 
 fn cube(size: f64) -> Geometry {
     let hull = solids::cuboid(Vector3::repeat(size)).expect("a cube");
@@ -151,6 +152,43 @@ fn a_ray_in_the_plane_of_a_face_meets_the_edge_in_front() {
     }
 }
 
+/// A solid both as a hull and as a mesh, whose rays are decided by other code.
+#[test]
+fn an_origin_next_to_a_face_of_a_hull_is_on_its_side_of_it() {
+    let mut rng = Rng::new(71);
+    let mut counts = [0; 3];
+    let cube = solids::cuboid(Vector3::new(1.0, 0.5, 2.0)).expect("a cuboid");
+    let two = [
+        Geometry::from(Mesh::from_convex(&cube).expect("a mesh")),
+        Geometry::from(cube),
+    ];
+    for k in 0..3000 {
+        let turn = if k % 4 == 0 { [0.0, 0.0, 0.0, 1.0] } else { rng.quat() };
+        let t = if k % 3 == 0 {
+            [0.0; 3]
+        } else {
+            rng.in_ball().map(|x| 10.0 * x)
+        };
+        let at = truth::Pose { q: turn, t };
+        let height = [0.0, rng.log_range(1e-17, 1e-14), -rng.log_range(1e-17, 1e-14)][k % 3];
+        let [x, y] = [rng.range(-1.0, 1.0), rng.range(-0.5, 0.5)];
+        let origin = Point3::from(at.apply([x, y, 2.0 + height]));
+        let ray = Ray::new(origin, Vector3::from(rng.unit())).expect("a ray");
+        let found = two.each_ref().map(|body| {
+            let found = RayCaster::new().cast(body, &at.isometry(), &ray, f64::INFINITY);
+            match found.expect("a cast") {
+                RayCast::Miss => 0,
+                RayCast::Hit(_) => 1,
+                RayCast::Inside => 2,
+                other => panic!("{k}: {other:?}"),
+            }
+        });
+        assert_eq!(found[0], found[1], "{k}: {ray:?} {at:?}");
+        counts[found[0]] += 1;
+    }
+    assert!(counts.iter().all(|n| *n > 100), "{counts:?}");
+}
+
 fn play(count: u64) -> Mix {
     let mut mix = Mix::default();
     for seed in 0..count {
@@ -177,6 +215,12 @@ fn is_mixed(mix: &Mix, least: u64) -> bool {
 fn random_points_and_rays_next_to_meshes_are_decided() {
     let mix = play(170);
     assert!(is_mixed(&mix, 20), "{mix:?}");
+}
+
+/// The bounds of an origin a hair outside a hull hold zero.
+#[test]
+fn a_ray_that_begins_a_hair_outside_a_hull_misses() {
+    points::play(5779).expect("an answer that is right");
 }
 
 #[test]

@@ -318,6 +318,12 @@ fn pieces_of_every_measure_are_those_of_the_body() {
     check(&played(1000), 1);
 }
 
+/// Needles of which one is placed, nearer than the rounding of the pose of the piece, which puts one into the other.
+#[test]
+fn needles_nearer_than_the_rounding_of_their_poses_keep_their_distance() {
+    stand_ins::play(14_877).expect("bounds that hold the distance");
+}
+
 #[test]
 #[ignore = "minutes: cargo test --release -p lin-canny --all-features --test meshes stand_ins -- --ignored"]
 fn pieces_of_every_measure_are_those_of_the_body_in_many_pairs() {

@@ -39,12 +39,13 @@ use crate::composite::tree::height::height;
 /// coordinates, at most `reach` wide to each side; `None` if none is found.
 pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shape> {
     let mut reach = reach.smaller(2.0 * mesh.half_size() / mesh.unit());
-    let planes = (0..CELL_HALVINGS).find_map(|_| {
+    let (planes, margin) = (0..CELL_HALVINGS).find_map(|_| {
         let cut = CellCut::new(mesh, place, reach).run();
         reach *= 0.5;
         cut
     })?;
-    let body = ConvexPolyhedron::from_points(&corners(mesh, place, &planes)?).ok()?;
+    let all = corners(mesh, place, (&planes, margin))?;
+    let body = ConvexPolyhedron::from_points(&all).ok()?;
     let stored = |p: Point3<f64>| p.coords / mesh.unit();
     let is_in = |p: &Vector3<f64>| planes.iter().all(|plane| plane.n.dot(p) <= plane.level);
     let is_free = body.vertex_points().map(stored).all(|p| is_in(&p));
@@ -58,6 +59,13 @@ pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shap
 struct CellPlane {
     n: Vector3<f64>,
     level: f64,
+}
+
+impl CellPlane {
+    /// Returns how far a point is below the plane, less the rounding of a corner of the cell.
+    fn room(&self, place: &Vector3<f64>, margin: f64) -> f64 {
+        self.level - margin - self.n.dot(place)
+    }
 }
 
 /// A number of a node or a triangle, and whether it is that of a triangle; ranked by a lower bound
@@ -95,8 +103,8 @@ impl<'a> CellCut<'a> {
         }
     }
 
-    /// Returns the planes; `None` if there are too many, or a triangle is too near.
-    fn run(mut self) -> Option<Vec<CellPlane>> {
+    /// Returns the planes and the margin; `None` if there are too many, or a triangle is too near.
+    fn run(mut self) -> Option<(Vec<CellPlane>, f64)> {
         self.add(false, 0);
         while let Some(open) = self.open.pop() {
             let (number, is_triangle) = open.key;
@@ -109,7 +117,7 @@ impl<'a> CellCut<'a> {
                 Below::Leaf(first, count) => (first..first + count).for_each(|t| self.add(true, t)),
             }
         }
-        Some(self.planes)
+        Some((self.planes, self.margin))
     }
 
     /// Adds a node or a triangle if it is not beyond a plane.
@@ -153,18 +161,19 @@ impl<'a> CellCut<'a> {
             (foot - self.place) / distance
         };
         let level = lowest(&n) - 2.0 * self.margin;
-        if !(n.dot(self.place) < level) || self.planes.len() == CELL_PLANES {
+        let plane = CellPlane { n, level };
+        if !(plane.room(self.place, self.margin) > 0.0) || self.planes.len() == CELL_PLANES {
             return None;
         }
-        self.planes.push(CellPlane { n, level });
+        self.planes.push(plane);
         Some(())
     }
 }
 
 /// Returns the corners of the part below all planes, in the caller's unit: the polar of the hull of
 /// the planes' poles.
-fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[CellPlane]) -> Option<Vec<Point3<f64>>> {
-    let room = |plane: &CellPlane| plane.level - plane.n.dot(place);
+fn corners(mesh: &Mesh, place: &Vector3<f64>, (planes, margin): (&[CellPlane], f64)) -> Option<Vec<Point3<f64>>> {
+    let room = |plane: &CellPlane| plane.room(place, margin);
     let poles: Vec<_> = planes.iter().map(|p| Point3::from(p.n / room(p))).collect();
     let polar = ConvexPolyhedron::from_points(&poles).ok()?;
     let corner = |(n, offset): (nalgebra::Unit<Vector3<f64>>, f64)| (offset > 0.0).then(|| n.into_inner() / offset);

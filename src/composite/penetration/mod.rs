@@ -144,6 +144,8 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     fn pushed(&mut self, first: (f64, Vector3<f64>)) -> Option<Vector3<f64>> {
         let mut shift = first.1;
         for _ in 0..PUSHES {
+            // Bodies that touch would be pushed on, in a slot into the other side.
+            shift = self.longer(&shift);
             if self.parts(&shift) {
                 return Some(shift);
             }

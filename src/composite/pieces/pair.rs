@@ -113,8 +113,9 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
             } else {
                 (o.lower * unit - error).at_least(0.0)
             },
+            // An overlap no deeper than rounding may be a gap.
             upper: if meets {
-                0.0
+                (o.upper * unit + error).at_least(0.0)
             } else {
                 (o.upper * unit).larger(distance) + error
             },
