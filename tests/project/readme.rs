@@ -58,10 +58,7 @@ fn commands_of_the_readme_exist() {
                 let folder = root.join(package).join(folder);
                 folder.join(format!("{name}.rs")).exists() || folder.join(&name).join("main.rs").exists()
             };
-            assert!(
-                name == "NAME" || PACKAGES.into_iter().any(is_there),
-                "{flag}{name}"
-            );
+            assert!(name == "NAME" || PACKAGES.into_iter().any(is_there), "{flag}{name}");
             seen += 1;
         }
     }
