@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::mixed::MixedTracker;
 use super::over::{Kinds, OverTime};
-use super::pair::{Asked, BallPair, measured};
+use super::pair::{Asked, BallPair};
 #[cfg(feature = "meshes")]
 use super::tracked::AnyKinds;
 use super::work::PairWork;
@@ -22,7 +22,7 @@ use crate::pair::outcome::{Accuracy, Decision, Outcome, Until};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::pair_tracker::geometry::{Geometry, GeometryRef, Lent};
-use crate::time::separation::{Measure, PolyhedronPair, Separation};
+use crate::time::separation::{Measure, PolyhedronPair, Separation, ShapePair};
 
 /// What a contact stage starts from: the last outcome, the options, and the patches of bodies that
 /// are not convex.
@@ -250,7 +250,7 @@ impl AnyTracker {
         if let Self::Mixed(tracker) = self
             && let Some((tracker, [a, b])) = tracker.convex(bodies)
         {
-            return Answer::of_convex(measured(tracker, (a, b), pose, question.until));
+            return ShapePair::new(a, b, tracker).ask(pose, question);
         }
         self.over(bodies).answer(pose, question)
     }
@@ -267,7 +267,7 @@ impl AnyTracker {
         if let Self::Mixed(tracker) = self
             && let Some((tracker, [a, b])) = tracker.convex(bodies)
         {
-            return Decision::of(tracker.within(a, b, pose, d));
+            return ShapePair::new(a, b, tracker).ask_within(pose, d, question);
         }
         self.over(bodies).within(pose, d, question)
     }

@@ -12,7 +12,7 @@ use nalgebra::{Point3, Vector3};
 use super::contacts::FoundContacts;
 use super::engine::{BodyShapes, ContactAsk, Contacted, PairEngine};
 use super::over::{Kinds, OverTime};
-use super::pair::{Asked, BallPair, measured};
+use super::pair::{Asked, BallPair};
 use super::tracked::{AnyKinds, PairOfKinds, Tracked};
 use super::work::PairWork;
 use crate::base::pose::{Operand, RelativePose};
@@ -128,7 +128,7 @@ impl MixedTracker {
             // Made once for all questions, as both balls are computed.
             let tracked = (tracker as &mut dyn Any).downcast_mut::<TrackedShapes>();
             match tracked.and_then(|tracked| tracked.pair(bodies)) {
-                Some(pair) => Kinds::Convex(pair),
+                Some(pair) => Kinds::Convex(pair.with_balls()),
                 None => Kinds::Balls(BallPair::new(bodies)),
             }
         } else {
@@ -200,7 +200,9 @@ impl PairEngine for MixedTracker {
 
     fn measure(&mut self, bodies: Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
         if let Some((tracker, [x, y])) = self.convex(bodies) {
-            return measured(tracker, (x, y), pose, until);
+            return ShapePair::new(x, y, tracker)
+                .ask(pose, &Question::new().until(until))
+                .outcome;
         }
         let answer = self.over(bodies).answer(pose, &Question::new());
         self.parts = answer.parts();

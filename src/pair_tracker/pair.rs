@@ -9,14 +9,14 @@ use super::engine::BodyShapes;
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::FeaturePair;
+#[cfg(feature = "meshes")]
 use crate::body::shape::Shape;
 #[cfg(feature = "meshes")]
 use crate::composite::penetration::PenetrationBounds;
 #[cfg(feature = "meshes")]
 use crate::composite::pieces::{Composite, CompositeTracker};
-use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::answer::far;
-use crate::pair::outcome::{Class, Decision, Outcome, Until};
+use crate::pair::outcome::{Class, Decision, Outcome};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair};
@@ -46,65 +46,24 @@ pub(super) trait Asked: Separation {
     }
 }
 
-/// Returns the answer with an overlap of unknown depth.
-pub(super) fn without_depth(outcome: Outcome) -> Outcome {
-    if outcome.class == Class::Overlapping {
-        let (distance, lower, upper) = (0.0, f64::NEG_INFINITY, 0.0);
-        Outcome {
-            distance,
-            lower,
-            upper,
-            ..outcome
-        }
-    } else {
-        outcome
-    }
-}
-
-/// Returns the closest points of two shapes, of an overlap with what is asked for. Without the
-/// depth of their cores rounded ones could not be told from those that touch.
-#[inline]
-pub(super) fn measured(
-    tracker: &mut ShapeTracker,
-    (a, b): (&Shape, &Shape),
-    pose: &RelativePose,
-    until: Until,
-) -> Outcome {
-    match until {
-        Until::Class => without_depth(tracker.measure(a, b, pose, Until::Depth)),
-        Until::LocalDepth | Until::Depth => tracker.measure(a, b, pose, until),
-    }
-}
-
-/// Returns the answer of geometries whose depth is not searched.
-#[cfg(feature = "meshes")]
-pub(super) fn of_sets(answer: Answer) -> Answer {
-    Answer {
-        outcome: without_depth(answer.outcome),
-        ..answer
-    }
-}
-
 impl Asked for PolyhedronPair<'_> {
     fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
-        let (a, b, tracker) = self.asked();
-        Answer::of_convex(tracker.measure(a, b, pose, question.until))
+        self.ask(pose, question)
     }
 
-    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
-        let (a, b, tracker) = self.asked();
-        Decision::of(tracker.within(a, b, pose, d))
+    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.ask_within(pose, d, question)
     }
 
     #[cfg(feature = "meshes")]
     fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
-        let (a, b, _) = self.asked();
+        let (a, b, _) = self.sides();
         let [a, b] = [a, b].map(|body| Composite::from(Shape::from(body.clone())));
         CompositeTracker::new().penetration(&a, &b, pose)
     }
 
     fn check(&mut self, _: &RelativePose) -> Result<(), String> {
-        self.checked()
+        self.sides().2.check()
     }
 }
 
@@ -184,18 +143,16 @@ impl Asked for BallPair {
 
 impl Asked for ShapePair<'_> {
     fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
-        let (a, b, tracker) = self.asked();
-        Answer::of_convex(measured(tracker, (a, b), pose, question.until))
+        self.ask(pose, question)
     }
 
-    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
-        let (a, b, tracker) = self.asked();
-        Decision::of(tracker.within(a, b, pose, d))
+    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.ask_within(pose, d, question)
     }
 
     #[cfg(feature = "meshes")]
     fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
-        let (a, b, _) = self.asked();
+        let (a, b, _) = self.sides();
         let [a, b] = [a, b].map(|shape| Composite::from(shape.clone()));
         CompositeTracker::new().penetration(&a, &b, pose)
     }

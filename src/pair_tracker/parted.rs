@@ -9,7 +9,7 @@ use nalgebra::Point3;
 use super::engine::BodyShapes;
 #[cfg(feature = "serde")]
 use super::mixed::StoredTracker;
-use super::pair::{Asked, of_sets};
+use super::pair::Asked;
 use super::tracked::{AnyKinds, PairOfKinds, Tracked, counters};
 use super::work::PairWork;
 use crate::base::pose::{Operand, RelativePose};
@@ -108,12 +108,12 @@ impl PairOfKinds for TrackedMeshes {
 }
 
 impl Asked for CompositePair<'_> {
-    fn answer(&mut self, pose: &RelativePose, _: &Question) -> Answer {
-        of_sets(self.tracker.closest(&self.a, &self.b, pose))
+    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        self.ask(pose, question)
     }
 
-    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
-        Decision::of(self.tracker.within(&self.a, &self.b, pose, d))
+    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.ask_within(pose, d, question)
     }
 
     fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
@@ -126,12 +126,12 @@ impl Asked for CompositePair<'_> {
 }
 
 impl Asked for MeshPair<'_> {
-    fn answer(&mut self, pose: &RelativePose, _: &Question) -> Answer {
-        of_sets(self.tracker.closest(self.a, self.b, pose))
+    fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        self.ask(pose, question)
     }
 
-    fn within(&mut self, pose: &RelativePose, d: f64, _: &Question) -> Decision {
-        Decision::of(self.tracker.within(self.a, self.b, pose, d))
+    fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.ask_within(pose, d, question)
     }
 
     fn lower_bound(&mut self, pose: &RelativePose) -> f64 {

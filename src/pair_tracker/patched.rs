@@ -8,12 +8,11 @@ use nalgebra::Point3;
 use super::engine::BodyShapes;
 #[cfg(feature = "serde")]
 use super::mixed::StoredTracker;
-use super::pair::{Asked, of_sets};
+use super::pair::Asked;
 use super::tracked::{AnyKinds, PairOfKinds, Tracked, counters};
 use super::work::PairWork;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};
-use crate::base::tuning::patch::SCENE_WIDTH;
 use crate::body::shape::Shape;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
@@ -25,7 +24,6 @@ use crate::pair_tracker::geometry::{GeometryRef, Lent};
 use crate::patch::{
     BesideSurface, Surface, SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair, SurfaceTracker,
 };
-use crate::time::separation::Separation;
 
 /// The surface that stands for a mesh, and the fingerprint of the mesh with its vertices then.
 type MadeSurface = (Fingerprint, Arc<Surface>);
@@ -182,36 +180,22 @@ impl PairOfKinds for TrackedSurfaceAndPieces {
     counters!(of_surfaces, Patches);
 }
 
-/// Returns the width of the bounds that is asked for.
-fn width(pair: &impl Separation, question: &Question) -> f64 {
-    let radius = |of| pair.ball(of).1;
-    question
-        .width
-        .unwrap_or_else(|| SCENE_WIDTH * (radius(Operand::A) + radius(Operand::B)))
-}
-
 impl Asked for SurfacePair<'_> {
     fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
-        let width = width(self, question);
-        self.tracker.allow(question.splits);
-        of_sets(self.closest(pose, width))
+        self.ask(pose, question)
     }
 
     fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        self.tracker.allow(question.splits);
-        self.is_within(pose, d)
+        self.ask_within(pose, d, question)
     }
 }
 
 impl<T: BesideSurface> Asked for SurfaceSolidPair<'_, T> {
     fn answer(&mut self, pose: &RelativePose, question: &Question) -> Answer {
-        let width = width(self, question);
-        self.allow(question.splits);
-        of_sets(self.closest(pose, width))
+        self.ask(pose, question)
     }
 
     fn within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        self.allow(question.splits);
-        self.is_within(pose, d)
+        self.ask_within(pose, d, question)
     }
 }
