@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         print!("y = {y:.1}: {frames} of 3 frames see an overlap; ");
         match found.impact {
             Impact::Hit { safe, hit, .. } => println!("free until {safe:.12} s, in contact at {hit:.12} s"),
-            Impact::Miss { .. } => println!("proven free over the whole time"),
+            Impact::Miss => println!("proven free over the whole time"),
             other => println!("{other:?}"),
         }
         println!("         {} queries", found.queries);

@@ -18,6 +18,9 @@ use crate::composite::mesh::Mesh;
 use crate::composite::mesh::tracker::MeshTracker;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::CompositeTracker;
+use crate::pair::outcome::Decision;
+use crate::pair::question::Question;
+use crate::pair::spot::Answer;
 use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
 
 /// Two composites, or a composite and a mesh, that can be measured over time.
@@ -34,6 +37,30 @@ pub(crate) struct MeshPair<'a> {
     pub(crate) a: &'a Mesh,
     pub(crate) b: &'a Mesh,
     pub(crate) tracker: &'a mut MeshTracker,
+}
+
+impl CompositePair<'_> {
+    /// Returns the closest points.
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> Answer {
+        self.tracker.closest(&self.a, &self.b, a_from_b).without_depth()
+    }
+
+    /// Returns whether the bodies are at most `d` apart.
+    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+        Decision::of(self.tracker.within(&self.a, &self.b, a_from_b, d))
+    }
+}
+
+impl MeshPair<'_> {
+    /// Returns the closest points.
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> Answer {
+        self.tracker.closest(self.a, self.b, a_from_b).without_depth()
+    }
+
+    /// Returns whether the meshes are at most `d` apart.
+    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+        Decision::of(self.tracker.within(self.a, self.b, a_from_b, d))
+    }
 }
 
 /// Returns the ball about a bounding box that is right up to rounding.

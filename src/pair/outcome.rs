@@ -294,6 +294,21 @@ impl Outcome {
             work: Work::default(),
         }
     }
+
+    /// Returns the outcome with an overlap of unknown depth.
+    pub(crate) fn without_depth(self) -> Self {
+        if self.class == Class::Overlapping {
+            let (distance, lower, upper) = (0.0, f64::NEG_INFINITY, 0.0);
+            Self {
+                distance,
+                lower,
+                upper,
+                ..self
+            }
+        } else {
+            self
+        }
+    }
 }
 
 /// Closest features proposed by the walk, without bounds: for callers who verify the answer

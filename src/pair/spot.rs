@@ -109,6 +109,16 @@ impl Answer {
         }
     }
 
+    /// Returns the answer with an overlap of unknown depth: of geometries whose depth is not
+    /// searched.
+    #[cfg(feature = "meshes")]
+    pub(crate) fn without_depth(self) -> Self {
+        Self {
+            outcome: self.outcome.without_depth(),
+            ..self
+        }
+    }
+
     /// Returns the numbers of the closest parts.
     pub(crate) fn parts(&self) -> [u32; 2] {
         self.on.map(|spot| spot.part)

@@ -1,36 +1,47 @@
-//! Contacts of two geometries of any kinds.
+//! Contacts of two geometries of any kinds, and bounds of the depth of two solids.
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-use super::engine::BodyShapes;
+use super::lent_pair::LentPair;
 use super::manifold::{PairError, refused};
-use super::pair::Asked;
 use super::tracker::{Followed, PairTracker};
 use crate::base::pose::RelativePose;
+use crate::body::shape::Shape;
 use crate::composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
 use crate::composite::penetration::PenetrationBounds;
+use crate::composite::pieces::{Composite, CompositeTracker};
 use crate::convex::contact::{Manifold, ManifoldOptions};
 use crate::pair_tracker::geometry::{GeometryRef, Lent};
 
+/// The contacts of a pair.
+#[derive(Clone, Debug)]
+pub(super) enum PairContacts {
+    /// Two convex bodies.
+    Convex(Box<ConvexContacts>),
+    /// A composite or a mesh, and any other body.
+    Patches(Box<PatchwiseContacts>),
+}
+
 /// The contacts of a pair with a composite or a mesh.
 #[derive(Clone, Debug, Default)]
-pub(super) struct FoundContacts {
+pub(crate) struct PatchwiseContacts {
     tracker: ContactTracker,
     /// The patches of bodies for which the caller has none.
     stand_ins: [Option<ContactPatches>; 2],
 }
 
-impl FoundContacts {
+impl PatchwiseContacts {
     /// Returns the contacts of two bodies at a pose; `None` if one of both can have none. The
     /// patches of bodies without are made here, once, and again for a mesh that has bent.
-    pub(super) fn find(
+    pub(crate) fn find(
         &mut self,
-        bodies: BodyShapes<'_>,
+        bodies: [GeometryRef<'_>; 2],
         patches: [Option<&ContactPatches>; 2],
         pose: &RelativePose,
         options: &ManifoldOptions,
     ) -> Option<&[PatchContacts]> {
-        for (k, own) in [bodies.0, bodies.1].into_iter().enumerate() {
+        for (k, own) in bodies.into_iter().enumerate() {
             let is_known = |known: &ContactPatches| own.mesh().is_none_or(|mesh| known.are_of(mesh));
             if patches[k].is_none() && !self.stand_ins[k].as_ref().is_some_and(is_known) {
                 self.stand_ins[k] = patches_of(own);
@@ -41,7 +52,7 @@ impl FoundContacts {
         Some(self.tracker.contacts(x, y, pose, options))
     }
 
-    pub(super) fn found(&self) -> &[PatchContacts] {
+    pub(crate) fn found(&self) -> &[PatchContacts] {
         self.tracker.found()
     }
 }
@@ -61,13 +72,13 @@ pub(crate) fn patches_of(own: GeometryRef) -> Option<ContactPatches> {
 /// each.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConvexContacts {
-    pub(super) manifold: Manifold,
+    manifold: Manifold,
     found: Vec<PatchContacts>,
 }
 
 impl ConvexContacts {
     /// Returns the points of the manifold.
-    pub(super) fn found(&mut self) -> &[PatchContacts] {
+    fn found(&mut self) -> &[PatchContacts] {
         let normal = self.manifold.normal();
         let contact = |point: &_| PatchContact {
             patches: [0; 2],
@@ -124,17 +135,25 @@ impl PairTracker {
         a_from_b: &RelativePose,
         options: &ManifoldOptions,
     ) -> Result<&[PatchContacts], PairError> {
-        let (a, b) = (a.into(), b.into());
-        let followed = self.of(a, b);
-        let Followed { tracker, contacts, .. } = followed;
-        if contacts.is_some() || tracker.is_convex() {
-            let convex = contacts.get_or_insert_default();
-            tracker.manifold((a, b), a_from_b, options, &mut convex.manifold);
-            return Ok(convex.found());
+        let [a, b] = [a.into(), b.into()];
+        let Followed { engine, contacts, .. } = self.follow([a, b]);
+        let new = || {
+            if a.kind().is_convex() && b.kind().is_convex() {
+                PairContacts::Convex(Box::default())
+            } else {
+                PairContacts::Patches(Box::default())
+            }
+        };
+        match contacts.get_or_insert_with(new) {
+            PairContacts::Convex(convex) => {
+                engine.lend([a, b]).manifold(a_from_b, options, &mut convex.manifold);
+                Ok(convex.found())
+            }
+            PairContacts::Patches(kept) => {
+                let found = kept.find([a, b], [None; 2], a_from_b, options);
+                found.ok_or_else(|| refused([a, b], "contacts"))
+            }
         }
-        tracker
-            .contacts((a, b), a_from_b, options)
-            .ok_or_else(|| refused(a, b, "contacts"))
     }
 
     /// Returns the contact points of two bodies whose patches the caller has made, as
@@ -213,6 +232,26 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> Option<PenetrationBounds> {
-        self.pair(a.into(), b.into()).penetration(a_from_b)
+        self.pair([a.into(), b.into()]).penetration(a_from_b)
+    }
+}
+
+impl LentPair<'_> {
+    /// Returns bounds of the penetration depth of two solids.
+    fn penetration(&mut self, pose: &RelativePose) -> Option<PenetrationBounds> {
+        let [a, b] = match self {
+            Self::Polyhedra(pair) => {
+                let (a, b, _) = pair.sides();
+                [a, b].map(|body| Composite::from(Shape::from(body.clone())))
+            }
+            Self::Shapes(pair) => {
+                let (a, b, _) = pair.sides();
+                [a, b].map(|shape| Composite::from(shape.clone()))
+            }
+            Self::Pieces(pair) => return pair.tracker.penetration(&pair.a, &pair.b, pose),
+            Self::Meshes(pair) => return pair.tracker.penetration(pair.a, pair.b, pose),
+            _ => return None,
+        };
+        CompositeTracker::new().penetration(&a, &b, pose)
     }
 }

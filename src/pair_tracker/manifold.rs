@@ -61,17 +61,16 @@ impl PairTracker {
         options: &ManifoldOptions,
         manifold: &mut Manifold,
     ) -> Result<(), PairError> {
-        let (a, b) = (a.into(), b.into());
-        let tracker = &mut self.of(a, b).tracker;
-        if tracker.manifold((a, b), a_from_b, options, manifold) {
+        let bodies = [a.into(), b.into()];
+        if self.pair(bodies).manifold(a_from_b, options, manifold) {
             Ok(())
         } else {
-            Err(refused(a, b, "manifold"))
+            Err(refused(bodies, "manifold"))
         }
     }
 }
 
-pub(super) fn refused(a: GeometryRef, b: GeometryRef, asked: &'static str) -> PairError {
-    let (a, b) = (a.kind(), b.kind());
+pub(super) fn refused(bodies: [GeometryRef<'_>; 2], asked: &'static str) -> PairError {
+    let [a, b] = bodies.map(GeometryRef::kind);
     PairError { a, b, asked }
 }

@@ -1,41 +1,42 @@
 //! Pairs of geometries of any two kinds.
+//!
+//! ```text
+//! PairTracker   follow    which pair was asked last, by fingerprints      tracker.rs
+//!   Engine      lend      which tracker measures two kinds; stand-ins     engine.rs, of_*.rs
+//!     LentPair  ask       the pair, the borrowed tracker, the questions   lent_pair.rs
+//!       MeshPair, ...     the pair of two kinds, in the room of its tracker
+//! ```
 
 // First, so that the documentation of `PairTracker` begins with `new` and `closest`.
 mod tracker;
 
 #[cfg(feature = "meshes")]
 mod contacts;
-#[cfg(feature = "meshes")]
-mod decomposition;
 mod engine;
 pub(crate) mod geometry;
+mod lent_pair;
 mod manifold;
-mod mixed;
-mod over;
 #[cfg(feature = "meshes")]
-mod own;
-mod pair;
+mod mesh_questions;
 #[cfg(feature = "meshes")]
-mod parted;
+mod of_parts;
 #[cfg(feature = "surfaces")]
-mod patched;
+mod of_surfaces;
 pub(crate) mod ray;
 #[cfg(feature = "meshes")]
 mod ray_hull;
 #[cfg(feature = "meshes")]
 mod ray_mesh;
-mod state;
-mod tracked;
 mod work;
 
+pub use lent_pair::OverTime;
 pub use manifold::PairError;
-pub use over::OverTime;
 pub use tracker::PairTracker;
 pub use work::PairWork;
 
 #[cfg(feature = "meshes")]
-pub(crate) use contacts::patches_of;
-pub(crate) use engine::{AnyTracker, BodyShapes, ContactAsk, Contacted, PairEngine, TrackerRef};
-pub(crate) use mixed::MixedTracker;
+pub(crate) use contacts::{PatchwiseContacts, patches_of};
+pub(crate) use engine::Engine;
 #[cfg(feature = "serde")]
-pub(crate) use mixed::StoredTracker;
+pub(crate) use engine::StoredEngine;
+pub(crate) use lent_pair::LentPair;

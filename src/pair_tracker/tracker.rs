@@ -1,20 +1,21 @@
-//! One tracker for any two geometries.
+//! One tracker for any two geometries: the engine of the pair that was asked last, and questions.
 
 #[cfg(feature = "meshes")]
 use alloc::boxed::Box;
+use alloc::string::String;
 
-#[cfg(feature = "meshes")]
-use super::contacts::ConvexContacts;
 use nalgebra::{Unit, Vector3};
 
-use super::engine::AnyTracker;
-use super::over::OverTime;
-use super::pair::Asked;
+#[cfg(feature = "meshes")]
+use super::contacts::PairContacts;
+use super::engine::Engine;
+use super::lent_pair::{LentPair, OverTime};
 use super::work::PairWork;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 #[cfg(feature = "meshes")]
 use crate::composite::contact::ContactTracker;
+use crate::convex::replay::Replay;
 use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
@@ -105,13 +106,13 @@ impl From<PairWork> for PairTracker {
     }
 }
 
-/// A pair and its tracker.
+/// A pair and its engine.
 #[derive(Clone, Debug)]
 pub(super) struct Followed {
     pair: [Fingerprint; 2],
-    pub(super) tracker: AnyTracker,
+    pub(super) engine: Engine,
     #[cfg(feature = "meshes")]
-    pub(super) contacts: Option<Box<ConvexContacts>>,
+    pub(super) contacts: Option<PairContacts>,
 }
 
 impl PairTracker {
@@ -153,33 +154,35 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
     ) -> Self {
         let mut tracker = Self::new();
-        tracker.of(a.into(), b.into()).tracker.begin_along(normal);
+        tracker.follow([a.into(), b.into()]).engine.begin_along(normal);
         tracker
     }
 
     /// Returns the state of a pair, kept if the pair was asked last.
     #[inline]
-    pub(super) fn of(&mut self, a: GeometryRef, b: GeometryRef) -> &mut Followed {
-        let pair = [a.fingerprint(), b.fingerprint()];
-        self.kept(pair, || AnyTracker::new((a, b)))
+    pub(super) fn follow(&mut self, bodies: [GeometryRef<'_>; 2]) -> &mut Followed {
+        let pair = bodies.map(GeometryRef::fingerprint);
+        self.follow_by(pair, || Engine::new(bodies))
     }
 
     /// Returns the state of a pair by its fingerprints; that of another pair is dropped.
     #[inline]
-    pub(super) fn kept(&mut self, pair: [Fingerprint; 2], new: impl FnOnce() -> AnyTracker) -> &mut Followed {
+    pub(super) fn follow_by(&mut self, pair: [Fingerprint; 2], new: impl FnOnce() -> Engine) -> &mut Followed {
         if let Some(other) = self.followed.take_if(|f| f.pair != pair) {
-            self.work += other.tracker.work();
+            self.work += other.engine.report().work;
         }
         self.followed.get_or_insert_with(|| Followed {
             pair,
-            tracker: new(),
+            engine: new(),
             #[cfg(feature = "meshes")]
             contacts: None,
         })
     }
 
-    pub(super) fn pair<'p>(&'p mut self, a: GeometryRef<'p>, b: GeometryRef<'p>) -> OverTime<'p> {
-        self.of(a, b).tracker.over((a, b))
+    /// Lends the engine of a pair.
+    #[inline]
+    pub(super) fn pair<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> LentPair<'p> {
+        self.follow(bodies).engine.lend(bodies)
     }
 
     /// Returns the closest points with bounds of the signed distance. Two convex geometries that
@@ -252,8 +255,8 @@ impl PairTracker {
         a_from_b: &RelativePose,
         question: &Question,
     ) -> Answer {
-        let bodies = (a.into(), b.into());
-        self.of(bodies.0, bodies.1).tracker.answer(bodies, a_from_b, question)
+        let bodies = [a.into(), b.into()];
+        self.follow(bodies).engine.ask(bodies, a_from_b, question)
     }
 
     /// Returns the signed distance and its bounds without the witnesses.
@@ -275,7 +278,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> f64 {
-        self.pair(a.into(), b.into()).lower_bound(a_from_b)
+        self.pair([a.into(), b.into()]).lower_bound(a_from_b)
     }
 
     /// Returns whether the geometries share a point; touching counts. Only pairs with a surface of
@@ -323,10 +326,8 @@ impl PairTracker {
         d: f64,
         question: &Question,
     ) -> Decision {
-        let bodies = (a.into(), b.into());
-        self.of(bodies.0, bodies.1)
-            .tracker
-            .within(bodies, a_from_b, d, question)
+        let bodies = [a.into(), b.into()];
+        self.follow(bodies).engine.ask_within(bodies, a_from_b, d, question)
     }
 
     /// Returns two geometries that can be measured over time, followed by this tracker: what
@@ -361,11 +362,75 @@ impl PairTracker {
     /// ```
     #[must_use]
     pub fn over<'p>(&'p mut self, a: impl Into<GeometryRef<'p>>, b: impl Into<GeometryRef<'p>>) -> OverTime<'p> {
-        self.pair(a.into(), b.into())
+        self.pair([a.into(), b.into()]).over_time()
     }
 
     /// Forgets everything that is kept, counters too.
     pub fn reset(&mut self) {
         *self = Self::new();
+    }
+
+    /// Returns a query of two convex geometries as a text that rebuilds the query bit for bit, as
+    /// [`Tracker::replay`](crate::Tracker::replay): call this before the query. `None` unless both
+    /// are polyhedra, rounded or not.
+    #[must_use]
+    pub fn replay<'g>(
+        &mut self,
+        a: impl Into<GeometryRef<'g>>,
+        b: impl Into<GeometryRef<'g>>,
+        a_from_b: &RelativePose,
+    ) -> Option<Replay> {
+        self.pair([a.into(), b.into()]).replay(a_from_b)
+    }
+
+    /// Returns the work of all queries so far.
+    #[must_use]
+    pub fn work(&self) -> PairWork {
+        let mut work = self.work;
+        if let Some(followed) = &self.followed {
+            work += followed.engine.report().work;
+        }
+        work
+    }
+
+    /// Returns the number of entries of the front that is kept: pairs of parts of both geometries
+    /// that are proven farther apart than the distance, under which every pair of triangles, pieces
+    /// or patches lies. Zero for convex geometries, which have none.
+    #[must_use]
+    pub fn front_len(&self) -> usize {
+        self.followed.as_ref().map_or(0, |f| f.engine.report().front_len)
+    }
+
+    /// Returns the bytes that the tracker keeps on the heap, without those of stand-ins and
+    /// contacts.
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        self.followed.as_ref().map_or(0, |f| f.engine.heap_bytes())
+    }
+
+    /// Returns the first broken invariant of what is kept: a tool of tests and fuzzing. The front
+    /// of two meshes is compared with all vertices, at the pose of the last
+    /// [`closest`](Self::closest), in time that is entries times triangles.
+    ///
+    /// # Errors
+    /// A text that names the broken invariant.
+    pub fn check<'g>(
+        &mut self,
+        a: impl Into<GeometryRef<'g>>,
+        b: impl Into<GeometryRef<'g>>,
+        a_from_b: &RelativePose,
+    ) -> Result<(), String> {
+        self.pair([a.into(), b.into()]).check(a_from_b)
+    }
+}
+
+impl Replay {
+    /// Returns a tracker of [`shapes`](Self::shapes) with the recorded start.
+    #[must_use]
+    pub fn pair_tracker(&self) -> PairTracker {
+        let [a, b] = self.shapes();
+        let mut tracker = PairTracker::new();
+        tracker.follow([(&a).into(), (&b).into()]).engine.begin_as(self);
+        tracker
     }
 }

@@ -114,7 +114,7 @@ pub use net::Patch;
 pub use nurbs::Nurbs;
 pub use outcome::{SurfacePart, SurfaceWork};
 pub use revolution::revolution;
-pub(crate) use separation::{BesideSurface, SurfaceSolidPair};
+pub(crate) use separation::SurfaceSolidPair;
 pub(crate) use shape_tracker::SurfaceShapeTracker;
 pub use surface::Surface;
 pub(crate) use surface_pair::SurfacePair;

@@ -12,9 +12,10 @@ use super::search::NetGoal;
 use super::surface::Surface;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::{Operand, RelativePose};
-use crate::base::tuning::patch::{HOPE, MEASURED, NARROWER};
+use crate::base::tuning::patch::{HOPE, MEASURED, NARROWER, SCENE_WIDTH};
 use crate::pair::answer::unit;
 use crate::pair::outcome::{Decision, Outcome};
+use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
 
@@ -44,19 +45,22 @@ pub(crate) struct SurfaceSolidPair<'a, T: BesideSurface> {
 }
 
 impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
-    /// Sets the number of nodes that a query may split; `None` for the usual budget.
-    pub(crate) fn allow(&mut self, splits: Option<usize>) {
-        self.tracker.allow(splits);
+    /// Returns the closest points, with bounds as close as is asked for.
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
+        let width = width_asked(self, question);
+        self.tracker.allow(question.splits);
+        self.answer(a_from_b, NetGoal::Width(width)).without_depth()
     }
 
-    /// Returns the closest points, of which the bounds are at most `width` apart.
-    pub(crate) fn closest(&mut self, a_from_b: &RelativePose, width: f64) -> Answer {
-        self.answer(a_from_b, NetGoal::Width(width))
+    /// Returns whether the distance is at most `d`, with the budget that is asked for.
+    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.tracker.allow(question.splits);
+        self.is_within(a_from_b, d)
     }
 
     /// Returns whether the distance is at most `d`. Undecided only if `d` is within rounding of the
     /// distance, or a budget is used up: pairs that merely touch stay undecided for zero.
-    pub(crate) fn is_within(&mut self, a_from_b: &RelativePose, d: f64) -> Decision {
+    fn is_within(&mut self, a_from_b: &RelativePose, d: f64) -> Decision {
         if !(d >= 0.0) {
             return Decision::No;
         }
@@ -100,6 +104,14 @@ fn exchanged(found: Answer, pose: &RelativePose) -> Answer {
         on: [found.on[1], found.on[0]],
         ..found
     }
+}
+
+/// Returns the width of the bounds that is asked for.
+pub(super) fn width_asked(pair: &impl Separation, question: &Question) -> f64 {
+    let radius = |of| pair.ball(of).1;
+    question
+        .width
+        .unwrap_or_else(|| SCENE_WIDTH * (radius(Operand::A) + radius(Operand::B)))
 }
 
 /// Returns how long a lower bound lasts, where `lower` takes a width and returns a new bound: asked
@@ -146,6 +158,8 @@ impl<T: BesideSurface> Separation for SurfaceSolidPair<'_, T> {
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
-        held(self, seen, flight, |pair, pose, width| pair.closest(pose, width).lower)
+        held(self, seen, flight, |pair, pose, width| {
+            pair.answer(pose, NetGoal::Width(width)).lower
+        })
     }
 }

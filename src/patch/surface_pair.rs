@@ -4,7 +4,7 @@
 use nalgebra::Point3;
 
 use super::search::NetGoal;
-use super::separation::held;
+use super::separation::{held, width_asked};
 use super::surface::Surface;
 use super::tracker::SurfaceTracker;
 use crate::base::num::scalar::sqrt;
@@ -13,6 +13,7 @@ use crate::base::tolerance::{CERTIFICATE, SURFACE_POINT, UNIT};
 use crate::base::tuning::patch::MEASURED;
 use crate::composite::mesh::Mesh;
 use crate::pair::outcome::{Class, Decision, Outcome};
+use crate::pair::question::Question;
 use crate::pair::spot::{Answer, Spot};
 use crate::time::separation::{Flight, Free, Measure, Separation};
 
@@ -36,13 +37,21 @@ enum Side {
 }
 
 impl SurfacePair<'_> {
-    /// Returns the closest points, of which the bounds are at most `width` apart.
-    pub(crate) fn closest(&mut self, pose: &RelativePose, width: f64) -> Answer {
-        self.answer(pose, NetGoal::Width(width))
+    /// Returns the closest points, with bounds as close as is asked for.
+    pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        let width = width_asked(self, question);
+        self.tracker.allow(question.splits);
+        self.answer(pose, NetGoal::Width(width)).without_depth()
+    }
+
+    /// Returns whether the distance is at most `d`, with the budget that is asked for.
+    pub(crate) fn ask_within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.tracker.allow(question.splits);
+        self.is_within(pose, d)
     }
 
     /// Returns whether the distance is at most `d`.
-    pub(crate) fn is_within(&mut self, pose: &RelativePose, d: f64) -> Decision {
+    fn is_within(&mut self, pose: &RelativePose, d: f64) -> Decision {
         let decision = self.tracker.within(self.a, self.b, pose, d);
         if !(d >= 0.0) || decision.is_yes() {
             return decision;
@@ -151,6 +160,8 @@ impl Separation for SurfacePair<'_> {
     }
 
     fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
-        held(self, seen, flight, |pair, pose, width| pair.closest(pose, width).lower)
+        held(self, seen, flight, |pair, pose, width| {
+            pair.answer(pose, NetGoal::Width(width)).lower
+        })
     }
 }

@@ -169,8 +169,8 @@ impl ClosestSearch<'_> {
         let Some(mut query) = scene.query(a, b) else {
             return;
         };
-        let outcome = query.measure(Until::Depth);
-        let pieces = query.tracker.pieces();
+        let answer = query.measure(Until::Depth);
+        let (outcome, pieces) = (answer.outcome, answer.parts());
         let [a, b] = [a, b].map(|i| scene.bodies.id(i));
         let is_closer = |best: &ClosestPair| {
             let order = outcome.distance.total_cmp(&best.outcome.distance);

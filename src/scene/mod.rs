@@ -158,6 +158,7 @@ mod filter;
 mod kinds;
 mod moving;
 mod narrow_phase;
+mod pair_engine;
 mod pair_table;
 #[cfg(feature = "parallel")]
 mod parallel;

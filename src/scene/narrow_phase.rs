@@ -8,6 +8,7 @@ use super::body::BodyTable;
 use super::budget::{slack, wake};
 use super::effects::{Detail, NEVER, PairPlan, Table};
 use super::events::{Change, PairChange, PairImpact};
+use super::pair_engine::{ContactAsk, Contacted, PairEngine};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::report::Counts;
 use super::stored_answer::StoredAnswer;
@@ -15,7 +16,6 @@ use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::convex::tracker::Workspace;
 use crate::pair::outcome::{Class, Outcome};
-use crate::pair_tracker::{ContactAsk, Contacted, PairEngine};
 
 /// The parts of a scene that the narrow phase reads.
 pub(super) struct StepContext<'a> {

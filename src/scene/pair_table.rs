@@ -15,6 +15,7 @@
 use alloc::vec::Vec;
 
 use super::effects::{Detail, GroupPair, NEVER, PairPlan};
+use super::pair_engine::{AnyPair, MixedPair, PairEngine};
 use super::stored_answer::{StoredAnswer, StoredContact};
 use crate::broad::PairId;
 #[cfg(feature = "meshes")]
@@ -22,7 +23,8 @@ use crate::composite::contact::PatchContacts;
 use crate::convex::contact::Manifold;
 use crate::convex::tracker::Tracker;
 use crate::pair::outcome::{Distance, Outcome, Until};
-use crate::pair_tracker::{AnyTracker, MixedTracker, PairEngine, TrackerRef};
+use crate::pair_tracker::Engine;
+use crate::pair_tracker::geometry::Geometry;
 
 /// The part of a pair that is read before a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,12 +93,11 @@ impl<T: PairEngine, A: StoredAnswer> PairTable<T, A> {
     }
 
     /// Returns the pair of a row for queries.
-    fn view<'a>(&'a self, row: u32, wrap: fn(&'a T) -> TrackerRef<'a>) -> Option<PairView<'a>> {
+    fn view(&self, row: u32) -> Option<PairView<'_>> {
         let row = row as usize;
         let (header, answer, tracker) = (self.headers.get(row)?, &self.answers[row], &self.trackers[row]);
         Some(PairView {
             header,
-            tracker: wrap(tracker),
             pieces: tracker.pieces(),
             distance: answer.distance().filter(|_| header.state.measured),
             outcome: answer.outcome().filter(|_| header.state.measured),
@@ -168,7 +169,7 @@ impl TableRow {
 pub(super) struct PairState {
     pub(super) state: PairFlags,
     /// `None` for a pair that no table held.
-    pub(super) tracker: Option<AnyTracker>,
+    pub(super) tracker: Option<AnyPair>,
     /// Whether the event that the boxes met was sent.
     pub(super) box_event_sent: bool,
 }
@@ -176,7 +177,6 @@ pub(super) struct PairState {
 /// Read-only view of a pair for queries.
 pub(super) struct PairView<'a> {
     pub(super) header: &'a PairHeader,
-    pub(super) tracker: TrackerRef<'a>,
     pub(super) pieces: [u32; 2],
     pub(super) distance: Option<Distance>,
     pub(super) outcome: Option<&'a Outcome>,
@@ -233,14 +233,24 @@ impl<T: PairEngine> DetailTables<T> {
         }
     }
 
-    fn get<'a>(&'a self, table: u32, row: u32, wrap: fn(&'a T) -> TrackerRef<'a>) -> Option<PairView<'a>> {
+    fn get(&self, table: u32, row: u32) -> Option<PairView<'_>> {
         match table {
-            0 => self.predicates.view(row, wrap),
-            1 => self.distances.view(row, wrap),
-            2 => self.features.view(row, wrap),
-            3 => self.contacts.view(row, wrap),
+            0 => self.predicates.view(row),
+            1 => self.distances.view(row),
+            2 => self.features.view(row),
+            3 => self.contacts.view(row),
             _ => None,
         }
+    }
+
+    fn tracker(&self, table: u32, row: u32) -> Option<&T> {
+        let trackers = [
+            &self.predicates.trackers,
+            &self.distances.trackers,
+            &self.features.trackers,
+            &self.contacts.trackers,
+        ];
+        trackers.get(table as usize)?.get(row as usize)
     }
 
     /// Returns the headers of the four tables.
@@ -279,7 +289,7 @@ pub(super) struct PairTables {
     /// Pairs of two polyhedra.
     pub(super) polyhedra: DetailTables<Tracker>,
     /// All other pairs.
-    pub(super) mixed: DetailTables<MixedTracker>,
+    pub(super) mixed: DetailTables<MixedPair>,
     rows: Vec<TableRow>,
 }
 
@@ -296,8 +306,8 @@ impl PairTables {
         };
         let header = PairHeader { state, ..header };
         let place = match pair_state.tracker {
-            Some(AnyTracker::Polyhedra(tracker)) => self.polyhedra.push(plan, header, tracker),
-            Some(AnyTracker::Mixed(tracker)) => {
+            Some(AnyPair::Polyhedra(tracker)) => self.polyhedra.push(plan, header, tracker),
+            Some(AnyPair::Mixed(tracker)) => {
                 let place = self.mixed.push(plan, header, tracker);
                 place.map(|(table, row)| (table + MIXED, row))
             }
@@ -318,10 +328,10 @@ impl PairTables {
         let freed = core::mem::replace(entry, TableRow::NONE);
         let removed = if freed.table() < MIXED {
             let removed = self.polyhedra.remove(freed.table(), freed.row());
-            removed.map(|(header, tracker, moved)| (header, AnyTracker::Polyhedra(tracker), moved))
+            removed.map(|(header, tracker, moved)| (header, AnyPair::Polyhedra(tracker), moved))
         } else {
             let removed = self.mixed.remove(freed.table() - MIXED, freed.row());
-            removed.map(|(header, tracker, moved)| (header, AnyTracker::Mixed(tracker), moved))
+            removed.map(|(header, tracker, moved)| (header, AnyPair::Mixed(tracker), moved))
         };
         let box_event_sent = freed.is_box_event_sent();
         let Some((header, tracker, moved)) = removed else {
@@ -347,9 +357,21 @@ impl PairTables {
         let entry = self.rows.get(slot as usize)?;
         let (table, row) = (entry.table(), entry.row());
         if table < MIXED {
-            self.polyhedra.get(table, row, TrackerRef::Polyhedra)
+            self.polyhedra.get(table, row)
         } else {
-            self.mixed.get(table - MIXED, row, TrackerRef::Mixed)
+            self.mixed.get(table - MIXED, row)
+        }
+    }
+
+    /// Returns an engine that begins with the state of the pair of a slot, for the two bodies in
+    /// the order of the pair or in the other.
+    pub(super) fn started(&self, slot: u32, [a, b]: [&Geometry; 2], is_in_order: bool) -> Option<Engine> {
+        let entry = self.rows.get(slot as usize)?;
+        let (table, row) = (entry.table(), entry.row());
+        if table < MIXED {
+            self.polyhedra.tracker(table, row)?.started(a, b, is_in_order)
+        } else {
+            self.mixed.tracker(table - MIXED, row)?.started(a, b, is_in_order)
         }
     }
 
@@ -397,7 +419,7 @@ impl PairTables {
     #[cfg(feature = "serde")]
     pub(super) fn restored(
         polyhedra: DetailTables<Tracker>,
-        mixed: DetailTables<MixedTracker>,
+        mixed: DetailTables<MixedPair>,
         box_event_sent: &[u32],
         slots: usize,
     ) -> Option<Self> {

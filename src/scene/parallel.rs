@@ -7,13 +7,13 @@ use alloc::vec::Vec;
 use rayon::prelude::*;
 
 use super::narrow_phase::{StepContext, Tally, test_run};
+use super::pair_engine::PairEngine;
 use super::pair_table::PairTable;
 use super::step::Boxes;
 use super::stored_answer::StoredAnswer;
 use crate::base::tuning::scene::{PAIRS, RUN};
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb};
-use crate::pair_tracker::PairEngine;
 
 /// Makes the boxes of all due bodies, which are in ascending order.
 pub(super) fn make_boxes(

@@ -16,7 +16,10 @@ use crate::base::tolerance::{BOX_DISTANCE_DOWN, SCENE_REACH};
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{Aabb, BroadPhase};
 use crate::pair::outcome::{Outcome, Until};
-use crate::pair_tracker::{AnyTracker, BodyShapes};
+use crate::pair::question::Question;
+use crate::pair::spot::Answer;
+use crate::pair_tracker::Engine;
+use crate::pair_tracker::geometry::GeometryRef;
 
 /// A pair and its closest features, in the frames of the bodies as in
 /// [`PairAnswer`](super::PairAnswer).
@@ -71,7 +74,7 @@ impl Scene {
         Ok(found.map(|near| {
             let outcome = self
                 .query(near.a.index, near.b.index)
-                .map(|mut q| q.measure(Until::Depth));
+                .map(|mut q| q.measure(Until::Depth).outcome);
             ClosestPair {
                 outcome: outcome.unwrap_or(near.outcome),
                 ..near
@@ -187,12 +190,12 @@ impl Scene {
             return None;
         }
         let mut query = self.query(a, b)?;
-        let outcome = query.measure(Until::Class);
-        query.decides_within(&outcome, d).then(|| ClosestPair {
+        let answer = query.measure(Until::Class);
+        query.decides_within(&answer, d).then(|| ClosestPair {
             a: self.bodies.id(a),
             b: self.bodies.id(b),
-            outcome,
-            pieces: query.tracker.pieces(),
+            outcome: answer.outcome,
+            pieces: answer.parts(),
         })
     }
 
@@ -205,29 +208,30 @@ impl Scene {
         );
         let pose = RelativePose::new(&self.bodies.poses[i], &self.bodies.poses[j]).ok()?;
         let pair = self.broad.pair(self.bodies.proxies[i], self.bodies.proxies[j]);
-        let seen = pair.and_then(|pair| self.pair_tables.get(pair.id.slot));
-        let known = seen.and_then(|seen| seen.tracker.started(x, y, a < b));
+        let known = pair.and_then(|pair| self.pair_tables.started(pair.id.slot, [x, y], a < b));
+        let shapes = [x.into(), y.into()];
         Some(PairQuery {
-            tracker: known.unwrap_or_else(|| AnyTracker::new((x.into(), y.into()))),
-            shapes: (x.into(), y.into()),
+            engine: known.unwrap_or_else(|| Engine::new(shapes)),
+            shapes,
             pose,
         })
     }
 }
 
-/// Two bodies and a tracker.
+/// Two bodies and their engine.
 pub(super) struct PairQuery<'a> {
-    pub(super) tracker: AnyTracker,
-    shapes: BodyShapes<'a>,
+    engine: Engine,
+    shapes: [GeometryRef<'a>; 2],
     pose: RelativePose,
 }
 
 impl PairQuery<'_> {
-    pub(super) fn measure(&mut self, until: Until) -> Outcome {
-        self.tracker.measure(self.shapes, &self.pose, until)
+    pub(super) fn measure(&mut self, until: Until) -> Answer {
+        let question = Question::new().until(until);
+        self.engine.lend(self.shapes).ask(&self.pose, &question)
     }
 
     fn decides_within(&mut self, outcome: &Outcome, d: f64) -> bool {
-        self.tracker.decides_within(self.shapes, &self.pose, outcome, d)
+        self.engine.lend(self.shapes).decides_within(&self.pose, outcome, d)
     }
 }

@@ -15,6 +15,7 @@ use super::check::census_of;
 use super::effects::{Effects, GROUPS, Group, Table};
 use super::filter::Ignored;
 use super::moving::{Moving, Sweep, Ticks};
+use super::pair_engine::{MixedPair, PairEngine};
 use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
 use super::report::Report;
 use super::stored_answer::{StoredAnswer, StoredContact};
@@ -26,8 +27,8 @@ use crate::broad::{self, BroadPhase, PencilSweep};
 use crate::convex::tracker::Tracker;
 use crate::convex::tracker::Workspace;
 use crate::pair::outcome::{Distance, Outcome};
+use crate::pair_tracker::StoredEngine;
 use crate::pair_tracker::geometry::Geometry;
-use crate::pair_tracker::{MixedTracker, PairEngine, StoredTracker};
 
 /// The values of one index in the tables of bodies.
 #[derive(Serialize, Deserialize)]
@@ -90,7 +91,7 @@ struct SceneSnapshot {
     /// Ignored pairs by the indices of the bodies, the lower index first.
     ignored: Vec<(u32, u32)>,
     polyhedra: TableRows<Tracker>,
-    mixed: TableRows<StoredTracker>,
+    mixed: TableRows<StoredEngine>,
     /// Slots whose box event was sent.
     #[serde(rename = "told")]
     box_event_sent: Vec<u32>,
@@ -211,7 +212,7 @@ impl SceneSnapshot {
             broad: scene.broad.clone(),
             ignored: scene.ignored.iter().collect(),
             polyhedra: table_rows(&scene.pair_tables.polyhedra, Tracker::clone),
-            mixed: table_rows(&scene.pair_tables.mixed, MixedTracker::stored),
+            mixed: table_rows(&scene.pair_tables.mixed, MixedPair::stored),
             box_event_sent: scene.pair_tables.slots_with_box_event().collect(),
             events: scene.events.clone(),
             impacts: scene.impacts.clone(),
@@ -245,9 +246,9 @@ impl SceneSnapshot {
             let (a, b) = shapes_of(header)?;
             Tracker::shapes(a, b).map(|_| tracker)
         })?;
-        let mixed = detail_tables(self.mixed, |header, stored: StoredTracker| {
+        let mixed = detail_tables(self.mixed, |header, stored: StoredEngine| {
             let (a, b) = shapes_of(header)?;
-            MixedTracker::restored(stored, a, b)
+            MixedPair::restored(stored, a, b)
         })?;
         let pair_tables = PairTables::restored(polyhedra, mixed, &self.box_event_sent, slots);
         let pair_tables = pair_tables.ok_or("two pairs of the scene sit in one seat")?;

@@ -8,6 +8,7 @@ use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::events::{Change, Event, PairChange, PairImpact};
 use super::moving::Sweep;
 use super::narrow_phase::{StepContext, Tally, test_table};
+use super::pair_engine::{AnyPair, PairEngine};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
 use super::report::{Clock, Report};
 use crate::base::num::extremes::Extremes;
@@ -16,7 +17,6 @@ use crate::base::tolerance::ROUND_UP;
 use crate::base::tuning::scene::QUERY_IN_BOXES;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, BroadPhase, PairId};
-use crate::pair_tracker::{AnyTracker, PairEngine};
 
 impl Scene {
     /// Applies all calls since the last step and computes the effects called for. Does nothing if
@@ -328,7 +328,7 @@ fn begin(
     let tracker = pair_state.tracker.or_else(|| {
         let shape = |i: u32| bodies.solids[i as usize].as_ref().map(|solid| &solid.shape);
         if plan.detail > Detail::Boxes {
-            Some(AnyTracker::new((shape(a)?.into(), shape(b)?.into())))
+            Some(AnyPair::new(shape(a)?, shape(b)?))
         } else {
             None
         }

@@ -1,11 +1,10 @@
 //! The kinds of geometries, and what is asked of a body of every kind.
 
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3};
 
 use crate::base::num::fingerprint::Fingerprint;
-use crate::base::pose::rotation_matrix;
-use crate::base::tolerance::BOX_TURNED;
-use crate::body::polyhedron::BoxHint;
+use crate::body::polyhedron::{BoxHint, ConvexPolyhedron};
+use crate::body::shape::{Core, Shape};
 
 /// A body of one kind.
 pub(super) trait OfKind {
@@ -64,16 +63,50 @@ impl ShapeKind {
     }
 }
 
-/// Returns the box about a posed box.
-#[cfg(feature = "meshes")]
-pub(super) fn turned_box((low, high): (Point3<f64>, Point3<f64>), pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
-    let q = pose.rotation.coords;
-    let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
-    let half = (high - low) * 0.5;
-    let centre = low.coords + half;
-    let t = pose.translation.vector;
-    let far = centre.abs().sum() + half.sum();
-    let half = matrix.abs() * half + (t.abs().add_scalar(far)) * BOX_TURNED;
-    let centre: Vector3<f64> = matrix * centre + t;
-    (Point3::from(centre - half), Point3::from(centre + half))
+impl OfKind for ConvexPolyhedron {
+    fn kind(&self) -> ShapeKind {
+        if self.face_count() == 0 {
+            ShapeKind::Wire
+        } else {
+            ShapeKind::Polyhedron
+        }
+    }
+
+    #[inline]
+    fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
+    fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        self.bounding_ball()
+    }
+
+    #[inline]
+    fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        self.aabb_at(pose, hint)
+    }
+}
+
+impl OfKind for Shape {
+    fn kind(&self) -> ShapeKind {
+        match self.core() {
+            Core::Polyhedron(body) if self.round() == 0.0 => body.kind(),
+            Core::Polyhedron(_) => ShapeKind::Rounded,
+            _ => ShapeKind::Curved,
+        }
+    }
+
+    #[inline]
+    fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint()
+    }
+
+    fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        self.bounding_ball()
+    }
+
+    #[inline]
+    fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        self.aabb_at(pose, hint)
+    }
 }

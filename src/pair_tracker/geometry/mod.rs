@@ -1,12 +1,9 @@
 //! A shape of any kind there is.
 
-mod convex;
 mod kind;
 mod lent;
 #[cfg(feature = "meshes")]
-mod parted;
-#[cfg(feature = "surfaces")]
-mod patched;
+mod not_convex;
 #[cfg(feature = "serde")]
 mod persist;
 
@@ -21,7 +18,7 @@ use alloc::sync::Arc;
 use nalgebra::{Isometry3, Point3};
 
 use crate::body::polyhedron::{BoxHint, ConvexPolyhedron};
-use crate::body::shape::Shape;
+use crate::body::shape::{Core, Shape};
 #[cfg(feature = "meshes")]
 use crate::composite::{mesh::Mesh, pieces::Composite};
 #[cfg(feature = "surfaces")]
@@ -164,5 +161,46 @@ impl Geometry {
     /// Returns the address of the shared shape, equal for bodies that share the shape.
     pub(crate) fn address(&self) -> usize {
         match_kind!(Self, self, body => Arc::as_ptr(body) as usize)
+    }
+}
+
+/// Makes geometries of bodies of a kind whose every body is of the same variant.
+macro_rules! of_body {
+    ($kind:ident, $body:ty) => {
+        impl From<$body> for Geometry {
+            fn from(body: $body) -> Self {
+                Self::from(Arc::new(body))
+            }
+        }
+
+        impl From<Arc<$body>> for Geometry {
+            fn from(body: Arc<$body>) -> Self {
+                Self::$kind(body)
+            }
+        }
+    };
+}
+
+of_body!(Polyhedron, ConvexPolyhedron);
+#[cfg(feature = "meshes")]
+of_body!(Composite, Composite);
+#[cfg(feature = "meshes")]
+of_body!(Mesh, Mesh);
+#[cfg(feature = "surfaces")]
+of_body!(Surface, Surface);
+
+impl From<Shape> for Geometry {
+    /// A shape that is a polyhedron and not rounded becomes a polyhedron.
+    fn from(shape: Shape) -> Self {
+        Self::from(Arc::new(shape))
+    }
+}
+
+impl From<Arc<Shape>> for Geometry {
+    fn from(shape: Arc<Shape>) -> Self {
+        match shape.core() {
+            Core::Polyhedron(body) if shape.round() == 0.0 => Self::Polyhedron(body.clone()),
+            _ => Self::Convex(shape),
+        }
     }
 }

@@ -12,7 +12,9 @@ use crate::body::polyhedron::support::Extreme;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 use crate::convex::minimum::overlap_proof::OverlapProof;
 use crate::convex::tracker::Tracker;
-use crate::pair::outcome::{Outcome, Until};
+use crate::pair::outcome::{Decision, Outcome, Until};
+use crate::pair::question::Question;
+use crate::pair::spot::Answer;
 
 /// Two convex polyhedra that can be measured over time.
 #[derive(Debug)]
@@ -36,6 +38,7 @@ struct BoundedHull<'a> {
 }
 
 impl<'a> BoundedHull<'a> {
+    #[inline]
     fn new(shape: &'a ConvexPolyhedron) -> Self {
         let half = (shape.high - shape.low) * 0.5;
         let diagonal = sqrt(half.norm_squared()) * (1.0 + 8.0 * UNIT);
@@ -146,6 +149,7 @@ impl<'a> BoundedHull<'a> {
 }
 
 impl<'a> PolyhedronPair<'a> {
+    #[inline]
     pub(crate) fn new(a: &'a ConvexPolyhedron, b: &'a ConvexPolyhedron, tracker: &'a mut Tracker) -> Self {
         Self {
             a: BoundedHull::new(a),
@@ -154,14 +158,24 @@ impl<'a> PolyhedronPair<'a> {
         }
     }
 
-    /// Returns the polyhedra and the tracker, for a question at one pose.
-    pub(crate) fn asked(&mut self) -> (&'a ConvexPolyhedron, &'a ConvexPolyhedron, &mut Tracker) {
-        (self.a.shape, self.b.shape, self.tracker)
+    /// Returns the closest points.
+    #[inline]
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
+        let (a, b, tracker) = self.sides();
+        Answer::of_convex(tracker.measure(a, b, a_from_b, question.until))
     }
 
-    /// Returns the first broken invariant of the tracker.
-    pub(crate) fn checked(&self) -> Result<(), alloc::string::String> {
-        self.tracker.check()
+    /// Returns whether the polyhedra are at most `d` apart.
+    #[inline]
+    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+        let (a, b, tracker) = self.sides();
+        Decision::of(tracker.within(a, b, a_from_b, d))
+    }
+
+    /// Returns the polyhedra and the tracker.
+    #[inline]
+    pub(crate) fn sides(&mut self) -> (&'a ConvexPolyhedron, &'a ConvexPolyhedron, &mut Tracker) {
+        (self.a.shape, self.b.shape, self.tracker)
     }
 
     /// Returns an outcome of the tracker as a measure, and takes note of the features.

@@ -8,43 +8,60 @@ use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::HEIGHT;
 use crate::body::shape::Shape;
 use crate::convex::shape_tracker::ShapeTracker;
-use crate::pair::outcome::Outcome;
+use crate::pair::outcome::{Decision, Outcome, Until};
+use crate::pair::question::Question;
+use crate::pair::spot::Answer;
 
 /// Two rounded or curved shapes that can be measured over time.
 #[derive(Debug)]
 pub(crate) struct ShapePair<'a> {
-    a: BalledShape<'a>,
-    b: BalledShape<'a>,
+    shapes: [&'a Shape; 2],
+    /// Balls about both, which a question at one pose does not need.
+    balls: Option<[(Point3<f64>, f64); 2]>,
     tracker: &'a mut ShapeTracker,
 }
 
-/// A shape and its ball.
-#[derive(Debug)]
-struct BalledShape<'a> {
-    shape: &'a Shape,
-    centre: Point3<f64>,
-    radius: f64,
-}
-
-impl<'a> BalledShape<'a> {
-    fn new(shape: &'a Shape) -> Self {
-        let (centre, radius) = shape.bounding_ball();
-        Self { shape, centre, radius }
-    }
-}
-
 impl<'a> ShapePair<'a> {
+    #[inline]
     pub(crate) fn new(a: &'a Shape, b: &'a Shape, tracker: &'a mut ShapeTracker) -> Self {
         Self {
-            a: BalledShape::new(a),
-            b: BalledShape::new(b),
+            shapes: [a, b],
+            balls: None,
             tracker,
         }
     }
 
-    /// Returns the shapes and the tracker, for a question at one pose.
-    pub(crate) fn asked(&mut self) -> (&'a Shape, &'a Shape, &mut ShapeTracker) {
-        (self.a.shape, self.b.shape, self.tracker)
+    /// Computes both balls, once for all looks of a cast.
+    pub(crate) fn with_balls(self) -> Self {
+        Self {
+            balls: Some(self.shapes.map(Shape::bounding_ball)),
+            ..self
+        }
+    }
+
+    /// Returns the closest points, of an overlap with what is asked for. Without the depth of their
+    /// cores rounded ones could not be told from those that touch.
+    #[inline]
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
+        let (a, b, tracker) = self.sides();
+        Answer::of_convex(match question.until {
+            Until::Class => tracker.closest(a, b, a_from_b).without_depth(),
+            until => tracker.measure(a, b, a_from_b, until),
+        })
+    }
+
+    /// Returns whether the shapes are at most `d` apart.
+    #[inline]
+    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+        let (a, b, tracker) = self.sides();
+        Decision::of(tracker.within(a, b, a_from_b, d))
+    }
+
+    /// Returns the shapes and the tracker.
+    #[inline]
+    pub(crate) fn sides(&mut self) -> (&'a Shape, &'a Shape, &mut ShapeTracker) {
+        let [a, b] = self.shapes;
+        (a, b, self.tracker)
     }
 
     /// Returns an outcome of the tracker as a measure.
@@ -55,35 +72,36 @@ impl<'a> ShapePair<'a> {
             ..Measure::new(outcome, Tangent::Free)
         }
     }
-
-    fn of(&self, of: Operand) -> &BalledShape<'a> {
-        if of == Operand::A { &self.a } else { &self.b }
-    }
 }
 
 impl Separation for ShapePair<'_> {
+    #[inline]
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
-        let placed = self.of(of);
-        (placed.centre, placed.radius)
+        let k = usize::from(of == Operand::B);
+        match self.balls {
+            Some(balls) => balls[k],
+            None => self.shapes[k].bounding_ball(),
+        }
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Self::seen(&self.tracker.closest(self.a.shape, self.b.shape, a_from_b))
+        let (a, b, tracker) = self.sides();
+        Self::seen(&tracker.closest(a, b, a_from_b))
     }
 
     /// Proven by the upper bound of the distance; exact for rounded polyhedra with the feature
     /// `exact`.
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
-        let _ = seen;
-        let outcome = self.tracker.closest(self.a.shape, self.b.shape, a_from_b);
-        outcome.upper <= distance
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+        let (a, b, tracker) = self.sides();
+        tracker.closest(a, b, a_from_b).upper <= distance
     }
 
     fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
-        let placed = self.of(of);
+        let (centre, radius) = self.ball(of);
+        let shape = self.shapes[usize::from(of == Operand::B)];
         let length = direction.x.abs() + direction.y.abs() + direction.z.abs();
-        let size = placed.radius + placed.centre.coords.abs().sum();
-        let height = placed.shape.support_height(direction) - direction.dot(&placed.centre.coords);
+        let size = radius + centre.coords.abs().sum();
+        let height = shape.support_height(direction) - direction.dot(&centre.coords);
         SupportPoint {
             height: height + HEIGHT * length * size,
             // Steers the search alone: the point of the ball.

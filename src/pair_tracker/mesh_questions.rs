@@ -1,20 +1,26 @@
-//! A mesh against itself.
+//! Questions that only meshes and surfaces answer: a mesh against itself, a mesh by the pieces that
+//! stand for it, and the fronts that are kept.
 
 use alloc::vec::Vec;
 
-use super::parted::TrackedMeshes;
-use super::tracker::PairTracker;
+use super::engine::Engine;
+use super::lent_pair::LentPair;
+use super::of_parts::of_pieces;
+use super::tracker::{Followed, PairTracker};
+use crate::base::pose::RelativePose;
+use crate::composite::decomposition::Decomposition;
 use crate::composite::mesh::Mesh;
-use crate::composite::separation::MeshPair;
-use crate::pair::outcome::Decision;
+use crate::composite::mesh::tracker::MeshTracker;
+use crate::composite::parts::PartsRef;
+use crate::composite::separation::CompositePair;
+use crate::pair::outcome::{Decision, Distance};
+use crate::pair::question::Question;
 use crate::pair::spot::Answer;
+use crate::pair_tracker::geometry::{GeometryRef, ShapeKind};
+#[cfg(feature = "surfaces")]
+use crate::patch::{Surface, SurfacePart};
 
 impl PairTracker {
-    fn ask_self<R>(&mut self, mesh: &Mesh, ask: impl FnOnce(MeshPair<'_>) -> R) -> Option<R> {
-        let mut pair = self.pair(mesh.into(), mesh.into());
-        pair.of_kinds::<TrackedMeshes>().map(ask)
-    }
-
     /// Returns the closest two triangles of a mesh that share no vertex: how far the mesh is from a
     /// self-collision. `None` if any two of its triangles share a vertex.
     ///
@@ -62,7 +68,7 @@ impl PairTracker {
     #[doc(alias = "self-collision")]
     #[doc(alias = "self-intersection")]
     pub fn self_closest(&mut self, mesh: &Mesh) -> Option<Answer> {
-        self.ask_self(mesh, |pair| pair.tracker.self_closest(mesh))?
+        self.self_tracker(mesh)?.self_closest(mesh)
     }
 
     /// Returns whether two triangles of a mesh that share no vertex are at most `d` apart, in the
@@ -73,7 +79,10 @@ impl PairTracker {
     /// Triangles are left out as told at [`self_closest`](Self::self_closest).
     #[doc(alias = "self-intersection")]
     pub fn self_within(&mut self, mesh: &Mesh, d: f64) -> Decision {
-        Decision::of(self.ask_self(mesh, |pair| pair.tracker.self_within(mesh, d)) == Some(true))
+        Decision::of(
+            self.self_tracker(mesh)
+                .is_some_and(|tracker| tracker.self_within(mesh, d)),
+        )
     }
 
     /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart, in
@@ -86,7 +95,83 @@ impl PairTracker {
     /// returned: some ten for each triangle.
     #[doc(alias = "self-collision")]
     pub fn self_pairs(&mut self, mesh: &Mesh, d: f64) -> Vec<Answer> {
-        self.ask_self(mesh, |pair| pair.tracker.self_pairs(mesh, d))
+        self.self_tracker(mesh)
+            .map(|tracker| tracker.self_pairs(mesh, d))
             .unwrap_or_default()
+    }
+
+    fn self_tracker(&mut self, mesh: &Mesh) -> Option<&mut MeshTracker> {
+        match &mut self.follow([mesh.into(); 2]).engine {
+            Engine::Meshes(engine) => Some(&mut engine.tracker),
+            _ => None,
+        }
+    }
+
+    /// Returns the front that is kept of two meshes: pairs of nodes of the trees of A and of B that
+    /// are proven farther apart than the distance. [`Mesh::node_box`](crate::Mesh::node_box)
+    /// returns their boxes. Empty for other geometries.
+    pub fn mesh_front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let tracker = match &self.followed {
+            Some(Followed {
+                engine: Engine::Meshes(engine),
+                ..
+            }) => Some(&engine.tracker),
+            _ => None,
+        };
+        tracker.into_iter().flat_map(MeshTracker::front)
+    }
+
+    /// Returns the front that is kept of two surfaces of patches: pairs of parts of A and of B that
+    /// are proven apart. Empty for surfaces other than those of the last query.
+    #[cfg(feature = "surfaces")]
+    #[must_use]
+    pub fn surface_front(&self, a: &Surface, b: &Surface) -> Vec<[SurfacePart; 2]> {
+        match &self.followed {
+            Some(Followed {
+                engine: Engine::Surfaces(engine),
+                ..
+            }) => engine.tracker.front(a, b).collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Measures two bodies of parts, the first of which is a composite that stays one beside a
+    /// mesh.
+    fn distance_by_pieces(
+        &mut self,
+        bodies: [GeometryRef<'_>; 2],
+        a_from_b: &RelativePose,
+        bounds: impl FnOnce(&Answer, &PartsRef<'_>) -> Distance,
+    ) -> Distance {
+        let pair = bodies.map(|body| body.fingerprint().with(*b"pieces  ", 0.0));
+        let followed = self.follow_by(pair, || of_pieces(bodies));
+        match followed.engine.lend(bodies) {
+            LentPair::Pieces(CompositePair { a, b, tracker }) => bounds(&tracker.closest(&a, &b, a_from_b), &b),
+            mut other => Distance::from(&other.ask(a_from_b, &Question::new())),
+        }
+    }
+}
+
+impl Decomposition {
+    /// Returns bounds of the distance of the mesh from another geometry, by the distance of the
+    /// pieces.
+    ///
+    /// If the bounds leave open whether the bodies meet, the class is
+    /// [`Class::Undecided`](crate::Class::Undecided); no depth is told. A surface of patches is
+    /// measured against the mesh.
+    pub fn distance<'g>(
+        &'g self,
+        tracker: &mut PairTracker,
+        other: impl Into<GeometryRef<'g>>,
+        mesh_from_other: &RelativePose,
+    ) -> Distance {
+        let other = other.into();
+        let pieces = GeometryRef::from(self.pieces());
+        if other.kind() == ShapeKind::Surface {
+            return tracker.distance(self.mesh(), other, mesh_from_other);
+        }
+        tracker.distance_by_pieces([pieces, other], mesh_from_other, |found, other| {
+            self.bounds(found, other, mesh_from_other)
+        })
     }
 }

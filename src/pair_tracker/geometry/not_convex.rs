@@ -1,0 +1,82 @@
+//! What is asked of composites, meshes and surfaces.
+
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::kind::{OfKind, ShapeKind};
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::rotation_matrix;
+use crate::base::tolerance::BOX_TURNED;
+use crate::body::polyhedron::BoxHint;
+use crate::composite::mesh::Mesh;
+use crate::composite::pieces::Composite;
+use crate::composite::separation::ball_about;
+#[cfg(feature = "surfaces")]
+use crate::patch::Surface;
+
+impl OfKind for Composite {
+    fn kind(&self) -> ShapeKind {
+        ShapeKind::Composite
+    }
+
+    fn fingerprint(&self) -> Fingerprint {
+        self.recognised()
+    }
+
+    fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        ball_about(self.aabb())
+    }
+
+    fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        turned_box(self.aabb(), pose)
+    }
+}
+
+impl OfKind for Mesh {
+    fn kind(&self) -> ShapeKind {
+        ShapeKind::Mesh
+    }
+
+    fn fingerprint(&self) -> Fingerprint {
+        self.lineage()
+    }
+
+    fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        ball_about(self.aabb())
+    }
+
+    fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        turned_box(self.aabb(), pose)
+    }
+}
+
+#[cfg(feature = "surfaces")]
+impl OfKind for Surface {
+    fn kind(&self) -> ShapeKind {
+        ShapeKind::Surface
+    }
+
+    fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
+    fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        self.bounding_ball()
+    }
+
+    fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        turned_box(self.outer_box(), pose)
+    }
+}
+
+/// Returns the box about a posed box.
+fn turned_box((low, high): (Point3<f64>, Point3<f64>), pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
+    let q = pose.rotation.coords;
+    let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
+    let half = (high - low) * 0.5;
+    let centre = low.coords + half;
+    let t = pose.translation.vector;
+    let far = centre.abs().sum() + half.sum();
+    let half = matrix.abs() * half + (t.abs().add_scalar(far)) * BOX_TURNED;
+    let centre: Vector3<f64> = matrix * centre + t;
+    (Point3::from(centre - half), Point3::from(centre + half))
+}

@@ -1,0 +1,277 @@
+//! Two geometries beside a borrowed tracker: the questions that every pair answers, at one pose
+//! and over time.
+
+use alloc::string::String;
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use crate::base::num::extremes::Bounded;
+use crate::base::pose::{Operand, RelativePose};
+use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
+#[cfg(feature = "meshes")]
+use crate::composite::separation::{CompositePair, MeshPair};
+use crate::convex::contact::{Manifold, ManifoldOptions};
+use crate::convex::replay::Replay;
+use crate::convex::tracker::Tracker;
+use crate::pair::answer::far;
+use crate::pair::outcome::{Accuracy, Class, Decision, Outcome};
+use crate::pair::question::Question;
+use crate::pair::spot::Answer;
+use crate::pair_tracker::geometry::GeometryRef;
+#[cfg(feature = "surfaces")]
+use crate::patch::{SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
+use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair, SupportPoint};
+
+/// Two geometries, or what stands in for them, and the tracker of their
+/// [`Engine`](super::engine::Engine), whose variants these are.
+#[derive(Debug)]
+pub(crate) enum LentPair<'p> {
+    Polyhedra(PolyhedronPair<'p>),
+    Shapes(ShapePair<'p>),
+    #[cfg(feature = "meshes")]
+    Pieces(CompositePair<'p>),
+    #[cfg(feature = "meshes")]
+    Meshes(MeshPair<'p>),
+    #[cfg(feature = "surfaces")]
+    Surfaces(SurfacePair<'p>),
+    #[cfg(feature = "surfaces")]
+    SurfaceAndShape(SurfaceSolidPair<'p, SurfaceShapeTracker>),
+    #[cfg(feature = "surfaces")]
+    SurfaceAndPieces(SurfaceSolidPair<'p, SurfaceCompositeTracker>),
+    /// Geometries that no tracker measures.
+    Balls(BallPair),
+}
+
+/// Asks the pair of any kind.
+macro_rules! each {
+    ($lent:expr, $pair:ident => $asked:expr) => {
+        match $lent {
+            LentPair::Polyhedra($pair) => $asked,
+            LentPair::Shapes($pair) => $asked,
+            #[cfg(feature = "meshes")]
+            LentPair::Pieces($pair) => $asked,
+            #[cfg(feature = "meshes")]
+            LentPair::Meshes($pair) => $asked,
+            #[cfg(feature = "surfaces")]
+            LentPair::Surfaces($pair) => $asked,
+            #[cfg(feature = "surfaces")]
+            LentPair::SurfaceAndShape($pair) => $asked,
+            #[cfg(feature = "surfaces")]
+            LentPair::SurfaceAndPieces($pair) => $asked,
+            LentPair::Balls($pair) => $asked,
+        }
+    };
+}
+
+impl<'p> LentPair<'p> {
+    /// Returns the closest points with bounds of the signed distance.
+    #[inline]
+    pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        each!(self, pair => pair.ask(pose, question))
+    }
+
+    /// Returns whether the geometries are at most `d` apart.
+    #[inline]
+    pub(crate) fn ask_within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        each!(self, pair => pair.ask_within(pose, d, question))
+    }
+
+    /// Returns whether the geometries are at most `d` apart, from the outcome of the last question;
+    /// true if that is undecided.
+    pub(crate) fn decides_within(&mut self, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
+        if outcome.class == Class::Overlapping || outcome.upper <= d {
+            true
+        } else if outcome.lower > d {
+            false
+        } else if let Self::Polyhedra(pair) = self {
+            let (a, b, tracker) = pair.sides();
+            tracker.decides_within(a, b, pose, outcome, d)
+        } else {
+            !self.ask_within(pose, d, &Question::new()).is_no()
+        }
+    }
+
+    /// Returns a lower bound of the distance, the cheapest to be had.
+    pub(super) fn lower_bound(&mut self, pose: &RelativePose) -> f64 {
+        match self {
+            #[cfg(feature = "meshes")]
+            Self::Pieces(pair) => pair.tracker.lower_bound(&pair.a, &pair.b, pose),
+            #[cfg(feature = "meshes")]
+            Self::Meshes(pair) => pair.tracker.lower_bound(pair.a, pair.b, pose),
+            _ => self.ask(pose, &Question::new()).lower.at_least(0.0),
+        }
+    }
+
+    /// Computes the manifold of two convex bodies; returns whether both are.
+    pub(super) fn manifold(&mut self, pose: &RelativePose, options: &ManifoldOptions, manifold: &mut Manifold) -> bool {
+        match self {
+            Self::Polyhedra(pair) => {
+                let (a, b, tracker) = pair.sides();
+                tracker.manifold(a, b, pose, options, manifold);
+            }
+            Self::Shapes(pair) => {
+                let (a, b, tracker) = pair.sides();
+                tracker.manifold(a, b, pose, options, manifold);
+            }
+            _ => return false,
+        }
+        true
+    }
+
+    /// Returns a query of two polyhedra, rounded or not, as a text.
+    pub(super) fn replay(&mut self, pose: &RelativePose) -> Option<Replay> {
+        match self {
+            Self::Polyhedra(pair) => {
+                let (a, b, tracker) = pair.sides();
+                Some(tracker.replay(a, b, pose, Accuracy::Certified))
+            }
+            Self::Shapes(pair) => {
+                let (a, b, tracker) = pair.sides();
+                tracker.replay(a, b, pose)
+            }
+            _ => None,
+        }
+    }
+
+    /// Returns the first broken invariant of what is kept.
+    pub(super) fn check(&mut self, pose: &RelativePose) -> Result<(), String> {
+        // The pose is that of a front of meshes.
+        let _ = pose;
+        match self {
+            Self::Polyhedra(pair) => pair.sides().2.check(),
+            #[cfg(feature = "meshes")]
+            Self::Meshes(pair) => {
+                let checked = pair.tracker.audit(pair.a, pair.b, pose);
+                checked.map_err(|fault| alloc::format!("{fault}"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns the pair for questions over time.
+    pub(crate) fn over_time(self) -> OverTime<'p> {
+        OverTime(match self {
+            Self::Shapes(pair) => Self::Shapes(pair.with_balls()),
+            _ => self,
+        })
+    }
+}
+
+/// Two geometries that can be measured over time, followed by a borrowed tracker: what
+/// [`impact`](crate::impact) asks.
+#[derive(Debug)]
+pub struct OverTime<'p>(LentPair<'p>);
+
+impl Separation for OverTime<'_> {
+    #[inline]
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        each!(&self.0, pair => pair.ball(of))
+    }
+
+    #[inline]
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        each!(&mut self.0, pair => pair.measure(a_from_b))
+    }
+
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
+        each!(&mut self.0, pair => pair.meets(a_from_b, distance, seen))
+    }
+
+    fn support(&mut self, of: Operand, direction: &Vector3<f64>) -> SupportPoint {
+        each!(&mut self.0, pair => pair.support(of, direction))
+    }
+
+    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+        each!(&mut self.0, pair => pair.free_for(seen, flight))
+    }
+}
+
+impl Tracker {
+    /// Returns two polyhedra that can be measured over time, followed by this tracker.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::separation::Separation;
+    /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+    ///
+    /// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+    /// let b = solids::octahedron(0.5)?;
+    /// let mut tracker = Tracker::new();
+    /// let mut pair = tracker.over(&a, &b);
+    /// let pose = Isometry3::translation(3.0, 0.0, 0.0);
+    /// let seen = pair.measure(&RelativePose::from_isometry(&pose)?);
+    /// assert!(seen.lower <= 1.5 && 1.5 <= seen.upper);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn over<'p>(&'p mut self, a: &'p ConvexPolyhedron, b: &'p ConvexPolyhedron) -> OverTime<'p> {
+        OverTime(LentPair::Polyhedra(PolyhedronPair::new(a, b, self)))
+    }
+}
+
+/// Two geometries that no tracker measures: only balls about them are known.
+#[derive(Debug)]
+pub(crate) struct BallPair {
+    balls: [(Point3<f64>, f64); 2],
+}
+
+impl BallPair {
+    pub(super) fn new(bodies: [GeometryRef<'_>; 2]) -> Self {
+        Self {
+            balls: bodies.map(GeometryRef::bounding_ball),
+        }
+    }
+
+    fn ask(&self, pose: &RelativePose, _: &Question) -> Answer {
+        let reach = self.balls.map(|(centre, radius)| centre.coords.norm() + radius);
+        let (lower, upper, normal) = far(reach, pose);
+        Answer {
+            is_reached: false,
+            ..Answer::of_convex(Outcome {
+                class: if lower > 0.0 {
+                    Class::Separated
+                } else {
+                    Class::Undecided
+                },
+                distance: 0.5 * lower + 0.5 * upper,
+                lower,
+                upper,
+                point_on_a: self.balls[0].0,
+                point_on_b: self.balls[1].0,
+                normal: Unit::new_unchecked(normal),
+                ..Outcome::starting_at(FeaturePair::FIRST)
+            })
+        }
+    }
+
+    fn ask_within(&self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        let found = self.ask(pose, question);
+        if d >= 0.0 {
+            Decision::by(found.lower, found.upper, d)
+        } else {
+            Decision::No
+        }
+    }
+}
+
+impl Separation for BallPair {
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        self.balls[usize::from(of == Operand::B)]
+    }
+
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        Measure::from(&self.ask(a_from_b, &Question::new()))
+    }
+
+    fn meets(&mut self, _: &RelativePose, _: f64, seen: &Measure) -> bool {
+        seen.lower <= 0.0
+    }
+
+    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+        let way = seen.lower - flight.keep - flight.apart(self).noise;
+        Free {
+            span: flight.held(self, way),
+            proof: Proof::Own,
+        }
+    }
+}

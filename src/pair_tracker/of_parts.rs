@@ -1,0 +1,99 @@
+//! Engines of pairs with a composite or a mesh.
+
+use alloc::boxed::Box;
+use alloc::sync::Arc;
+
+#[cfg(feature = "serde")]
+use super::engine::StoredEngine;
+use super::engine::{Engine, EngineReport, WithStandIns};
+use super::lent_pair::LentPair;
+use super::work::PairWork;
+use crate::body::shape::Shape;
+use crate::composite::mesh::Mesh;
+use crate::composite::mesh::tracker::MeshTracker;
+use crate::composite::parts::PartsRef;
+use crate::composite::pieces::{Composite, CompositeTracker};
+use crate::composite::separation::{CompositePair, MeshPair};
+use crate::pair_tracker::geometry::{GeometryRef, Lent};
+
+/// Two bodies of parts. A convex body is a composite of one piece, a single leaf with its own
+/// support points.
+pub(super) type PieceEngine = WithStandIns<CompositeTracker, Composite>;
+
+/// Two meshes, or a mesh and the one that stands in for a composite.
+pub(super) type MeshEngine = WithStandIns<MeshTracker, Mesh>;
+
+/// Returns the engine of a pair without a surface; `None` if both bodies are convex.
+pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
+    if a.kind().is_convex() && b.kind().is_convex() {
+        return None;
+    }
+    if a.mesh().or(b.mesh()).is_some()
+        && let (Some(x), Some(y)) = (as_mesh(a), as_mesh(b))
+    {
+        return Some(Engine::Meshes(Box::new(WithStandIns::new([x, y]))));
+    }
+    Some(of_pieces([a, b]))
+}
+
+/// Returns the engine of two bodies of parts, of which a composite stays one beside a mesh.
+pub(super) fn of_pieces(bodies: [GeometryRef<'_>; 2]) -> Engine {
+    let piece = |shape: Arc<Shape>| Arc::new(Composite::from(Arc::unwrap_or_clone(shape)));
+    let stand_ins = bodies.map(|body| body.to_shape().map(piece));
+    Engine::Pieces(Box::new(WithStandIns::new(stand_ins)))
+}
+
+/// Returns the mesh that is equal to a body that is not convex: `Some(None)` for a mesh itself.
+/// Pieces that a mesh does not hold, as points, segments and needles, stay pieces.
+fn as_mesh(body: GeometryRef<'_>) -> Option<Option<Arc<Mesh>>> {
+    match body.0 {
+        Lent::Mesh(_) => Some(None),
+        Lent::Composite(body) => body.get().stand_in().map(|mesh| Some(Arc::new(mesh))),
+        _ => None,
+    }
+}
+
+/// What engines with a front count and write.
+macro_rules! report_front {
+    ($work:ident, $stored:ident) => {
+        pub(super) fn report(&self) -> EngineReport {
+            EngineReport {
+                work: PairWork::$work(self.tracker.work()),
+                front_len: self.tracker.front_len(),
+                heap_bytes: size_of::<Self>() + self.tracker.heap_bytes(),
+            }
+        }
+
+        #[cfg(feature = "serde")]
+        pub(super) fn stored(&self, parts: [u32; 2]) -> StoredEngine {
+            StoredEngine::$stored(parts)
+        }
+    };
+}
+
+pub(super) use report_front;
+
+impl PieceEngine {
+    pub(super) fn lend<'p>(&'p mut self, [a, b]: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
+        let parts = |body: GeometryRef<'p>, stand_in: &'p Option<Arc<Composite>>| match body.0 {
+            Lent::Composite(body) => Some(PartsRef::Pieces(body.get())),
+            Lent::Mesh(mesh) => Some(PartsRef::Mesh(mesh.get())),
+            _ => stand_in.as_deref().map(PartsRef::Pieces),
+        };
+        let [x, y] = &self.stand_ins;
+        let (a, b) = (parts(a, x)?, parts(b, y)?);
+        let tracker = &mut self.tracker;
+        Some(LentPair::Pieces(CompositePair { a, b, tracker }))
+    }
+
+    report_front!(of_trees, Pieces);
+}
+
+impl MeshEngine {
+    pub(super) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
+        let (tracker, [a, b]) = self.sides(bodies.map(GeometryRef::mesh))?;
+        Some(LentPair::Meshes(MeshPair { a, b, tracker }))
+    }
+
+    report_front!(of_trees, Triangles);
+}

@@ -1,0 +1,115 @@
+//! Engines of pairs with a surface of patches.
+
+use alloc::boxed::Box;
+use alloc::sync::Arc;
+
+#[cfg(feature = "serde")]
+use super::engine::StoredEngine;
+use super::engine::{Engine, EngineReport, WithStandIns};
+use super::lent_pair::LentPair;
+use super::of_parts::report_front;
+use super::work::PairWork;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::pose::Operand;
+use crate::body::shape::Shape;
+use crate::composite::pieces::Composite;
+use crate::pair_tracker::geometry::{GeometryRef, Lent};
+use crate::patch::{
+    Surface, SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair, SurfaceTracker,
+};
+
+/// Two surfaces, or a surface and a mesh, for which one of flat patches stands in.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SurfaceEngine {
+    pub(super) tracker: SurfaceTracker,
+    /// With the fingerprint of the mesh when the surface was made.
+    stand_ins: [Option<(Fingerprint, Arc<Surface>)>; 2],
+}
+
+/// A surface and a convex shape.
+pub(super) type SurfaceShapeEngine = WithStandIns<SurfaceShapeTracker, Shape>;
+
+/// A surface and a composite, for which nothing stands in.
+pub(super) type SurfacePieceEngine = WithStandIns<SurfaceCompositeTracker, Composite>;
+
+/// Returns the engine of a pair with a surface; `None` for any other pair.
+pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
+    let (_, other, _) = surface_first([a, b])?;
+    Some(match other.0 {
+        Lent::Surface(_) | Lent::Mesh(_) => Engine::Surfaces(Box::default()),
+        Lent::Composite(_) => Engine::SurfaceAndPieces(Box::new(WithStandIns::new([None, None]))),
+        Lent::Polyhedron(_) | Lent::Convex(_) => {
+            let stand_ins = [a, b].map(GeometryRef::polyhedron_as_shape);
+            Engine::SurfaceAndShape(Box::new(WithStandIns::new(stand_ins)))
+        }
+    })
+}
+
+/// Returns the surface of a pair with one, the other geometry, and which of both is the surface.
+fn surface_first<'p>([a, b]: [GeometryRef<'p>; 2]) -> Option<(&'p Surface, GeometryRef<'p>, Operand)> {
+    match (a.surface(), b.surface()) {
+        (Some(surface), _) => Some((surface, b, Operand::A)),
+        (None, Some(surface)) => Some((surface, a, Operand::B)),
+        (None, None) => None,
+    }
+}
+
+impl SurfaceEngine {
+    /// `None` for a mesh of coordinates that are too large for surfaces.
+    pub(super) fn lend<'p>(&'p mut self, [a, b]: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
+        self.follow([a, b]);
+        let [x, y] = self
+            .stand_ins
+            .each_ref()
+            .map(|s| s.as_ref().map(|(_, surface)| &**surface));
+        let of_a = a.mesh().map(|mesh| (Operand::A, mesh));
+        Some(LentPair::Surfaces(SurfacePair {
+            a: a.surface().or(x)?,
+            b: b.surface().or(y)?,
+            mesh: of_a.or(b.mesh().map(|mesh| (Operand::B, mesh))),
+            tracker: &mut self.tracker,
+        }))
+    }
+
+    /// Makes the surface of a mesh, and again if the mesh has bent since.
+    fn follow(&mut self, bodies: [GeometryRef<'_>; 2]) {
+        for (body, stand_in) in bodies.into_iter().zip(&mut self.stand_ins) {
+            let Some(mesh) = body.mesh() else { continue };
+            if stand_in.as_ref().is_none_or(|(of, _)| *of != mesh.fingerprint) {
+                let surface = Surface::from_mesh(mesh).ok();
+                *stand_in = surface.map(|surface| (mesh.fingerprint, Arc::new(surface)));
+            }
+        }
+    }
+
+    report_front!(of_surfaces, Patches);
+}
+
+impl SurfaceShapeEngine {
+    pub(super) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
+        let [x, y] = &self.stand_ins;
+        let (surface, other, order) = surface_first(bodies)?;
+        Some(LentPair::SurfaceAndShape(SurfaceSolidPair {
+            surface,
+            body: other.shape().or(x.as_deref()).or(y.as_deref())?,
+            order,
+            tracker: &mut self.tracker,
+        }))
+    }
+
+    report_front!(of_surfaces, Patches);
+}
+
+impl SurfacePieceEngine {
+    pub(super) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
+        let (surface, other, order) = surface_first(bodies)?;
+        Some(LentPair::SurfaceAndPieces(SurfaceSolidPair {
+            surface,
+            body: other.composite()?,
+            order,
+            tracker: &mut self.tracker,
+        }))
+    }
+
+    report_front!(of_surfaces, Patches);
+}

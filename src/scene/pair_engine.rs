@@ -1,0 +1,328 @@
+//! The state of a pair in a table: a [`Tracker`] of two polyhedra, a [`MixedPair`] of all others.
+
+use alloc::boxed::Box;
+#[cfg(feature = "serde")]
+use core::mem::discriminant;
+
+use crate::base::pose::RelativePose;
+use crate::body::polyhedron::ConvexPolyhedron;
+#[cfg(feature = "meshes")]
+use crate::composite::contact::{ContactPatches, PatchContacts};
+use crate::convex::contact::{Manifold, ManifoldOptions, Query};
+use crate::convex::tracker::{Tracker, Workspace};
+use crate::pair::outcome::{Outcome, Until};
+use crate::pair::question::Question;
+#[cfg(feature = "meshes")]
+use crate::pair_tracker::PatchwiseContacts;
+#[cfg(feature = "serde")]
+use crate::pair_tracker::StoredEngine;
+use crate::pair_tracker::geometry::{Geometry, GeometryRef};
+use crate::pair_tracker::{Engine, LentPair};
+use crate::time::separation::{Measure, PolyhedronPair, Separation, ShapePair};
+
+/// What a contact stage starts from: the last outcome, the options, and the patches of bodies that
+/// are not convex.
+pub(super) struct ContactAsk<'a> {
+    pub(super) outcome: &'a Outcome,
+    pub(super) options: &'a ManifoldOptions,
+    #[cfg(feature = "meshes")]
+    pub(super) patches: [Option<&'a ContactPatches>; 2],
+}
+
+/// What an update of contact points did.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Contacted {
+    /// The pair has no contact points that can be found.
+    Nothing,
+    /// The points were measured again.
+    Kept,
+    /// The manifold was made anew.
+    Renewed,
+}
+
+/// State of a pair between steps. Implemented by two types, so that pairs of polyhedra pay nothing
+/// for the other kinds.
+pub(super) trait PairEngine: Clone + Send + Sync {
+    /// The two shapes in the form in which they are measured.
+    type Shapes<'a>: Copy;
+
+    /// Returns the shapes of a pair of this type; `None` for another pair.
+    fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>>;
+
+    /// Returns the signed distance with bounds and features; an overlap without a depth if `until`
+    /// is [`Until::Class`].
+    fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome;
+
+    /// Exchanges the working memory of measurements, which holds nothing between two, for another.
+    fn exchange(&mut self, _: &mut Workspace) {}
+
+    /// Returns whether the shapes are at most `d` apart, from the outcome of the last measurement.
+    fn decides_within(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool;
+
+    /// Asks the pair in the form that can be measured over time, with the last outcome as a
+    /// measure.
+    fn over_time<R>(
+        &mut self,
+        shapes: Self::Shapes<'_>,
+        seen: Option<&Outcome>,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+    ) -> R;
+
+    /// Updates the contact points of a pair within the prediction.
+    fn update_manifold(
+        &mut self,
+        shapes: Self::Shapes<'_>,
+        pose: &RelativePose,
+        ask: ContactAsk<'_>,
+        stored: &mut Option<Box<Manifold>>,
+    ) -> Contacted;
+
+    /// Returns the contacts of a pair with a body that is not convex.
+    #[cfg(feature = "meshes")]
+    fn contacts(&self) -> Option<&[PatchContacts]> {
+        None
+    }
+
+    /// Forgets the contacts of a pair that is beyond the prediction.
+    fn drop_contacts(&mut self) {}
+
+    /// Returns the pieces or triangles of the last measurement; zero for shapes of one piece.
+    fn pieces(&self) -> [u32; 2] {
+        [0; 2]
+    }
+
+    /// Returns the number of triangles of the cached surface of an overlap.
+    fn facets(&self) -> usize {
+        0
+    }
+
+    /// Drops the cached surface of an overlap.
+    fn shed(&mut self) {}
+
+    /// Returns the bytes on the heap.
+    fn heap_bytes(&self) -> usize;
+
+    /// Returns an engine that begins with this state, for the two bodies in the order of the pair
+    /// or in the other.
+    fn started(&self, a: &Geometry, b: &Geometry, is_in_order: bool) -> Option<Engine>;
+}
+
+impl PairEngine for Tracker {
+    type Shapes<'a> = (&'a ConvexPolyhedron, &'a ConvexPolyhedron);
+
+    #[inline]
+    fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>> {
+        a.as_polyhedron().zip(b.as_polyhedron())
+    }
+
+    #[inline]
+    fn measure(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
+        Self::measure(self, a, b, pose, until)
+    }
+
+    #[inline]
+    fn exchange(&mut self, workspace: &mut Workspace) {
+        Self::exchange(self, workspace);
+    }
+
+    #[inline]
+    fn decides_within(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
+        Self::decides_within(self, a, b, pose, outcome, d)
+    }
+
+    fn over_time<R>(
+        &mut self,
+        (a, b): Self::Shapes<'_>,
+        seen: Option<&Outcome>,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+    ) -> R {
+        let mut pair = PolyhedronPair::new(a, b, self);
+        let seen = seen.map(|outcome| pair.seen(outcome));
+        ask(&mut pair, seen)
+    }
+
+    /// If the bodies have hardly moved since the manifold was made, the points are measured again,
+    /// else the manifold is rebuilt from the outcome.
+    fn update_manifold(
+        &mut self,
+        (a, b): Self::Shapes<'_>,
+        pose: &RelativePose,
+        ContactAsk { outcome, options, .. }: ContactAsk<'_>,
+        stored: &mut Option<Box<Manifold>>,
+    ) -> Contacted {
+        let query = Query::new(a, b, pose, options);
+        let manifold = stored.get_or_insert_default();
+        let Err(moved) = manifold.refresh(&query) else {
+            return Contacted::Kept;
+        };
+        manifold.renew(&query, outcome, moved);
+        Contacted::Renewed
+    }
+
+    #[inline]
+    fn facets(&self) -> usize {
+        Self::facets(self)
+    }
+
+    fn shed(&mut self) {
+        Self::shed(self);
+    }
+
+    fn heap_bytes(&self) -> usize {
+        Self::heap_bytes(self)
+    }
+
+    fn started(&self, a: &Geometry, b: &Geometry, is_in_order: bool) -> Option<Engine> {
+        let features = self.features()?;
+        let features = if is_in_order { features } else { features.swapped() };
+        let (a, b) = <Self as PairEngine>::shapes(a, b)?;
+        Some(Engine::of_polyhedra(Self::starting_from(features, a, b)))
+    }
+}
+
+/// The state of a pair that is not of two polyhedra: its engine, the parts of the last measurement,
+/// and the contacts if they are called for.
+#[derive(Clone, Debug)]
+pub(super) struct MixedPair {
+    engine: Box<Engine>,
+    parts: [u32; 2],
+    #[cfg(feature = "meshes")]
+    contacts: Option<Box<PatchwiseContacts>>,
+}
+
+impl PairEngine for MixedPair {
+    type Shapes<'a> = [GeometryRef<'a>; 2];
+
+    fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>> {
+        Some([a.into(), b.into()])
+    }
+
+    fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
+        let answer = self.engine.lend(shapes).ask(pose, &Question::new().until(until));
+        self.parts = answer.parts();
+        answer.outcome
+    }
+
+    fn decides_within(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
+        self.engine.lend(shapes).decides_within(pose, outcome, d)
+    }
+
+    fn over_time<R>(
+        &mut self,
+        shapes: Self::Shapes<'_>,
+        seen: Option<&Outcome>,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+    ) -> R {
+        ask(&mut self.engine.lend(shapes).over_time(), seen.map(ShapePair::seen))
+    }
+
+    /// Convex shapes have a manifold, composites and meshes contacts by patches.
+    fn update_manifold(
+        &mut self,
+        shapes: Self::Shapes<'_>,
+        pose: &RelativePose,
+        ask: ContactAsk<'_>,
+        stored: &mut Option<Box<Manifold>>,
+    ) -> Contacted {
+        if let LentPair::Shapes(mut pair) = self.engine.lend(shapes) {
+            let (a, b, tracker) = pair.sides();
+            let queries = tracker.work().queries;
+            tracker.manifold(a, b, pose, ask.options, stored.get_or_insert_default());
+            // A manifold is rebuilt from a query.
+            return if tracker.work().queries > queries {
+                Contacted::Renewed
+            } else {
+                Contacted::Kept
+            };
+        }
+        #[cfg(feature = "meshes")]
+        if self
+            .contacts
+            .get_or_insert_default()
+            .find(shapes, ask.patches, pose, ask.options)
+            .is_some()
+        {
+            return Contacted::Kept;
+        }
+        Contacted::Nothing
+    }
+
+    #[cfg(feature = "meshes")]
+    fn contacts(&self) -> Option<&[PatchContacts]> {
+        self.contacts.as_deref().map(PatchwiseContacts::found)
+    }
+
+    #[cfg(feature = "meshes")]
+    fn drop_contacts(&mut self) {
+        self.contacts = None;
+    }
+
+    fn pieces(&self) -> [u32; 2] {
+        self.parts
+    }
+
+    fn heap_bytes(&self) -> usize {
+        size_of::<Engine>() + self.engine.heap_bytes()
+    }
+
+    fn started(&self, _: &Geometry, _: &Geometry, is_in_order: bool) -> Option<Engine> {
+        is_in_order.then(|| (*self.engine).clone())
+    }
+}
+
+impl From<Engine> for MixedPair {
+    fn from(engine: Engine) -> Self {
+        Self {
+            engine: Box::new(engine),
+            parts: [0; 2],
+            #[cfg(feature = "meshes")]
+            contacts: None,
+        }
+    }
+}
+
+/// A pair of either table, on its way to one.
+#[derive(Debug)]
+#[allow(clippy::large_enum_variant, reason = "polyhedra, the usual pair, stay in place")]
+pub(super) enum AnyPair {
+    Polyhedra(Tracker),
+    Mixed(MixedPair),
+}
+
+impl AnyPair {
+    /// Returns the state of a pair without a start.
+    pub(super) fn new(a: &Geometry, b: &Geometry) -> Self {
+        match Engine::new([a.into(), b.into()]) {
+            Engine::Polyhedra(engine) => Self::Polyhedra(engine.tracker),
+            engine => Self::Mixed(MixedPair::from(engine)),
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl MixedPair {
+    /// Returns the part of the state that is written.
+    pub(super) fn stored(&self) -> StoredEngine {
+        self.engine.stored(self.parts)
+    }
+
+    /// Returns the state of two bodies as written; `None` if it is of other kinds.
+    pub(super) fn restored(stored: StoredEngine, a: &Geometry, b: &Geometry) -> Option<Self> {
+        let mut pair = Self::from(Engine::new([a.into(), b.into()]));
+        if discriminant(&pair.stored()) != discriminant(&stored) {
+            return None;
+        }
+        match stored {
+            StoredEngine::Polyhedra(tracker) => *pair.engine = Engine::of_polyhedra(*tracker),
+            StoredEngine::Convex(tracker) => {
+                if let Engine::Shapes(engine) = &mut *pair.engine {
+                    engine.tracker = *tracker;
+                }
+            }
+            StoredEngine::Pieces(parts) | StoredEngine::Triangles(parts) | StoredEngine::Patches(parts) => {
+                pair.parts = parts;
+            }
+        }
+        Some(pair)
+    }
+}
