@@ -387,3 +387,61 @@ fn random_bits_never_panic() {
     }
     assert!(built > 500, "{built}");
 }
+
+/// Clouds large enough that points inside are left out before the hull: every point named as inside is strictly inside,
+/// and the body is that of its vertices alone.
+#[test]
+fn points_left_out_first_change_nothing() {
+    let mut rng = Rng::new(5);
+    let lattice = |sides: [usize; 3], step: f64| -> Points {
+        let [a, b, c] = sides;
+        let at = |i: usize| [i % a, i / a % b, i / (a * b)].map(|k| k as f64 * step);
+        (0..a * b * c).map(|i| Point3::from(at(i))).collect()
+    };
+    let mut clouds: Vec<(&str, Points)> = vec![
+        ("box", (0..5000).map(|_| point(&mut rng, 1.0, 1.0, 1.0)).collect()),
+        ("plate", (0..5000).map(|_| point(&mut rng, 1.0, 1.0, 1e-9)).collect()),
+        ("needle", (0..5000).map(|_| point(&mut rng, 1e-12, 1.0, 1e-9)).collect()),
+        (
+            "far",
+            (0..5000)
+                .map(|_| point(&mut rng, 1.0, 1.0, 1.0) + Vector3::repeat(1e6))
+                .collect(),
+        ),
+        (
+            "small",
+            (0..5000).map(|_| point(&mut rng, 1e-80, 1e-80, 1e-80)).collect(),
+        ),
+        ("large", (0..5000).map(|_| point(&mut rng, 1e80, 1e80, 1e60)).collect()),
+        ("lattice", lattice([15, 16, 17], 1.0)),
+        ("rounded lattice", lattice([15, 16, 17], 0.1)),
+    ];
+    let turned: Points = clouds[0]
+        .1
+        .iter()
+        .map(|p| Point3::from([p.x + p.y, p.y - p.x, 3e-16 * p.z + p.x]))
+        .collect();
+    clouds.push(("turned and flat to rounding", turned));
+    let twice: Points = clouds[0]
+        .1
+        .iter()
+        .chain(&clouds[6].1)
+        .chain(&clouds[0].1)
+        .copied()
+        .collect();
+    clouds.push(("two clouds with copies", twice));
+    for (name, points) in clouds {
+        let body = check(&points, name);
+        let alone: Points = body.vertex_points().collect();
+        let again = ConvexPolyhedron::from_points(&alone).unwrap();
+        assert_eq!(body.face_count(), again.face_count(), "{name}");
+        assert!(body.vertex_points().eq(again.vertex_points()), "{name}");
+        let inside = &body.report().interior;
+        assert!(inside.is_sorted(), "{name}");
+        for f in body.faces() {
+            let rim: Points = body.face_vertices(f).take(3).map(|v| body.vertex(v).unwrap()).collect();
+            let on = |&i: &u32| side(&rim[0], &rim[1], &rim[2], &points[i as usize]) >= 0.0;
+            assert!(!inside.iter().any(on), "{name}");
+        }
+    }
+}

@@ -77,7 +77,16 @@ const LIMITS: &[&str] = &[
 ];
 
 /// Bounds of roundings that are derived where they stand, and not yet transcribed.
-const BY_HAND: &[&str] = &["EXACT_PLACE", "RAY_PLANE", "RAY_SIDE", "TURN_ERROR"];
+const BY_HAND: &[&str] = &[
+    "CORE_CELL",
+    "CORE_ERROR",
+    "CORE_REACH",
+    "EXACT_PLACE",
+    "RAY_PLANE",
+    "RAY_SIDE",
+    "SIDE_FINE",
+    "TURN_ERROR",
+];
 
 /// Constants whose bound is a matter of underflow, see `underflow`.
 const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];

@@ -9,10 +9,16 @@ use crate::base::num::extremes::{Extremes, largest};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX};
 use crate::body::polyhedron::build::error::BuildError;
+use crate::body::polyhedron::build::inner::{BLOCK, InnerHull, PointBlock};
 
 /// Largest number of points accepted: a body of n vertices has fewer than 6 n half-edges, each with
 /// a 32-bit number.
 const POINTS_MAX: usize = 1 << 29;
+
+/// Points at most among which those of a core are sought.
+const SAMPLE: usize = 8192;
+/// Directions of the first core, and as many opposite ones.
+const DIRECTIONS: usize = 16;
 
 /// Distinct points in stored coordinates, in Morton order: points adjacent in space are adjacent in
 /// memory.
@@ -25,6 +31,8 @@ pub(crate) struct Cloud {
     pub(crate) origin: Vector3<f64>,
     pub(crate) exponent: i32,
     pub(crate) flushed: usize,
+    /// The caller's indices of points proven strictly inside the hull and left out.
+    pub(crate) inside: Vec<u32>,
     /// Number of points given, used or not.
     pub(crate) given: usize,
 }
@@ -64,6 +72,17 @@ impl Cloud {
     /// Makes a cloud of the points named by `indices`. The indices must exist; `needed` is the
     /// least count accepted.
     pub(crate) fn new(given: &[Point3<f64>], indices: Vec<u32>, needed: usize) -> Result<Self, BuildError> {
+        Self::sifted(given, indices, needed, usize::MAX)
+    }
+
+    /// Makes a cloud as [`new`](Self::new) does, but of more than `many` points leaves out such as
+    /// are proven strictly inside the hull.
+    pub(crate) fn sifted(
+        given: &[Point3<f64>],
+        mut indices: Vec<u32>,
+        needed: usize,
+        many: usize,
+    ) -> Result<Self, BuildError> {
         if given.len() > POINTS_MAX {
             return Err(BuildError::TooMany { count: given.len() });
         }
@@ -81,16 +100,47 @@ impl Cloud {
         }
         let (origin, exponent, flush) = placement(given, &indices)?;
         let mut flushed = 0;
-        let mut stored: Vec<Vector3<f64>> = Vec::with_capacity(indices.len());
-        for &i in &indices {
+        let mut place = |i: u32| {
             let mut p = stored_place(&given[i as usize], &origin, exponent);
             for x in p.iter_mut() {
-                if x.abs() < flush {
-                    flushed += (*x != 0.0) as usize;
-                    *x = 0.0; // also turns -0 into 0
-                }
+                let is_small = x.abs() < flush;
+                flushed += (is_small & (*x != 0.0)) as usize;
+                *x = if is_small { 0.0 } else { *x }; // also turns -0 into 0
             }
-            stored.push(p);
+            p
+        };
+        let mut inside = Vec::new();
+        let mut stored: Vec<Vector3<f64>>;
+        if indices.len() > many {
+            let count = indices.len();
+            let zero = |x: f64| if x.abs() < flush { 0.0 } else { x };
+            let sample: Vec<_> = indices
+                .iter()
+                .step_by(count.div_ceil(SAMPLE.min(count / 4)))
+                .map(|&i| stored_place(&given[i as usize], &origin, exponent).map(zero))
+                .collect();
+            let core = InnerHull::new(&sample, DIRECTIONS, if count > 100_000 { 32 } else { 16 });
+            let mut points = indices.iter().map(|&i| (i, place(i)));
+            (indices, stored) = sift(core.as_ref(), &mut points, &mut inside);
+            // Again with more directions while it pays.
+            let (mut before, mut directions) = (count, DIRECTIONS);
+            loop {
+                let left = indices.len();
+                directions *= 3;
+                if 4 * left > 3 * before || left < 400 * directions {
+                    break;
+                }
+                let sample: Vec<_> = stored.iter().step_by(left.div_ceil(SAMPLE)).copied().collect();
+                let Some(core) = InnerHull::new(&sample, directions, 32) else {
+                    break;
+                };
+                let mut points = indices.iter().copied().zip(stored.iter().copied());
+                let sifted = sift(Some(&core), &mut points, &mut inside);
+                (indices, stored) = sifted;
+                before = left;
+            }
+        } else {
+            stored = indices.iter().map(|&i| place(i)).collect();
         }
         let order = morton_order(&stored, &indices);
         let mut cloud = Self {
@@ -100,6 +150,7 @@ impl Cloud {
             origin,
             exponent,
             flushed,
+            inside,
             given: given.len(),
         };
         for k in order {
@@ -130,6 +181,50 @@ impl Cloud {
     pub(crate) fn diagonal(&self) -> f64 {
         let (low, high) = bounding_box(&self.points);
         sqrt((high - low).norm_squared())
+    }
+}
+
+/// Splits points into those that a core does not hold and, by their indices alone, those that it
+/// does.
+fn sift(
+    core: Option<&InnerHull>,
+    points: &mut impl Iterator<Item = (u32, Vector3<f64>)>,
+    inside: &mut Vec<u32>,
+) -> (Vec<u32>, Vec<Vector3<f64>>) {
+    let Some(core) = core else {
+        return points.unzip();
+    };
+    let (mut indices, mut stored) = (Vec::new(), Vec::new());
+    let mut block = PointBlock { at: [[0.0; BLOCK]; 3] };
+    let mut held = [false; BLOCK];
+    let mut names = [0u32; BLOCK];
+    let (mut names_dropped, mut places_kept) = ([0u32; BLOCK], [0u32; BLOCK]);
+    loop {
+        let mut filled = 0;
+        while filled < BLOCK {
+            let Some((i, p)) = points.next() else { break };
+            names[filled] = i;
+            (0..3).for_each(|k| block.at[k][filled] = p[k]);
+            filled += 1;
+        }
+        core.holds(&block, &mut held);
+        // Without branches, which nobody could predict.
+        let (mut dropped, mut kept) = (0, 0);
+        for k in 0..filled {
+            names_dropped[dropped] = names[k];
+            places_kept[kept] = k as u32;
+            dropped += held[k] as usize;
+            kept += !held[k] as usize;
+        }
+        inside.extend_from_slice(&names_dropped[..dropped]);
+        for &k in &places_kept[..kept] {
+            let k = k as usize;
+            indices.push(names[k]);
+            stored.push(Vector3::new(block.at[0][k], block.at[1][k], block.at[2][k]));
+        }
+        if filled < BLOCK {
+            return (indices, stored);
+        }
     }
 }
 

@@ -25,17 +25,20 @@
 //! triangles at a horizon edge sees the new triangle between them, whose plane is a positive
 //! combination of their planes; and the set of triangles that a point sees is connected.
 
-use alloc::collections::VecDeque;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use crate::base::notice::progress::Watch;
+use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::sign::{projection, side};
-use crate::base::tolerance::SIDE_ERROR;
+use crate::base::tolerance::{SIDE_ERROR, SIDE_FINE};
 use crate::body::polyhedron::build::cloud::bounding_box;
 
 pub(crate) const NONE: u32 = u32::MAX;
+
+/// Triangles of a generation from which it pays to sort them.
+const GENERATION: usize = 256;
 
 /// A triangle of the hull's surface, counter-clockwise from outside.
 #[derive(Clone, Copy, Debug)]
@@ -82,7 +85,7 @@ struct Hull<'a> {
     free: Vec<u32>,
     /// Triangles on which points may wait, oldest first: the hull grows on all sides alike, which
     /// keeps horizons short.
-    pending: VecDeque<u32>,
+    pending: Vec<u32>,
     /// The next point of the conflict list, for each point.
     next: Vec<u32>,
     insertion: u32,
@@ -94,6 +97,9 @@ struct Hull<'a> {
     fresh: Vec<u32>,
     /// The new triangle whose horizon edge starts at a vertex, for each vertex.
     starting_at: Vec<u32>,
+    /// Normals in double-double of triangles that needed one, by place; may be shorter than
+    /// `facets`.
+    fine: Vec<Option<[DoubleDouble; 3]>>,
 }
 
 /// The reason for which points have no hull.
@@ -111,12 +117,23 @@ pub(crate) fn hull(points: &[Vector3<f64>], watch: &mut Watch<'_>) -> Result<Hul
     let mut hull = Hull::new(points);
     hull.begin(simplex(points).map_err(NoHull::Flat)?);
     watch.stage("hull", Some(points.len())).map_err(|_| NoHull::Stopped)?;
-    while let Some(facet) = hull.pending.pop_front() {
-        let f = &hull.facets[facet as usize];
-        if f.alive && f.first != NONE {
-            hull.add(facet).ok_or(NoHull::Inconsistent)?;
-            if !watch.done(hull.settled) {
-                return Err(NoHull::Stopped);
+    // Generation after generation, each along the curve of the cloud: the hull grows on all sides
+    // alike, which keeps horizons short, and what is worked on lies together in memory.
+    let mut generation: Vec<(u32, u32)> = Vec::new();
+    while !hull.pending.is_empty() {
+        generation.clear();
+        let facets = &hull.facets;
+        generation.extend(hull.pending.drain(..).map(|f| (facets[f as usize].farthest, f)));
+        if generation.len() > GENERATION {
+            generation.sort_unstable();
+        }
+        for &(_, facet) in &generation {
+            let f = &hull.facets[facet as usize];
+            if f.alive && f.first != NONE {
+                hull.add(facet).ok_or(NoHull::Inconsistent)?;
+                if !watch.done(hull.settled) {
+                    return Err(NoHull::Stopped);
+                }
             }
         }
     }
@@ -131,7 +148,7 @@ impl<'a> Hull<'a> {
             sides: high - low,
             facets: Vec::with_capacity(64 + 2 * points.len()),
             free: Vec::new(),
-            pending: VecDeque::new(),
+            pending: Vec::new(),
             next: vec![NONE; points.len()],
             insertion: 0,
             settled: 0,
@@ -139,6 +156,7 @@ impl<'a> Hull<'a> {
             horizon: Vec::new(),
             fresh: Vec::new(),
             starting_at: vec![NONE; points.len()],
+            fine: Vec::new(),
         }
     }
 
@@ -177,6 +195,9 @@ impl<'a> Hull<'a> {
         match self.free.pop() {
             Some(slot) => {
                 self.facets[slot as usize] = facet;
+                if let Some(fine) = self.fine.get_mut(slot as usize) {
+                    *fine = None;
+                }
                 slot
             }
             None => {
@@ -188,24 +209,40 @@ impl<'a> Hull<'a> {
 
     /// Returns the height of `p` above `facet`: a rounded value with an exact sign.
     #[inline]
-    fn height(&self, facet: u32, p: u32) -> f64 {
+    fn height(&mut self, facet: u32, p: u32) -> f64 {
         let f = &self.facets[facet as usize];
         let height = side_height(&f.normal, &f.base, &self.points[p as usize]);
         if height.abs() > f.guard {
             height
         } else {
-            self.exact_height(f, p)
+            self.exact_height(facet, p)
         }
     }
 
     #[cold]
-    fn exact_height(&self, f: &HullFacet, p: u32) -> f64 {
+    fn exact_height(&mut self, facet: u32, p: u32) -> f64 {
+        let f = &self.facets[facet as usize];
         let [a, b, c] = f.triangle.v.map(|i| &self.points[i as usize]);
         let p = &self.points[p as usize];
         // If every term vanishes by itself (axis-parallel planes), the sum needs no exact
         // arithmetic.
         if products(&(b - a), &(c - a)).dot(&(p - a).abs()) == 0.0 {
-            0.0
+            return 0.0;
+        }
+        // In clouds flat to rounding every point comes here; nearly all are decided by twice the
+        // digits.
+        if self.fine.len() <= facet as usize {
+            self.fine.resize(self.facets.len(), None);
+        }
+        let difference = |q: &Vector3<f64>| [0, 1, 2].map(|k| DoubleDouble::sum(q[k], -a[k]));
+        let n = *self.fine[facet as usize].get_or_insert_with(|| {
+            let (u, w) = (difference(b), difference(c));
+            [(1, 2), (2, 0), (0, 1)].map(|(i, j)| u[i] * w[j] - u[j] * w[i])
+        });
+        let d = difference(p);
+        let height = (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]).hi;
+        if height.abs() > f.guard * SIDE_FINE + f64::MIN_POSITIVE {
+            height
         } else {
             side(a, b, c, p)
         }

@@ -6,6 +6,7 @@ mod faces;
 mod facets;
 mod flat;
 pub(crate) mod hull;
+mod inner;
 #[cfg(feature = "serde")]
 mod persist;
 mod rebuild;
@@ -38,6 +39,9 @@ use crate::body::polyhedron::plane::{plane, widest_corners};
 use crate::body::polyhedron::support::CubeMap;
 use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId, Plane};
+
+/// Number of points from which it pays to look for points inside first.
+const MANY: usize = 2048;
 
 /// Number of largest faces for the thickness of the report.
 const WIDTHS: usize = 8;
@@ -94,7 +98,7 @@ impl ConvexPolyhedron {
     fn hull_watched(points: &[Point3<f64>], watch: &mut Watch<'_>) -> Result<Self, BuildError> {
         watch.stage("sort", Some(points.len()))?;
         let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
-        let cloud = Cloud::new(points, indices, 4);
+        let cloud = Cloud::sifted(points, indices, 4, MANY);
         let hull = cloud.and_then(|cloud| Self::hull_of(cloud, watch));
         hull.inspect_err(|why| log::refused("a hull", why))
     }
@@ -203,6 +207,19 @@ impl ConvexPolyhedron {
             };
             list.push(cloud.source[i]);
         }
+        // Copies of points inside are inside.
+        let mut is_inside = alloc::vec![false; cloud.given];
+        let interior = &mut self.report.interior;
+        interior
+            .iter()
+            .chain(&cloud.inside)
+            .for_each(|&i| is_inside[i as usize] = true);
+        self.report.duplicates.retain(|&(dropped, kept)| {
+            is_inside[dropped as usize] = is_inside[kept as usize];
+            !is_inside[kept as usize]
+        });
+        interior.clear();
+        interior.extend((0u32..).zip(&is_inside).filter(|i| *i.1).map(|i| i.0));
     }
 
     /// Returns an exact sign: positive if a point in stored coordinates is in front of a face, 0 in

@@ -16,9 +16,9 @@ pub struct BuildReport {
     pub edges: usize,
     /// Faces of the body.
     pub faces: usize,
-    /// Exactly equal points, as `(dropped, kept)`.
+    /// Exactly equal points that are not strictly inside the body, as `(dropped, kept)`.
     pub duplicates: Vec<(u32, u32)>,
-    /// Points dropped as strictly inside the body.
+    /// Points dropped as strictly inside the body, copies included, in rising order.
     pub interior: Vec<u32>,
     /// Points dropped as inside a face.
     pub on_faces: Vec<u32>,
