@@ -1,22 +1,23 @@
 //! Points proven strictly inside the hull of a few others, before the hull is built (after Akl and
 //! Toussaint 1978).
 //!
-//! The *core* is the hull of points of the cloud that are extreme along some directions. Seen from a
-//! centre inside it, in coordinates `q` relative to the centre, space is cut into pyramids: the eight
-//! octants, in each of them cells of a square grid over the shares `|x|` and `|y|` have of
-//! `|x| + |y| + |z|`. Each cell stores a bound of the sum up to which its pyramid lies inside the
-//! core: one look-up decides a point, however many planes the core has.
+//! The *core* is the hull of points of the cloud that are extreme along some directions. Seen
+//! from a centre inside it, in coordinates `q` relative to the centre, space is cut into
+//! pyramids: the eight octants, in each of them cells of a square grid over the shares `|x|` and
+//! `|y|` have of `|x| + |y| + |z|`. Each cell stores a bound of the sum up to which its pyramid
+//! lies inside the core: one look-up decides a point, however many planes the core has.
 //!
-//! Why a dropped point is strictly inside, rounding included. Coordinates are relative to the centre
-//! and scaled by powers of two, so that each has one rounding, relative to itself; sums of
-//! magnitudes, quotients and the position on the grid have six more. So a point is in its cell widened
-//! by `CORE_CELL`, and its sum `s` is right to `CORE_CELL`: its place is `s g`, with a `g` of the cell,
-//! `|g_k| <= 2` (a cell that the line of shares one crosses counts whole). With `n` the rounded
-//! normal of a facet with a corner `a`, `n . g` and `n . a` differ from the exact ones by less than
-//! an `e` (`CORE_ERROR`). So the points of a cell are below the facet if
-//! `s (max n . g + e) < n . a - e`, and the maximum is at a corner of the cell, because `g` is linear
-//! in the shares. What is below all facets of the hull of points of the cloud is strictly inside the
-//! cloud's hull. Equal points have equal verdicts, and no point on the surface is ever dropped.
+//! Why a dropped point is strictly inside, rounding included. Coordinates are relative to the
+//! centre and scaled by powers of two, so that each has one rounding, relative to itself; sums of
+//! magnitudes, quotients and the position on the grid have six more. So a point is in its cell
+//! widened by `CORE_CELL`, and its sum `s` is right to `CORE_CELL`: its place is `s g`, with a
+//! `g` of the cell, `|g_k| <= 2` (a cell that the line of shares one crosses counts whole). With
+//! `n` the rounded normal of a facet with a corner `a`, `n . g` and `n . a` differ from the exact
+//! ones by less than an `e` (`CORE_ERROR`). So the points of a cell are below the facet if
+//! `s (max n . g + e) < n . a - e`, and the maximum is at a corner of the cell, because `g` is
+//! linear in the shares. What is below all facets of the hull of points of the cloud is strictly
+//! inside the cloud's hull. Equal points have equal verdicts, and no point on the surface is ever
+//! dropped.
 
 use alloc::vec;
 use alloc::vec::Vec;
