@@ -39,7 +39,7 @@ use race::record::{self, Row};
 type Trouble = Box<dyn std::error::Error>;
 
 fn main() -> ExitCode {
-    truth::command::main(run)
+    ::truth::command::main(run)
 }
 
 fn run(options: &Options) -> Result<(), Trouble> {
