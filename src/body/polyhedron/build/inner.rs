@@ -55,7 +55,7 @@ impl InnerHull {
     pub(crate) fn new(sample: &[Vector3<f64>], directions: usize, cells: usize) -> Option<Self> {
         let (low, high) = bounding_box(sample);
         let sides = high - low;
-        if sides.min() <= 0.0 {
+        if sides.iter().any(|side| *side <= 0.0) {
             return None;
         }
         let scale = sides.map(|s| power_of_two(-exponent_of(s)));
