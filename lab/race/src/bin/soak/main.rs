@@ -30,7 +30,7 @@ use lin_canny::{Accuracy, Class, Manifold, ManifoldOptions, Outcome, RelativePos
 use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
-use truth::driven::{lattice, points, scenes, slivers, slots, solids, stand_ins};
+use truth::driven::{lattice, points, scenes, slivers, solids, stand_ins};
 use truth::motion::Frame;
 use truth::rng::Rng;
 use truth::support;
@@ -235,7 +235,7 @@ struct Driver {
 /// Bytes of the calls of a scene.
 const CALLS: usize = 1500;
 
-const DRIVERS: [Driver; 9] = [
+const DRIVERS: [Driver; 8] = [
     // Lattices, bricks and stacks: equal bounds, an index used again and slow motion together, each step against brute force.
     Driver {
         name: "world of equal boxes",
@@ -284,13 +284,6 @@ const DRIVERS: [Driver; 9] = [
         salt: 0x57a9,
         count: 1,
         play: |seed, tally| stand_ins::play(seed).map(|mix| tally.stand_ins.add(&mix)),
-    },
-    // Depths of bodies none of whose vertices lies in the other, beside a closed form.
-    Driver {
-        name: "pin in a slot",
-        salt: 0x910e,
-        count: 2,
-        play: |seed, tally| slots::play(seed).map(|mix| tally.slots.add(&mix)),
     },
     // Bodies without velocities, ticks, jumps and files together, each step against brute force.
     Driver {

@@ -6,7 +6,7 @@ use crate::curved;
 use crate::faulty;
 use lin_canny::Outcome;
 use truth::driven::lattice::Mix;
-use truth::driven::{points, scenes, slivers, slots, solids, stand_ins};
+use truth::driven::{points, scenes, slivers, solids, stand_ins};
 
 const CLASSES: [&str; 4] = ["separated", "touching", "overlapping", "undecided"];
 const LAYERS: [&str; 7] = [
@@ -49,7 +49,6 @@ pub(crate) struct Tally {
     pub(crate) points: points::Mix,
     /// Bodies that stand in for others.
     pub(crate) stand_ins: stand_ins::Mix,
-    pub(crate) slots: slots::Mix,
     /// Nanoseconds of the slowest query, and its trial.
     pub(crate) slowest: (u128, u64),
     classes: [u64; 4],
@@ -86,7 +85,6 @@ impl Tally {
         self.solids.add(&o.solids);
         self.points.add(&o.points);
         self.stand_ins.add(&o.stand_ins);
-        self.slots.add(&o.slots);
         self.scenes.add(&o.scenes);
         self.slowest = self.slowest.max(o.slowest);
         self.classes.iter_mut().zip(o.classes).for_each(|(s, n)| *s += n);
@@ -117,7 +115,6 @@ impl Tally {
         println!("solids with faces in common: {:?}", self.solids);
         println!("points and rays next to a mesh: {:?}", self.points);
         println!("bodies that stand in for others: {:?}", self.stand_ins);
-        println!("pins in slots: {:?}", self.slots);
         let c = &self.curves;
         println!(
             "{} frames of curved shapes, {} queries: {}; {} of rounded shapes, {} separated beyond the first solver, bounds at most {:.1e} L wide",
