@@ -215,7 +215,7 @@ impl EngineReport {
 }
 
 /// The serialized form of an engine. Fronts of composites, meshes and surfaces are not written:
-/// their engines begin anew.
+/// their engines start again without one.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 pub(crate) enum StoredEngine {

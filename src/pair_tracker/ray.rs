@@ -156,8 +156,8 @@ pub struct RayHit {
 /// * Mesh, closed or open: the answer is proven for the ray to the bit (feature `exact`), so it is
 ///   never [`RayCast::Near`]; the bracket is at most `2e-12 L` wide.
 /// * Polyhedron: the same (features `exact` and `meshes`) if its faces are flat to the last bit, as
-///   those of hulls are; the bracket is about `1e-12 L` wide. An origin a hair outside any
-///   polyhedron is not [`RayCast::Inside`] (feature `exact`).
+///   those of hulls are; the bracket is about `1e-12 L` wide. An origin outside a
+///   polyhedron, by however little, is never [`RayCast::Inside`] (feature `exact`).
 /// * Curved shape, composite: proven for a point that moves along the ray, placed up to rounding;
 ///   about `1e-12 L` head on.
 /// * Surface of patches: [`RayCast::Near`] where the ray meets it, because a point proves no
@@ -279,9 +279,9 @@ impl RayCaster {
         Ok(found)
     }
 
-    /// Returns what a cast found with the place of the origin by the predicate, if the body is a
-    /// polyhedron: a motion places the body up to rounding, and bounds of a point next to the body
-    /// may hold zero.
+    /// Returns the result of a cast, after the exact predicate has decided whether the origin is in
+    /// the body, if that is a polyhedron. A cast cannot decide this: it normalises the rotation of
+    /// the body, and its bounds of a point next to the body may contain zero.
     fn with_origin(&mut self, found: RayCast, body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray) -> RayCast {
         let is_near = found.safe().is_some_and(|safe| safe <= 0.0) && body.polyhedron().is_some();
         let (Some(point), Some(at), true) = (&self.point, placed(pose, &ray.origin), is_near) else {

@@ -25,7 +25,7 @@ use crate::pair_tracker::geometry::GeometryRef;
 ///
 /// A geometry is given as a reference to a [`Geometry`](crate::Geometry) or to a body of any kind.
 /// The tracker keeps the state of the pair that was asked last, by its fingerprints. Other
-/// geometries, or the same in the other order, begin anew: keep a tracker for each pair. What the
+/// geometries, or the same in the other order, start again: keep a tracker for each pair. What the
 /// state may change stands on the [front page](crate), as for every tracker. For two geometries
 /// that are known to be polyhedra [`Tracker`](crate::Tracker) is the faster one: it compares no
 /// geometries and chooses no kind.
@@ -88,7 +88,7 @@ pub struct PairTracker {
     pub(super) work: PairWork,
 }
 
-/// The serialized form: a tracker that was saved begins anew, with its counters.
+/// The serialized form: a tracker that was saved starts again, with its counters.
 #[cfg(feature = "serde")]
 impl From<PairTracker> for PairWork {
     fn from(tracker: PairTracker) -> Self {

@@ -45,14 +45,14 @@ pub(crate) struct SurfaceSolidPair<'a, T: BesideSurface> {
 }
 
 impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
-    /// Returns the closest points, with bounds as close as is asked for.
+    /// Returns the closest points, with bounds of the width that the question sets.
     pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
         let width = width_asked(self, question);
         self.tracker.allow(question.splits);
         self.answer(a_from_b, NetGoal::Width(width)).without_depth()
     }
 
-    /// Returns whether the distance is at most `d`, with the budget that is asked for.
+    /// Returns whether the distance is at most `d`, within the splits that the question allows.
     pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, question: &Question) -> Decision {
         self.tracker.allow(question.splits);
         self.is_within(a_from_b, d)
@@ -106,7 +106,7 @@ fn exchanged(found: Answer, pose: &RelativePose) -> Answer {
     }
 }
 
-/// Returns the width of the bounds that is asked for.
+/// Returns the width of the bounds that the question sets.
 pub(super) fn width_asked(pair: &impl Separation, question: &Question) -> f64 {
     let radius = |of| pair.ball(of).1;
     question

@@ -37,14 +37,14 @@ enum Side {
 }
 
 impl SurfacePair<'_> {
-    /// Returns the closest points, with bounds as close as is asked for.
+    /// Returns the closest points, with bounds of the width that the question sets.
     pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> Answer {
         let width = width_asked(self, question);
         self.tracker.allow(question.splits);
         self.answer(pose, NetGoal::Width(width)).without_depth()
     }
 
-    /// Returns whether the distance is at most `d`, with the budget that is asked for.
+    /// Returns whether the distance is at most `d`, within the splits that the question allows.
     pub(crate) fn ask_within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
         self.tracker.allow(question.splits);
         self.is_within(pose, d)

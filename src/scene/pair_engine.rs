@@ -36,7 +36,7 @@ pub(super) enum Contacted {
     Nothing,
     /// The points were measured again.
     Kept,
-    /// The manifold was made anew.
+    /// The manifold was computed again.
     Renewed,
 }
 

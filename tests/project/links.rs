@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Folders that hold no pages of ours.
-const SKIPPED: [&str; 4] = ["target", ".git", "node_modules", "corpus"];
+const SKIPPED: [&str; 3] = ["target", ".git", "node_modules"];
 
 fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {

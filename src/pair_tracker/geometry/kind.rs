@@ -1,4 +1,4 @@
-//! The kinds of geometries, and what is asked of a body of every kind.
+//! The kinds of geometries, and the methods that a body of every kind has.
 
 use nalgebra::{Isometry3, Point3};
 

@@ -1,4 +1,4 @@
-//! What is asked of composites, meshes and surfaces.
+//! Box, ball and kind of composites, meshes and surfaces.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 

@@ -39,8 +39,8 @@ impl<'a> ShapePair<'a> {
         }
     }
 
-    /// Returns the closest points, of an overlap with what is asked for. Without the depth of their
-    /// cores rounded ones could not be told from those that touch.
+    /// Returns the closest points, and for an overlap as much as the question sets. Rounded shapes
+    /// need the depth of their cores, because a deep overlap differs from touch by it alone.
     #[inline]
     pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
         let (a, b, tracker) = self.sides();
