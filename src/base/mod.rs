@@ -7,4 +7,3 @@ pub(crate) mod notice;
 pub(crate) mod num;
 pub(crate) mod pose;
 pub mod tolerance;
-pub(crate) mod tuning;

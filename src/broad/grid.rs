@@ -6,8 +6,10 @@
 //! correct there, only slower.
 
 use super::bounds::Bounds;
-use crate::base::tuning::broad::LEAP;
 use wide::f32x4;
+
+/// A move across columns longer than this part of the column width is a jump. Not measured.
+const LEAP: f32 = 0.25;
 
 /// Largest number of columns along one axis; column coordinates are 16 bits wide.
 pub(crate) const MOST_COLUMNS_OF_AXIS: usize = 4096;

@@ -5,13 +5,16 @@ use nalgebra::{Isometry3, Point3, Vector3};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
-use crate::base::tuning::composite::MIDDLES;
 use crate::body::shape::Shape;
 use crate::composite::meet::frame::TreeSide;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
+
+/// Triangles of a solid whose middles are asked on which side of another surface they are, if the
+/// vertices asked first all lie within rounding of it. Not measured.
+const MIDDLES: usize = 256;
 
 /// A mesh or a composite.
 #[derive(Clone, Copy, Debug)]

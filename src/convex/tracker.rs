@@ -3,7 +3,6 @@
 
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::LEAST_SQUARE;
-use crate::base::tuning::tracker::STEADY;
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
 pub(crate) use crate::convex::depth::Workspace;
 use crate::convex::depth::{self, Memory};
@@ -29,6 +28,10 @@ mod resume;
 use counts::Starts;
 pub use counts::Totals;
 use resume::{Resumed, enters_overlap};
+
+/// Walks of so many steps were near their end at the start, and extrapolation of the features would
+/// gain nothing. Not measured.
+const STEADY: u32 = 3;
 
 /// The features of the last answer of a pair, from which the next walk starts, and counters.
 ///

@@ -7,7 +7,6 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{PLACED_BALL, RAY};
-use crate::base::tuning::impact::{RAY_CROSSINGS, RAY_WIDTH};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
 #[cfg(feature = "meshes")]
 use crate::composite::meet::ray::Met;
@@ -15,6 +14,14 @@ use crate::pair_tracker::PairTracker;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::impact::{Impact, ImpactError, Tolerance, cast};
 use crate::time::separation::{Measure, Separation};
+
+/// Width of the bracket of a ray cast, over the size of the pair: above the rounding of a place, so
+/// that a short piece of the ray proves a crossing. Not measured.
+const RAY_WIDTH: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Pieces of a ray that are tried for a crossing, each twice as long as the one before. Not
+/// measured.
+const RAY_CROSSINGS: u32 = 8;
 
 /// A ray: the points `origin + s direction` with `s` from zero on.
 #[derive(Clone, Copy, Debug, PartialEq)]

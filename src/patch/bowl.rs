@@ -26,7 +26,13 @@ use super::tree::{Net, Node};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BENT, ROUND_UP, SLOPE};
-use crate::base::tuning::patch::{CROSSING, MARGIN};
+
+/// How far a bowl stays from the curvature of a surface in directions in which the other falls away
+/// from its border, as a part of the curvature. Not measured.
+const MARGIN: f64 = 1.0 / 4.0;
+
+/// Sine of the angle of two borders below which a bowl bends alike along both. Not measured.
+const CROSSING: f64 = 1.0 / 4.0;
 
 /// A quadratic function of points.
 #[derive(Clone, Copy, Debug)]

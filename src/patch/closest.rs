@@ -14,9 +14,11 @@ use super::net::{Patch, SurfaceJet};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{AGREE, PARALLEL, UNIT};
-use crate::base::tuning::patch::NEWTON;
 use crate::body::polyhedron::{FaceId, Feature};
 use crate::pair::spot::Spot;
+
+/// Steps of Newton's method for two points. Quadratic once near; not measured.
+pub(super) const NEWTON: usize = 24;
 
 /// A point on each surface.
 #[derive(Clone, Copy, Debug)]

@@ -8,11 +8,13 @@ use super::side::NetSide;
 use super::tree::Nodes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::BENT_POSE;
-use crate::base::tuning::patch::STEPS;
 use crate::body::polyhedron::VertexId;
 use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
+
+/// Steps of the minimum-norm solver on two nets before a pair is split instead. Not measured.
+const STEPS: usize = 4;
 
 /// A node of A and a node of B.
 pub(super) type NetPair = [u32; 2];

@@ -12,12 +12,27 @@ use super::search::NetGoal;
 use super::surface::Surface;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::{Operand, RelativePose};
-use crate::base::tuning::patch::{HOPE, MEASURED, NARROWER, SCENE_WIDTH};
 use crate::pair::answer::unit;
 use crate::pair::outcome::{Decision, Outcome};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
+
+/// Width of a measure over time, as a part of the distance: a look of conservative advancement goes
+/// so much less far. Not measured.
+pub(super) const MEASURED: f64 = 1.0 / 4.0;
+
+/// Width of a distance of surfaces in a scene, as a part of both radii. Not measured.
+const SCENE_WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// A look over time that would go less far by more than this part is measured again, narrower. Not
+/// measured.
+const NARROWER: f64 = 1.0 / 2.0;
+
+/// A look ahead gives up if its bound proves less than this part of the distance left: the search
+/// for a narrower one has met its limit, and each further look would cost as much for less.
+/// Measured: no cast of the tests ends so.
+const HOPE: f64 = 0.125;
 
 /// The tracker of a surface, as A, and a body of another kind.
 pub(crate) trait BesideSurface {

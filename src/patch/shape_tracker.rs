@@ -1,5 +1,7 @@
 //! The state of a surface and a convex shape, and the queries.
 
+use crate::patch::state::SPLITS;
+use crate::patch::tracker::KEPT;
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::frame::NetFrame;
@@ -15,7 +17,6 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{ROUND_UP, SHAPE_POINT, SURFACE_POINT};
-use crate::base::tuning::patch::{KEPT, SPLITS};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::body::shape::Shape;
 use crate::convex::shape_tracker::ShapeTracker;

@@ -1,6 +1,7 @@
 //! A convex shape beside a surface: one node that is never split, since its support function gives
 //! its exact height along every direction, and its closest point to a point of the surface.
 
+use crate::patch::closest::NEWTON;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::bowl::BowlSide;
@@ -13,10 +14,20 @@ use super::tree::Node;
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::{RelativePose, normalize};
 use crate::base::tolerance::UNIT;
-use crate::base::tuning::patch::{BACK, DAMPINGS, NEWTON, PROBE};
 use crate::body::shape::Shape;
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::Outcome;
+
+/// The way, in parameters, over which the turn of a shape's normal is taken as its curvature. Not
+/// measured.
+const PROBE: f64 = 1.0 / 65_536.0;
+
+/// How far back a point is from which the direction to a close shape is seen without the rounding
+/// of a short line, as a part of the size. Not measured.
+const BACK: f64 = 1.0 / 256.0;
+
+/// Dampings, each eight times the one before, of a step of a point towards a shape.
+const DAMPINGS: usize = 10;
 
 /// A convex shape as one node.
 pub(super) struct ShapeNode<'a> {

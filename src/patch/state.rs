@@ -9,7 +9,25 @@ use super::outcome::SurfaceWork;
 use super::search::{NetGoal, NetSearch, OpenNodePair, Pace};
 use super::side::NetSide;
 use crate::base::num::fingerprint::Fingerprint;
-use crate::base::tuning::patch::{GROWTH, IMPATIENT, MOST_SPLITS, SPLITS, TRIES};
+
+/// Splits of nodes that one query may make by default. Two bicubic patches in general position need
+/// some hundred, surfaces that are level along a curve any number: see `FIRST_LOOK` in `search.rs`.
+pub(super) const SPLITS: usize = 20_000;
+
+/// Splits that a query may be allowed: two nodes each of 448 numbers at most are counted in 32
+/// bits.
+const MOST_SPLITS: usize = 1 << 22;
+
+/// A front is cut anew if it has grown to so many times its length. Not measured.
+const GROWTH: usize = 4;
+
+/// Regions tried in one search. Not measured.
+const TRIES: usize = 5;
+
+/// After so many pairs split the search is taken to be stuck at a local minimum, as where bodies
+/// cross: then two points are looked for below every 32nd pair, wherever its middle is. A search
+/// for points costs as much as some six splits.
+const IMPATIENT: usize = 128;
 
 /// The front of the last answer, the last witnesses, and counters.
 #[derive(Clone, Debug)]

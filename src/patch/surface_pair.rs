@@ -1,6 +1,7 @@
 //! Two surfaces and their tracker, at a pose and over time. One of both may stand for a mesh, whose
 //! inside counts if the mesh is a solid.
 
+use crate::patch::separation::MEASURED;
 use nalgebra::Point3;
 
 use super::search::NetGoal;
@@ -10,7 +11,6 @@ use super::tracker::SurfaceTracker;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{CERTIFICATE, SURFACE_POINT, UNIT};
-use crate::base::tuning::patch::MEASURED;
 use crate::composite::mesh::Mesh;
 use crate::pair::outcome::{Class, Decision, Outcome};
 use crate::pair::question::Question;

@@ -1,5 +1,6 @@
 //! The state of a pair of surfaces, and the queries.
 
+use crate::patch::state::SPLITS;
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::closest::Patches;
@@ -14,10 +15,12 @@ use super::tree::{Grown, Nodes};
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::SURFACE_POINT;
-use crate::base::tuning::patch::{KEPT, SPLITS};
 use crate::pair::answer::far;
 use crate::pair::outcome::{Class, Decision, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
+
+/// Numbers that a tracker keeps for the nets of split nodes, at most: 16 MB.
+pub(super) const KEPT: usize = 1 << 21;
 
 /// The front of the last answer for one pair of surfaces, from which the next query starts, the
 /// nodes made so far, and counters.

@@ -14,7 +14,9 @@ use super::net::Patch;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{NET as NET_ERROR, NET_STEP, ROUND_UP};
-use crate::base::tuning::patch::DEEPEST;
+
+/// Splits of one node in each direction: parameters stay multiples of `2^-48`.
+const DEEPEST: u8 = 48;
 
 /// Node of no patch: a group.
 const GROUP: u32 = u32::MAX;

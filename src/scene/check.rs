@@ -1,6 +1,7 @@
 //! Consistency of the tables of a scene with each other: asked by tests and fuzzing after each
 //! call, and of every scene that is read from a file.
 
+use crate::scene::ahead::TICKS;
 use alloc::format;
 use alloc::string::String;
 
@@ -12,7 +13,6 @@ use super::pair_table::{PairFlags, PairHeader};
 use super::step::{bodies_of, group};
 use crate::base::motion::Velocity;
 use crate::base::tolerance::UNIT;
-use crate::base::tuning::scene::TICKS;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, BroadPhase, PencilSweep, StoredBox};
 

@@ -11,9 +11,14 @@ use super::pair_engine::PairEngine;
 use super::pair_table::PairTable;
 use super::step::Boxes;
 use super::stored_answer::StoredAnswer;
-use crate::base::tuning::scene::{PAIRS, RUN};
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb};
+
+/// Bodies of one task: enough to be worth a task. Not measured.
+const RUN: usize = 1024;
+
+/// Pairs of one task: fewer, as a query takes longer than a box. Not measured.
+const PAIRS: usize = 128;
 
 /// Makes the boxes of all due bodies, which are in ascending order.
 pub(super) fn make_boxes(

@@ -13,10 +13,13 @@ use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTabl
 use super::report::{Clock, Report};
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::ROUND_UP;
-#[cfg(feature = "parallel")]
-use crate::base::tuning::scene::QUERY_IN_BOXES;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, BroadPhase, PairId};
+
+/// Work of a query over the work of a box in the broad phase: with the default settings, threads
+/// are used from 625 queries a step on. A query takes 60 ns and more, a task some microseconds.
+#[cfg(feature = "parallel")]
+const QUERY_IN_BOXES: u64 = 32;
 
 impl Scene {
     /// Applies all calls since the last step and computes the effects called for. Does nothing if

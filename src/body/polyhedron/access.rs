@@ -1,12 +1,12 @@
 //! Read access to a body: features, their neighbours and coordinates, bounding box and bounding
 //! ball.
 
+use crate::body::polyhedron::support::SCANNED;
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::RADIUS_UP;
-use crate::base::tuning::polyhedron::SCANNED;
 use crate::body::polyhedron::{BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 
 /// Ids are checked: an id that names no feature of this body, such as an id of a larger body, gives

@@ -1,5 +1,6 @@
 //! Invariants of a body, checked whole: for tests and fuzzing.
 
+use crate::body::polyhedron::cycle::LARGE;
 use crate::body::polyhedron::{FaceId, HalfEdgeId, VertexId};
 use alloc::format;
 use alloc::string::String;
@@ -7,7 +8,6 @@ use alloc::string::String;
 use super::ConvexPolyhedron;
 use super::topology::Topology;
 use crate::base::tolerance::NEAR_PLANE;
-use crate::base::tuning::polyhedron::LARGE;
 
 /// Returns an error with the text if the condition is false.
 fn ensure(holds: bool, text: impl FnOnce() -> String) -> Result<(), String> {

@@ -3,6 +3,11 @@
 use crate::body::polyhedron::feature::HalfEdgeId;
 use crate::body::polyhedron::unimodal::top_of_ring;
 
+/// Faces of more edges are kept as rings too: bisection on a list for longer lists in memory. Also
+/// the number of edges of a face examined one by one, and the size of the arrays for small faces.
+/// Not measured.
+pub(crate) const LARGE: usize = 24;
+
 /// Half-edges round a vertex or round a large face, counter-clockwise from outside.
 pub(crate) trait Cycle {
     /// Returns the number of half-edges.

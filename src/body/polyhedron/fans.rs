@@ -14,17 +14,20 @@
 //!       v
 //! ```
 
+use crate::body::polyhedron::cycle::LARGE;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use crate::base::num::sign::side;
-use crate::base::tuning::polyhedron::{LARGE, MANY};
 use crate::body::polyhedron::axis::Axis;
 use crate::body::polyhedron::cycle::Cycle;
 use crate::body::polyhedron::heights::{Direction, Slope};
 use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::unimodal::{top_from, top_of_ring};
 use crate::body::polyhedron::{ConvexPolyhedron, HalfEdgeId, Plane, VertexId};
+
+/// Fans of more edges are searched; up to here examining every edge is as cheap. Not measured.
+pub(crate) const MANY: usize = 128;
 
 /// The large fans of a body: their vertices in rising order, each with its axis.
 #[derive(Clone, Debug)]

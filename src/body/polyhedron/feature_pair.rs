@@ -1,7 +1,7 @@
 //! Pairs of features by kind and number, and pairs for which the walk has a test.
 
 use crate::base::pose::Operand;
-use crate::base::tuning::polyhedron::MANY;
+use crate::body::polyhedron::fans::MANY;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 
 /// Returns the pair of `x`, a feature of body `of`, and `y`, a feature of the other body.

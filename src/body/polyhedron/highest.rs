@@ -7,10 +7,10 @@
 //! (see `fans`); the points level with a support vertex are the vertex itself, an edge or a face.
 //! Hill climbing and bisection need no further proof. Signs are exact (see `heights`).
 
-use crate::base::tuning::polyhedron::MANY;
 use crate::body::polyhedron::axis::Axis;
 use crate::body::polyhedron::cycle::Cycle;
 use crate::body::polyhedron::fans::Fans;
+use crate::body::polyhedron::fans::MANY;
 use crate::body::polyhedron::heights::{Height, Slope, Upward};
 use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::{ConvexPolyhedron, HalfEdgeId, VertexId};

@@ -14,10 +14,10 @@
 //!            from
 //! ```
 
+use crate::body::polyhedron::cycle::LARGE;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use crate::base::tuning::polyhedron::LARGE;
 use crate::body::polyhedron::cycle::Fan;
 use crate::body::polyhedron::feature::{EdgeId, FaceId, HalfEdgeId, VertexId};
 

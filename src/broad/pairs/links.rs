@@ -6,14 +6,18 @@
 
 mod block;
 
-use crate::base::tuning::broad::{AHEAD, SHIFT};
 use crate::broad::body::Bodies;
 use crate::broad::change::{PairKey, pair_key};
+use crate::broad::pairs::AHEAD;
 use crate::broad::pairs::{NOWHERE, Pair, Slot, named};
 use crate::broad::parallel::join;
 use crate::broad::prefetch::read_ahead;
 use alloc::vec::Vec;
 use block::{Block, Link};
+
+/// Number of consecutive indices that share a block of links, as a power of two: few enough that a
+/// block fits in the nearest cache. Not measured.
+const SHIFT: u32 = 6;
 
 fn block_of(key: PairKey) -> usize {
     (key >> (32 + SHIFT)) as usize

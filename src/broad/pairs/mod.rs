@@ -10,11 +10,13 @@ use super::compact_vec::trim;
 use super::parallel::{Threads, join};
 use super::prefetch::read_ahead;
 use super::{Bodies, BodyId, BroadPhaseError};
-use crate::base::tuning::broad::AHEAD;
 use alloc::vec::Vec;
 use links::Links;
 #[cfg(feature = "serde")]
 pub(crate) use state::PairsState;
+
+/// Number of items prefetched at once. Not measured.
+pub(super) const AHEAD: usize = 32;
 
 /// Id of a pair from its beginning to its end. `slot` is small and dense: a caller can keep state
 /// of a pair, say a tracker, in a vector at this index.

@@ -15,7 +15,6 @@ use super::grid::Grid;
 use super::parallel::{Threads, join};
 use super::state::{BroadPhaseState, HasState};
 use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
-use crate::base::tuning::broad::WORLD_SHARE;
 use alloc::string::String;
 use alloc::vec::Vec;
 use column::{Column, who};
@@ -23,6 +22,10 @@ pub use query::Pencil;
 use repair::Touch;
 use scan::Worker;
 use tune::{StepCounts, Tuning};
+
+/// All columns are swept if this many times the moved bodies exceed all bodies: the costs of a
+/// sweep and of repairs meet near 9 % of the bodies.
+const WORLD_SHARE: usize = 10;
 
 /// Sweep and prune over pencils, the recommended broad phase: the world is cut into columns along
 /// the swept axis, each with a sorted list.

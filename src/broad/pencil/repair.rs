@@ -4,12 +4,22 @@ use super::column::{ARRIVING, Column, EntryBoxes, entry, index_of, who};
 use super::scan::{Worker, decide};
 use crate::base::num::extremes::Bounded;
 use crate::base::tolerance::{COLUMN_REACH, COLUMN_SEARCH};
-use crate::base::tuning::broad::{COLUMN_SHARE, MOST_PARTED, MOST_SCANNED};
 use crate::broad::aabb::order_key;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::overlap;
 use alloc::vec::Vec;
+
+/// A column is swept whole if this many times its changed entries exceed its entries. Not measured.
+const COLUMN_SHARE: usize = 6;
+
+/// A column is swept whole if more bodies than this come into the column, leave the column or jump:
+/// each shifts the entries behind. Not measured.
+const MOST_PARTED: usize = 32;
+
+/// A column is swept whole after all if the windows of its changed entries hold this many times its
+/// entries. Not measured.
+const MOST_SCANNED: u64 = 4;
 
 /// A column number and the index of a body whose old or new box touches it.
 pub(super) type Touch = (u32, u32);

@@ -23,12 +23,14 @@ use super::column::{ARRIVING, Column, Entry, EntryBoxes, index_of};
 use super::tune::StepCounts;
 use crate::base::num::extremes::Bounded;
 use crate::base::tolerance::{COLUMN_MOVE, COLUMN_SUM};
-use crate::base::tuning::broad::PENDING;
 use crate::broad::aabb::StoredBox;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
 use crate::broad::change::{Changes, overlap};
 use alloc::vec::Vec;
 use wide::f32x4;
+
+/// Number of windows with hits to collect before the hits are tested. Not measured.
+const PENDING: usize = 32;
 
 /// Number of entries copied at once.
 const FOUR: usize = 4;

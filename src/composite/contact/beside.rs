@@ -14,11 +14,20 @@ use super::near::PosedPatches;
 use super::surface::Borne;
 use super::union::Under;
 use crate::base::num::extremes::Extremes;
-use crate::base::tuning::composite::{EDGE_HALVINGS, SHORT_EDGE};
 use crate::body::polyhedron::{EdgeId, Feature};
 use crate::body::shape::Core;
 use crate::convex::contact::ContactPoint;
 use crate::pair::outcome::{Class, Outcome};
+
+/// The part of an edge beyond which a contact beside a vertex is looked for: a millionth. Corners
+/// in 8,400 poses in valleys have the same contacts with 1e-9, 1e-6 and 1e-3, in 13.3, 12.2 and
+/// 10.4 s of a build for tests.
+const SHORT_EDGE: f64 = 1.0 / 1_048_576.0;
+
+/// Bisections of the place along an edge at which a body begins to bear a contact: to 1e-9 of the
+/// place. Corners in 8,400 poses in valleys have the same contacts, right to 1e-9, with 20, 30, 40
+/// and 52, in 4.2, 6.2, 8.7 and 11.8 s of a build for tests.
+const EDGE_HALVINGS: usize = 30;
 
 impl PosedPatches<'_> {
     /// Returns the outcome along the normal of a face at the lowest place over the face on an edge

@@ -9,13 +9,16 @@ use nalgebra::{Point3, Vector3};
 
 use super::union::{cover, dot_at, is_covered};
 use crate::base::num::scalar::sqrt;
-use crate::base::tuning::composite::COVERS;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId};
 use crate::body::shape::{Core, Shape};
 use crate::composite::meet::triangle;
 use crate::composite::parts::Parted;
 use crate::composite::pieces::{Composite, Piece};
 use crate::convex::shape_tracker::ShapeTracker;
+
+/// Pieces that are cut off a face, one after the other, to find the part that none covers. Not
+/// measured.
+const COVERS: usize = 4;
 
 /// Returns whether the surface of the union is as far from a point inside as `depth`, as far as
 /// faces and feet on curved pieces tell. The point is in the frame of one of the pieces, and

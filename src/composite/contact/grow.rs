@@ -17,9 +17,12 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use crate::base::num::scalar::sqrt;
-use crate::base::tuning::composite::PLANES;
 use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
+
+/// Most planes of a patch for contacts: larger patches for a build in time that grows with their
+/// square. Not measured.
+const PLANES: usize = 1024;
 
 /// A convex patch: triangles, each with a triangle of the plane to which it belongs.
 pub(super) type PatchTriangles = Vec<(u32, u32)>;

@@ -34,7 +34,6 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::ACROSS;
-use crate::base::tuning::composite::ALIKE;
 use crate::composite::front::NodePair;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::TreeFrame;
@@ -45,6 +44,10 @@ use crate::composite::placement::Placed;
 use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
 use near::NearPatches;
 use parting::parting;
+
+/// Sine of the largest angle between the normals of contacts that are reduced together. Not
+/// measured.
+const ALIKE: f64 = 1.0 / 64.0;
 
 /// A contact and the patches that bear it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,13 +7,18 @@ use super::surface::Borne;
 use super::union::is_in;
 use super::{PatchContact, PatchQuery};
 use crate::base::pose::RelativePose;
-use crate::base::tuning::composite::{FACES_TRIED, NEARLY};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 use crate::composite::front::NodePair;
 use crate::convex::contact::{ContactPoint, Manifold};
 use crate::convex::shape_tracker::{ShapeTracker, along_face, swapped};
 use crate::pair::outcome::{Outcome, Until};
+
+/// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
+const FACES_TRIED: usize = 6;
+
+/// Faces whose depths differ by less than this part count as equally deep. Not measured.
+const NEARLY: f64 = 1.0 / 64.0;
 
 /// The state of two patches that are near.
 #[derive(Clone, Debug)]

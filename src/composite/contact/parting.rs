@@ -11,11 +11,14 @@ use super::{PatchContact, PatchQuery};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
-use crate::base::tuning::composite::WAY_BACK;
 use crate::composite::pieces::CompositeTracker;
 use crate::composite::placement::relative;
 use crate::convex::contact::ContactPoint;
 use crate::pair::outcome::Class;
+
+/// Steps back along a translation that parts two bodies, to the place of their last contact. Each
+/// takes the gap that is left, so few do unless the bodies slide past each other. Not measured.
+const WAY_BACK: usize = 64;
 
 /// Returns the contact along a translation that parts two solids; `None` if none is known. `size`
 /// is L of the pair in the caller's unit.

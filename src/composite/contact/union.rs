@@ -3,13 +3,17 @@
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::base::pose::RelativePose;
-use crate::base::tuning::composite::BESIDE_END;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 use crate::composite::parts::Parted;
 use crate::composite::pieces::{Composite, Piece};
 use crate::convex::contact::tangents_of;
 use crate::convex::shape_tracker::ShapeTracker;
+
+/// How far from a point that another piece covers a place of the same face is looked for that is
+/// not covered, in the slack of the point: faces that meet at less than one part in this many of a
+/// radian are one. Not measured.
+const BESIDE_END: f64 = 64.0;
 
 /// What is at a point of the plane of a face beyond the end of the face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

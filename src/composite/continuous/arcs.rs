@@ -9,8 +9,10 @@ use super::paths::{Path, VertexPaths, VertexPlaces, determinant};
 use super::search::{FirstContact, LEAST_WIDTH, SearchWork, is_free};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{CERTIFICATE, PATH_VOLUME, UNIT};
-use crate::base::tuning::composite::ARC_INTERVALS;
 use crate::composite::front::NodePair;
+
+/// Most intervals of time tried for a pair of triangles of meshes that rotate. Not measured.
+const ARC_INTERVALS: u32 = 1024;
 
 /// Returns how far the places of two points, computed at an instant, are from the motions together.
 ///

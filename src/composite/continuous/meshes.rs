@@ -14,11 +14,16 @@ use super::{cast_of, measure, width};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
-use crate::base::tuning::composite::{ARC_PART, ARC_STEPS};
 use crate::composite::front::NodePair;
 use crate::composite::tree::Below;
 use crate::pair::outcome::Class;
 use crate::time::impact::{Cast, ImpactError, Tolerance};
+
+/// A frame of meshes that rotate is searched in so many steps that the sagitta of a step is at most
+/// this part of the radius of the smaller mesh, but in no more steps than the other number. Not
+/// measured.
+const ARC_PART: f64 = 1.0 / 1024.0;
+const ARC_STEPS: f64 = 64.0;
 
 /// Returns the first contact of two meshes from the begin of a frame to its end, from time zero to
 /// time one: of their surfaces.

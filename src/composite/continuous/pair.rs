@@ -3,8 +3,11 @@
 use super::paths::{Path, VertexPaths};
 use super::search::{FirstContact, LEAST_WIDTH, SearchWork, WideWork, first_contact, search};
 use crate::base::num::extremes::{Bounded, Extremes};
-use crate::base::tuning::composite::TRIANGLE_INTERVALS;
 use crate::composite::meet::triangle::Triangle;
+
+/// Most intervals of time tried for a pair of triangles as a whole, before its vertices, edges and
+/// faces are tried pair by pair. Not measured.
+const TRIANGLE_INTERVALS: u32 = 12;
 
 /// Returns the first contact of a vertex and a face, in a bracket at most `width` wide if rounding
 /// allows.

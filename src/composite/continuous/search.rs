@@ -5,9 +5,26 @@ use nalgebra::Vector3;
 
 use super::paths::{FourVertices, Parts, VertexPaths, VertexPlaces, volume_sign, volumes};
 use crate::base::num::extremes::Bounded;
-use crate::base::tuning::composite::{PATH_INTERVALS, PATH_ROUNDS, PATH_WIDTH};
+
+/// Least width of an interval of time in which a first contact of vertices on straight paths is
+/// looked for before exact arithmetic decides. Not measured.
+const PATH_WIDTH: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Most intervals of time tried for one pair of a vertex and a face or of two edges. Not measured.
+const PATH_INTERVALS: u32 = 128;
+
+/// Bits beyond which an integer of an exact decision of vertices on straight paths counts as wide.
+/// Of coordinates that differ by less than twenty magnitudes none is.
 #[cfg(feature = "exact")]
-use crate::base::tuning::composite::{WIDE, WIDE_WORK};
+const WIDE: usize = 1024;
+
+/// Most products of words of wide integers in the exact decisions of one call, which then ends as
+/// unknown.
+#[cfg(feature = "exact")]
+const WIDE_WORK: u64 = 100_000_000;
+
+/// Most rounds in which the interval about the zero of a volume is narrowed. Not measured.
+const PATH_ROUNDS: u32 = 32;
 
 /// Least width of a bracket: some roundings of times near one.
 pub(super) const LEAST_WIDTH: f64 = 4.0 * f64::EPSILON;

@@ -11,7 +11,6 @@ use crate::base::notice::progress::Watch;
 use crate::base::num::extremes::{Bounded, Extremes, smallest};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
-use crate::base::tuning::composite::GAP;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Core;
 use crate::composite::meet::triangle::Triangle;
@@ -19,6 +18,10 @@ use crate::composite::mesh::{Mesh, MeshError};
 use crate::composite::pieces::{Composite, Piece};
 use crate::composite::tree::maximum::greatest;
 use crate::convex::tracker::Tracker;
+
+/// Distances of points from pieces are measured by planes alone if that leaves less than this part
+/// of the resolution open. Not measured.
+const GAP: f64 = 1.0 / 64.0;
 
 /// A piece that is a polyhedron.
 pub(in crate::composite) struct PieceHull<'a> {

@@ -5,13 +5,35 @@ use nalgebra::{Matrix3, Vector3};
 
 use crate::base::num::count::Counter;
 use crate::base::num::scalar::sqrt;
-use crate::base::tuning::composite::{FEW_ENTRIES, GROWTH, JUMP, NEAR, STALE};
 use crate::composite::front::worth::FrontWorth;
 use crate::composite::front::{EntryId, Front, NodePair};
 use crate::composite::meet::bounds::{WIDTH, along};
 use crate::composite::meet::frame::{TreeFrame, TreeMoves};
 use crate::composite::meet::search::{Judge, TreeSearch};
 use crate::composite::work::MeshWork;
+
+/// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a
+/// front: some 2.4 degrees. At 2 degrees a frame a front and a new search cost about the same.
+const NEAR: f64 = 1.0 / 24.0;
+
+/// Motions beyond this begin anew: above some 5 degrees the pair that was closest is a bad start,
+/// which costs up to five times the bounds.
+const JUMP: f64 = 1.0 / 12.0;
+
+/// A front is cut anew if it has grown to so many times its length: splits are never undone. A cut
+/// costs thousands of bounds, a long front a test for each entry. Rocks of 20k triangles at 0.5
+/// degrees a frame: 313, 284 and 274 bounds a query with 2, 3 and 5.
+const GROWTH: usize = 3;
+
+/// If the pairs that were closest are farther apart than so many times the last distance, a new
+/// pair is looked for before the front is proven again: with a distance that is too large a front
+/// is split in vain. Bodies that slide on each other leave a pair every few frames.
+const STALE: f64 = 4.0;
+
+/// Fronts of more entries than this are given up if the directions of over half of them fail.
+/// Plates in flush contact have some 30 entries, half of which only double precision can prove.
+/// Fronts of no more are never cut.
+const FEW_ENTRIES: usize = 64;
 
 /// Front, last pairs and buffers.
 #[derive(Clone, Debug, Default)]

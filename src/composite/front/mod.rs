@@ -30,10 +30,14 @@ use alloc::vec::Vec;
 use wide::f32x8;
 
 use crate::base::num::extremes::Extremes;
-use crate::base::tuning::composite::MOST_ENTRIES;
 use crate::composite::meet::bounds::WIDTH;
 use crate::composite::meet::frame::{Single, TreeMoves, Way};
 use crate::composite::tree::{OrientedBox, Paths, Tree};
+
+/// Most entries of a front, of 64 bytes each: 2 MB, twice that while vectors grow. A longer front
+/// is dropped. Linked rings of 100,000 triangles at the middle of each other's hole have some
+/// 30,000.
+const MOST_ENTRIES: usize = 1 << 15;
 
 /// A node of A and a node of B.
 pub(in crate::composite) type NodePair = [u32; 2];

@@ -4,8 +4,16 @@
 //! to frame that a front costs more than a search anew. Such a front is dropped, and after some
 //! searches, twice as many each time, another one is tried.
 
-use crate::base::tuning::composite::{ENTRY_WORK, LEAF_WORK, LONGEST_WAIT, MEASURE_WORK};
 use crate::composite::work::MeshWork;
+
+/// Entries of a front that are tested in the time of one bound of boxes; and how many such bounds a
+/// pair of leaves and a pair of triangles take: by profiles of tumbling gears, roughly.
+const ENTRY_WORK: u64 = 16;
+const LEAF_WORK: u64 = 4;
+const MEASURE_WORK: u64 = 8;
+
+/// Most searches between a front that did not pay and the next one that is tried. Not measured.
+const LONGEST_WAIT: u32 = 63;
 
 /// What fronts have been worth lately.
 #[derive(Clone, Copy, Debug, Default)]

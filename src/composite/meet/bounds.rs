@@ -15,10 +15,12 @@
 use wide::{f32x4, f32x8};
 
 use crate::base::tolerance::PARALLEL_SIDES;
-use crate::base::tuning::composite::LONG_BOX;
 use crate::composite::front::NodePair;
 use crate::composite::meet::frame::Single;
 use crate::composite::tree::{OrientedBox, Tree};
+
+/// Boxes so many times as long as wide are long: directions across their lengths are tried.
+const LONG_BOX: f32 = 4.0;
 
 /// Pairs of boxes bounded at once: a register of x86-64-v3, two of other targets, where eight lanes
 /// take the time of four twice. The operations of a lane are the same, so bits are.

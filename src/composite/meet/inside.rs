@@ -12,11 +12,14 @@ use nalgebra::Vector3;
 
 use crate::base::num::extremes::largest;
 use crate::base::tolerance::FLUSH_EXPONENT;
-use crate::base::tuning::composite::SEGMENTS;
 use crate::body::polyhedron::{exponent_of, power_of_two};
 use crate::composite::meet::segment::crossing;
 use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
+
+/// Segments tried for a winding number. A first zero is rare already, and the ends are in general
+/// position against anything made of round numbers.
+const SEGMENTS: usize = 24;
 
 impl Mesh {
     /// Returns the winding number about a point in stored coordinates that does not lie on the

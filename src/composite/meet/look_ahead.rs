@@ -25,7 +25,6 @@ use crate::base::motion::{Course, Drift, length};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{LEAST_SQUARE, ROOT};
-use crate::base::tuning::composite::{AHEAD_ITEMS, AHEAD_PAIRS, HORIZONS};
 use crate::composite::front::NodePair;
 use crate::composite::front::memory::FrontMemory;
 use crate::composite::meet::bounds::{BoundAim, bounds};
@@ -34,6 +33,16 @@ use crate::composite::meet::state::PosedTrees;
 use crate::composite::parts::Parted;
 use crate::composite::tree::height::height;
 use crate::time::separation::{Flight, Measure};
+
+/// Pairs of nodes that a look ahead splits at most. Not measured.
+const AHEAD_PAIRS: usize = 2048;
+
+/// Parts of a node that are few enough to be looked at one by one in a look ahead. Not measured.
+const AHEAD_ITEMS: u32 = 8;
+
+/// Horizons over which the second order of a look ahead is bounded, each a half of the last or
+/// less. Not measured.
+const HORIZONS: usize = 6;
 
 /// One body at the instant.
 struct Mover {

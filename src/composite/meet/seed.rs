@@ -1,8 +1,8 @@
 //! A close pair of items to begin with: no proof, but a distance beyond which boxes are passed by.
 
-use crate::base::tuning::composite::AT_ONCE;
 use crate::composite::front::NodePair;
 use crate::composite::meet::frame::split_pair;
+use crate::composite::meet::search::AT_ONCE;
 use crate::composite::meet::search::{Judge, TreeSearch};
 
 impl<J: Judge> TreeSearch<'_, J> {

@@ -17,7 +17,6 @@ use nalgebra::Vector3;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;
-use crate::base::tuning::composite::{LOOKS, MEETING_BOXES, PARTINGS, SAME_NORMAL, TOUCHES};
 use crate::composite::front::NodePair;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::common::{CommonPart, common, leaving, unit_normal};
@@ -29,6 +28,20 @@ use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::tree::Below;
 use crate::composite::tree::height::height;
+
+/// Pairs of triangles in contact that are looked at for inner points. Not measured.
+const TOUCHES: usize = 128;
+
+/// Planes that are tried to part two solids in contact. Not measured.
+const PARTINGS: usize = 8;
+
+/// Cosine of the angle of two normals that count as one among these planes. Not measured.
+const SAME_NORMAL: f64 = 1.0 - 1.0 / (1u64 << 40) as f64;
+
+/// Pairs of boxes and winding numbers after which bodies in contact that no plane parts are no
+/// longer searched for common inner points. Not measured.
+const MEETING_BOXES: usize = 16_384;
+const LOOKS: u64 = 1024;
 
 /// Pairs of items at distance zero, up to rounding.
 pub(in crate::composite) struct Touching {

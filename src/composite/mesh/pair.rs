@@ -4,7 +4,6 @@ use nalgebra::Vector3;
 
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
-use crate::base::tuning::composite::SHARP;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::composite::front::NodePair;
 use crate::composite::meet::frame::TreeFrame;
@@ -17,6 +16,11 @@ use crate::composite::parts::Parted;
 use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Outcome;
 use crate::pair::spot::Spot;
+
+/// Triangles nearer than this part of L take the direction of a face or of two edges if one proves
+/// as much as the direction of the witnesses: two more gaps for directions that prove flush
+/// neighbours. Plates of 3,000 triangles at a gap of 1e-3: 300 bounds a query without.
+const SHARP: f64 = 1.0 / 256.0;
 
 /// Judges pairs of triangles.
 pub(in crate::composite) struct TriangleJudge<'a> {

@@ -17,6 +17,7 @@
 //! obstacle-free space through semidefinite programming"), with a ball in the place of the
 //! ellipsoid. Departure: the plane of the triangle itself where it serves.
 
+use crate::composite::penetration::BEYOND;
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
@@ -25,7 +26,6 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::ranked::Ranked;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::CELL;
-use crate::base::tuning::composite::{BEYOND, CELL_HALVINGS, CELL_PLANES};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
 use crate::composite::meet::triangle;
@@ -34,6 +34,13 @@ use crate::composite::mesh::nearest::From;
 use crate::composite::parts::Parted;
 use crate::composite::tree::Below;
 use crate::composite::tree::height::height;
+
+/// Most planes of a convex part; with more the part is made half as wide. In the same overlaps the
+/// bounds are the same with 32 and with 512.
+const CELL_PLANES: usize = 128;
+
+/// Widths tried for a convex part. In the same overlaps the bounds are the same with one.
+const CELL_HALVINGS: usize = 4;
 
 /// Returns a convex body inside a solid mesh, in the caller's unit, about a point in stored
 /// coordinates, at most `reach` wide to each side; `None` if none is found.

@@ -23,7 +23,6 @@ use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use super::cell::cell;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
-use crate::base::tuning::composite::{DEEP_POINTS, SINKS};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 use crate::composite::meet::state::PosedTrees;
@@ -33,6 +32,13 @@ use crate::composite::pieces::{Composite, Piece};
 use crate::composite::placement::Placed;
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::{Class, Outcome};
+
+/// Vertices of a mesh that are looked at for a lower bound of the depth. Not measured.
+const DEEP_POINTS: usize = 2048;
+
+/// Steps to the point of a piece that is deepest in a mesh. One finds the deepest point of a ball;
+/// more turn with the faces of the mesh. Not measured.
+const SINKS: usize = 4;
 
 /// A lower bound of a depth, and the translation of the inner body that ends the overlap found.
 pub(super) type ProvenDepth = (f64, Vector3<f64>);

@@ -17,7 +17,6 @@ use nalgebra::{Point3, Vector3};
 
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
-use crate::base::tuning::composite::{CROSSED_LEAVES, DEEP_STRETCHES};
 use crate::composite::front::NodePair;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::split_pair;
@@ -25,6 +24,13 @@ use crate::composite::meet::state::PosedTrees;
 use crate::composite::meet::triangle::{self, Triangle};
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
+
+/// Middles of stretches of edges that are looked at for a start of the depth. Not measured.
+const DEEP_STRETCHES: usize = 128;
+
+/// Pairs of leaves in which edges that cross the other mesh are sought. A pin in a slot has some
+/// tens; meshes in one place have one for each pair of neighbours. Not measured.
+const CROSSED_LEAVES: usize = 1 << 14;
 
 /// A point of both bodies in A's frame, about how deep it is in one of them, and the winding
 /// numbers taken; lengths in the caller's unit.

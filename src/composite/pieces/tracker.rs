@@ -5,7 +5,6 @@ use alloc::collections::BTreeMap;
 use super::pair::{NearParts, PartJudge};
 use crate::base::num::count::Counter;
 use crate::base::pose::RelativePose;
-use crate::base::tuning::composite::TRACKERS;
 use crate::body::polyhedron::FeaturePair;
 use crate::composite::front::NodePair;
 use crate::composite::front::memory::FrontMemory;
@@ -13,6 +12,10 @@ use crate::composite::meet::state::{PosedTrees, Recognised, TreeAnswer, TreeStat
 use crate::composite::parts::Parted;
 use crate::composite::work::MeshWork;
 use crate::pair::spot::{Answer, Spot};
+
+/// Trackers of pairs of pieces that are kept for each entry of the front; more are forgotten. Not
+/// measured.
+const TRACKERS: usize = 4;
 
 /// The front of the last answer for one pair of bodies of convex parts, and a
 /// `ShapeTracker` for each pair of parts that came near.

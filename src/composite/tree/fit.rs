@@ -9,7 +9,17 @@ use crate::base::notice::progress::Watch;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
-use crate::base::tuning::composite::{SLAB, SLAB_ITEMS, THINNER};
+
+/// Nodes of fewer items have no slab: their corners are looked at one by one.
+const SLAB_ITEMS: usize = 32;
+
+/// A node thinner than this part of the tree's size gets a slab: about as thin as single precision
+/// can say.
+const SLAB: f64 = 1.0 / 131_072.0;
+
+/// Below a node with a slab, only nodes thinner by this factor get a slab of their own: memory for
+/// the ties that only they prove.
+const THINNER: f64 = 1.0 / 16.0;
 
 /// Square of the least sine of the angle of an axis in a plane and the plane's normal, before it is
 /// made perpendicular: what rounding leaves grows with the cosine.

@@ -12,7 +12,9 @@ use super::axes::BoxAxes;
 use super::eight::{EightAtRest, Places, VerticesBelow};
 use super::{Below, OrientedBox, Tree};
 use crate::base::num::extremes::Extremes;
-use crate::base::tuning::composite::GROUP;
+
+/// Nodes of up to so many items have the axes of the largest node above them that has no more.
+pub(super) const GROUP: usize = 16;
 
 /// The corners of every triangle by their number among the vertices of its group: the consecutive
 /// ones, then the others.

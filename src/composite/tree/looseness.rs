@@ -9,7 +9,13 @@ use alloc::vec;
 use nalgebra::Vector3;
 
 use super::{Below, Tree};
-use crate::base::tuning::composite::{SURFACE_REACH, SURFACE_SAMPLES};
+
+/// How far beyond a box a point is still held, in units of the tree, which is one or two in size.
+/// With 0.03 and 0.1 boxes of the size of the reach hide what is too many.
+const SURFACE_REACH: f32 = 1.0 / 128.0;
+
+/// Items whose middles are counted. Not measured.
+const SURFACE_SAMPLES: usize = 512;
 
 impl Tree {
     /// Returns how many boxes hold the middles of some of the items, in all.

@@ -13,8 +13,45 @@ use crate::base::notice::progress::Watch;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT;
-use crate::base::tuning::composite::{ACROSS, COMPACT, FEW_CORNERS, HARDLY, LEVEL, LONG, LOPSIDED, MANY_ITEMS, THIN};
 use crate::body::polyhedron::{bounding_box, exponent_of, power_of_two};
+
+/// A leaf of several triangles is no thicker than this part of its length: coarse bodies have thin
+/// leaves of one triangle, fine bodies save two thirds of the boxes.
+const THIN: f64 = 1.0 / 16.0;
+
+/// From so many triangles on, a leaf of several need not be thin if it is compact, its middle axis
+/// at least this part of its longest. A terrain of a million triangles as rough as they are long
+/// takes 75 bytes a triangle instead of 154, 355 meshes of robots 88 instead of 95, the largest
+/// mean of one 112 instead of 143; a knot of 20,000 is a fifth faster. Tori of 1,280 are twice as
+/// slow: forty pairs of triangles that only boxes of their own prove are measured instead of five.
+/// Slivers, which are not compact, make a gear of 20,000 a seventh slower.
+const MANY_ITEMS: usize = 2048;
+const COMPACT: f64 = 0.5;
+
+/// A cut of a node leaves at least one part in this many on each side, so that the depth is a
+/// logarithm.
+const LOPSIDED: usize = 8;
+
+/// A cut that leaves a part longer than this part of the node is compared with cuts along the other
+/// axes. Shafts of 1,000 sides that cross at 10 degrees: 8,700 bounds a query without the direction
+/// across both lengths and without the comparison, 190 with both.
+const HARDLY: f64 = 0.95;
+
+/// A cut along another axis must leave less than this part of the area that the first leaves. Not
+/// measured.
+const ACROSS: f64 = 0.8;
+
+/// Items that reach farther from their middles than so many standard deviations of the node are
+/// long: a cut may hardly shorten the parts. Not measured.
+const LONG: f64 = 0.5;
+
+/// Middles whose heights differ by less than this part of the tree's size are level: the rounding
+/// of single precision.
+const LEVEL: f32 = 8.0 * f32::EPSILON;
+
+/// From so few triangles on a node's axes are found by corners, not by middles: a few middles have
+/// no spread of their own.
+const FEW_CORNERS: usize = 16;
 
 /// A triangle or a piece while it is sorted, in the tree's coordinates.
 #[derive(Clone, Copy)]

@@ -11,7 +11,9 @@ use nalgebra::Vector3;
 use super::split::Splitter;
 use super::{Below, COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::base::notice::progress::Watch;
-use crate::base::tuning::composite::LOWER_PART;
+
+/// The upper part of a tree is what is above nodes of so many items.
+const LOWER_PART: u32 = 64;
 
 /// Where a node comes from.
 #[derive(Clone, Copy)]

@@ -12,12 +12,12 @@
 //! Both kinds of candidates are found from two tables of signs, in which A and B play equal parts;
 //! vertices on the boundary within rounding belong to both features.
 
+use crate::body::polyhedron::cycle::LARGE;
 use wide::f64x4;
 
 use super::candidates::{Candidates, Location};
 use super::projection::ProjectedFeature;
 use crate::base::num::extremes::Bounded;
-use crate::base::tuning::polyhedron::LARGE;
 
 /// For each edge of a projected feature, a bit mask of the opposite feature's vertices outside the
 /// edge.

@@ -23,9 +23,12 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{ACROSS, CERTIFICATE, PLACE_MAX, STEEP, UNIT};
-use crate::base::tuning::contact::SAMPLE;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
 use crate::pair::outcome::{Class, Distance};
+
+/// Corners of a face on a half-space that are contact candidates, at most: of more, every second,
+/// third and so on. Not measured.
+const SAMPLE: usize = 48;
 
 /// The points `x` with `normal . x <= offset`, in a frame of their own: a floor, or a wall, without
 /// end.

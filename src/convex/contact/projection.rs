@@ -1,6 +1,7 @@
 //! A feature projected along the normal: its vertices in the perpendicular plane, and their
 //! heights.
 
+use crate::body::polyhedron::cycle::LARGE;
 use nalgebra::Vector3;
 use wide::f64x4;
 
@@ -8,7 +9,6 @@ use super::axes::{Axes, FacePlane2};
 use super::candidates::Location;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::COPLANAR;
-use crate::base::tuning::polyhedron::LARGE;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 
 /// Slots for the vertices of a small face plus a repeated first vertex, in fours for SIMD.

@@ -1,10 +1,10 @@
 //! Promotion of the closest features to the features that bear the contact: the face, or else the
 //! edge, most nearly perpendicular to the normal.
 
+use crate::body::polyhedron::fans::MANY;
 use nalgebra::Vector3;
 
 use crate::base::tolerance::{STAY, STEEP};
-use crate::base::tuning::polyhedron::MANY;
 use crate::body::polyhedron::cycle::{Cycle, Fan};
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, Feature, HalfEdgeId};
 

@@ -28,7 +28,14 @@ use super::clip::push_crossing;
 use super::projection::ProjectedFeature;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
-use crate::base::tuning::contact::{INSIDE, MAX_LOCAL_STEPS};
+
+/// Vertices of a face boundary tried next to a hint before bisection takes over. Not measured.
+const MAX_LOCAL_STEPS: usize = 4;
+
+/// Rays are cast from a point of an overlap this many times the rounding of a position off the
+/// boundaries: nearer, rounding chooses the edges by which they leave. Narrower overlaps count as
+/// lines. Not measured.
+const INSIDE: f64 = 16.0;
 
 /// Exit edges of the previous frame's rays on the faces of A and of B: the next rays exit nearby.
 pub(super) type Rays = [[u32; 2]; 12];

@@ -26,13 +26,19 @@ use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::{Vec3, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{FOOT, NEARLY_PARALLEL, PARALLEL};
-use crate::base::tuning::depth::{DESCENTS, FAN};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, FeaturePair, VertexId};
 use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::edge::EdgeSpan;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::star::falls_into_both_faces;
+
+/// Facets of a descent, at most: descents are short after small motions, and a surface is a better
+/// start for the others.
+const DESCENTS: usize = 12;
+
+/// Fans of more edges end a descent. Not measured.
+const FAN: usize = 64;
 
 /// A facet that holds the foot of the origin, up to rounding.
 pub(super) struct LowFacet {

@@ -16,7 +16,6 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root};
 use crate::base::num::sign::side;
 use crate::base::tolerance::{CERTIFICATE, EXACT_FILTER, NORMAL_ERROR};
-use crate::base::tuning::depth::{MAX_EDGE_PAIRS, MAX_EVALUATIONS, MAX_MEASURED};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, HalfEdgeId, VertexId};
 use crate::convex::exact;
 use crate::pair::difference::difference_point;
@@ -28,6 +27,20 @@ use crate::pair::transform::Transform;
 use crate::convex::depth::facet::edge;
 use crate::pair::difference::support;
 use crate::pair::difference_facet::DifferenceFacet;
+
+/// Pairs of edges that the exact enumeration of all facets tests, at most: 2048 edges of each body.
+/// Beyond, bounds stay open.
+#[cfg(feature = "exact")]
+const MAX_EDGE_PAIRS: usize = 1 << 22;
+
+/// Pairs that the exact enumeration of all facets measures, at most. Beyond, bounds stay open.
+#[cfg(feature = "exact")]
+const MAX_MEASURED: usize = 1 << 16;
+
+/// Tests of a vertex in double-double by the enumeration of all facets, at most. Measured: some
+/// hundred milliseconds. Beyond, bounds stay open.
+#[cfg(feature = "exact")]
+const MAX_EVALUATIONS: usize = 1 << 22;
 
 /// Resolves the depth of bodies with intersecting interiors; returns whether the depth was
 /// resolved.

@@ -32,7 +32,6 @@ use nalgebra::Vector3;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{Vec3, cross, dot, sqrt, sub};
 use crate::base::tolerance::{AGREE_DEPTH, CERTIFICATE, DISC, DISC_MOST, UNIT};
-use crate::base::tuning::depth::MAX_EXCHANGES;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, HalfEdgeId};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::posed::PosedPair;
@@ -43,6 +42,9 @@ use crate::convex::depth::foot::{WitnessPoints, sample_rim};
 use crate::convex::depth::result::Best;
 use crate::pair::difference::support;
 use crate::pair::difference_facet::DifferenceFacet;
+
+/// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
+const MAX_EXCHANGES: usize = 48;
 
 /// Returns three points of the facet pierced by `axis`, starting from a pierced triangle
 /// (counter-clockwise seen from outside); `None` if `axis` misses the triangle. Points in `known`

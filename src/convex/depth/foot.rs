@@ -3,18 +3,21 @@
 //! If faces lie flush, many pairs of points are equally deep, and the vertex that names the facet
 //! may overhang the opposite face: then another feature pair has the witnesses ([`flush`]).
 
+use crate::body::polyhedron::cycle::LARGE;
 use nalgebra::{Point3, Vector3};
 
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::Vec3;
 use crate::base::tolerance::{AGREE_DEPTH, FOOT};
-use crate::base::tuning::depth::SMALL;
-use crate::base::tuning::polyhedron::LARGE;
 use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::PosedPair;
+
+/// Faces of up to this many edges are tried edge by edge for the features of a depth, the product
+/// of two such numbers in all. Not measured.
+const SMALL: usize = 8;
 
 /// A point of A and a point of B, in their stored frames.
 pub(super) type WitnessPoints = (Point3<f64>, Point3<f64>);

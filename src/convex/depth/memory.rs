@@ -9,13 +9,20 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::base::num::scalar::Vec3;
-use crate::base::tuning::depth::{GAIN, MAX_TRIANGLES};
 use crate::body::polyhedron::{FeaturePair, VertexId};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::posed::PosedPair;
 
 use crate::convex::depth::surface::EnclosingSurface;
+
+/// Triangles of a surface that is kept between queries, at most: their numbers fit a byte. Larger
+/// surfaces are built again, as their memory costs more than the time saved. Not measured.
+pub(super) const MAX_TRIANGLES: usize = 256;
+
+/// Triangles that a kept surface may gain, beside the number at its build, before the surface is
+/// built again: an old surface carries triangles that bound nothing. Not measured.
+const GAIN: usize = 24;
 
 /// Most points of a cached surface: a closed surface of `MAX_TRIANGLES` triangles has no more.
 pub(super) const MAX_POINTS: usize = MAX_TRIANGLES / 2 + 2;

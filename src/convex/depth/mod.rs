@@ -54,7 +54,6 @@ use crate::base::num::scalar::{Scalar, dot};
 #[cfg(feature = "exact")]
 use crate::base::tolerance::AGREE_WITNESS;
 use crate::base::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIGIN_SHIFTS, UNIT};
-use crate::base::tuning::depth::SHIFTS_PLAIN;
 use crate::pair::answer::{round_outward, unit, walk_state};
 use crate::pair::difference::{difference_point, support};
 use crate::pair::draft::Draft;
@@ -70,6 +69,11 @@ pub(crate) use local::local_depth;
 pub(crate) use memory::{Memory, RawMemory, Workspace};
 pub(crate) use nearest::{NearestFeature, depth_from, nearest_facet};
 pub(crate) use resume::resume;
+
+/// Number of perturbations worth a search in f64, the first of
+/// [`ORIGIN_SHIFTS`](crate::tolerance::ORIGIN_SHIFTS): the perturbations well above the rounding of
+/// f64.
+const SHIFTS_PLAIN: usize = 3;
 
 /// Bounds the depth of an overlap that took double-double to be told from a touch, by the support
 /// of A - B along the direction in which the bodies nearly part: an upper bound of the depth, which

@@ -20,14 +20,13 @@
 //! The sides are judged as the triangles of a surface are
 //! ([`verify_surface`](super::verify_surface)).
 
+use crate::body::polyhedron::cycle::LARGE;
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::Extremes;
 use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::{Vec3, cross, dot, neg, sqrt, sub};
 use crate::base::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, ORIENTATION, UNIT};
-use crate::base::tuning::depth::{CORNERS, SUPPORTS};
-use crate::base::tuning::polyhedron::LARGE;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId};
 use crate::convex::depth::direction::unit;
 use crate::convex::depth::result::Best;
@@ -35,6 +34,13 @@ use crate::convex::depth::verify_surface::Target;
 use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
+
+/// Corners of a face over which a pyramid is tried first. Measured on a prism of 32 vertices that
+/// slides on another: 5 corners answer, in two thirds of the time of all 16.
+const CORNERS: usize = 5;
+
+/// Support points that one pyramid may take in beside its apex. Not measured.
+const SUPPORTS: u32 = 6;
 
 /// A facet joined to a point deep in A - B. Over a face of B all points are those of B - A, so that
 /// the facet is turned like the face.

@@ -10,7 +10,6 @@
 
 use crate::base::num::scalar::{Vec3, sub};
 use crate::base::tolerance::{AGREE_DEPTH, ORIGIN_SHIFTS};
-use crate::base::tuning::depth::{FEW_POINTS, FEW_TRIANGLES};
 use crate::body::polyhedron::{FeaturePair, VertexId};
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::draft::Draft;
@@ -27,6 +26,14 @@ use crate::convex::depth::seed::search_from;
 use crate::convex::depth::verify_surface::{SurfaceState, verify_surface};
 use crate::convex::depth::write_overlap;
 use crate::pair::difference_facet::DifferenceFacet;
+
+/// Points up to which a resumed surface works on a small array, which costs less to clear. Not
+/// measured.
+const FEW_POINTS: usize = 34;
+
+/// Up to so many weak triangles are taken for facets next to the last deepest facet, and tried
+/// before the surface grows. Not measured.
+const FEW_TRIANGLES: usize = 2;
 
 /// Resumes the depth from the deepest facet and the cached surface. Unless proven, nothing is said
 /// about the bodies.

@@ -3,7 +3,6 @@
 
 use crate::base::num::scalar::{Scalar, Vec3, dot, neg};
 use crate::base::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, PLATEAU, SHIFT_DIRECTION, UNIT};
-use crate::base::tuning::depth::REPEATS;
 use crate::body::polyhedron::FeaturePair;
 use crate::convex::minimum::gjk::{Minimum, solve};
 use crate::convex::minimum::simplex::Simplex;
@@ -18,6 +17,10 @@ use crate::convex::depth::direction::unit;
 use crate::convex::depth::result::{Best, SearchEnd, SearchResult};
 use crate::convex::depth::surface::{EnclosingSurface, Filter};
 use crate::pair::difference_facet::DifferenceFacet;
+
+/// Points that may come twice before a surface counts as folded and the next arithmetic takes over.
+/// Not measured.
+const REPEATS: u32 = 16;
 
 /// A surface on the way to the deepest facet.
 pub(super) struct DepthSearch<'a, T: Scalar> {

@@ -15,12 +15,16 @@ use alloc::vec::Vec;
 
 use crate::base::num::ranked::Ranked;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, sub};
-use crate::base::tuning::depth::SCANNED;
 use crate::convex::depth::direction::{min_height, normal, unit};
+use crate::convex::depth::memory::MAX_TRIANGLES;
 use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::MinkowskiPoint;
 use grow::HorizonEdge;
 use vertex_pairs::VertexPairs;
+
+/// Surfaces of up to this many points are scanned for a point, hardly slower than hashing. Equal to
+/// [`MAX_TRIANGLES`], the size for which trackers reserve memory, so that queries allocate nothing.
+const SCANNED: usize = MAX_TRIANGLES;
 
 /// A triangle with its vertices counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug, Default)]

@@ -12,11 +12,14 @@
 
 use crate::base::num::scalar::{Scalar, Vec3, dot, neg, root};
 use crate::base::tolerance::{ON_BOUNDARY, UNIT};
-use crate::base::tuning::minimum::SUPPORTS;
 use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::support;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
+
+/// Support points of one solve, at most. Measured: right answers took at most 24, and some 90 if
+/// nearly parallel faces of 32,768 vertices lie boundary over boundary.
+const SUPPORTS: u32 = 256;
 
 /// Result of a solve.
 #[derive(Clone, Copy, Debug)]

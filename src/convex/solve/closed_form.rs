@@ -21,12 +21,14 @@ use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, magnitude, root, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{CLEAR_SIGN, CLOSED_FORM, LEAST_RISE};
-use crate::base::tuning::solve::FAN;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
 use crate::convex::minimum::start::triangle;
 use crate::pair::draft::Draft;
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::transform::Turned;
+
+/// Edges of a vertex that are tested, at most; a pair with more is solved. Not measured.
+const FAN: usize = 32;
 
 /// The distance of two features that are the closest, proven.
 pub(crate) struct ClosedForm {

@@ -33,12 +33,30 @@ mod vertex_face;
 mod vertex_vertex;
 
 use crate::base::num::scalar::sqrt;
-use crate::base::tuning::walk::{FIRST_NEWTON_JUMP, FREE, JUMPS, LONGEST, NEWTON_JUMPS};
 use crate::body::polyhedron::{Feature, FeaturePair};
 use crate::convex::walk::rings::newton_jump::newton_jump;
 use crate::convex::walk::step::Step;
 use crate::pair::draft::Draft;
 use crate::pair::posed::{AFirst, BFirst, PosedPair};
+
+/// Jumps to a far face (vertex-face from behind) in a walk, at most. Jumps are not monotone; a
+/// larger number keeps walks alive that another solver ends sooner. Not measured.
+const JUMPS: u32 = 3;
+
+/// Steps before the guard against cycles begins: most walks end before and never pay for the guard.
+/// Not measured.
+const FREE: u32 = 8;
+
+/// Newton jumps a walk may try. Not measured.
+const NEWTON_JUMPS: u32 = 12;
+
+/// Most steps of a walk on bodies with long face boundaries or large fans, which Newton jumps pass:
+/// a longer walk is lost and goes to the other solvers. Not measured.
+const LONGEST: u32 = 128;
+
+/// Steps before the first Newton jump along a long face boundary or round a large fan: a jump costs
+/// several steps, and most walks have ended by then. Not measured.
+const FIRST_NEWTON_JUMP: u32 = 4;
 
 /// Tests the current feature pair of `outcome` and moves to the next pair or accepts the pair.
 #[inline(always)]

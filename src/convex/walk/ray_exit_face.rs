@@ -6,11 +6,11 @@
 //! to `x` leaves the body. If the value is below 1, `x` is inside. (The height `n . x - o`, which a
 //! scan of the faces would compare, has local maxima.)
 
+use crate::body::polyhedron::cycle::LARGE;
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{ON_BOUNDARY, UNIT};
-use crate::base::tuning::polyhedron::LARGE;
 use crate::body::polyhedron::cycle::Cycle;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, FeaturePair, HalfEdgeId, VertexId};
 use crate::convex::walk::step::Step;

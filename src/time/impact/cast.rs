@@ -8,9 +8,35 @@ use crate::base::notice::log;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::{PoseError, RelativePose};
 use crate::base::tolerance::ROOT;
-use crate::base::tuning::impact::{AIM, CLEAR, DOUBLINGS, LEAST, LOOKS, PACE, PACE_LOOKS, SHRINK};
 use crate::pair::outcome::Class;
 use crate::time::separation::{Flight, Measure, Proof, Separation};
+
+/// Looks of a cast, at most. Measured: 21 at most up to a turn, thousands if gears turn a hundred
+/// times a hair apart.
+const LOOKS: u32 = 20_000;
+
+/// Every so many looks a cast ends if its looks would have to be this times as many as the limit to
+/// come to the end at their pace: bodies that turn by 1e15 radians. Not measured.
+const PACE_LOOKS: u32 = 1024;
+const PACE: f64 = 50.0;
+
+/// Part of the tolerance at which looks aim as a gap, and the proof behind contact as a depth: a
+/// larger part makes the bracket wider, a smaller part the queries slower. Measured: brackets of
+/// 0.2 tolerances.
+const AIM: f64 = 0.3;
+
+/// Distance of the balls, over the sum of both radii, from which on a cast jumps by balls without a
+/// query. Not measured.
+const CLEAR: f64 = 0.1;
+
+/// A tolerance is at least this times the rounding of a distance: below, proofs fail. Not measured.
+const LEAST: f64 = 8.0;
+
+/// Factor of a tolerance whose overlap was not proven. Not measured.
+const SHRINK: f64 = 1.0 / 16.0;
+
+/// Doublings of the step behind contact if the tolerance cannot shrink. Not measured.
+const DOUBLINGS: u32 = 6;
 
 /// A cast in the making.
 pub(super) struct CastSearch<'a, S: ?Sized, A: ?Sized, B: ?Sized> {

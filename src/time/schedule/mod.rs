@@ -59,7 +59,10 @@ use alloc::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use core::cmp::Reverse;
 
 use crate::base::tolerance::TICK;
-use crate::base::tuning::schedule::SPARE;
+
+/// Entries of the heap above four a pair at which the heap is rebuilt without stale entries. Not
+/// measured.
+const SPARE: usize = 64;
 
 /// Pairs of bodies, by the ids of the caller, and the tick at which each pair is due.
 #[derive(Clone, Debug, Default)]

@@ -1,5 +1,6 @@
 //! Balls about the pivots, which contain the shapes at every turn.
 
+use crate::time::separation::bernstein::ROUNDS;
 use nalgebra::{Isometry3, Vector3};
 
 use super::fixed_normal::cut;
@@ -9,7 +10,6 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{BALLS, PLANE, ROOT};
-use crate::base::tuning::separation::ROUNDS;
 
 /// The time for which balls stay apart on a flight.
 pub(crate) struct Apart {

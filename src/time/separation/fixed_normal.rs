@@ -4,6 +4,7 @@
 //! plane that turns with the features does, without supports; a step of it leaves the part of the
 //! gap by which the shapes may turn into each other, so that planes that turn do the last ones.
 
+use crate::time::separation::plane::AHEAD;
 use nalgebra::Vector3;
 
 use super::bernstein::{line_positive_until, positive_until};
@@ -14,7 +15,25 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::PLANE;
-use crate::base::tuning::separation::{AHEAD, CUT, CUT_FAR, CUT_MOST, FIXED_GAP, FIXED_SHARE};
+
+/// Cut of an interval whose bound is a little too large. Not measured.
+const CUT: f64 = 0.75;
+
+/// Excess of a bound, `2^24`, from which on an interval is cut deeper. Not measured.
+const CUT_FAR: f64 = (1u64 << 24) as f64;
+
+/// The deepest cut at a time, `2^-60`: 18 reach zero from an interval of one. Not measured.
+const CUT_MOST: f64 = 1.0 / (1u64 << 60) as f64;
+
+/// In a cast a plane keeps its normal if turns give no point more than this part of the velocity at
+/// which the pivots approach each other: the plane then proves three quarters of the way to contact
+/// and more, without support points.
+const FIXED_SHARE: f64 = 0.3;
+
+/// In a cast a plane turns with the features if the gap is less than this part of the sum of both
+/// radii, as its steps converge quadratically. Measured from 1e-4 to 0.4 on casts of hulls of 8 to
+/// 512 vertices: .001 to .005 take 9 to 18 % less time than planes that always turn.
+const FIXED_GAP: f64 = 0.002;
 
 /// Returns whether neither shape turns: then the gap along a normal is a parabola, exactly.
 pub(super) fn turns_neither(flight: &Flight) -> bool {

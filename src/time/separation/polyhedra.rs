@@ -7,7 +7,6 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{HEIGHT, UNIT};
-use crate::base::tuning::separation::{FEW, FLUSH, RIM, SMALLER};
 use crate::body::polyhedron::support::Extreme;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 use crate::convex::minimum::overlap_proof::OverlapProof;
@@ -15,6 +14,23 @@ use crate::convex::tracker::Tracker;
 use crate::pair::outcome::{Decision, Outcome, Until};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
+
+/// Faces with longer boundaries are not divided into triangles for the guess of an overlap: the
+/// search takes linear time. Not measured.
+const RIM: usize = 64;
+
+/// The ball about the middle of the box replaces the ball about the origin if smaller by this
+/// factor: tighter, for an arm in every bound. Not measured.
+const SMALLER: f64 = 0.8;
+
+/// Support heights of bodies of up to this many vertices come from a scan: no proof of a climb, for
+/// linear time. Not measured.
+const FEW: usize = 24;
+
+/// A direction nearer than this to the normal of a face, as a 1-norm, takes the height of the plane
+/// of the face and a bound of the difference: no climb along a face, for a height a little too
+/// large. Not measured.
+const FLUSH: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// Two convex polyhedra that can be measured over time.
 #[derive(Debug)]

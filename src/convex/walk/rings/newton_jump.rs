@@ -14,13 +14,33 @@
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::{Bounded, Extremes};
-use crate::base::tuning::walk::{BISECTIONS, CLOSE, DAMPING, REACH, STEPS, TRIES};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::convex::walk::rings::cholesky::{System, Variables};
 use crate::convex::walk::rings::curve::{ParabolaFit, RingCurve, RingLocation};
 use crate::pair::draft::Draft;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::PosedPair;
+
+/// Newton steps of one jump. Not measured.
+const STEPS: usize = 3;
+
+/// Relative amount that makes non-positive second derivatives positive: safer steps for slower
+/// convergence. Not measured.
+const DAMPING: f64 = 1.0 / 1024.0;
+
+/// A Newton step shorter than this is the last: the next step would be as short as its square. Not
+/// measured.
+const CLOSE: f64 = 1.0 / 8.0;
+
+/// How often a jump that leads no closer is cut to a quarter before it is dropped. Not measured.
+const TRIES: u32 = 3;
+
+/// Bisections for the point at which a curve leaves a face. Not measured.
+const BISECTIONS: u32 = 8;
+
+/// How far a parabola is followed, in lengths of its fit: longer jumps for worse extrapolation. Not
+/// measured.
+const REACH: f64 = 12.0;
 
 /// The feature of one body as a smooth set of points.
 enum RingSide<'a> {
