@@ -1,7 +1,6 @@
 //! Consistency of the tables of a scene with each other: asked by tests and fuzzing after each
 //! call, and of every scene that is read from a file.
 
-use crate::scene::ahead::TICKS;
 use alloc::format;
 use alloc::string::String;
 
@@ -15,6 +14,7 @@ use crate::base::motion::Velocity;
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb, BroadPhase, PencilSweep, StoredBox};
+use crate::scene::ahead::TICKS;
 
 impl Scene {
     /// Returns the first contradiction among the tables of the scene: bodies and odometers, motions

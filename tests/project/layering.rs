@@ -77,10 +77,7 @@ fn below(folder: &str) -> Vec<Source> {
 
 /// The rooms of the ground floor, lowest first, and the layers of those that hold several.
 const ROOMS: &[(&str, &[&str])] = &[
-    (
-        "base",
-        &["cost", "tolerance", "notice", "num", "pose", "motion"],
-    ),
+    ("base", &["cost", "tolerance", "notice", "num", "pose", "motion"]),
     ("body", &["polyhedron", "shape"]),
     ("pair", &["soundness"]),
     (
@@ -180,20 +177,14 @@ const MAY_USE: &[(&str, &[&str])] = &[
     // Poses, velocities and displacements: no shape.
     ("motion", &["tolerance", "num", "pose", "motion"]),
     // The box of a posed polyhedron turns by the matrix of a pose.
-    (
-        "polyhedron",
-        &["notice", "tolerance", "num", "pose", "polyhedron"],
-    ),
+    ("polyhedron", &["notice", "tolerance", "num", "pose", "polyhedron"]),
     // Geometry alone: cores, radii, supports.
     ("shape", &["tolerance", "num", "pose", "polyhedron", "shape"]),
     // Two posed shapes, the outcome and the certificate: no solver.
     ("pair", &["tolerance", "num", "pose", "polyhedron", "pair"]),
     ("soundness", &["tolerance", "num", "pose", "polyhedron", "pair"]),
     // The walk knows no solver.
-    (
-        "walk",
-        &["tolerance", "num", "pose", "polyhedron", "pair", "walk"],
-    ),
+    ("walk", &["tolerance", "num", "pose", "polyhedron", "pair", "walk"]),
     (
         "minimum",
         &["tolerance", "num", "pose", "polyhedron", "pair", "minimum"],
@@ -230,15 +221,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     // Contacts begin with an outcome, whichever solver found the outcome.
     (
         "contact",
-        &[
-            "tolerance",
-            "num",
-            "pose",
-            "motion",
-            "polyhedron",
-            "pair",
-            "contact",
-        ],
+        &["tolerance", "num", "pose", "motion", "polyhedron", "pair", "contact"],
     ),
     (
         "replay",

@@ -10,12 +10,22 @@ use crate::extremes::Extremes;
 use crate::pairs::swept_box;
 use crate::space::ConfigurationSpace;
 use crate::tolerance::{PLACED, PLACED_BALL};
-use crate::tuning::{ENLARGED, LOWERED, SAMPLES};
 use crate::world::{WorldId, WorldPair};
 use lin_canny::Class;
 use lin_canny::RelativePose;
 use lin_canny::impact::Impact;
 use lin_canny::motion::{Motion, Steady, Velocity};
+
+/// Places of a segment measured before its clearance is proven. Not measured.
+const SAMPLES: u32 = 8;
+
+/// How often the clearance to be proven is lowered along a segment before nothing is said. Not
+/// measured.
+const LOWERED: u32 = 1000;
+
+/// Factor by which the distance is enlarged within which the last clearance was found, if no
+/// obstacle is as near any more; if none is within that, all are asked. Not measured.
+const ENLARGED: f64 = 4.0;
 
 /// A pair near its closest at a configuration.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,9 +5,13 @@ use nalgebra::Isometry3;
 use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::space::ConfigurationSpace;
-use crate::tuning::{HITS, HITS_FIRST};
 use crate::world::WorldId;
 use lin_canny::RelativePose;
+
+/// Pairs that were hit lately and come first at the next configuration; of these the first few are
+/// asked before any box is looked at. Not measured.
+const HITS: usize = 16;
+const HITS_FIRST: usize = 2;
 
 impl<C: ConfigurationSpace> Checker<C> {
     /// Returns whether every pair is proven farther apart than the margin at a configuration: what

@@ -7,7 +7,17 @@ use crate::checker::Checker;
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::space::ConfigurationSpace;
-use crate::tuning::{CLOSED, HOP, TRACE};
+
+/// Clearance, in units of the shortest step, below which a freeway has closed and no bridge begins.
+/// Not measured.
+pub(crate) const CLOSED: f64 = 64.0;
+
+/// Steps of a trace of a freeway in one direction, at most. Not measured.
+const TRACE: usize = 256;
+
+/// Lengths of a step by which a corrector may move a place: farther is another maximum. Not
+/// measured.
+const HOP: f64 = 4.0;
 
 /// The reason why a freeway ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

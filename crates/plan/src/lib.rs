@@ -137,7 +137,6 @@ mod space;
 mod tolerance;
 mod tree;
 mod tree_motion;
-mod tuning;
 mod verdict;
 mod world;
 

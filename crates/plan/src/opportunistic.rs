@@ -13,8 +13,12 @@ use crate::path::Path;
 use crate::random::Random;
 use crate::roadmap::Roadmap;
 use crate::space::ConfigurationSpace;
-use crate::tuning::{LONGEST, SHORTEST};
 use crate::verdict::CheckWork;
+
+/// The longest and the shortest step of an ascent or a trace, in units of the largest extent of the
+/// bounds. Not measured.
+const LONGEST: f64 = 1.0 / 16.0;
+const SHORTEST: f64 = 1.0 / 32_768.0;
 
 /// The budget of a search, and its seed.
 #[derive(Clone, Debug, PartialEq)]

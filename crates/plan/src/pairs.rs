@@ -7,12 +7,15 @@ use nalgebra::{Isometry3, Point3};
 use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::tolerance::PLACED;
-use crate::tuning::SWEPT;
 use crate::world::{World, WorldId, WorldPair};
 use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep};
 use lin_canny::motion::{Course, Steady, Velocity};
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::{Geometry, PairTracker};
+
+/// Part of the whole segment below which no swept box is cut shorter: so there are at most 128. Not
+/// measured.
+const SWEPT: f64 = 1.0 / 64.0;
 
 /// A pair and its tracker.
 pub(crate) struct TrackedPair {

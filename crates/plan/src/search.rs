@@ -7,13 +7,25 @@ use lin_canny::Progress;
 use crate::ascent::{ClearConfiguration, Slice, dot};
 use crate::clearance::NearPair;
 use crate::error::PlanError;
+use crate::freeway::CLOSED;
 use crate::freeway::FreewayEnd;
 use crate::links::{apart, spaced};
 use crate::opportunistic::PathSearch;
 use crate::path::Path;
 use crate::roadmap::{EdgeKind, Freeway};
 use crate::space::ConfigurationSpace;
-use crate::tuning::{CLOSED, DEPTH, KNOWN, OPPOSITE, SHORT};
+
+/// Cosine of gradients that count as opposite. Not measured.
+const OPPOSITE: f64 = 0.25;
+
+/// Part of the way to a contact that is left out. Not measured.
+const SHORT: f64 = 1.0 / 64.0;
+
+/// Clearances within which a place of a freeway counts as known. Not measured.
+const KNOWN: f64 = 1.0;
+
+/// Dimensions by which slices of slices may lose. Not measured.
+const DEPTH: usize = 1;
 
 const START: usize = 0;
 const GOAL: usize = 1;

@@ -28,9 +28,12 @@ use crate::extremes::Extremes;
 use crate::space::SegmentMotion;
 use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE};
 use crate::tree::TreeJoint;
-use crate::tuning::TURNED;
 use lin_canny::motion::{Course, Drift};
 use lin_canny::normalize;
+
+/// Radians by which the joints that two links share turn, beyond which the pair is looked at from
+/// the last link that carries both. Not measured.
+const TURNED: f64 = 1.0;
 
 /// Base, joints and paths, shared by a space and its segments.
 #[derive(Clone, Debug)]

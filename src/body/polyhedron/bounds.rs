@@ -6,7 +6,6 @@
 //! bound of all rounding, so the box holds the posed body: at most `1e-6 r` too large on a side if
 //! scanned, `1e-14 (r + |t|)` if climbed.
 
-use crate::body::polyhedron::support::SCANNED;
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
@@ -14,6 +13,7 @@ use wide::f32x4;
 
 use crate::base::pose::rotation_matrix;
 use crate::base::tolerance::{BOX, BOX_SCANNED, POSE_UNIT};
+use crate::body::polyhedron::support::SCANNED;
 use crate::body::polyhedron::{ConvexPolyhedron, VertexId};
 
 /// The extreme vertices of one body at its last pose, from which [`ConvexPolyhedron::aabb_at`]

@@ -14,13 +14,13 @@
 //!       v
 //! ```
 
-use crate::body::polyhedron::cycle::LARGE;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use crate::base::num::sign::side;
 use crate::body::polyhedron::axis::Axis;
 use crate::body::polyhedron::cycle::Cycle;
+use crate::body::polyhedron::cycle::LARGE;
 use crate::body::polyhedron::heights::{Direction, Slope};
 use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::unimodal::{top_from, top_of_ring};

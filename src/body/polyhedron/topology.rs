@@ -14,11 +14,11 @@
 //!            from
 //! ```
 
-use crate::body::polyhedron::cycle::LARGE;
 use alloc::vec;
 use alloc::vec::Vec;
 
 use crate::body::polyhedron::cycle::Fan;
+use crate::body::polyhedron::cycle::LARGE;
 use crate::body::polyhedron::feature::{EdgeId, FaceId, HalfEdgeId, VertexId};
 
 /// A half-edge: an edge with a direction.

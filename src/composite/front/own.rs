@@ -16,7 +16,6 @@
 //! Neighbours move together: near nodes lose what the body is stretched between them, not what they
 //! move. Nothing adds up over frames: a body that swings is where it was.
 
-use crate::composite::meet::search::AT_ONCE;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
@@ -24,6 +23,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::composite::front::NodePair;
 use crate::composite::front::audit::FrontFault;
+use crate::composite::meet::search::AT_ONCE;
 use crate::composite::meet::search::{GapProof, Judge, ProofKeeper, TreeSearch};
 use crate::composite::tree::{Below, Tree, up};
 

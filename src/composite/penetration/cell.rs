@@ -17,7 +17,6 @@
 //! obstacle-free space through semidefinite programming"), with a ball in the place of the
 //! ellipsoid. Departure: the plane of the triangle itself where it serves.
 
-use crate::composite::penetration::BEYOND;
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
@@ -32,6 +31,7 @@ use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
 use crate::composite::mesh::nearest::From;
 use crate::composite::parts::Parted;
+use crate::composite::penetration::BEYOND;
 use crate::composite::tree::Below;
 use crate::composite::tree::height::height;
 

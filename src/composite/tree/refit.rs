@@ -8,7 +8,6 @@
 //!
 //! Source: refitting of bounding volumes: van den Bergen 1997; the frame of three vertices is ours.
 
-use crate::composite::tree::group::GROUP;
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -20,6 +19,7 @@ use super::{Below, OrientedBox, Tree, up};
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
+use crate::composite::tree::group::GROUP;
 
 /// Triangles of a node among which three vertices far from each other are looked for. Not measured.
 const FAR_SAMPLES: usize = 128;

@@ -1,7 +1,6 @@
 //! Flat parts of surfaces that bear the contacts of curved shapes: a face or an edge of a
 //! polyhedron, a flat round face, a generator of a curved side.
 
-use crate::body::polyhedron::cycle::LARGE;
 use core::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::Vector3;
@@ -14,6 +13,7 @@ use super::promote::Promotion;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::STEEP;
+use crate::body::polyhedron::cycle::LARGE;
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 
 /// A flat round face perpendicular to the z axis, its centre on the axis.
