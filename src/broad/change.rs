@@ -6,7 +6,7 @@
 //! reported if the two differ.
 
 use super::body::{Bodies, Record};
-use super::compact_vec::trim;
+use super::tables::trim;
 use alloc::vec::Vec;
 
 /// Two body indices in one number, the lower index in the upper half, so that numbers sort like

@@ -53,8 +53,6 @@ mod aabb;
 mod body;
 mod bounds;
 mod change;
-mod check;
-mod compact_vec;
 mod error;
 mod grid;
 #[cfg(test)]
@@ -63,12 +61,12 @@ mod options;
 mod pairs;
 mod parallel;
 mod pencil;
-mod prefetch;
 pub(crate) mod slots;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod sorted_axes;
 mod state;
+mod tables;
 
 use alloc::string::String;
 use alloc::vec::Vec;

@@ -6,7 +6,7 @@
 //! index whose generations are used up is *retired* and never used again.
 
 use super::BodyId;
-use super::compact_vec::push;
+use super::tables::push;
 use alloc::vec::Vec;
 
 /// From this generation on an index is never used again.

@@ -1,19 +1,21 @@
-//! The overlapping pairs in slots that stay fixed from the beginning of a pair to its end.
+//! The overlapping pairs, in slots that stay fixed from the beginning of a pair to its end, and the
+//! check of these slots.
 
-mod check;
 mod links;
 #[cfg(feature = "serde")]
 mod state;
 
-use super::change::{Changes, PairKey, pair_key, pair_of};
-use super::compact_vec::trim;
-use super::parallel::{Threads, join};
-use super::prefetch::read_ahead;
-use super::{Bodies, BodyId, BroadPhaseError};
-use alloc::vec::Vec;
-use links::Links;
+use crate::broad::change::{Changes, PairKey, pair_key, pair_of};
+use crate::broad::pairs::links::Links;
 #[cfg(feature = "serde")]
-pub(crate) use state::PairsState;
+pub(crate) use crate::broad::pairs::state::PairsState;
+use crate::broad::parallel::{Threads, join};
+use crate::broad::tables::read_ahead;
+use crate::broad::tables::trim;
+use crate::broad::{Bodies, BodyId, BroadPhaseError};
+use alloc::string::String;
+use alloc::vec::Vec;
+use alloc::{format, vec};
 
 /// Number of items prefetched at once. Not measured.
 pub(super) const AHEAD: usize = 32;
@@ -332,5 +334,39 @@ fn propose(keys: &[PairKey], out: &mut [Pair], bodies: &Bodies, threads: usize) 
                 *pair = named(bodies, *key, NOWHERE.id.slot, 0);
             }
         }
+    }
+}
+
+impl PairSlots {
+    /// Returns the first contradiction between slots, links and the lists of vacant slots.
+    pub(crate) fn check(&self) -> Result<(), String> {
+        let mut vacant = vec![false; self.slots.len()];
+        for &slot in self.free.iter().chain(&self.resting) {
+            match vacant.get_mut(slot as usize) {
+                Some(seen) if !*seen => *seen = true,
+                _ => return Err(format!("slot {slot} is listed as vacant twice or is not there")),
+            }
+        }
+        let mut live = 0;
+        for (i, (slot, vacant)) in self.slots.iter().zip(&vacant).enumerate() {
+            if (slot.bodies == VACANT) != *vacant {
+                return Err(format!("slot {i} is listed as vacant: {vacant}"));
+            }
+            if *vacant {
+                continue;
+            }
+            live += 1;
+            if self.links.find(slot.key(), &self.slots) != Some(i as u32) {
+                return Err(format!("the pair of slot {i} is not found under its name"));
+            }
+        }
+        if live != self.live || live != self.links.len() {
+            return Err(format!(
+                "{live} pairs, {} counted, {} linked",
+                self.live,
+                self.links.len()
+            ));
+        }
+        Ok(())
     }
 }

@@ -3,7 +3,7 @@
 use crate::base::num::extremes::Bounded;
 use crate::broad::aabb::order_key;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record, UNBOUNDED};
-use crate::broad::prefetch::read_ahead;
+use crate::broad::tables::read_ahead;
 use alloc::vec::Vec;
 
 /// Marks an entry that stands for the new box only: the body came into the column this step. The

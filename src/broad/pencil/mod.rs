@@ -1,27 +1,29 @@
 //! Sweep and prune over pencils: the world is cut into columns along the swept axis, each with a
-//! sorted list.
+//! sorted list. Holds the step, the queries about the boxes of the last step, and the check of the
+//! columns.
 
-mod check;
 mod column;
-mod query;
 mod repair;
 mod scan;
 mod tune;
 
-use super::body::{Bodies, JUMPS, Record, UNBOUNDED};
-use super::bounds::Bounds;
-use super::change::note_unbounded;
-use super::grid::Grid;
-use super::parallel::{Threads, join};
-use super::state::{BroadPhaseState, HasState};
-use super::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings, StoredBox};
+use crate::base::num::extremes::Bounded;
+use crate::base::tolerance::COLUMN_SEARCH;
+use crate::broad::aabb::{StoredBox, order_key};
+use crate::broad::body::{Bodies, JUMPS, Record, UNBOUNDED};
+use crate::broad::bounds::Bounds;
+use crate::broad::change::note_unbounded;
+use crate::broad::grid::Grid;
+use crate::broad::parallel::{Threads, join};
+use crate::broad::pencil::column::{Column, entry, index_of, who};
+use crate::broad::pencil::repair::Touch;
+use crate::broad::pencil::scan::Worker;
+use crate::broad::pencil::tune::{StepCounts, Tuning};
+use crate::broad::state::{BroadPhaseState, HasState};
+use crate::broad::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings};
+use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use column::{Column, who};
-pub use query::Pencil;
-use repair::Touch;
-use scan::Worker;
-use tune::{StepCounts, Tuning};
 
 /// All columns are swept if this many times the moved bodies exceed all bodies: the costs of a
 /// sweep and of repairs meet near 9 % of the bodies.
@@ -314,7 +316,7 @@ impl HasState for PencilSweep {
     fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
         let bodies = &self.state.bodies;
         let first = found.len();
-        query::overlapping(
+        self::overlapping(
             bodies,
             &self.columns,
             &Bounds::from_box(asked),
@@ -345,7 +347,7 @@ impl BroadPhase for PencilSweep {
                     .filter(|(_, r)| r.now().overlaps(&record.now()));
                 found.extend(hits.map(|(i, _)| i as u32));
             } else {
-                query::overlapping(bodies, columns, &record.now(), Record::now, |i| found.push(i));
+                self::overlapping(bodies, columns, &record.now(), Record::now, |i| found.push(i));
             }
         };
         self.state.take_over(filter, partners, threads);
@@ -362,5 +364,138 @@ impl BroadPhase for PencilSweep {
         let scratch: usize = self.workers.iter().map(Worker::bytes).sum();
         let touched = self.touched.capacity() * size_of::<Touch>();
         self.state.bytes() + self.columns.capacity() * size_of::<Column>() + columns + scratch + touched
+    }
+}
+
+/// Visits every body once whose box overlaps `asked`; `place` returns the box of a record by which
+/// the columns are sorted.
+fn overlapping(
+    bodies: &Bodies,
+    columns: &[Column],
+    asked: &Bounds,
+    place: impl Fn(&Record) -> Bounds,
+    mut visit: impl FnMut(u32),
+) {
+    let StoredBox {
+        lo: [start, ..],
+        hi: [end, ..],
+    } = asked.to_box();
+    for cell in bodies.grid.range(asked).columns() {
+        let Some(column) = columns.get(bodies.grid.index(cell)) else {
+            continue;
+        };
+        let slack = COLUMN_SEARCH * start.abs().at_least(column.longest);
+        let first = order_key(start - column.longest - slack);
+        let last = order_key(end);
+        let from = column.entries.partition_point(|e| ((e >> 32) as u32) < first);
+        for &e in column.entries[from..].iter().take_while(|e| (*e >> 32) as u32 <= last) {
+            let stored = place(&bodies.records[index_of(e)]);
+            if stored.overlaps(asked) && bodies.grid.owner(&stored, asked) == cell {
+                visit(index_of(e) as u32);
+            }
+        }
+    }
+    for &index in &bodies.unbounded {
+        if place(&bodies.records[index as usize]).overlaps(asked) {
+            visit(index);
+        }
+    }
+}
+
+impl PencilSweep {
+    /// Iterates over the columns that hold a body, for pictures and statistics: lower corner and
+    /// upper corner on the two axes that are not swept, and the number of listed bodies.
+    pub fn pencils(&self) -> impl Iterator<Item = Pencil> + '_ {
+        let grid = &self.state.bodies.grid;
+        let held = self
+            .columns
+            .iter()
+            .enumerate()
+            .filter(|(_, column)| !column.entries.is_empty());
+        held.map(move |(i, column)| {
+            let cell = grid.column(i);
+            let lo = core::array::from_fn(|k| grid.corner()[k] + f32::from(cell[k]) * grid.width);
+            Pencil {
+                swept_axis: grid.axis,
+                lo,
+                hi: lo.map(|v| v + grid.width),
+                listed: column.entries.len(),
+            }
+        })
+    }
+}
+
+/// A column of [`PencilSweep`]. Columns at the border of the grid also hold all bodies beyond the
+/// border.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Pencil {
+    /// The axis of the column: 0, 1, 2 for x, y, z. The two remaining axes follow in cyclic order.
+    pub swept_axis: usize,
+    /// Lower corner on the two remaining axes, relative to the origin of the structure.
+    pub lo: [f32; 2],
+    /// Upper corner on the two remaining axes.
+    pub hi: [f32; 2],
+    /// Number of bodies listed.
+    pub listed: usize,
+}
+
+impl PencilSweep {
+    /// Returns the first contradiction between columns and bodies. Between steps only.
+    fn check_columns(&self) -> Result<(), String> {
+        let bodies = &self.state.bodies;
+        if self.columns.len() != bodies.grid.column_count() {
+            return Err(format!("{} columns for {:?}", self.columns.len(), bodies.grid.size));
+        }
+        for (i, column) in self.columns.iter().enumerate() {
+            column
+                .check(bodies.grid.column(i), bodies)
+                .map_err(|what| format!("column {i}: {what}"))?;
+        }
+        // Each entry belongs to a body of this column and no body is listed twice, so an equal
+        // count means that no entry is missing.
+        let listed: usize = self.columns.iter().map(|c| c.entries.len()).sum();
+        let places = bodies
+            .records
+            .iter()
+            .map(|r| r.range_before(bodies.step, &bodies.grid).count());
+        let owed: usize = places.sum();
+        if listed != owed {
+            return Err(format!("{listed} entries, but bodies touch {owed} columns"));
+        }
+        Ok(())
+    }
+}
+
+impl Column {
+    fn check(&self, cell: [u16; 2], bodies: &Bodies) -> Result<(), String> {
+        if self.settled != self.entries.len() {
+            return Err(format!("{} of {} entries settled", self.settled, self.entries.len()));
+        }
+        if !self.entries.is_sorted_by(|a, b| a < b) {
+            return Err("entries are out of order".into());
+        }
+        for &e in &self.entries {
+            let i = index_of(e);
+            let Some(record) = bodies.records.get(i) else {
+                return Err(format!("body {i} is not there"));
+            };
+            let range = record.range_before(bodies.step, &bodies.grid);
+            if record.flags() & UNBOUNDED != 0 || !range.contains(cell) {
+                return Err(format!("body {i} does not belong there"));
+            }
+            let stored = record.before(bodies.step).to_box();
+            if e != entry(stored.lo[0], who(i as u32, 0)) {
+                return Err(format!("the entry of body {i} is not that of its box"));
+            }
+            let length = stored.hi[0] - stored.lo[0];
+            if length > self.longest {
+                return Err(format!(
+                    "body {i} is {length} long, more than the longest, {}",
+                    self.longest
+                ));
+            }
+        }
+        Ok(())
     }
 }

@@ -1,29 +1,31 @@
 //! The table of bodies: ids with generations, the stored boxes of this step and the last, and the
 //! lists of moved bodies.
+//!
+//! A box that a caller sets, alone or in a batch, is checked, grown by the margins of its body,
+//! stored, and noted if it changed.
 
-mod batch;
-mod place;
 mod record;
 #[cfg(feature = "serde")]
 mod state;
 
-use super::aabb::StoredBox;
-use super::bounds::{Bounds, any_above};
-use super::compact_vec::{push, trim};
-use super::error::BroadPhaseError;
-use super::grid::{Grid, Range};
-use super::prefetch::read_ahead;
-use super::slots::Slots;
-use super::{Aabb, BodyOptions, Groups};
+use crate::base::num::extremes::Bounded;
+use crate::broad::aabb::{Aabb, BoxFault, FARTHEST, StoredBox};
+pub(crate) use crate::broad::body::record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
+use crate::broad::body::record::{LOOSE, NOTED};
+#[cfg(feature = "serde")]
+pub(crate) use crate::broad::body::state::BodiesState;
+use crate::broad::bounds::{Bounds, any_above};
+use crate::broad::error::BroadPhaseError;
+use crate::broad::grid::{Grid, Range};
+use crate::broad::parallel::{Threads, ascends, join};
+use crate::broad::slots::{Slots, is_living};
+use crate::broad::tables::read_ahead;
+use crate::broad::tables::{push, trim};
+use crate::broad::{BatchError, BodyOptions, Groups};
 use alloc::vec::Vec;
 use core::fmt;
 use nalgebra::Point3;
-use place::{PlaceContext, checked, fraction, grown};
-use record::{LOOSE, NOTED};
-
-pub(crate) use record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
-#[cfg(feature = "serde")]
-pub(crate) use state::BodiesState;
+use wide::f32x4;
 
 /// Id of a body in one broad phase. The index is reused after a removal, with another generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -342,5 +344,232 @@ impl Bodies {
                 .chain(marks.flat_map(|m| [&m.moved, &m.noted]))
                 .map(|l| l.capacity() * 4)
                 .sum::<usize>()
+    }
+}
+
+/// The input of placing a box, besides the record.
+struct PlaceContext<'a> {
+    origin: &'a Point3<f64>,
+    grid: &'a Grid,
+    details: &'a [BodyDetail],
+    step: u32,
+}
+
+impl PlaceContext<'_> {
+    /// Stores a new box and notes changes. Returns the fault of the box, if any. `AXIS` must be the
+    /// swept axis of the grid.
+    #[inline(always)]
+    fn place<const AXIS: usize>(
+        &self,
+        record: &mut Record,
+        index: u32,
+        aabb: &Aabb,
+        marks: &mut Marks,
+    ) -> Result<(), BoxFault> {
+        match Bounds::outward::<AXIS>(aabb, self.origin) {
+            Some(bounds) => {
+                self.store(record, index, bounds, marks);
+                Ok(())
+            }
+            None => self.place_slowly(record, index, aabb, marks),
+        }
+    }
+
+    /// Places faulty, unbounded and far boxes. The two paths must not join before the box is
+    /// stored: the box of the fast path would then go through memory, written and read in
+    /// pieces of different sizes, which costs as much as all the rest.
+    #[inline(never)]
+    fn place_slowly(&self, record: &mut Record, index: u32, aabb: &Aabb, marks: &mut Marks) -> Result<(), BoxFault> {
+        let stored = checked(aabb, self.origin, self.grid, record.flags())?;
+        self.store(record, index, Bounds::from_box(&stored), marks);
+        Ok(())
+    }
+
+    /// Stores new bounds. The common case touches only the record.
+    #[inline(always)]
+    fn store(&self, record: &mut Record, index: u32, given: Bounds, marks: &mut Marks) {
+        let present = record.now();
+        let mut bounds = given;
+        if record.flags() & LOOSE != 0 {
+            if present.contains(&given) {
+                return;
+            }
+            bounds = self.loosened(record, index, given);
+        }
+        let by = present.displacement(&bounds);
+        if !any_above(by, f32x4::ZERO) {
+            return;
+        }
+        record.touch(index, self.step, &mut marks.moved);
+        record.set_new(&bounds);
+        if record.flags() & UNBOUNDED != 0 {
+            return;
+        }
+        let range = self.grid.range(&bounds);
+        let far = any_above(by, self.grid.leap);
+        if (range != record.range()) | far {
+            record.set_range(range);
+            if record.flags() & NOTED == 0 {
+                record.raise(NOTED);
+                marks.noted.push(index);
+            }
+        }
+    }
+
+    /// Returns the given box grown by the margins of the body.
+    #[inline(never)]
+    fn loosened(&self, record: &Record, index: u32, given: Bounds) -> Bounds {
+        let Some(detail) = self.details.get(index as usize) else {
+            return given;
+        };
+        let (given, present) = (given.to_box(), record.now().to_box());
+        let mut stored = grown(&given, detail.margin);
+        let steps = self.step.wrapping_sub(record.stamp()).max(1) as f32;
+        let ahead = detail.lookahead / steps;
+        if ahead > 0.0 {
+            for k in 0..3 {
+                let travel = 0.5 * (given.lo[k] - present.lo[k] + given.hi[k] - present.hi[k]) * ahead;
+                stored.lo[k] = (stored.lo[k] + travel.at_most(0.0)).at_least(-FARTHEST);
+                stored.hi[k] = (stored.hi[k] + travel.at_least(0.0)).at_most(FARTHEST);
+            }
+        }
+        Bounds::from_box(&stored)
+    }
+}
+
+/// Returns the stored form of a box, or the fault of the box.
+fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<StoredBox, BoxFault> {
+    let fault = if flags & UNBOUNDED == 0 {
+        aabb.fault()
+    } else {
+        aabb.fault_unbounded()
+    };
+    match fault {
+        Some(fault) => Err(fault),
+        None => Ok(StoredBox::outward(aabb, origin).rotated(grid.axis)),
+    }
+}
+
+fn grown(stored: &StoredBox, margin: f32) -> StoredBox {
+    let mut out = *stored;
+    for k in 0..3 {
+        out.lo[k] = (stored.lo[k] - margin).at_least(-FARTHEST);
+        out.hi[k] = (stored.hi[k] + margin).at_most(FARTHEST);
+    }
+    out
+}
+
+/// Returns a fixed number in (0, 1] for each index, evenly spread.
+fn fraction(index: u32) -> f32 {
+    (index.wrapping_mul(2_654_435_769) >> 8) as f32 / (1 << 24) as f32
+}
+
+/// A run of records that starts at index `first`.
+struct BodyRun<'a> {
+    first: u32,
+    records: &'a mut [Record],
+    generations: &'a [u32],
+}
+
+impl Bodies {
+    /// Applies every valid entry; the error reports the refused entries.
+    pub(crate) fn set_boxes(&mut self, batch: &[(BodyId, Aabb)], threads: Threads) -> Result<(), BatchError> {
+        let threads = threads.sharing(batch.len());
+        let error = match self.grid.axis {
+            0 => self.set_boxes_in::<0>(batch, threads),
+            1 => self.set_boxes_in::<1>(batch, threads),
+            _ => self.set_boxes_in::<2>(batch, threads),
+        };
+        error.map_or(Ok(()), Err)
+    }
+
+    fn set_boxes_in<const AXIS: usize>(&mut self, batch: &[(BodyId, Aabb)], threads: usize) -> Option<BatchError> {
+        let context = PlaceContext {
+            origin: &self.origin,
+            grid: &self.grid,
+            details: &self.details,
+            step: self.step,
+        };
+        let run = BodyRun {
+            first: 0,
+            records: &mut self.records,
+            generations: self.slots.generations(),
+        };
+        // Records can be distributed to threads only if each part of the batch names a part of the
+        // table.
+        if threads > 1 && ascends(batch, |entry| entry.0.index, threads) {
+            self.shares.resize_with(threads.max(self.shares.len()), Marks::default);
+            let shares = &mut self.shares[..threads];
+            let error = split::<AXIS>(&context, run, batch, shares);
+            shares.iter_mut().for_each(|share| self.marks.append(share));
+            return error;
+        }
+        run.apply::<AXIS>(&context, batch, &mut self.marks)
+    }
+}
+
+/// Halves batch and table until every thread has its own part and marks; the marks are joined in
+/// order, so the result equals the result of one thread.
+fn split<const AXIS: usize>(
+    context: &PlaceContext<'_>,
+    run: BodyRun<'_>,
+    batch: &[(BodyId, Aabb)],
+    shares: &mut [Marks],
+) -> Option<BatchError> {
+    let half = batch.len() / 2;
+    if shares.len() <= 1 || half == 0 {
+        let marks = shares.first_mut()?;
+        return run.apply::<AXIS>(context, batch, marks);
+    }
+    let (low, high) = batch.split_at(half);
+    let border = (high[0].0.index - run.first) as usize;
+    let border = border.min(run.records.len());
+    let (records_low, records_high) = run.records.split_at_mut(border);
+    let (generations_low, generations_high) = run.generations.split_at(border);
+    let run_low = BodyRun {
+        first: run.first,
+        records: records_low,
+        generations: generations_low,
+    };
+    let run_high = BodyRun {
+        first: run.first + border as u32,
+        records: records_high,
+        generations: generations_high,
+    };
+    let (shares_low, shares_high) = shares.split_at_mut(shares.len() / 2);
+    let (mut error_low, mut error_high) = (None, None);
+    join(
+        || error_low = split::<AXIS>(context, run_low, low, shares_low),
+        || error_high = split::<AXIS>(context, run_high, high, shares_high),
+    );
+    let error_high = error_high.map(|e| BatchError {
+        index: e.index + half,
+        ..e
+    });
+    BatchError::joined(error_low, error_high)
+}
+
+impl BodyRun<'_> {
+    fn apply<const AXIS: usize>(
+        self,
+        context: &PlaceContext<'_>,
+        batch: &[(BodyId, Aabb)],
+        marks: &mut Marks,
+    ) -> Option<BatchError> {
+        let mut error = None;
+        for (place, (id, aabb)) in batch.iter().enumerate() {
+            let i = id.index.wrapping_sub(self.first) as usize;
+            let is_living = is_living(self.generations, i, *id);
+            let Some(record) = self.records.get_mut(i).filter(|_| is_living) else {
+                let stale = BroadPhaseError::StaleId { body: *id };
+                error = BatchError::joined(error, Some(BatchError::one(place, stale)));
+                continue;
+            };
+            if let Err(fault) = context.place::<AXIS>(record, id.index, aabb, marks) {
+                let fault = BroadPhaseError::from_fault(fault, Some(*id));
+                error = BatchError::joined(error, Some(BatchError::one(place, fault)));
+            }
+        }
+        error
     }
 }
