@@ -17,9 +17,9 @@
 //! For impacts the look begins at the start of the tick and covers the instants between; if it
 //! proves less than the tick, the tick is cast ([`impact::cast`]).
 
+use super::answers::PairImpact;
 use super::effects::PairPlan;
-use super::events::PairImpact;
-use super::moving::Sweep;
+use super::motion::Sweep;
 use super::narrow_phase::{StepContext, Tally};
 use super::pair_engine::PairEngine;
 use super::pair_table::{PairFlags, PairHeader};

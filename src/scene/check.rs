@@ -6,8 +6,8 @@ use alloc::string::String;
 
 use super::Scene;
 use super::body::{BodyTable, checked};
+use super::effects::Census;
 use super::effects::{Detail, GROUPS, NEVER, PairPlan, Table, group_pair_of};
-use super::kinds::Census;
 use super::pair_table::{PairFlags, PairHeader};
 use super::step::{bodies_of, group};
 use crate::base::motion::Velocity;

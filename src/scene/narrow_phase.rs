@@ -3,15 +3,15 @@
 
 use alloc::vec::Vec;
 
-use super::ball::least_distance;
+use super::answers::StoredAnswer;
+use super::answers::{Change, PairChange, PairImpact};
 use super::body::BodyTable;
+use super::body::least_distance;
 use super::budget::{slack, wake};
 use super::effects::{Detail, NEVER, PairPlan, Table};
-use super::events::{Change, PairChange, PairImpact};
 use super::pair_engine::{ContactAsk, Contacted, PairEngine};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::report::Counts;
-use super::stored_answer::StoredAnswer;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::convex::tracker::Workspace;

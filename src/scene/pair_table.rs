@@ -14,9 +14,9 @@
 
 use alloc::vec::Vec;
 
+use super::answers::{StoredAnswer, StoredContact};
 use super::effects::{Detail, GroupPair, NEVER, PairPlan};
 use super::pair_engine::{AnyPair, MixedPair, PairEngine};
-use super::stored_answer::{StoredAnswer, StoredContact};
 use crate::broad::PairId;
 #[cfg(feature = "meshes")]
 use crate::composite::contact::PatchContacts;

@@ -6,11 +6,11 @@ use alloc::vec::Vec;
 
 use rayon::prelude::*;
 
+use super::answers::StoredAnswer;
 use super::narrow_phase::{StepContext, Tally, test_run};
 use super::pair_engine::PairEngine;
 use super::pair_table::PairTable;
 use super::step::Boxes;
-use super::stored_answer::StoredAnswer;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{self, Aabb};
 

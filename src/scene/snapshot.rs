@@ -9,16 +9,16 @@ use alloc::vec::Vec;
 use nalgebra::Isometry3;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
+use super::answers::{StoredAnswer, StoredContact};
 use super::body::{Body, BodySolid, BodyTable};
 use super::budget::Travel;
 use super::check::census_of;
 use super::effects::{Effects, GROUPS, Group, Table};
 use super::filter::Ignored;
-use super::moving::{Moving, Sweep, Ticks};
+use super::motion::{Moving, Sweep, Ticks};
 use super::pair_engine::{MixedPair, PairEngine};
 use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
 use super::report::Report;
-use super::stored_answer::{StoredAnswer, StoredContact};
 use super::{Event, PairImpact, Scene, Settings};
 use crate::base::num::extremes::Bounded;
 use crate::body::polyhedron::BoxHint;

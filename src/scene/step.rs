@@ -3,10 +3,10 @@
 use alloc::vec::Vec;
 
 use super::Scene;
+use super::answers::{Change, Event, PairChange, PairImpact};
 use super::body::{BodyTable, box_of};
 use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
-use super::events::{Change, Event, PairChange, PairImpact};
-use super::moving::Sweep;
+use super::motion::Sweep;
 use super::narrow_phase::{StepContext, Tally, test_table};
 use super::pair_engine::{AnyPair, PairEngine};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};

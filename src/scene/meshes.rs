@@ -1,15 +1,50 @@
-//! Vertices of meshes that bend.
+//! What a scene has for meshes alone: convex patches, from which the contacts of bodies that are
+//! not convex are computed, and vertices that callers replace.
 
-use alloc::sync::Arc;
-
-use nalgebra::Point3;
-
-use super::ball::Ball;
-use super::body::BodyTable;
-use super::{BodyId, Scene, SceneError};
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::SCENE_REACH;
 use crate::pair_tracker::geometry::Geometry;
+use crate::pair_tracker::patches_of;
+use crate::scene::body::Ball;
+use crate::scene::body::BodyTable;
+use crate::scene::{BodyId, Scene, SceneError};
+use alloc::collections::BTreeMap;
+use alloc::sync::Arc;
+use nalgebra::Point3;
+
+impl Scene {
+    /// Returns the scene with the patches made.
+    #[cfg(feature = "serde")]
+    pub(super) fn with_patches(mut self) -> Self {
+        self.make_patches();
+        self
+    }
+
+    /// Makes the patches of meshes and composites whose contacts are called for, once for each
+    /// shape.
+    pub(super) fn make_patches(&mut self) {
+        let groups = self.table.manifold_groups();
+        if !self.census.has_parts(groups) {
+            return;
+        }
+        let mut made = BTreeMap::new();
+        for solid in self.bodies.solids.iter().flatten() {
+            if let Some(patches) = &solid.patches {
+                made.insert(solid.shape.address(), Some(patches.clone()));
+            }
+        }
+        for solid in self.bodies.solids.iter_mut().flatten() {
+            if groups & 1 << solid.group.number() == 0 || solid.patches.is_some() {
+                continue;
+            }
+            let shape = &solid.shape;
+            let new = || patches_of(shape.into());
+            if !shape.kind().is_convex() {
+                solid.patches = made.entry(shape.address()).or_insert_with(new).clone();
+            }
+        }
+    }
+}
 
 impl Scene {
     /// Replaces all vertices of a body that is a mesh, as

@@ -1,0 +1,311 @@
+//! What a step leaves: the list of its changes, the answers by pair and by body, and their stored
+//! part by level of detail (nothing, the distance, the whole outcome, or the outcome with contact
+//! points).
+
+use crate::body::polyhedron::FeaturePair;
+use crate::broad;
+use crate::broad::{Aabb, BroadPhase};
+#[cfg(feature = "meshes")]
+use crate::composite::contact::PatchContacts;
+use crate::convex::contact::Manifold;
+use crate::pair::outcome::{Distance, Outcome};
+use crate::scene::effects::NEVER;
+use crate::scene::step::bodies_of;
+use crate::scene::{BodyId, PairId, Scene, SceneError};
+use crate::time::impact::Impact;
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+
+/// Answers for one pair: `Some` for each effect that is called for, and `None` otherwise.
+///
+/// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal`
+/// in the frame of `a`, `point_on_b` in the frame of `b`. [`Scene::pose`] leads to the world as
+/// long as no pose was set since the last step: answers are those of the poses of that step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct PairAnswer<'a> {
+    /// The body with the lower index: operand A of all answers.
+    pub a: BodyId,
+    /// The body with the higher index: operand B of all answers.
+    pub b: BodyId,
+    /// Id of the pair, from the meeting of the boxes to their parting.
+    pub pair: PairId,
+    /// Whether the bodies share a point.
+    pub overlaps: Option<bool>,
+    /// Whether the bodies are within the distance called for.
+    pub within: Option<bool>,
+    /// Signed distance; `None` also for bodies farther apart than the range called for.
+    pub distance: Option<Distance>,
+    /// Features, witnesses and normal; `None` also for bodies farther apart than the range called
+    /// for. Features of a composite are those of the piece. Features of a mesh have the caller's
+    /// numbers: a vertex that of the point, a face that of the triangle, an edge that of the point
+    /// at which the edge of the triangle begins. Against a shape that is rounded or curved, and
+    /// against a composite with such a piece, they are those of the triangle as a polygon of its
+    /// own, and so are those against points and segments. The feature of a surface of patches is
+    /// the face with the number of the patch.
+    pub outcome: Option<&'a Outcome>,
+    /// The piece of a composite, the triangle of a mesh, or the patch of a surface, to which the
+    /// features of `a` and of `b` belong, by the caller's order; zero for a convex shape.
+    pub pieces: Option<[u32; 2]>,
+    /// Contact points of two convex shapes; `None` also for bodies farther apart than the
+    /// prediction.
+    pub manifold: Option<&'a Manifold>,
+    /// Contact points of a pair with a mesh or a composite, by direction; `None` also for bodies
+    /// farther apart than the prediction.
+    #[cfg(feature = "meshes")]
+    pub contacts: Option<&'a [PatchContacts]>,
+}
+
+impl Scene {
+    /// Iterates over all pairs whose boxes overlap, in the order of the slots, with the answers.
+    pub fn pairs(&self) -> impl Iterator<Item = PairAnswer<'_>> + '_ {
+        self.broad.pairs().map(|pair| self.answer(&pair))
+    }
+
+    /// Returns the pair of two bodies, in either order: `None` if the boxes, grown by the distances
+    /// called for, do not overlap.
+    #[must_use]
+    pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairAnswer<'_>> {
+        let proxy = |id| Some(self.bodies.proxies[self.bodies.index_of(id).ok()?]);
+        Some(self.answer(&self.broad.pair(proxy(a)?, proxy(b)?)?))
+    }
+
+    /// Returns the pairs of one body, in ascending order of the partner.
+    ///
+    /// # Errors
+    /// If the id is stale.
+    pub fn pairs_of(&self, id: BodyId) -> Result<Vec<PairAnswer<'_>>, SceneError> {
+        let i = self.bodies.index_of(id)?;
+        let proxy = self.bodies.proxies[i];
+        let mut near = Vec::new();
+        // The stored box, from f32 to f64 about the origin, contains itself.
+        if let Some(stored) = self.broad.stored_box(proxy) {
+            let corner = |v: [f32; 3]| self.settings.origin + nalgebra::Vector3::from(v.map(f64::from));
+            let around = Aabb::new(corner(stored.lo), corner(stored.hi));
+            let _ = self.broad.overlapping(&around, &mut near);
+        }
+        let mut found: Vec<_> = near
+            .into_iter()
+            .filter_map(|other| Some(self.answer(&self.broad.pair(proxy, other)?)))
+            .collect();
+        found.sort_unstable_by_key(|p| (p.a, p.b));
+        Ok(found)
+    }
+
+    /// Returns the number of pairs whose boxes overlap.
+    #[must_use]
+    pub fn pair_count(&self) -> usize {
+        self.broad.pair_count()
+    }
+
+    fn answer(&self, pair: &broad::Pair) -> PairAnswer<'_> {
+        let (a, b) = bodies_of(&self.bodies, pair);
+        let mut answer = PairAnswer {
+            a: self.bodies.id(a),
+            b: self.bodies.id(b),
+            pair: pair.id,
+            overlaps: None,
+            within: None,
+            distance: None,
+            outcome: None,
+            pieces: None,
+            manifold: None,
+            #[cfg(feature = "meshes")]
+            contacts: None,
+        };
+        if let Some(seen) = self.pair_tables.get(pair.id.slot) {
+            let plan = self.table.plan(seen.header.class);
+            answer.overlaps = (plan.overlap && seen.header.state.known).then_some(seen.header.state.overlaps);
+            answer.within = (plan.within != NEVER && seen.header.state.known).then_some(seen.header.state.within);
+            (answer.distance, answer.outcome, answer.manifold) = (seen.distance, seen.outcome, seen.manifold);
+            #[cfg(feature = "meshes")]
+            {
+                answer.contacts = seen.contacts;
+            }
+            answer.pieces = seen.outcome.map(|_| seen.pieces);
+        }
+        answer
+    }
+}
+
+/// A change of the state of a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub enum Change {
+    /// The boxes, grown by the distances called for, began to overlap.
+    BoxesMet,
+    /// The bodies began to share a point.
+    OverlapBegan,
+    /// The bodies came within the distance called for.
+    CameWithin,
+    /// The bodies are no longer within the distance called for.
+    LeftWithin,
+    /// The bodies ceased to share a point.
+    OverlapEnded,
+    /// The boxes ceased to overlap.
+    BoxesParted,
+}
+
+impl core::fmt::Display for Change {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.pad(match self {
+            Self::BoxesMet => "boxes met",
+            Self::OverlapBegan => "overlap began",
+            Self::CameWithin => "came within",
+            Self::LeftWithin => "left within",
+            Self::OverlapEnded => "overlap ended",
+            Self::BoxesParted => "boxes parted",
+        })
+    }
+}
+
+/// A change of one pair. A change is sent if its effect is called for; a pair that ends because a
+/// body is removed, or because the groups no longer call for any effect, ends its overlap as well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct Event {
+    /// The body with the lower index.
+    pub a: BodyId,
+    /// The body with the higher index.
+    pub b: BodyId,
+    /// Id of the pair while the boxes overlap.
+    pub pair: PairId,
+    /// The change of the pair.
+    pub change: Change,
+}
+
+/// When two bodies first met in the last tick.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PairImpact {
+    /// The body with the lower index: operand A of the impact.
+    pub a: BodyId,
+    /// The body with the higher index: operand B of the impact.
+    pub b: BodyId,
+    /// Id of the pair while the boxes overlap.
+    pub pair: PairId,
+    /// The bracket, in time after the begin of the tick: [`Impact::Hit`], or [`Impact::Near`] and
+    /// [`Impact::Unknown`] if the bodies are not proven to meet, nor to stay apart. The frames are
+    /// those of the bodies.
+    pub impact: Impact,
+}
+
+impl PairImpact {
+    /// Returns the time after the begin of the tick up to which the bodies are proven apart.
+    #[must_use]
+    pub fn safe(&self) -> f64 {
+        match self.impact {
+            Impact::Hit { safe, .. } | Impact::Near { safe, .. } | Impact::Unknown { safe } => safe,
+            _ => 0.0,
+        }
+    }
+}
+
+/// A change before the ids are known.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairChange {
+    pub(super) id: PairId,
+    pub(super) pair: (u32, u32),
+    pub(super) change: Change,
+}
+
+/// The part of an outcome that a table stores.
+pub(super) trait StoredAnswer: Clone + Send + Sync {
+    /// Returns the answer before the first outcome.
+    fn blank() -> Self;
+    /// Stores the part of `outcome` that this table keeps.
+    fn store(&mut self, outcome: &Outcome);
+    fn distance(&self) -> Option<Distance>;
+    fn outcome(&self) -> Option<&Outcome>;
+    /// Returns the stored contact points, in the table that has them.
+    fn manifold(&mut self) -> Option<&mut Option<Box<Manifold>>> {
+        None
+    }
+    fn contacts(&self) -> Option<&Manifold> {
+        None
+    }
+}
+
+impl StoredAnswer for () {
+    fn blank() {}
+    fn store(&mut self, _: &Outcome) {}
+    fn distance(&self) -> Option<Distance> {
+        None
+    }
+    fn outcome(&self) -> Option<&Outcome> {
+        None
+    }
+}
+
+impl StoredAnswer for Distance {
+    fn blank() -> Self {
+        Self::from(&<Outcome as StoredAnswer>::blank())
+    }
+    #[inline]
+    fn store(&mut self, outcome: &Outcome) {
+        *self = Self::from(outcome);
+    }
+    fn distance(&self) -> Option<Distance> {
+        Some(*self)
+    }
+    fn outcome(&self) -> Option<&Outcome> {
+        None
+    }
+}
+
+impl StoredAnswer for Outcome {
+    fn blank() -> Self {
+        Self {
+            // Finite, since not every file format can hold infinity.
+            upper: f64::MAX,
+            ..Self::starting_at(FeaturePair::FIRST)
+        }
+    }
+    #[inline]
+    fn store(&mut self, outcome: &Outcome) {
+        *self = *outcome;
+    }
+    fn distance(&self) -> Option<Distance> {
+        Some(Distance::from(self))
+    }
+    fn outcome(&self) -> Option<&Outcome> {
+        Some(self)
+    }
+}
+
+/// An outcome, and the contact points while the bodies are within the prediction.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(super) struct StoredContact {
+    pub(super) outcome: Outcome,
+    pub(super) manifold: Option<Box<Manifold>>,
+}
+
+impl StoredAnswer for StoredContact {
+    fn blank() -> Self {
+        Self {
+            outcome: <Outcome as StoredAnswer>::blank(),
+            manifold: None,
+        }
+    }
+    #[inline]
+    fn store(&mut self, outcome: &Outcome) {
+        self.outcome = *outcome;
+    }
+    fn distance(&self) -> Option<Distance> {
+        self.outcome.distance()
+    }
+    fn outcome(&self) -> Option<&Outcome> {
+        Some(&self.outcome)
+    }
+    #[inline]
+    fn manifold(&mut self) -> Option<&mut Option<Box<Manifold>>> {
+        Some(&mut self.manifold)
+    }
+    fn contacts(&self) -> Option<&Manifold> {
+        self.manifold.as_deref()
+    }
+}
