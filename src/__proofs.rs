@@ -15,7 +15,7 @@ use crate::base::num::{scalar, sign};
 use crate::base::pose::{self, Operand, RelativePose};
 use crate::base::tolerance;
 use crate::body::polyhedron::build::hull;
-use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair, Plane, VertexId, heights, query};
+use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair, Plane, VertexId, highest, query};
 use crate::body::shape::{Core, Shape};
 use crate::composite::continuous::paths;
 use crate::composite::front;
@@ -50,12 +50,12 @@ pub fn edge_sign(n: Triple, e: Triple) -> i32 {
 }
 
 pub fn slopes(n: Triple, m: Triple, e: Triple, f: Triple) -> (f64, f64) {
-    heights::slopes(&n, &m, &e, &f)
+    highest::slopes(&n, &m, &e, &f)
 }
 
 pub fn steeper(n: Triple, m: Triple, e: Triple, f: Triple) -> Option<i32> {
     let [n, m, e, f] = [n, m, e, f].map(Vector3::from);
-    heights::steeper(&n, &m, &e, &f)
+    highest::steeper(&n, &m, &e, &f)
 }
 
 pub fn side_height(u: Triple, w: Triple, base: Triple, p: Triple) -> f64 {

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use crate::base::num::scalar::{Scalar, Vec3, neg, sub};
 use crate::base::tolerance::UNIT;
-use crate::body::polyhedron::heights::Direction;
+use crate::body::polyhedron::highest::Direction;
 use crate::body::polyhedron::{ConvexPolyhedron, VertexId};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 use crate::base::num::packed::PackedVec3;
 use crate::base::tolerance::{DIFFERENCE, FOOT};
-use crate::body::polyhedron::unimodal::top_of_ring;
+use crate::body::polyhedron::fans::top_of_ring;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, HalfEdgeId};
 use crate::pair::star::one_norm;
 

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::packed::PackedVec3;
 use crate::base::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
-use crate::body::polyhedron::axis::Axis;
+use crate::body::polyhedron::fans::Axis;
 use crate::body::polyhedron::fans::steepest;
 use crate::body::polyhedron::{ConvexPolyhedron, HalfEdgeId, Plane, VertexId};
 

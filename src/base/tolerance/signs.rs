@@ -85,13 +85,13 @@ pub(crate) const SIDE_ERROR: f64 = 9.0 * UNIT;
 pub(crate) const SIDE_FINE: f64 = 1.0 / (1u64 << 48) as f64;
 
 /// Error of `n . g`, `|g_k| <= 2`, and of `n . a`, for the normal of a facet of a hull of a few
-/// points (`polyhedron/build/inner.rs`), rounded from corners that are rounded themselves, relative
+/// points (`polyhedron/build/cloud.rs`), rounded from corners that are rounded themselves, relative
 /// to the sums `U + W` of magnitudes of two edges. Corners are below 2, so edges are off by 6 UNIT
 /// a coordinate, normals by `6 (U + W) + 3 U W`, where `U W <= 3 (U + W)`; twice three of these and
 /// the sum's own rounding make 114.
 pub(crate) const CORE_ERROR: f64 = 512.0 * UNIT;
 
-/// By how much a cell of the table of `polyhedron/build/inner.rs` is wider than it says: the shares
+/// By how much a cell of the table of `polyhedron/build/cloud.rs` is wider than it says: the shares
 /// of a point have 7 UNIT of rounding; `2^-40`.
 pub(crate) const CORE_CELL: f64 = 1.0 / (1u64 << 40) as f64;
 

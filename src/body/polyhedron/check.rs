@@ -1,6 +1,6 @@
 //! Invariants of a body, checked whole: for tests and fuzzing.
 
-use crate::body::polyhedron::cycle::LARGE;
+use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::{FaceId, HalfEdgeId, VertexId};
 use alloc::format;
 use alloc::string::String;

@@ -1,10 +1,12 @@
-//! Fans of many edges: the steepest edge along a direction, without examining every edge.
+//! Half-edges in counter-clockwise order, by index: the fan of a vertex, the ring of a large face.
+//! Bisection finds the greatest of unimodal values on a ring, and so the steepest edge of a fan
+//! along a direction, without examining every edge.
 //!
 //! Let `m` be a direction along which every edge `e` of a fan rises. Then the points `e / (m . e)`
 //! are the vertices of a convex polygon in the plane `m . x = 1`, and the heights `n . e / (m . e)`
 //! along any direction `n` are unimodal round the polygon; a height is positive if and only if
 //! `n . e` is. A search round the fan therefore finds a rising edge if there is one: for certain if
-//! heights are compared without rounding (`heights`), else most of the time.
+//! heights are compared without rounding (`highest`), else most of the time.
 //!
 //! ```text
 //!   \_______/        plane m . x = 1: the points e / (m . e), a convex polygon
@@ -13,18 +15,17 @@
 //!      \ /
 //!       v
 //! ```
+//!
+//! Such a direction `m` is the axis of the fan, and its signs are exact.
 
+use crate::base::num::double_double::{DoubleDouble, Expansion};
+use crate::base::num::sign::{edge_sign, exact_dot, side};
+use crate::body::polyhedron::feature::HalfEdgeId;
+use crate::body::polyhedron::highest::{Direction, Slope};
+use crate::body::polyhedron::topology::Topology;
+use crate::body::polyhedron::{ConvexPolyhedron, Plane, VertexId};
 use alloc::vec::Vec;
 use nalgebra::Vector3;
-
-use crate::base::num::sign::side;
-use crate::body::polyhedron::axis::Axis;
-use crate::body::polyhedron::cycle::Cycle;
-use crate::body::polyhedron::cycle::LARGE;
-use crate::body::polyhedron::heights::{Direction, Slope};
-use crate::body::polyhedron::topology::Topology;
-use crate::body::polyhedron::unimodal::{top_from, top_of_ring};
-use crate::body::polyhedron::{ConvexPolyhedron, HalfEdgeId, Plane, VertexId};
 
 /// Fans of more edges are searched; up to here examining every edge is as cheap. Not measured.
 pub(crate) const MANY: usize = 128;
@@ -148,6 +149,214 @@ impl ConvexPolyhedron {
     }
 }
 
+/// The axis `m` of a fan: a direction along which all its edges rise, each coordinate a sum of
+/// parts of falling magnitude.
+#[derive(Clone, Debug)]
+pub(crate) struct Axis {
+    parts: [[f64; Self::PARTS]; 3],
+    /// Whether f64 is certain that all edges rise along the first parts; then all other parts are
+    /// zero.
+    pub(super) is_plain: bool,
+}
+
+impl Axis {
+    /// Number of parts. One part is enough but for an apex no higher than rounding over a base of
+    /// thousands of vertices.
+    const PARTS: usize = 4;
+
+    #[cfg(test)]
+    pub(super) fn new(parts: [[f64; Self::PARTS]; 3]) -> Self {
+        Self { parts, is_plain: false }
+    }
+
+    /// Returns minus the mean normal of the faces at `v`, if f64 is certain that all edges of `v`
+    /// rise along it.
+    pub(super) fn from_normals(t: &Topology, points: &[Vector3<f64>], planes: &[Plane], v: VertexId) -> Option<Self> {
+        let normals = t.fan(v).iter().map(|h| planes[t.half_edge(h).face.index()].normal);
+        let m = -normals.sum::<Vector3<f64>>() / t.fan(v).len() as f64;
+        let rises = |w: VertexId| edge_sign(&m, &(points[w.index()] - points[v.index()])) > 0;
+        let parts = [0, 1, 2].map(|k| core::array::from_fn(|part| if part == 0 { m[k] } else { 0.0 }));
+        t.neighbours(v).all(rises).then_some(Self { parts, is_plain: true })
+    }
+
+    /// Returns minus the sum of the exact normals of two faces at `v` without a common edge: all
+    /// edges of `v` rise along this sum. `None` if the sum has too many parts.
+    pub(super) fn from_exact_normals(t: &Topology, points: &[Vector3<f64>], v: VertexId) -> Option<Self> {
+        let (fan, p) = (t.fan(v), points[v.index()]);
+        let to = |h: HalfEdgeId| points[t.half_edge(h).to.index()];
+        let faces = [0, fan.len() / 2].map(|k| [k, k + 1].map(|k| to(fan.at(k))));
+        let coordinate = |k: usize| {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let mut sum = Expansion::<{ 24 + Self::PARTS }>::new();
+            for [q, r] in faces {
+                // (r - p) x (q - p) without differences, which may be rounded.
+                for (x, y) in [(r, q), (q, p), (p, r)] {
+                    sum.add_product(x[i], y[j]);
+                    sum.add_product(-x[j], y[i]);
+                }
+            }
+            sum.leading()
+        };
+        let (parts, is_plain) = ([0, 1, 2].map(coordinate), false);
+        let axis = Self { parts, is_plain };
+        let rises = |w: VertexId| axis.rise(&p, &points[w.index()]).sign() > 0;
+        t.neighbours(v).all(rises).then_some(axis)
+    }
+
+    /// Returns the axis rounded to f64.
+    pub(crate) fn rounded(&self) -> Vector3<f64> {
+        Vector3::from(self.parts.map(|p| p[0]))
+    }
+
+    /// Returns the first two parts of each coordinate, as double-double.
+    pub(super) fn doubled(&self) -> [DoubleDouble; 3] {
+        self.parts.map(|[hi, lo, ..]| DoubleDouble { hi, lo })
+    }
+
+    /// Returns all parts of each coordinate.
+    #[cfg(feature = "exact")]
+    pub(crate) fn parts(&self) -> &[[f64; Self::PARTS]; 3] {
+        &self.parts
+    }
+
+    /// Returns `m . (q - p)` without rounding.
+    pub(super) fn rise(&self, p: &Vector3<f64>, q: &Vector3<f64>) -> Expansion<{ 12 * Self::PARTS }> {
+        exact_dot(&self.parts, p, q)
+    }
+}
+
+/// Faces of more edges are kept as rings too: bisection on a list for longer lists in memory. Also
+/// the number of edges of a face examined one by one, and the size of the arrays for small faces.
+/// Not measured.
+pub(crate) const LARGE: usize = 24;
+
+/// Half-edges round a vertex or round a large face, counter-clockwise from outside.
+pub(crate) trait Cycle {
+    /// Returns the number of half-edges.
+    fn count(&self) -> usize;
+
+    /// Returns the half-edge of index `k`, which must be less than [`count`](Self::count).
+    fn at(&self, k: usize) -> HalfEdgeId;
+
+    /// Returns the half-edge of index `k` modulo [`count`](Self::count).
+    #[inline(always)]
+    fn wrapped(&self, k: usize) -> HalfEdgeId {
+        let m = self.count();
+        self.at(if k < m { k } else { k % m })
+    }
+
+    /// Returns the index of the half-edge of the greatest value, by bisection. Values must be
+    /// unimodal round the cycle.
+    #[inline]
+    fn top_index<V: PartialOrd>(&self, value: impl Fn(HalfEdgeId) -> V) -> usize {
+        top_of_ring(self.count(), |k| value(self.at(k)))
+    }
+
+    /// Returns the half-edge of the greatest value, as [`top_index`](Self::top_index).
+    #[inline]
+    fn top<V: PartialOrd>(&self, value: impl Fn(HalfEdgeId) -> V) -> HalfEdgeId {
+        self.at(self.top_index(value))
+    }
+}
+
+/// The half-edges that leave a vertex: consecutive numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Fan {
+    pub(super) start: u32,
+    pub(super) end: u32,
+}
+
+impl Fan {
+    /// Returns the number of half-edges.
+    #[inline(always)]
+    pub(crate) fn len(self) -> usize {
+        (self.end - self.start) as usize
+    }
+
+    /// Returns the half-edges in order.
+    #[inline(always)]
+    pub(crate) fn iter(self) -> impl ExactSizeIterator<Item = HalfEdgeId> + Clone + use<> {
+        (self.start..self.end).map(HalfEdgeId)
+    }
+
+    /// Returns the half-edge after `h`, counter-clockwise.
+    #[inline(always)]
+    pub(crate) fn after(self, h: HalfEdgeId) -> HalfEdgeId {
+        HalfEdgeId(if h.0 + 1 == self.end { self.start } else { h.0 + 1 })
+    }
+
+    /// Returns the index of a half-edge of the fan; the last index for any other half-edge.
+    #[inline(always)]
+    pub(crate) fn index_of(self, h: HalfEdgeId) -> usize {
+        (h.0.wrapping_sub(self.start) as usize).min(self.len() - 1)
+    }
+}
+
+impl Cycle for Fan {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    #[inline(always)]
+    fn at(&self, k: usize) -> HalfEdgeId {
+        HalfEdgeId(self.start + k as u32)
+    }
+}
+
+impl Cycle for [HalfEdgeId] {
+    #[inline(always)]
+    fn count(&self) -> usize {
+        self.len()
+    }
+
+    #[inline(always)]
+    fn at(&self, k: usize) -> HalfEdgeId {
+        self[k]
+    }
+}
+
+/// Returns the index of the greatest of `m` unimodal values on a ring: values that rise to an index
+/// and fall from there.
+pub(crate) fn top_of_ring<V: PartialOrd>(m: usize, value: impl Fn(usize) -> V) -> usize {
+    let stride = m.div_ceil(4).max(1);
+    let (mut best, mut top) = (0, value(0));
+    for k in 1..4 {
+        let (k, v) = ((k * stride) % m, value((k * stride) % m));
+        if v > top {
+            (best, top) = (k, v);
+        }
+    }
+    top_from(m, best, stride, value)
+}
+
+/// Returns the index of the greatest of `m` unimodal values, searching from index `best` by strides
+/// from the given one down to one.
+pub(super) fn top_from<V: PartialOrd>(
+    m: usize,
+    mut best: usize,
+    mut stride: usize,
+    value: impl Fn(usize) -> V,
+) -> usize {
+    let mut top = value(best);
+    // Each round finds a higher value or halves the stride: no more rounds than values and
+    // halvings, whatever the values.
+    for _ in 0..m + usize::BITS as usize {
+        let (left, right) = ((best + m - stride % m) % m, (best + stride) % m);
+        let (at_left, at_right) = (value(left), value(right));
+        if at_left > top {
+            (best, top) = (left, at_left);
+        } else if at_right > top {
+            (best, top) = (right, at_right);
+        } else if stride == 1 {
+            break;
+        } else {
+            stride = stride.div_ceil(2);
+        }
+    }
+    best
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,6 +435,21 @@ mod tests {
                 }
             }
             assert!(edges > 250 && faces > 500, "{edges} {faces}");
+        }
+    }
+}
+
+#[cfg(test)]
+mod unimodal_tests {
+    use super::*;
+
+    #[test]
+    fn the_search_finds_the_top_of_a_ring() {
+        for m in 3..200 {
+            for top in 0..m {
+                let height = |k: usize| (core::f64::consts::TAU * (k as f64 - top as f64) / m as f64).cos();
+                assert_eq!(top_of_ring(m, height), top);
+            }
         }
     }
 }

@@ -19,8 +19,8 @@ use crate::base::num::packed::PackedVec3;
 use crate::base::num::sign::edge_sign;
 use crate::base::tolerance::EDGE_SIGN;
 use crate::body::polyhedron::fans::{Fans, steepest};
-use crate::body::polyhedron::heights::Direction;
 use crate::body::polyhedron::highest;
+use crate::body::polyhedron::highest::Direction;
 use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::{ConvexPolyhedron, VertexId};
 

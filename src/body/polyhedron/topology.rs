@@ -17,8 +17,8 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use crate::body::polyhedron::cycle::Fan;
-use crate::body::polyhedron::cycle::LARGE;
+use crate::body::polyhedron::fans::Fan;
+use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::feature::{EdgeId, FaceId, HalfEdgeId, VertexId};
 
 /// A half-edge: an edge with a direction.

@@ -30,7 +30,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::sign;
 use crate::body::polyhedron::ConvexPolyhedron;
-use crate::body::polyhedron::obj::obj;
+use crate::body::polyhedron::obj;
 use crate::composite::tree::Tree;
 use vertices::{Bending, Stiff};
 

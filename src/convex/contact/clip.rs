@@ -12,7 +12,7 @@
 //! Both kinds of candidates are found from two tables of signs, in which A and B play equal parts;
 //! vertices on the boundary within rounding belong to both features.
 
-use crate::body::polyhedron::cycle::LARGE;
+use crate::body::polyhedron::fans::LARGE;
 use wide::f64x4;
 
 use super::candidates::{Candidates, Location};

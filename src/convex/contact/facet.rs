@@ -13,7 +13,7 @@ use super::promote::Promotion;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::STEEP;
-use crate::body::polyhedron::cycle::LARGE;
+use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 
 /// A flat round face perpendicular to the z axis, its centre on the axis.

@@ -1,7 +1,7 @@
 //! A feature projected along the normal: its vertices in the perpendicular plane, and their
 //! heights.
 
-use crate::body::polyhedron::cycle::LARGE;
+use crate::body::polyhedron::fans::LARGE;
 use nalgebra::Vector3;
 use wide::f64x4;
 

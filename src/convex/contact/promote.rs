@@ -5,7 +5,7 @@ use crate::body::polyhedron::fans::MANY;
 use nalgebra::Vector3;
 
 use crate::base::tolerance::{STAY, STEEP};
-use crate::body::polyhedron::cycle::{Cycle, Fan};
+use crate::body::polyhedron::fans::{Cycle, Fan};
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, Feature, HalfEdgeId};
 
 /// A body's outward contact direction, and the largest angle of a face or edge from it.

@@ -3,7 +3,7 @@
 //! If faces lie flush, many pairs of points are equally deep, and the vertex that names the facet
 //! may overhang the opposite face: then another feature pair has the witnesses ([`flush`]).
 
-use crate::body::polyhedron::cycle::LARGE;
+use crate::body::polyhedron::fans::LARGE;
 use nalgebra::{Point3, Vector3};
 
 use crate::base::num::extremes::Bounded;

@@ -20,7 +20,7 @@
 //! The sides are judged as the triangles of a surface are
 //! ([`verify_surface`](super::verify_surface)).
 
-use crate::body::polyhedron::cycle::LARGE;
+use crate::body::polyhedron::fans::LARGE;
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::Extremes;

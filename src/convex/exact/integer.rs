@@ -105,7 +105,7 @@ pub(super) fn root(num: &UBig, den: &UBig, e: i32) -> f64 {
 mod tests {
     use super::*;
     use crate::base::num::sign::edge_sign;
-    use crate::body::polyhedron::heights::steeper;
+    use crate::body::polyhedron::highest::steeper;
     use crate::body::polyhedron::lowest_bit;
     use crate::rng::Rng;
 

@@ -6,12 +6,12 @@
 //! to `x` leaves the body. If the value is below 1, `x` is inside. (The height `n . x - o`, which a
 //! scan of the faces would compare, has local maxima.)
 
-use crate::body::polyhedron::cycle::LARGE;
+use crate::body::polyhedron::fans::LARGE;
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{ON_BOUNDARY, UNIT};
-use crate::body::polyhedron::cycle::Cycle;
+use crate::body::polyhedron::fans::Cycle;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, FeaturePair, HalfEdgeId, VertexId};
 use crate::convex::walk::step::Step;
 use crate::pair::draft::Draft;

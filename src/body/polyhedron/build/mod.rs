@@ -1,21 +1,13 @@
-//! From points to a body: cloud, hull, faces, planes, report.
+//! From points to a body: cloud, hull, faces, planes, report. Files and replays rebuild a body from
+//! its vertices in order.
 
 pub(crate) mod cloud;
 pub(crate) mod error;
 mod faces;
 mod facets;
-mod flat;
 pub(crate) mod hull;
-mod inner;
 #[cfg(feature = "serde")]
 mod persist;
-mod rebuild;
-pub(crate) mod report;
-mod source_faces;
-
-use alloc::vec::Vec;
-use core::ops::ControlFlow;
-use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::base::notice::log;
 use crate::base::notice::progress::{Progress, Watch};
@@ -32,12 +24,15 @@ use crate::body::polyhedron::build::cloud::{Cloud, bounding_box, power_of_two};
 use crate::body::polyhedron::build::error::BuildError;
 use crate::body::polyhedron::build::facets::Facets;
 use crate::body::polyhedron::build::hull::{AffineSpan, HullSurface, NONE, NoHull, hull};
-use crate::body::polyhedron::build::report::BuildReport;
 use crate::body::polyhedron::fans::Fans;
 use crate::body::polyhedron::plane::{plane, widest_corners};
 use crate::body::polyhedron::support::CubeMap;
 use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId, Plane};
+use alloc::vec::Vec;
+use core::fmt;
+use core::ops::ControlFlow;
+use nalgebra::{Matrix3, Point3, Vector3};
 
 /// A body is flat or long if the product of its squared half axes is below this part of the product
 /// for a ball with an equal sum of squares, as for 3:3:1. Starts of flat bodies come from their
@@ -309,4 +304,105 @@ fn thickness_ratio(points: &[Vector3<f64>], planes: &[Plane], areas: &[f64], ext
         width = width.smaller(planes[f].offset - below);
     }
     (width / extent).clamped(0.0, 1.0)
+}
+
+/// The report of building a body.
+#[derive(Clone, Debug, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct BuildReport {
+    /// Number of points given.
+    pub input_points: usize,
+    /// Vertices of the body.
+    pub vertices: usize,
+    /// Edges of the body.
+    pub edges: usize,
+    /// Faces of the body.
+    pub faces: usize,
+    /// Exactly equal points that are not strictly inside the body, as `(dropped, kept)`.
+    pub duplicates: Vec<(u32, u32)>,
+    /// Points dropped as strictly inside the body, copies included, in rising order.
+    pub interior: Vec<u32>,
+    /// Points dropped as inside a face.
+    pub on_faces: Vec<u32>,
+    /// Points dropped as inside an edge.
+    pub on_edges: Vec<u32>,
+    /// Points that no face uses (bodies from faces).
+    pub unused: Vec<u32>,
+    /// Triangles of the hull that were merged away into exactly coplanar faces.
+    pub merged_facets: usize,
+    /// Number of coordinates replaced by zero: below `2^-200` of the extent, at which exact
+    /// arithmetic would run out of range.
+    pub flushed_coordinates: usize,
+    /// Thickness over length: 1 for a cube, small for sheets and needles, 0 for polygons, segments
+    /// and points. The thickness is the least width along the axes of the box and the normals of
+    /// the eight largest faces, an upper estimate of the least width in any direction; the length
+    /// is the longest side of the box.
+    pub thickness_ratio: f64,
+    /// Largest distance of a vertex from the plane of its given face (bodies from faces).
+    pub non_planarity: f64,
+    /// Vertices - edges + faces: 2 for every body with faces.
+    pub euler_characteristic: i64,
+}
+
+impl fmt::Display for BuildReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} vertices, {} edges, {} faces from {} points",
+            self.vertices, self.edges, self.faces, self.input_points
+        )?;
+        let dropped = [
+            (self.duplicates.len(), "duplicates"),
+            (self.interior.len(), "interior points"),
+            (self.on_faces.len(), "points on faces"),
+            (self.on_edges.len(), "points on edges"),
+            (self.unused.len(), "unused points"),
+        ];
+        for (count, what) in dropped.into_iter().filter(|d| d.0 > 0) {
+            write!(f, ", {count} {what} dropped")?;
+        }
+        if self.merged_facets > 0 {
+            write!(f, ", {} coplanar facets merged", self.merged_facets)?;
+        }
+        if self.flushed_coordinates > 0 {
+            write!(f, ", {} coordinates flushed to zero", self.flushed_coordinates)?;
+        }
+        if self.non_planarity > 0.0 {
+            write!(f, ", faces planar to {:.1e}", self.non_planarity)?;
+        }
+        write!(f, ", thickness {:.1e} of the length", self.thickness_ratio)
+    }
+}
+
+impl ConvexPolyhedron {
+    /// Returns the vertices of the first side of a polygon, in order; empty for other bodies.
+    pub(crate) fn first_side(&self) -> Vec<u32> {
+        let side = self.faces().next().filter(|_| self.face_count() == 2);
+        side.map_or(Vec::new(), |f| self.face_vertices(f).map(|v| v.0).collect())
+    }
+
+    /// Returns the body with the given vertices, in the order of their ids, and the given
+    /// [`first_side`](Self::first_side): identical bit for bit, because origin, scale and numbering
+    /// depend on the extreme points alone. Only names and report are lost.
+    ///
+    /// # Errors
+    /// Vertices that are not the vertices of a body in order, or make no body.
+    pub(crate) fn rebuilt(points: &[Point3<f64>], first_side: &[u32]) -> Result<Self, BuildError> {
+        let damaged = |what| BuildError::Damaged { what };
+        let body = match *points {
+            [p] => Self::point(p)?,
+            [p, q] => Self::segment(p, q)?,
+            _ if first_side.is_empty() => Self::from_points(points)?,
+            _ => {
+                let corner = |&i: &u32| points.get(i as usize).copied();
+                let rim: Option<Vec<_>> = first_side.iter().map(corner).collect();
+                Self::polygon(&rim.ok_or(damaged("the polygon names an unknown vertex"))?)?
+            }
+        };
+        if body.vertex_points().ne(points.iter().copied()) {
+            return Err(damaged("the vertices are not those of a body in order"));
+        }
+        Ok(body)
+    }
 }

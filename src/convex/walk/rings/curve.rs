@@ -11,11 +11,11 @@
 //! Near a vertex the ring is approximated by the parabola through the vertex and two vertices at a
 //! distance, so far away that the unevenness of the edges does not count.
 
-use crate::body::polyhedron::cycle::LARGE;
+use crate::body::polyhedron::fans::LARGE;
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::Bounded;
-use crate::body::polyhedron::cycle::{Cycle, Fan};
+use crate::body::polyhedron::fans::{Cycle, Fan};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 
 /// Curves are fitted over one part in this many of their ring to each side, an arc of about three
