@@ -312,7 +312,7 @@ pub mod scene;
 mod time;
 
 pub use base::motion::Velocity;
-pub use base::notice::progress::Progress;
+pub use base::notice::Progress;
 pub use base::pose::{Operand, PoseError, RelativePose, normalize};
 pub use base::{cost, motion, tolerance};
 pub use body::polyhedron::{

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
 
-use crate::base::notice::log;
+use crate::base::notice;
 use crate::base::num::packed::{self, PackedRotation, PackedVec3};
 use crate::base::tolerance::{POSE_UNIT, REACH};
 
@@ -316,7 +316,7 @@ impl RelativePose {
 #[inline(never)]
 fn refusal(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> (usize, f64) {
     let (which, value) = invalid_part(pose_a, pose_b);
-    log::refused("a pose", &PoseError::of(which, value));
+    notice::refused("a pose", &PoseError::of(which, value));
     (which, value)
 }
 

@@ -81,14 +81,6 @@
 //!
 #![doc = include_str!("tolerance/proved.md")]
 
-mod motions;
-mod patches;
-mod signs;
-
-pub(crate) use motions::*;
-pub(crate) use patches::*;
-pub(crate) use signs::*;
-
 /// Unit roundoff of f64: the largest relative error of one rounded operation.
 pub(crate) const UNIT: f64 = f64::EPSILON / 2.0;
 
@@ -498,3 +490,476 @@ pub(crate) const SPECK: f64 = 1.0 / (1u64 << 60) as f64;
 /// pairs in their own unit. The square of a height over a triangle is of degree six: at `2^170` it
 /// would be infinite.
 pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 140) << 52);
+
+// Motions, impacts and composites.
+
+/// Error of the posed pivot of a body on a motion, twice (once at the begin of a bound, once at the
+/// end), in units of the 1-norms of the pivot's position at time zero, and of the displacements by
+/// velocity and acceleration until then: `v t` has one rounding, `a t^2 / 2` three, their sums two,
+/// the last difference one, and the velocity at a later time two more times the displacement: 6
+/// UNIT.
+pub(crate) const PLACED_CENTRE: f64 = 16.0 * UNIT;
+
+/// Error of the posed pivot, twice, in units of the distance of the pivot from the body's own
+/// origin: a product with a quaternion whose square is off 1 by 26 UNIT is off by twice as much,
+/// and rounded by 24; the difference adds 1. Twice 77.
+pub(crate) const PLACED_PIVOT: f64 = 192.0 * UNIT;
+
+/// Error of the angle of a posed body on a motion, twice. The quaternion of a turn: sine and cosine
+/// err by less than one in the last place, UNIT; the correction for the remainder of the half
+/// angle, UNIT; the axis by 2 UNIT and its product by one: 5.4 UNIT as a vector. The product with
+/// the first rotation: 4 UNIT a coordinate, 8 as a vector. An error of a quaternion turns by twice
+/// as much: 27 UNIT. A normalised sum of two quaternions: 3 UNIT a coordinate of numbers up to one,
+/// over a norm of at least `1 / sqrt 2`: 9 UNIT and, for the part of the way itself, one more: 20
+/// UNIT.
+pub(crate) const TURN: f64 = 64.0 * UNIT;
+
+/// Deviation of the squared norm of a quaternion that was divided by its norm: the square errs by 4
+/// UNIT, the root by half of that and UNIT, the quotient by UNIT: 8 of the square, and 4 of the
+/// square taken anew.
+#[cfg(feature = "serde")]
+pub(crate) const NORMALISED: f64 = 16.0 * UNIT;
+
+/// Error of the coefficients of a plane's gap (`separation::plane`), times `(1 + q)^2` with q the
+/// angle that a direction turns by as a shape sees it, in units of both reaches, the ways of the
+/// pivots, the difference of the translations, and twice the distances of the pivots from the
+/// origins (u = UNIT):
+///
+/// 1. Directions: derivatives are sums of at most three cross products, 8 u of `(|eta| + |w|)^2`,
+///    and the control points two sums and products more: 12 u. Into the body: the matrix of one
+///    quaternion 27 u (19 for its entries, 8 for the square of its norm), the product 6 u. Heights
+///    over the arm of a pivot 3 u. Together 48 u of the reach.
+/// 2. The pivots: a product with that matrix 33 u, two sums 2 u; the difference of the translations
+///    u. Products with the normal and with its derivatives 9 u.
+/// 3. Sums of at most five terms, and from square to cube, 8 u; the length of the normal, 3 u,
+///    times the distance to keep.
+///
+/// Of a plane that keeps its normal (`separation::fixed_normal`), what turns give to points along
+/// the normal errs by 9 u of itself: the length of the cross product 2.5 u beyond [`TILT`], the
+/// reach 3 u, products and sums 3.5 u.
+pub(crate) const PLANE: f64 = 64.0 * UNIT;
+
+/// Error of the length of a cross product of a unit vector with another, in units of the length of
+/// the other: the product errs by 2.5 UNIT, the difference of two rates by 1, the unit vector,
+/// turned into the world, is longer than one by less than 4.
+pub(crate) const TILT: f64 = 8.0 * UNIT;
+
+/// Error of the coefficients of a cubic that is cut four times: each cut is three rounds of two
+/// products and a sum, 3 UNIT each, so 36 UNIT of the largest.
+pub(crate) const BERNSTEIN: f64 = 64.0 * UNIT;
+
+/// Relative error of a root: a position between two coefficients errs by at most 8 UNIT of itself,
+/// a position composed of four parts by as much again; and a time composed of a start and such a
+/// part of an interval, by less than the rest.
+pub(crate) const ROOT: f64 = 32.0 * UNIT;
+
+/// Error of the height of a polyhedron, in units of the 1-norm of the direction and of its radius:
+/// the product with a vertex errs by 3 UNIT, the product with the centre of the ball by as much,
+/// the difference by 1, the sum with this bound by 1; the ninth covers the second order.
+pub(crate) const HEIGHT: f64 = 9.0 * UNIT;
+
+/// Squares and products of the flight of two balls err by at most 10 UNIT of the squares of their
+/// distance and of the sum of their radii; this much, `2^-40`, is counted to the square of the
+/// radii, and settles the signs and the root that follow.
+pub(crate) const BALLS: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Relative reduction of a number of ticks, `2^-30`: a quotient errs by UNIT, and a clock that adds
+/// up ticks by UNIT a tick, with fewer than `2^20` ticks in any useful bound.
+pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// Increase of the half extents of a box of a composite before rounding up to f32, in units of the
+/// tree's size (2 at most, counted in) and of the farthest coordinate over it: a vertex shifted to
+/// the tree's origin errs by UNIT of that coordinate; its difference from the centre by UNIT; a
+/// dual axis, of stored axes that are orthonormal within 8 UNIT_SINGLE, by 8 UNIT (a cross product
+/// 3, a determinant 4, a quotient 1), and the product with it by 3: all of lengths up to 4. Sum:
+/// below 4 (1 + 8 + 3) + 2.
+pub(crate) const BOX_EXTENT: f64 = 64.0 * UNIT;
+
+/// Error of the height of a vertex over the centre of a box that is fitted anew, along an axis of
+/// the box, in units of the farthest vertex's distance from the tree's origin, with v =
+/// UNIT_SINGLE: the place of the vertex is rounded, v of it; a sum of three products errs by 3 v of
+/// the product of the lengths, and the axis is longer than one by 2 v. The centre, which three
+/// heights put together, is at most sqrt 3 as far, and exact as stored: its height errs by 3 sqrt 3
+/// v; the difference of both by 1 + sqrt 3. Sum: below 12 v.
+pub(crate) const REFIT_HEIGHT: f64 = 16.0 * UNIT_SINGLE;
+
+/// Largest deviation of the products of the axes of a box that is fitted anew from those of
+/// orthonormal vectors: axes are rounded once, or kept as the build left them, within 8
+/// UNIT_SINGLE; the quotient by `1 - 24 UNIT_SINGLE` and roundings in double precision add far less
+/// than a hundredth.
+pub(crate) const BOX_SKEW: f64 = 9.0 * UNIT_SINGLE;
+
+/// Error of a gap of two boxes of a composite in f32, in units of their pair's size L: the reaches
+/// of both trees and the distance of their origins. With v = UNIT_SINGLE, `r` a box's reach, `h`
+/// its half extents (`|h| <= sqrt(3) r`):
+///
+/// 1. The matrix and the shift are rounded once: 1.8 v of lengths of B, v of the shift. A product
+///    with the matrix adds `3 sqrt(3)` v: axes of B err by 7 v, its centre by 7 v r; two sums more,
+///    so the difference of the centres by 10 v L.
+/// 2. Along the line of centres: the length errs by 10 v L and 4 v of itself; `h . |a . d|` by the
+///    10 v of the difference, 3 of the product, 3 of the sum and 2 of the quotient, times `h` of A;
+///    the same and 7 for the axes of B. The direction as rounded is longer than one by 4 v at most.
+///    Sum: below 14 L + 18 sqrt(3) rA + 25 sqrt(3) rB, with rA + rB <= L: below 58 v L.
+/// 3. Along an excess vector e: products of axes err by 10 v each, by `30 v` as a matrix; `e . d`
+///    by 16 v L |e|; the box's own part by 7 v h for axes that are orthonormal within 2 v, and 4
+///    more; the part of the other box by 33 v h; the root and the quotient by 5 v. Sum: below 16 L
+///    + 11 sqrt(3) rA + 33 sqrt(3) rB + 5 L, below 79 v L.
+/// 4. Along a direction c of any length, a cross product of axes or a direction known before: the
+///    gap along it is a proof whatever c is, so only the arithmetic behind c counts, in units of
+///    `|c|`. The height errs by 10 v L of the difference and 3 v L of its product. The reach of A
+///    errs by 3 v of the sum of its half extents, at most 3 rA, and by 3 v of itself, at most
+///    sqrt(3) rA; that of B by 7 v more for the axes. Two differences of terms up to sqrt(3) L err
+///    by 4 v L, the root and the quotient by 5 v of as much, and the direction as rounded is longer
+///    than one by 5 v. Sum: 31 L + 15 rA + 36 rB, below 67 v L.
+/// 5. An entry of a front. Made: the placed centre errs by 10 v L, its product with n by 4 v L, the
+///    base by 4 v L; a direction turned to the other body's frame by 7 v, which moves heights by 7
+///    v L and makes the direction longer than one by as much. Tested: centre and product as before;
+///    the turned directions err by 7 v each, their difference and its length, at most 2, by 8 v: 30
+///    v r with the product by the radius; the sums by 4 v L. The radius is that of the smaller
+///    node, at most L / 2. Sum: below 65 v L.
+/// 6. An entry with a segment, of half length `|u| <= r`, and a radius up to r / 2: the product of
+///    the difference, which errs by 16 v, with u, which errs by v of itself, errs by 24 v r in all,
+///    the product with the radius by 15 v r, one sum more by 2 v L. Sum: 52 L + 39 r, below 72 v L.
+///
+/// 80 would do.
+pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
+
+/// Square of the sine of the angle of two axes up to which their cross product in f32 is mostly
+/// rounding, 10 UNIT_SINGLE: below 128 UNIT_SINGLE. Not a matter of soundness: the bound along any
+/// direction holds.
+pub(crate) const PARALLEL_SIDES: f64 = (128.0 * UNIT_SINGLE) * (128.0 * UNIT_SINGLE);
+
+/// Error of a height of a vertex of a composite along a unit axis, in units of the farthest
+/// vertex's distance from the origin: a sum of three products errs by 3 UNIT, an axis longer than
+/// one by 4 UNIT counts by as much. Twice that is the error of a point put together from its
+/// heights along three axes that are normalised within 4 UNIT and perpendicular within 6.
+pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
+
+/// How far a vertex of a placed piece may be off its place, in units of its distance from the
+/// origin of the piece plus the length of the translation. The quaternion is normalised: its
+/// squared norm differs from one by 8 UNIT (four squares and three sums, half of it by the root,
+/// and the quotient), which turns and stretches the rotated vector by up to twice that, 16 UNIT.
+/// The vector is `v + 2 w (q x v) + 2 q x (q x v)`: a cross product errs by `2 sqrt(2)` UNIT of the
+/// product of the lengths, so the first by 5.7 UNIT with the factor, the second, of a vector up to
+/// `2 |v|`, by as much of its own and of the first one's error, the product with w by 2, and the
+/// sums of terms up to `2 |v|` by 7: 26.1 UNIT. The translation adds UNIT of the sum. Sum: 43.1.
+pub(crate) const PLACED: f64 = 64.0 * UNIT;
+
+/// Largest shortfall of a gap in f64 below the distance, in units of L, at which a pair of nodes or
+/// triangles of a composite still passes: pairs in flush contact are all equally far, up to
+/// rounding, and no pair could be skipped. With [`CERTIFICATE`](super::CERTIFICATE) above and
+/// below, the bounds are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
+pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
+
+/// Error of the place of a ball's middle by a pose of the caller, in units of the 1-norm of the
+/// middle in the body's frame: a quaternion whose square is off one by [`POSE_UNIT`] puts it off by
+/// twice as much, and is rounded by some thirty UNIT, far less than the rest.
+pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
+
+/// Error of the part of a ray in a ball, in units of the radius and the absolute coordinates of the
+/// ray's origin and of the ball's middle, whose own place is counted by [`PLACED_BALL`]: the
+/// difference, the product with the direction, which is of unit length within 4 UNIT, the foot, its
+/// length and the sums err by 34 UNIT together. A height of a place of the ray in a mesh's frame
+/// along a unit vector, minus that of a corner, errs by 46: the place, a relative translation, by
+/// 31 (see [`CERTIFICATE`](super::CERTIFICATE)), and by 4 of the direction; products, the
+/// difference and the vector's length by the rest.
+pub(crate) const RAY: f64 = 64.0 * UNIT;
+
+/// Doubt of the gap of two sets of vertices on straight paths along a direction `n`, in units of
+/// the sum of the magnitudes of n's coordinates, with coordinates below one (`continuous::paths`).
+/// A coordinate at an instant errs by 3.5 UNIT: the difference from the first vertex by one, the
+/// share of the time by a half, two products and their sum by two. A height adds 3 for product and
+/// sums, as every term passes three roundings; two heights 13, their difference, up to two, 2 more,
+/// and the product with the sum of magnitudes 3 of itself. Directions whose sum is below
+/// [`PATH_DIRECTION`] are not used, so that underflow of products does not count.
+pub(crate) const PATH_GAP: f64 = 24.0 * UNIT;
+
+/// Least sum of the magnitudes of a direction that is used on straight paths, `2^-200`; the inverse
+/// is the largest.
+pub(crate) const PATH_DIRECTION: f64 = f64::from_bits((1023 - 200) << 52);
+
+/// Doubt of six times the volume of four vertices on straight paths, coordinates below one, one
+/// vertex the origin, and of the Bernstein coefficients of that cubic: six products of three
+/// coordinates, each coordinate off by 4 UNIT (see [`PATH_GAP`]), 72 UNIT; a term passes two
+/// products, a difference and two sums, 30 UNIT; the sum of three such volumes and their division
+/// by three add 3 UNIT of six, 18. Sum: 120.
+pub(crate) const PATH_VOLUME: f64 = 160.0 * UNIT;
+
+/// Doubt of the Bernstein coefficients of `(u x v) . n`, with u and v differences of two vertices
+/// on straight paths, coordinates below one, in units of the sum of the magnitudes of n's
+/// coordinates: a difference, up to two, errs by 8 UNIT (see [`PATH_GAP`]) and its rounding by 2; a
+/// product of two by 40 UNIT and 4; the difference of two products by 88 and 8; the mean of two
+/// such by 8 more; products with n and sums by three roundings of eight, 24. Sum: 128.
+pub(crate) const PATH_AREA: f64 = 160.0 * UNIT;
+
+// Bezier and NURBS patches.
+//
+// Sums `sum of c_k w_k P_k` of a patch have factors `c_k` and weights `w_k` that are not negative.
+// If each term errs by `e` of itself, the sum errs by at most `e R sum of c_k w_k`, with R the
+// largest distance of a control point from the origin, and the denominator `sum of c_k w_k` by `e`
+// of itself: after the division the point errs by `2 e R`, and one rounding. The ratio of the
+// weights drops out. Underflow: coordinates and weights are limited (`PATCH_MAX`,
+// `WEIGHT_RATIO`), case S.
+
+/// Largest coordinate of a control point, `2^200`, and the limits of knots.
+pub(crate) const PATCH_MAX: f64 = f64::from_bits((1023 + 200) << 52);
+
+/// Weights of a patch are no smaller than this times the largest, `2^-40`.
+pub(crate) const WEIGHT_RATIO: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// Error of a point at given parameters, times R. A step of de Casteljau, `(1 - t) a + t b`, has
+/// three roundings a term, and a patch of degrees up to 7 has up to 14 steps: 42 UNIT, doubled by
+/// the division: 84; the product of weight and coordinate, doubled, and the division: 3 more.
+pub(crate) const PATCH_POINT: f64 = 96.0 * UNIT;
+
+/// Error of a control point of a node, times R, beside [`NET_STEP`]: the product of weight and
+/// coordinate, doubled, and the division 3 UNIT, and room.
+pub(crate) const NET: f64 = 4.0 * UNIT;
+
+/// Error of a control point of a node, times R, for each step of de Casteljau since the patch
+/// itself: half of a sum has one rounding, doubled by the division.
+pub(crate) const NET_STEP: f64 = 2.0 * UNIT;
+
+/// Error of a control point of a part cut out of a patch over a box of parameters, times R and the
+/// sum of the degrees: two cuts in each direction, each step `(1 - t) a + t b` with three roundings
+/// a term, doubled by the division.
+pub(crate) const NET_CUT: f64 = 12.0 * UNIT;
+
+/// By how much the ends of such a box, between 0 and 1, may be off: a quotient of two of them is
+/// rounded once, and the difference from one once.
+pub(crate) const REGION: f64 = 4.0 * UNIT;
+
+/// Error, times R, of a triangular patch as a tensor-product patch: raising the degree of a row has
+/// four roundings a term (two quotients, a product, a sum), up to six times, doubled by the
+/// division: 48 UNIT, and room.
+pub(crate) const RAISED: f64 = 64.0 * UNIT;
+
+/// Error, times R, of patches taken out of a NURBS surface: a step of de Boor's algorithm has five
+/// roundings a term (two differences, a quotient, a product, a sum), with up to seven steps in each
+/// direction 70 UNIT, doubled by the division, and room.
+pub(crate) const KNOTS: f64 = 160.0 * UNIT;
+
+/// Error, times R, of a point of a surface at given parameters, however its patches were given.
+pub(crate) const SURFACE_POINT: f64 = PATCH_POINT + if RAISED > KNOTS { RAISED } else { KNOTS };
+
+/// Error of the distance of a point from a convex shape, in units of the largest distance of the
+/// shape's points from its origin, beside the shape's own bounds and
+/// [`CERTIFICATE`](super::CERTIFICATE): the relative rotation as a product of two quaternions,
+/// eight roundings, normalised with eight more, twice as many for the turned vector, and room.
+pub(crate) const SHAPE_POINT: f64 = 64.0 * UNIT;
+
+/// Corners of two borders closer than this times the size of the surface are the same corner: both
+/// err by [`KNOTS`] or [`RAISED`], and control points of one surface computed twice by some tens of
+/// UNIT. Steers what is reported as closed, no bound.
+pub(crate) const SEAM: f64 = 1024.0 * UNIT;
+
+/// Error of a height over a node by its second derivatives, in UNIT times `(p + q)^2` times the
+/// largest coefficient G. With `d = p + q` and UNIT G as the unit:
+///
+/// 1. Each second difference of coefficients has two roundings of numbers up to 3 G and 4 G, and
+///    the two products with its factor one each of 4 G: 15 times the factor, at most 42 of degrees
+///    7 and 1, so below `10 d^2`. This is added to each of the three bounds before use
+///    ([`CURVATURE`]), so that their signs can be trusted.
+/// 2. The value by de Casteljau: `3 d`. A first derivative: differences up to 2 G with one
+///    rounding, `3 d` roundings each, times p or q: both together `6 d^2 + 2 d`.
+/// 3. The sums of the three bounds, numbers up to `4 d^2 G`, have up to four roundings each:
+///    `16 d^2`. The quotients, which may be larger, are rounded up; beside a first derivative they
+///    matter only as far as they are no larger than that.
+///
+/// Together below `24 d^2 + 5 d`, and d is at least 2.
+pub(crate) const TAYLOR: f64 = 32.0 * UNIT;
+
+/// Step 1 of [`TAYLOR`].
+pub(crate) const CURVATURE: f64 = 12.0 * UNIT;
+
+/// Error of a coefficient of a height, `n . N - c w`, times R and the weight: the dot product three
+/// UNIT, the product with c, at most R, two, and the difference two.
+pub(crate) const COEFFICIENT: f64 = 8.0 * UNIT;
+
+/// Error of a coefficient of a height above a bowl (`patch::bowl`), times the denominator's
+/// coefficient, R and the distance of the point of contact from the origin. Where the gradient of
+/// the quadratic part is at most one, that part is no larger than the height; a larger gradient
+/// multiplies the error. A term of the numerator passes 50 roundings: two of the shift by the point
+/// of contact, those of the products with directions, form, weight and binomials, and the sums of
+/// up to 16 terms; one of the denominator passes 20, and the quotient adds one. The quadratic part
+/// is half as large again. The orthogonality of the directions is off by six UNIT: 113 in all.
+pub(crate) const BENT: f64 = 128.0 * UNIT;
+
+/// Gradient of the quadratic part of a bowl over a node, at most: errors of points grow by one more
+/// than that.
+pub(crate) const SLOPE: f64 = 4.0;
+
+/// Effect of the error of a pose on the heights of both bodies above a bowl: on each body twice,
+/// by its points and by the point of contact, as gradients up to `1 + SLOPE` carry it.
+pub(crate) const BENT_POSE: f64 = 4.0 * (1.0 + SLOPE);
+
+/// A pair on a front claims its gap less this times the size L at each of the two poses: the claim
+/// is a sum of heights of points of B's frame, [`CERTIFICATE`](super::CERTIFICATE) UNIT L at each
+/// pose, and the turn of a direction times the radius of a ball, 80 UNIT L at each pose.
+pub(crate) const CARRIED: f64 = 256.0 * UNIT;
+
+/// Intervals of two surfaces are not asked to be narrower than this times the size L, `2^-42`: the
+/// errors of both bounds are about [`CERTIFICATE`](super::CERTIFICATE) UNIT L each, those of points
+/// 256 UNIT L at most, those of nodes split forty times as much, and those of second derivatives
+/// some 1,000 UNIT times the size of a node.
+pub(crate) const PATCH_LIMIT: f64 = 1.0 / (1u64 << 42) as f64;
+
+/// Error of a first derivative of a patch, times its bound `3 d R omega` (`patch::crossing`): the
+/// differences of control points and up to 14 steps of three roundings are 45 UNIT, each of
+/// numerator and denominator and of the point that multiplies the derivative of the denominator,
+/// times omega (counted in the bound); the turn into the other frame 80 UNIT. A product with the
+/// inverse adds some UNIT. Room by a factor of two.
+pub(crate) const PATCH_SLOPE: f64 = 512.0 * UNIT;
+
+// Sums of products whose sign is certain.
+
+/// The sign of `n . e` is certain above this times the sum of the absolute terms, and
+/// `LEAST_RISE`: one rounding for each coordinate of `e` (a difference of stored points), one for
+/// each product and two additions, to first order `(1 + 1 + 2) UNIT`; 8 leaves room for a direction
+/// that is rounded itself, for the second order and for the rounding of the bound. Underflow: case
+/// D.
+pub(crate) const EDGE_SIGN: f64 = 8.0 * UNIT;
+
+/// The sign of `(n . e) (m . f) - (n . f) (m . e)` is certain above this times the sum of the
+/// products of the sums of the absolute terms: each dot errs by 5 UNIT as above, each product by
+/// two dots and one rounding more, the difference by one: 12; 16 leaves room. Underflow: an error
+/// of a rise is multiplied by another rise, so `LEAST_RISE` is multiplied by the sums too, and
+/// added once for the products.
+pub(crate) const STEEPER: f64 = 16.0 * UNIT;
+
+/// A rise below this is certain of no sign (case D). An exact direction that is rounded to f64 may
+/// be off by `2^-900` of its largest coordinate beside the roundings (`exact::integer::direction`).
+/// An edge is shorter than `2^107`, so three coordinates put a rise off by less than `2^-790`, and
+/// underflow of three products by `2^-1073`. A rise to which the largest coordinate of a direction
+/// contributes has a bound above `2^-563`, so this guard decides nothing there.
+pub(crate) const LEAST_RISE: f64 = f64::from_bits((1023 - 768) << 52);
+
+/// Four signed volumes of vertices up to L prove the origin inside if each exceeds this times UNIT
+/// L^3 (UNIT of the arithmetic): a determinant of three vectors up to L has an error of at most 14
+/// UNIT L^3, and vertices displaced by the `CERTIFICATE` error of the pose change the determinant
+/// by three times this error: 398 in all. For vertices of very different lengths less is enough.
+/// Displaced by D, the determinant changes by D times the sum of the three products of two lengths,
+/// three times D^2 L, and D^3; the rounding is below 14 UNIT L times any of the products. With D =
+/// 128 UNIT L the total is below the sum of the products times 512 UNIT L and L (512 UNIT L)^2. A
+/// displacement common to all three vertices, as the origins of the bodies add in double-double
+/// (128 UNIT times the origins), changes the determinant by no more than the product of this
+/// displacement with the triangle's normal `u x v`, whose own displacement is below twice D times
+/// the edges and D.
+pub(crate) const VOLUME: f64 = 512.0;
+
+/// A triangle `w0 w1 w2` of the Minkowski difference is certainly counter-clockwise from outside if
+/// every `n . w` exceeds this times `|e1| |e2| L`, `n = e1 x e2` rounded: the edges err by UNIT,
+/// the cross product by 2.5 UNIT more, and the dot by 3. Taken off one `n . w`, with `|e1|^2 +
+/// |e2|^2` for the product, this bound leaves less than the `n . w` of any vertex, and room for the
+/// rounding of `|n|`.
+pub(crate) const ORIENTATION: f64 = 16.0 * UNIT;
+
+/// Whether a direction `v` of the other body's frame rises along a unit normal is uncertain below
+/// this times `|v|_1`: the direction is turned by a matrix that errs by 71 UNIT (see
+/// `CERTIFICATE`), by a product with the matrix that errs by 6 and two roundings; the product
+/// with the normal adds 3: 82 in all. Underflow: case S, and a direction too short to decide is
+/// uncertain.
+#[cfg_attr(not(feature = "exact"), allow(dead_code, reason = "the filter of the exact rung"))]
+pub(crate) const EXACT_FILTER: f64 = 128.0 * UNIT;
+
+/// The signs of the weights of `n = u x w` over the faces adjacent to two edges, `w . n'` and `u' .
+/// n'` for face normals `n'` and the edges turned by a pose, are certain above this times the
+/// turned edge: then `n` falls, certainly, along the inward direction `n' x e` of each face, `e`
+/// its edge. With norms of 1 for all four vectors:
+///
+/// 1. On A: `(u x w) . (n' x u) = -(w . n') (u . u)`. The edge, a rounded difference, errs by UNIT,
+///    and `u . n'` is no more; the cross product by 2.5, and 4 if orthogonalised; the dot by 3 and
+///    `n'` by `NORMAL_ERROR`. Sum: below 13.
+/// 2. On B, whose inward direction is `n' x w` in its own frame: a matrix that errs by 71 (see
+///    `CERTIFICATE`) turns a cross product into the cross product of the turned vectors within
+///    213, and keeps the right angle between `w` and `n'` within 142; the turned edges err by 7
+///    each; cross product and dot as on A. Sum: below 390.
+///
+/// A vertex paired with an edge has one frame and no matrix: the direction `d` from the edge to the
+/// vertex and `u x d` for `w` leave `(2.5 + 3 + 1.1 + 1) UNIT |u| |d|`, below `DIFFERENCE L` times
+/// the 1-norm of `u`.
+///
+/// The part of `n` along the edges themselves is rounding, times up to `2 r`; `CERTIFICATE`
+/// counts this part.
+pub(crate) const FLANK: f64 = 512.0 * UNIT;
+
+/// Error of `n . (p - a)`, `n = (b - a) x (c - a)`, all rounded, relative to the sum over k of
+/// `(|u_i v_j| + |u_j v_i|) |p_k - a_k|`, `u` and `v` the edges: each of the eight roundings a term
+/// passes (two differences, product and difference in n; difference, product and two sums after)
+/// adds UNIT to first order, so 8 UNIT; the ninth covers the second order. Underflow: the hull adds
+/// the least normal number to its bound.
+pub(crate) const SIDE_ERROR: f64 = 9.0 * UNIT;
+
+/// The bound of the error of `n . (p - a)` in double-double over that in f64 (`SIDE_ERROR`):
+/// differences are exact; two products and three sums, of 5 and 3 units `2^-106` each, add up to
+/// less than 20 such units, and `9 UNIT` times this are 288.
+pub(crate) const SIDE_FINE: f64 = 1.0 / (1u64 << 48) as f64;
+
+/// Error of `n . g`, `|g_k| <= 2`, and of `n . a`, for the normal of a facet of a hull of a few
+/// points (`polyhedron/build/cloud.rs`), rounded from corners that are rounded themselves, relative
+/// to the sums `U + W` of magnitudes of two edges. Corners are below 2, so edges are off by 6 UNIT
+/// a coordinate, normals by `6 (U + W) + 3 U W`, where `U W <= 3 (U + W)`; twice three of these and
+/// the sum's own rounding make 114.
+pub(crate) const CORE_ERROR: f64 = 512.0 * UNIT;
+
+/// By how much a cell of the table of `polyhedron/build/cloud.rs` is wider than it says: the shares
+/// of a point have 7 UNIT of rounding; `2^-40`.
+pub(crate) const CORE_CELL: f64 = 1.0 / (1u64 << 40) as f64;
+
+/// What is left of the bound of a cell: room for the roundings of the bound, of the sum of a point
+/// and of the single precision in which the bound is stored, rounded down.
+pub(crate) const CORE_REACH: f64 = 1.0 - 1.0 / (1u64 << 20) as f64;
+
+/// A foot or a crossing computed from the normal of a triangle counts as the place inside the
+/// triangle that has its weights if both are nearer than this times the lengths of the two edges
+/// and of the difference from which they were computed, root of the sum of squares: at most 3 L.
+/// Their distance from a point then differs by at most `24 UNIT L`, for which `CERTIFICATE` has
+/// room: its rows of triangles are below 104 of 128. A foot that is farther off is not used.
+pub(crate) const SAME_PLACE: f64 = 8.0 * UNIT;
+
+/// Difference of the slants of two edges along one line, rounded: `s = (g . u)^2 / u^2` with `u` a
+/// difference of points over the largest of its coordinates and `g` fixed, shorter than 3/4. The
+/// coordinates of `u` are off by 2 UNIT of themselves, products and sums add 3: `g . u` is off by
+/// `5 UNIT |g| |u|`, and `s` by `10 UNIT |g|^2 < 6 UNIT`. Square, norm and quotient add
+/// `(1 + 7 + 1) UNIT s < 6 UNIT`. Two slants: 24 UNIT, and the second order. Nothing underflows: of
+/// stored points, differences are above `2^-357` and their largest coordinates below `2^107`.
+pub(crate) const SLANT: f64 = 32.0 * UNIT;
+
+/// The distance of two features in closed form (`solve::closed_form`) errs by this times
+/// `UNIT_DOUBLE_DOUBLE`, L, and for heights over a plane the lengths of the two edges over that of
+/// their normal: by 57 for two vertices, most of it for the placing of one by both rotations, 69
+/// beside an edge, 66 over a face, and 166 for two edges, of which one is turned by both rotations.
+#[cfg(feature = "exact")]
+pub(crate) const CLOSED_FORM: f64 = 256.0;
+
+/// A sign that proves features the closest is certain above this times the lengths: the direction
+/// is rounded, turned by a matrix that errs by 71 (see `CERTIFICATE`), by a product with it (6),
+/// and multiplied with an edge (4); or three vectors whose coordinates are rounded are multiplied
+/// (10). Errors of the double-double direction itself are below `2^-17` UNIT, as `CLOSED_FORM`
+/// leaves a distance only where its error is below a quarter of a unit in the last place.
+#[cfg(feature = "exact")]
+pub(crate) const CLEAR_SIGN: f64 = 128.0 * UNIT;
+
+/// Error of a coordinate of an exact place that is rounded to f64 (`exact::place`), in units of the
+/// largest coordinate: a bracket of at most four units in the last place, and its middle.
+#[cfg(feature = "exact")]
+pub(crate) const EXACT_PLACE: f64 = 8.0 * UNIT;
+
+/// Error of `(b - a) x (p - a)` of plane coordinates, relative to the sum of the absolute products:
+/// two differences, a product and the difference of two products are one rounding each, 4 UNIT; the
+/// fifth covers the second order. Underflow: the caller adds the least normal number, as the
+/// products of stored coordinates with a place that is no stored one may vanish.
+#[cfg(feature = "exact")]
+pub(crate) const TURN_ERROR: f64 = 5.0 * UNIT;
+
+/// Error of `d . ((a - p) x (b - a))` for a direction `d` and an edge from `a` to `b`, in units of
+/// the 1-norms of `a - p` and `b - a`: the direction is turned by a matrix that errs by 71 UNIT and
+/// a product with it that errs by 6 (see `CERTIFICATE`); two differences, a cross product (2.5) and
+/// the product with the direction (3) add 8. Sum: 85. Underflow: the caller adds the least normal
+/// number.
+pub(crate) const RAY_SIDE: f64 = 128.0 * UNIT;
+
+/// Error of `n . x` for the normal `n = u x v` of a triangle and the rounded difference `x` of two
+/// places, in units of the 1-norms of `u`, `v` and `x`: by `SIDE_ERROR`, 9 UNIT for either of the
+/// two products of each coordinate of `n`.
+pub(crate) const RAY_PLANE: f64 = 32.0 * UNIT;

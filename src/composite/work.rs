@@ -1,6 +1,6 @@
 //! Counters of the work of queries.
 
-use crate::base::num::count::sum_of_counters;
+use crate::base::num::sum_of_counters;
 
 /// Work done by queries.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

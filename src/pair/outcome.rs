@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
-use crate::base::num::count::sum_of_counters;
+use crate::base::num::sum_of_counters;
 use crate::body::polyhedron::FeaturePair;
 
 /// Whether two bodies are apart, touch or overlap.

@@ -1,7 +1,7 @@
 //! Parts of surfaces, and the work of queries.
 
 use super::tree::Node;
-use crate::base::num::count::sum_of_counters;
+use crate::base::num::sum_of_counters;
 
 /// A part of a surface: a node of its tree.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,8 +13,8 @@ use super::outcome::SurfaceWork;
 use super::region::Region;
 use super::side::NetSide;
 use super::tree::Node;
+use crate::base::num::Ranked;
 use crate::base::num::extremes::{Bounded, Extremes};
-use crate::base::num::ranked::Ranked;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT;
 

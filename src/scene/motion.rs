@@ -8,7 +8,7 @@
 //! before that tick, and afterwards no disturbance is lost.
 
 use crate::base::motion::{Motion, Steady, Velocity, displacement};
-use crate::base::num::count::Counter;
+use crate::base::num::Counter;
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{PLACED_CENTRE, ROUND_UP};
 use crate::scene::body::checked;

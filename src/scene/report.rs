@@ -5,7 +5,7 @@ use core::ops::AddAssign;
 use core::time::Duration;
 
 use super::{Event, PairImpact, Scene};
-use crate::base::num::count::sum_of_counters;
+use crate::base::num::sum_of_counters;
 use crate::broad::{self, BroadPhase};
 use crate::pair::outcome::{Outcome, Solver};
 use crate::pair::world::AnsweredBy;

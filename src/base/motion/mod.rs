@@ -24,24 +24,20 @@
 //! than `r k s^2 / 2`. A [`Drift`] is a cubic bound of that form, of the pivot's place (a length)
 //! and of the turn (an angle).
 
-mod error;
 mod nlerp;
 mod steady;
 pub(crate) mod turn;
-mod velocity;
 mod way;
 
-use nalgebra::{Isometry3, Point3, Vector3};
-
+pub use crate::base::motion::nlerp::Nlerp;
+pub use crate::base::motion::steady::Steady;
+pub use crate::base::motion::steady::Velocity;
+pub(crate) use crate::base::motion::way::{BallAtPose, displacement};
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::{magnitude, sqrt};
+use crate::base::pose::PoseError;
 use crate::base::tolerance::{SQUARE_MIN, UNIT};
-
-pub use error::MotionError;
-pub use nlerp::Nlerp;
-pub use steady::Steady;
-pub use velocity::Velocity;
-pub(crate) use way::{BallAtPose, displacement};
+use nalgebra::{Isometry3, Point3, Vector3};
 
 /// A rigid motion: a pose at every time, and bounds of the displacement from there.
 ///
@@ -238,4 +234,31 @@ impl core::ops::Add for Drift {
     fn add(self, other: Self) -> Self {
         Self(core::array::from_fn(|k| self.0[k] + other.0[k]))
     }
+}
+
+/// Fault of the numbers of a motion.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MotionError {
+    /// A pose is no rigid placement. The body named is A for the first pose given, B for the
+    /// second.
+    #[error(transparent)]
+    Pose(#[from] PoseError),
+    /// A velocity, an acceleration, an axis or a point is NaN or infinite, or its square leaves
+    /// f64.
+    #[error("{what} is out of range: {value}")]
+    Value {
+        /// The name of the value.
+        what: &'static str,
+        /// The coordinate that is largest, or NaN.
+        value: f64,
+    },
+    /// A bound or a duration is negative, NaN or infinite; a duration is zero.
+    #[error("{what} must be positive and finite, and is {value}")]
+    Size {
+        /// The name of the size.
+        what: &'static str,
+        /// The size.
+        value: f64,
+    },
 }

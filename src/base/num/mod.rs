@@ -1,11 +1,87 @@
-//! The arithmetic: scalars of the solvers, double-double, packed vectors and exact signs;
-//! counters, ranks of heaps, and the fingerprints of numbers.
+//! The arithmetic: scalars of the solvers, double-double, packed vectors, exact signs, and the
+//! fingerprints of numbers. This file holds counters, which saturate because a file may hold the
+//! largest number, and items by rank, for searches that take the best first.
 
-pub(crate) mod count;
 pub(crate) mod double_double;
 pub(crate) mod extremes;
 pub(crate) mod fingerprint;
 pub(crate) mod packed;
-pub(crate) mod ranked;
 pub(crate) mod scalar;
 pub(crate) mod sign;
+
+use core::cmp::Ordering;
+
+/// A counter that lives longer than one query.
+pub(crate) trait Counter {
+    /// Adds to the counter; the largest number stays what it is.
+    fn count(&mut self, by: Self);
+}
+
+impl Counter for u32 {
+    #[inline(always)]
+    fn count(&mut self, by: Self) {
+        *self = self.saturating_add(by);
+    }
+}
+
+impl Counter for u64 {
+    #[inline(always)]
+    fn count(&mut self, by: Self) {
+        *self = self.saturating_add(by);
+    }
+}
+
+impl<const N: usize> Counter for [u64; N] {
+    #[inline(always)]
+    fn count(&mut self, by: Self) {
+        for (mine, theirs) in self.iter_mut().zip(by) {
+            mine.count(theirs);
+        }
+    }
+}
+
+/// Implements the sum of a type whose fields are all counters: a list that lacks a field does not
+/// compile.
+macro_rules! sum_of_counters {
+    ($counts:ident { $($field:ident),+ $(,)? }) => {
+        impl core::ops::AddAssign for $counts {
+            /// Adds all counts. Sums saturate.
+            fn add_assign(&mut self, o: Self) {
+                use $crate::base::num::Counter;
+                let Self { $($field),+ } = self;
+                $($field.count(o.$field);)+
+            }
+        }
+    };
+}
+pub(crate) use sum_of_counters;
+
+/// An item in a `BinaryHeap`: the item of least rank leaves first, among equal ranks that of least
+/// key.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ranked<K, T = ()> {
+    pub(crate) rank: f64,
+    pub(crate) key: K,
+    pub(crate) item: T,
+}
+
+impl<K: Ord, T> Ord for Ranked<K, T> {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_rank = other.rank.total_cmp(&self.rank);
+        by_rank.then_with(|| other.key.cmp(&self.key))
+    }
+}
+
+impl<K: Ord, T> PartialOrd for Ranked<K, T> {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<K: Ord, T> PartialEq for Ranked<K, T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl<K: Ord, T> Eq for Ranked<K, T> {}

@@ -15,34 +15,28 @@
 //!    along every direction.
 
 mod cone;
-mod curved;
 mod cylinder;
 mod ellipsoid;
-mod error;
 mod mass;
 #[cfg(feature = "serde")]
 mod persist;
-mod place;
-mod power;
-mod rounded_mass;
 mod superquadric;
 mod support;
 
-use alloc::sync::Arc;
-
-use nalgebra::{Point3, Vector3};
-
 use crate::base::num::fingerprint::Fingerprint;
-use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN};
-use crate::body::polyhedron::{ConvexPolyhedron, solids};
-pub use cone::Cone;
-pub(crate) use curved::{Curved, match_core, order_of};
-pub use cylinder::Cylinder;
-pub use ellipsoid::Ellipsoid;
-pub use error::ShapeError;
-pub use mass::Mass;
-pub use superquadric::Superquadric;
-pub(crate) use support::{Disc, Flat, Support};
+use crate::base::num::scalar::{dot, sqrt};
+use crate::base::pose::rotation_matrix;
+use crate::base::tolerance::{BOX, EXTENT_MAX, EXTENT_MIN, UNIT};
+use crate::body::polyhedron::{BoxHint, BuildError, ConvexPolyhedron, solids};
+pub use crate::body::shape::cone::Cone;
+pub use crate::body::shape::cylinder::Cylinder;
+pub use crate::body::shape::ellipsoid::Ellipsoid;
+pub use crate::body::shape::mass::Mass;
+pub use crate::body::shape::superquadric::Superquadric;
+pub(crate) use crate::body::shape::support::{Curved, match_core, order_of};
+pub(crate) use crate::body::shape::support::{Disc, Flat, Support};
+use alloc::sync::Arc;
+use nalgebra::{Isometry3, Point3, Vector3};
 
 /// A convex shape: every point at most [`round`](Self::round) from its [`core`](Self::core).
 ///
@@ -260,4 +254,144 @@ impl From<Arc<ConvexPolyhedron>> for Shape {
     fn from(body: Arc<ConvexPolyhedron>) -> Self {
         Self::sharp(Core::Polyhedron(body))
     }
+}
+
+/// Error returned if parameters make no shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ShapeError {
+    /// A parameter is not finite, or outside the range that the constructor names.
+    #[error("{value:e} is no {what} of a shape")]
+    BadParameter {
+        /// Name of the parameter.
+        what: &'static str,
+        /// Value of the parameter.
+        value: f64,
+    },
+    /// A capsule without a length.
+    #[error("a capsule of half length zero is a ball: Shape::ball makes it")]
+    NoLength,
+    /// The points of a core make no body.
+    #[error(transparent)]
+    Core(#[from] BuildError),
+}
+
+impl Core {
+    /// Returns the largest distance of a point from [`origin`](Self::origin), rounded up.
+    pub(crate) fn radius(&self) -> f64 {
+        match_core!(self, body => body.radius * body.unit(), core => core.reach())
+    }
+
+    /// Returns the point about which the core is stored.
+    pub(crate) fn origin(&self) -> Vector3<f64> {
+        match self {
+            Self::Polyhedron(body) => body.origin,
+            _ => Vector3::zeros(),
+        }
+    }
+
+    /// Returns the fingerprint of kind and parameters.
+    pub(super) fn fingerprint(&self) -> Fingerprint {
+        match_core!(self, body => body.fingerprint, core => core.fingerprint())
+    }
+
+    /// Returns the fingerprint of the core rounded by a radius.
+    pub(super) fn rounded_fingerprint(&self, radius: f64) -> Fingerprint {
+        let core = self.fingerprint();
+        if radius == 0.0 {
+            core
+        } else {
+            core.with(*b"rounded ", radius)
+        }
+    }
+}
+
+impl Shape {
+    /// Returns centre and radius of a ball that contains the shape, the radius rounded up.
+    #[must_use]
+    pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
+        let (centre, radius) = match_core!(
+            &self.core,
+            body => body.bounding_ball(),
+            core => (Point3::origin(), core.reach())
+        );
+        (centre, (radius + self.round) * (1.0 + 2.0 * UNIT))
+    }
+
+    /// Upper bound of `direction . x` over the shape, at most `1e-14` times its size and the length
+    /// of the direction too large. `direction` is of any length, in the shape's frame; zero for one
+    /// that is zero or not finite.
+    #[doc(alias = "support")]
+    #[must_use]
+    pub fn support_height(&self, direction: &Vector3<f64>) -> f64 {
+        let size = direction.amax();
+        if !(size > 0.0 && size.is_finite()) {
+            return 0.0;
+        }
+        if let Core::Polyhedron(body) = &self.core
+            && self.round == 0.0
+            && let Some(height) = body.scanned_height(direction)
+        {
+            let reach = body.radius * body.unit() + body.origin.abs().sum();
+            return height + BOX * reach * direction.abs().sum();
+        }
+        let length = size * sqrt((direction / size).norm_squared());
+        let n = direction / length;
+        let of = |height: f64, reach: f64, noise: f64| height + (BOX + noise * UNIT) * reach;
+        let height = match_core!(&self.core, body => {
+            let v = body.vertex(body.extreme_vertex(&n)).unwrap_or_else(Point3::origin);
+            of(n.dot(&v.coords), body.radius * body.unit() + v.coords.abs().sum(), 0.0)
+        }, core => of(height(core, &n), core.reach(), core.noise()));
+        (height + self.round * (1.0 + BOX)) * length
+    }
+
+    /// Returns a point of the core of about the greatest height along a unit direction, and the
+    /// vertex of a polyhedral core.
+    pub(crate) fn core_point(&self, n: &Vector3<f64>) -> (Option<u32>, Vector3<f64>) {
+        let along = [n.x, n.y, n.z];
+        match_core!(&self.core, body => {
+            let v = body.extreme_vertex(n);
+            let p = body.vertex(v).unwrap_or_else(Point3::origin);
+            (Some(v.0), p.coords)
+        }, core => (None, core.support(&along, 0).1.into()))
+    }
+
+    /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
+    /// corner, in the frame that the pose leads to. `hint` caches the extreme vertices of a
+    /// polyhedron from one frame to the next.
+    ///
+    /// The box of a pose that is not finite is not finite either.
+    #[doc(alias = "compute_aabb")]
+    #[must_use]
+    pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
+        let (low, high) = match_core!(&self.core, body => body.aabb_at(pose, hint), core => box_at(core, pose));
+        if self.round == 0.0 {
+            return (low, high);
+        }
+        let out = |x: f64, by: f64| x + by + (x.abs() + by.abs()) * UNIT * by.signum();
+        (low.map(|x| out(x, -self.round)), high.map(|x| out(x, self.round)))
+    }
+}
+
+/// Returns the greatest `n . x` over a core, up to rounding.
+fn height<C: Support>(core: &C, n: &Vector3<f64>) -> f64 {
+    let n = [n.x, n.y, n.z];
+    dot(&n, &core.support(&n, 0).1)
+}
+
+/// Returns the box of six support points, rounded outward.
+fn box_at<C: Support>(core: &C, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
+    let q = pose.rotation.coords;
+    let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
+    let t = pose.translation.vector;
+    let (mut low, mut high) = (t, t);
+    for k in 0..3 {
+        let row = [matrix[(k, 0)], matrix[(k, 1)], matrix[(k, 2)]];
+        let norm = sqrt(dot(&row, &row));
+        let up = Vector3::from(row.map(|x| x / norm));
+        let margin = (BOX + core.noise() * UNIT) * (core.reach() + t[k].abs());
+        high[k] += height(core, &up) + margin;
+        low[k] -= height(core, &-up) + margin;
+    }
+    (Point3::from(low), Point3::from(high))
 }

@@ -1,10 +1,12 @@
-//! The seam between shapes and solvers: support points, and how they move with the direction.
-
-use nalgebra::Vector3;
+//! What solvers ask of shapes: support points, and how they move with the direction; what a shape
+//! asks of a curved core, and the match of a core.
 
 use crate::base::num::extremes::Bounded;
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, root};
 use crate::body::polyhedron::Feature;
+use crate::body::shape::Mass;
+use nalgebra::Vector3;
 
 /// A flat round face.
 #[derive(Clone, Copy, Debug)]
@@ -121,6 +123,44 @@ pub(crate) trait Support {
     /// Returns the feature that contains the points of up to three branches, `point` among them.
     fn feature(&self, branches: &[u32], point: &Vector3<f64>) -> Feature;
 }
+
+/// A core with curved sides: what a shape asks besides support points.
+pub(crate) trait Curved: Support + Copy {
+    /// Place of the kind in the order in which a pair is solved: polyhedra, of place 0, come first.
+    const ORDER: u32;
+
+    /// Returns the fingerprint of kind and parameters.
+    fn fingerprint(&self) -> Fingerprint;
+
+    /// Returns the core with all lengths multiplied by a power of two.
+    fn scaled(&self, by: f64) -> Self;
+
+    /// Returns whether the closed core contains a point, up to rounding.
+    fn contains(&self, point: &Vector3<f64>) -> bool;
+
+    /// Returns the mass properties at unit density.
+    fn mass(&self) -> Mass;
+}
+
+/// Returns the place of the kind of a curved core in the order in which a pair is solved.
+pub(crate) fn order_of<C: Curved>(_: &C) -> u32 {
+    C::ORDER
+}
+
+/// Matches a core: an expression for the polyhedron, and one for every kind of [`Curved`] core.
+macro_rules! match_core {
+    ($core:expr, $body:pat => $polyhedral:expr, $curved:pat => $round:expr) => {
+        match $core {
+            Core::Polyhedron($body) => $polyhedral,
+            Core::Ellipsoid($curved) => $round,
+            Core::Cylinder($curved) => $round,
+            Core::Cone($curved) => $round,
+            Core::Superquadric($curved) => $round,
+        }
+    };
+}
+
+pub(crate) use match_core;
 
 #[cfg(test)]
 mod tests {

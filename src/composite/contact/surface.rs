@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::grow::{PatchTriangles, corners, grow};
-use crate::base::notice::progress::Watch;
+use crate::base::notice::Watch;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::ACROSS;

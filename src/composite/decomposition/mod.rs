@@ -17,7 +17,7 @@ use alloc::sync::Arc;
 use core::fmt;
 use core::ops::ControlFlow;
 
-use crate::base::notice::progress::{Progress, Watch};
+use crate::base::notice::{Progress, Watch};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;

@@ -7,7 +7,7 @@
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::base::notice::progress::Watch;
+use crate::base::notice::Watch;
 use crate::base::num::extremes::{Bounded, Extremes, smallest};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
-use crate::base::num::count::Counter;
+use crate::base::num::Counter;
 use crate::base::num::scalar::sqrt;
 use crate::composite::front::worth::FrontWorth;
 use crate::composite::front::{EntryId, Front, NodePair};

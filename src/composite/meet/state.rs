@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::motion::BallAtPose;
-use crate::base::num::count::Counter;
+use crate::base::num::Counter;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};

@@ -9,8 +9,8 @@ use super::edges::Edges;
 use super::vertices::Stiff;
 use super::weld::{MOST, Welded, stir, weld};
 use super::{Mesh, MeshError, MeshKind, MeshReport, edges};
-use crate::base::notice::log;
-use crate::base::notice::progress::{Progress, Stopped, Watch};
+use crate::base::notice;
+use crate::base::notice::{Progress, Stopped, Watch};
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
@@ -51,7 +51,7 @@ impl Mesh {
     }
 
     fn built(points: &[Point3<f64>], triangles: &[[u32; 3]], watch: &mut Watch<'_>) -> Result<Self, MeshError> {
-        Self::build(points, triangles, watch).inspect_err(|why| log::refused("a mesh", why))
+        Self::build(points, triangles, watch).inspect_err(|why| notice::refused("a mesh", why))
     }
 
     fn build(points: &[Point3<f64>], triangles: &[[u32; 3]], watch: &mut Watch<'_>) -> Result<Self, MeshError> {

@@ -11,7 +11,7 @@ use core::fmt;
 use nalgebra::{Point3, Vector3};
 
 use super::Mesh;
-use crate::base::notice::progress::Watch;
+use crate::base::notice::Watch;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};

@@ -5,7 +5,7 @@ use core::ops::ControlFlow;
 use nalgebra::{Isometry3, Vector3};
 
 use super::Mesh;
-use crate::base::notice::progress::{Progress, Watch};
+use crate::base::notice::{Progress, Watch};
 use crate::base::num::sign;
 use crate::base::pose::RelativePose;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};

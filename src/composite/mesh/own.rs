@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 use super::Mesh;
 use super::pair::{TriangleJudge, spots};
 use super::tracker::MeshTracker;
-use crate::base::num::count::Counter;
+use crate::base::num::Counter;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;

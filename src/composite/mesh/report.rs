@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::fmt;
 
-use crate::base::notice::progress::Stopped;
+use crate::base::notice::Stopped;
 
 /// Reason why points and triangles make no mesh. Indices are the caller's, lengths in the caller's
 /// unit.

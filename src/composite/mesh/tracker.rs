@@ -2,7 +2,7 @@
 
 use alloc::boxed::Box;
 
-use crate::base::num::count::Counter;
+use crate::base::num::Counter;
 use crate::base::pose::RelativePose;
 use crate::composite::front::audit::{FrontFault, audit};
 use crate::composite::front::memory::FrontMemory;

@@ -12,7 +12,7 @@ use nalgebra::{Point3, Vector3};
 use super::build::InTreeOrder;
 use super::weld::Units;
 use super::{Mesh, VertexError};
-use crate::base::notice::progress::Watch;
+use crate::base::notice::Watch;
 use crate::base::num::extremes::{Bounded, Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;

@@ -21,8 +21,8 @@ use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
+use crate::base::num::Ranked;
 use crate::base::num::extremes::Extremes;
-use crate::base::num::ranked::Ranked;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::CELL;
 use crate::body::polyhedron::ConvexPolyhedron;

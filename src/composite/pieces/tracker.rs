@@ -3,7 +3,7 @@
 use alloc::collections::BTreeMap;
 
 use super::pair::{NearParts, PartJudge};
-use crate::base::num::count::Counter;
+use crate::base::num::Counter;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::FeaturePair;
 use crate::composite::front::NodePair;

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::{Below, OrientedBox, Slab, Tree};
-use crate::base::notice::progress::Watch;
+use crate::base::notice::Watch;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};

@@ -2,9 +2,9 @@
 
 use alloc::collections::BinaryHeap;
 
-use crate::base::notice::progress::Watch;
+use crate::base::notice::Watch;
+use crate::base::num::Ranked;
 use crate::base::num::extremes::Extremes;
-use crate::base::num::ranked::Ranked;
 use crate::composite::meet::triangle::Triangle;
 
 /// Triangles that are halved at most; a tenth of a second and more. Not measured.

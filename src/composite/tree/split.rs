@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::eigen::axes;
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
-use crate::base::notice::progress::Watch;
+use crate::base::notice::Watch;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT;

@@ -10,7 +10,7 @@ use nalgebra::Vector3;
 
 use super::split::Splitter;
 use super::{Below, COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
-use crate::base::notice::progress::Watch;
+use crate::base::notice::Watch;
 
 /// The upper part of a tree is what is above nodes of so many items.
 const LOWER_PART: u32 = 64;

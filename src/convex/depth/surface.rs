@@ -13,7 +13,7 @@ mod vertex_pairs;
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 
-use crate::base::num::ranked::Ranked;
+use crate::base::num::Ranked;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, sub};
 use crate::convex::depth::direction::{min_height, normal, unit};
 use crate::convex::depth::memory::MAX_TRIANGLES;

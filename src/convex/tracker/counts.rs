@@ -1,7 +1,7 @@
 //! Counters of a tracker: costs of the two ways to start a walk, and totals for the caller.
 
-use crate::base::notice::log;
-use crate::base::num::count::{Counter, sum_of_counters};
+use crate::base::notice;
+use crate::base::num::{Counter, sum_of_counters};
 use crate::pair::outcome::{Solver, Work};
 use crate::pair::world::AnsweredBy;
 
@@ -126,7 +126,7 @@ impl Totals {
         self.steps.count(u64::from(work.steps));
         self.depths.count(u64::from(work.depths));
         if matches!(solver, Solver::Fallback | Solver::DoubleDouble | Solver::Exact) {
-            log::fell_back(&solver, work.steps);
+            notice::fell_back(&solver, work.steps);
         }
     }
 }

@@ -92,13 +92,7 @@ const BY_HAND: &[&str] = &[
 const UNDERFLOW: &[&str] = &["LEAST_RISE", "LEAST_SQUARE"];
 
 /// The sources of the constants, those of the planner too.
-const FILES: [&str; 5] = [
-    "base/tolerance.rs",
-    "base/tolerance/motions.rs",
-    "base/tolerance/patches.rs",
-    "base/tolerance/signs.rs",
-    "../crates/plan/src/tolerance.rs",
-];
+const FILES: [&str; 2] = ["base/tolerance.rs", "../crates/plan/src/tolerance.rs"];
 
 /// The constants of the planner in roundings, as its source has them.
 pub(crate) fn of_planner() -> Vec<(&'static str, f64)> {
