@@ -33,7 +33,7 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::pair::{draft, star};
 use crate::patch::{bezier, net, nurbs};
-use crate::time::separation::{balls, bernstein, plane, polyhedra};
+use crate::time::separation::{balls, bernstein, pairs, plane};
 
 type Triple = [f64; 3];
 
@@ -122,7 +122,7 @@ pub fn over_side(n: Triple, edge: Triple, to: Triple) -> f64 {
 
 pub fn over_middle(n: Triple, p: Triple, middle: Triple) -> f64 {
     let [n, p, middle] = [n, p, middle].map(Vector3::from);
-    polyhedra::over_middle(n.dot(&p), &n, &middle)
+    pairs::over_middle(n.dot(&p), &n, &middle)
 }
 
 pub fn two_planes_bound(n: Triple, planes: [(Triple, f64); 2], weights: [f64; 2], radius: f64) -> f64 {

@@ -28,7 +28,7 @@ use super::lent_pair::{BallPair, LentPair};
 use super::of_parts::{self, MeshEngine, PieceEngine};
 #[cfg(feature = "surfaces")]
 use super::of_surfaces::{self, SurfaceEngine, SurfacePieceEngine, SurfaceShapeEngine};
-use super::work::PairWork;
+use super::tracker::PairWork;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;

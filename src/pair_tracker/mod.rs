@@ -27,12 +27,11 @@ pub(crate) mod ray;
 mod ray_hull;
 #[cfg(feature = "meshes")]
 mod ray_mesh;
-mod work;
 
 pub use lent_pair::OverTime;
 pub use manifold::PairError;
 pub use tracker::PairTracker;
-pub use work::PairWork;
+pub use tracker::PairWork;
 
 #[cfg(feature = "meshes")]
 pub(crate) use contacts::{PatchwiseContacts, patches_of};

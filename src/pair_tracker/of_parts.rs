@@ -7,7 +7,7 @@ use alloc::sync::Arc;
 use super::engine::StoredEngine;
 use super::engine::{Engine, EngineReport, WithStandIns};
 use super::lent_pair::LentPair;
-use super::work::PairWork;
+use super::tracker::PairWork;
 use crate::body::shape::Shape;
 use crate::composite::mesh::Mesh;
 use crate::composite::mesh::tracker::MeshTracker;

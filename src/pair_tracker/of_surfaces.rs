@@ -8,7 +8,7 @@ use super::engine::StoredEngine;
 use super::engine::{Engine, EngineReport, WithStandIns};
 use super::lent_pair::LentPair;
 use super::of_parts::report_front;
-use super::work::PairWork;
+use super::tracker::PairWork;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::Operand;
 use crate::body::shape::Shape;

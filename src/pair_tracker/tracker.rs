@@ -1,25 +1,28 @@
-//! One tracker for any two geometries: the engine of the pair that was asked last, and questions.
+//! One tracker for any two geometries: the engine of the pair that was asked last, the questions,
+//! and the work that they took.
 
-#[cfg(feature = "meshes")]
-use alloc::boxed::Box;
-use alloc::string::String;
-
-use nalgebra::{Unit, Vector3};
-
-#[cfg(feature = "meshes")]
-use super::contacts::PairContacts;
-use super::engine::Engine;
-use super::lent_pair::{LentPair, OverTime};
-use super::work::PairWork;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 #[cfg(feature = "meshes")]
 use crate::composite::contact::ContactTracker;
+#[cfg(feature = "meshes")]
+use crate::composite::work::MeshWork;
 use crate::convex::replay::Replay;
+use crate::convex::tracker::Totals;
 use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
+#[cfg(feature = "meshes")]
+use crate::pair_tracker::contacts::PairContacts;
+use crate::pair_tracker::engine::Engine;
 use crate::pair_tracker::geometry::GeometryRef;
+use crate::pair_tracker::lent_pair::{LentPair, OverTime};
+#[cfg(feature = "surfaces")]
+use crate::patch::SurfaceWork;
+#[cfg(feature = "meshes")]
+use alloc::boxed::Box;
+use alloc::string::String;
+use nalgebra::{Unit, Vector3};
 
 /// Follows a pair of geometries of any two kinds, in either order.
 ///
@@ -432,5 +435,61 @@ impl Replay {
         let mut tracker = PairTracker::new();
         tracker.follow([(&a).into(), (&b).into()]).engine.begin_as(self);
         tracker
+    }
+}
+
+/// The work of the queries of a [`PairTracker`](crate::PairTracker), by what the geometries are
+/// searched by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PairWork {
+    /// Queries of two convex geometries.
+    pub convex: Totals,
+    /// Queries of composites and meshes.
+    #[cfg(feature = "meshes")]
+    pub trees: MeshWork,
+    /// Queries with a surface of patches.
+    #[cfg(feature = "surfaces")]
+    pub surfaces: SurfaceWork,
+}
+
+impl PairWork {
+    pub(super) fn of_convex(convex: Totals) -> Self {
+        Self {
+            convex,
+            ..Self::default()
+        }
+    }
+
+    #[cfg(feature = "meshes")]
+    pub(super) fn of_trees(trees: MeshWork) -> Self {
+        Self {
+            trees,
+            ..Self::default()
+        }
+    }
+
+    #[cfg(feature = "surfaces")]
+    pub(super) fn of_surfaces(surfaces: SurfaceWork) -> Self {
+        Self {
+            surfaces,
+            ..Self::default()
+        }
+    }
+}
+
+impl core::ops::AddAssign for PairWork {
+    /// Adds all counts. Sums saturate.
+    fn add_assign(&mut self, other: Self) {
+        self.convex += other.convex;
+        #[cfg(feature = "meshes")]
+        {
+            self.trees += other.trees;
+        }
+        #[cfg(feature = "surfaces")]
+        {
+            self.surfaces += other.surfaces;
+        }
     }
 }

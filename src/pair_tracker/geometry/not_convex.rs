@@ -2,7 +2,6 @@
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::kind::{OfKind, ShapeKind};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::rotation_matrix;
 use crate::base::tolerance::BOX_TURNED;
@@ -10,6 +9,7 @@ use crate::body::polyhedron::BoxHint;
 use crate::composite::mesh::Mesh;
 use crate::composite::pieces::Composite;
 use crate::composite::separation::ball_about;
+use crate::pair_tracker::geometry::{OfKind, ShapeKind};
 #[cfg(feature = "surfaces")]
 use crate::patch::Surface;
 

@@ -13,9 +13,8 @@
 pub(crate) mod balls;
 pub(crate) mod bernstein;
 mod fixed_normal;
+pub(crate) mod pairs;
 pub(crate) mod plane;
-pub(crate) mod polyhedra;
-mod shapes;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
@@ -26,8 +25,8 @@ use crate::body::polyhedron::FeaturePair;
 use crate::pair::outcome::{Class, Outcome, Solver};
 use crate::pair::spot::Answer;
 
-pub(crate) use polyhedra::PolyhedronPair;
-pub(crate) use shapes::ShapePair;
+pub(crate) use pairs::PolyhedronPair;
+pub(crate) use pairs::ShapePair;
 
 /// Two shapes that can be measured against each other, and bounded over time.
 ///
