@@ -4,8 +4,8 @@ use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::lent_pair::LentPair;
-use super::manifold::{PairError, refused};
 use super::tracker::{Followed, PairTracker};
+use super::tracker::{PairError, refused};
 use crate::base::pose::RelativePose;
 use crate::body::shape::Shape;
 use crate::composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};

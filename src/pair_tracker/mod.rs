@@ -15,7 +15,6 @@ mod contacts;
 mod engine;
 pub(crate) mod geometry;
 mod lent_pair;
-mod manifold;
 #[cfg(feature = "meshes")]
 mod mesh_questions;
 #[cfg(feature = "meshes")]
@@ -29,9 +28,7 @@ mod ray_hull;
 mod ray_mesh;
 
 pub use lent_pair::OverTime;
-pub use manifold::PairError;
-pub use tracker::PairTracker;
-pub use tracker::PairWork;
+pub use tracker::{PairError, PairTracker, PairWork};
 
 #[cfg(feature = "meshes")]
 pub(crate) use contacts::{PatchwiseContacts, patches_of};
