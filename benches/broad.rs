@@ -4,11 +4,11 @@
 //! with one.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep, SortedAxes};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, PencilSweep};
 use truth::boxes::{Kind, Scene};
 
-fn step<B: BroadPhase>(criterion: &mut Criterion, name: &str, new: fn() -> B, sizes: &[usize]) {
-    let mut group = criterion.benchmark_group(name);
+fn step(criterion: &mut Criterion, sizes: &[usize]) {
+    let mut group = criterion.benchmark_group("pencils");
     group.sample_size(20);
     for kind in Kind::ALL {
         for &n in sizes {
@@ -16,7 +16,7 @@ fn step<B: BroadPhase>(criterion: &mut Criterion, name: &str, new: fn() -> B, si
                 continue;
             }
             let mut scene = Scene::new(kind, n);
-            let mut broad = new();
+            let mut broad = PencilSweep::new();
             let ids: Vec<BodyId> = scene
                 .boxes
                 .iter()
@@ -70,13 +70,7 @@ fn build(criterion: &mut Criterion) {
 }
 
 fn benches(criterion: &mut Criterion) {
-    step(
-        criterion,
-        "pencils",
-        PencilSweep::new,
-        &[1_000, 10_000, 100_000, 1_000_000],
-    );
-    step(criterion, "three-axes", SortedAxes::new, &[1_000]);
+    step(criterion, &[1_000, 10_000, 100_000, 1_000_000]);
     build(criterion);
 }
 

@@ -73,7 +73,7 @@ impl Aabb {
         }
     }
 
-    /// Returns the whole of space; for [`insert_unbounded`](super::BroadPhase::insert_unbounded)
+    /// Returns the whole of space; for [`insert_unbounded`](super::PencilSweep::insert_unbounded)
     /// only.
     #[must_use]
     pub fn everything() -> Self {

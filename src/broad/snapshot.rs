@@ -1,18 +1,18 @@
 //! Feature `serde`: the complete state of a structure, so that a restored structure continues as if
 //! never interrupted.
 //!
-//! Events depend on boxes and ids alone, so bodies and pair slots suffice; columns and sorted lists
+//! Events depend on boxes and ids alone, so bodies and pair slots suffice; columns
 //! are rebuilt. All input is checked, so that no text makes a structure that could panic, or one
-//! that [`BroadPhase::check`] faults.
+//! that [`PencilSweep::check`] faults.
 
 use super::body::BodiesState;
 use super::pairs::PairsState;
 use super::state::BroadPhaseState;
-use super::{BroadPhase, PencilSweep, Settings, SortedAxes};
+use super::{PencilSweep, Settings};
 use alloc::string::String;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-/// The serialized form of every structure.
+/// The serialized form.
 #[derive(Serialize, Deserialize)]
 struct BroadSnapshot {
     bodies: BodiesState,
@@ -51,23 +51,6 @@ impl<'de> Deserialize<'de> for PencilSweep {
             .restored()
             .map_err(D::Error::custom)?;
         let read = Self::from_state(state, parallel_from);
-        read.check().map_err(D::Error::custom)?;
-        Ok(read)
-    }
-}
-
-impl Serialize for SortedAxes {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        BroadSnapshot::of(&self.state, Settings::default().parallel_from).serialize(serializer)
-    }
-}
-
-impl<'de> Deserialize<'de> for SortedAxes {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let (state, _) = BroadSnapshot::deserialize(deserializer)?
-            .restored()
-            .map_err(D::Error::custom)?;
-        let read = Self::from_state(state);
         read.check().map_err(D::Error::custom)?;
         Ok(read)
     }

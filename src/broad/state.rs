@@ -1,37 +1,22 @@
-//! State that every structure has besides its own lists: bodies and pairs, and the check of both.
+//! Bodies and pairs: what a broad phase has besides its sorted columns, and the check of both.
 
 use crate::base::num::extremes::Extremes;
 use crate::broad::body::{Bodies, UNBOUNDED};
-use crate::broad::bounds::Bounds;
 use crate::broad::change::{Changes, pair_key};
 use crate::broad::pairs::PairSlots;
 use crate::broad::parallel::Threads;
-use crate::broad::{Aabb, BodyId, BodyOptions, BroadPhase, BroadPhaseError, Pair, PairId, StoredBox};
+use crate::broad::{Aabb, BodyId, BodyOptions, BroadPhaseError, Pair, PairId, PencilSweep, StoredBox};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 use nalgebra::Point3;
 
-/// Bodies, pairs and the changes of the current step. Public by name only, so that [`BroadPhase`]
-/// cannot be implemented elsewhere and rely on half of the state.
+/// Bodies, pairs and the changes of the current step.
 #[derive(Clone, Debug)]
-#[allow(unreachable_pub)]
-pub struct BroadPhaseState {
+pub(crate) struct BroadPhaseState {
     pub(super) bodies: Bodies,
     pub(super) pairs: PairSlots,
     pub(super) changes: Changes,
-}
-
-/// Seals [`BroadPhase`].
-#[allow(unreachable_pub)]
-pub trait HasState {
-    #[doc(hidden)]
-    fn state(&self) -> &BroadPhaseState;
-    #[doc(hidden)]
-    fn state_mut(&mut self) -> &mut BroadPhaseState;
-    /// Appends the bodies whose boxes overlapped a stored box in the last step, in ascending order.
-    #[doc(hidden)]
-    fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>);
 }
 
 /// A body and the distance of its box from the query box.
@@ -129,29 +114,16 @@ impl BroadPhaseState {
         let changes = self.changes.began.capacity() + self.changes.ended.capacity();
         self.bodies.bytes() + self.pairs.bytes() + changes * 8
     }
-
-    /// Finds the bodies that overlap a box by testing all bodies: the slow way.
-    pub(super) fn overlapping_of_all(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
-        let step = self.bodies.step;
-        let asked = Bounds::from_box(asked);
-        let hits = self
-            .bodies
-            .records
-            .iter()
-            .enumerate()
-            .filter(|(_, r)| r.before(step).overlaps(&asked));
-        found.extend(hits.map(|(i, _)| self.bodies.id(i as u32)));
-    }
 }
 
 /// Queries ever larger boxes until enough bodies are found within the reach of the box.
-pub(super) fn nearest<B: BroadPhase + ?Sized>(
-    broad: &B,
+pub(super) fn nearest(
+    broad: &PencilSweep,
     aabb: &Aabb,
     count: usize,
     farthest: f64,
 ) -> Result<Vec<Nearest>, BroadPhaseError> {
-    let bodies = &broad.state().bodies;
+    let bodies = &broad.state.bodies;
     let asked = bodies.stored(aabb, 0)?;
     let back = 3 - bodies.grid.axis;
     let mut out: Vec<Nearest> = Vec::new();

@@ -4,7 +4,7 @@
 
 use crate::body::polyhedron::FeaturePair;
 use crate::broad;
-use crate::broad::{Aabb, BroadPhase};
+use crate::broad::Aabb;
 #[cfg(feature = "meshes")]
 use crate::composite::contact::PatchContacts;
 use crate::convex::contact::Manifold;

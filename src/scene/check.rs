@@ -13,7 +13,7 @@ use super::step::{bodies_of, group};
 use crate::base::motion::Velocity;
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::BoxHint;
-use crate::broad::{self, Aabb, BroadPhase, PencilSweep, StoredBox};
+use crate::broad::{self, Aabb, PencilSweep, StoredBox};
 use crate::scene::ahead::TICKS;
 
 impl Scene {

@@ -3,7 +3,6 @@
 use alloc::collections::BTreeSet;
 
 use super::{BodyId, Scene, SceneError};
-use crate::broad::BroadPhase;
 
 /// Ignored pairs by the indices of the bodies. Every pair is listed in both orders, so that the
 /// partners of one body are a range.

@@ -168,7 +168,7 @@ mod step;
 use crate::body::polyhedron::BoxHint;
 use crate::broad;
 pub use crate::broad::{BodyId, PairId, Settings};
-use crate::broad::{BroadPhase, Groups, PencilSweep};
+use crate::broad::{Groups, PencilSweep};
 use crate::convex::tracker::Workspace;
 use crate::pair_tracker::geometry::Geometry;
 pub use crate::scene::answers::PairAnswer;

@@ -6,7 +6,7 @@ use core::time::Duration;
 
 use super::{Event, PairImpact, Scene};
 use crate::base::num::sum_of_counters;
-use crate::broad::{self, BroadPhase};
+use crate::broad::{self};
 use crate::pair::outcome::{Outcome, Solver};
 use crate::pair::world::AnsweredBy;
 

@@ -18,7 +18,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{BOX_DISTANCE_DOWN, RAY, SCENE_REACH};
 use crate::body::polyhedron::BoxHint;
-use crate::broad::{Aabb, BroadPhase, StoredBox};
+use crate::broad::{Aabb, StoredBox};
 use crate::pair::outcome::{Outcome, Until};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;

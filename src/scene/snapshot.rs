@@ -23,7 +23,7 @@ use super::{Event, PairImpact, Scene, Settings};
 use crate::base::num::extremes::Bounded;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::slots::Slots;
-use crate::broad::{self, BroadPhase, PencilSweep};
+use crate::broad::{self, PencilSweep};
 use crate::convex::tracker::Tracker;
 use crate::convex::tracker::Workspace;
 use crate::pair::outcome::{Distance, Outcome};

@@ -14,7 +14,7 @@ use super::report::{Clock, Report};
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::ROUND_UP;
 use crate::body::polyhedron::BoxHint;
-use crate::broad::{self, Aabb, BroadPhase, PairId};
+use crate::broad::{self, Aabb, PairId};
 
 /// Work of a query over the work of a box in the broad phase: with the default settings, threads
 /// are used from 625 queries a step on. A query takes 60 ns and more, a task some microseconds.

@@ -1,4 +1,4 @@
-//! Promise: any sequence of calls of the broad phase is answered or refused: no panic, both structures agree, and the pairs
+//! Promise: any sequence of calls of the broad phase is answered or refused: no panic, and the pairs
 //! are those of brute force.
 
 use proptest::prelude::*;

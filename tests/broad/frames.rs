@@ -1,4 +1,4 @@
-//! The broad phase against brute force, frame by frame, and its two structures against each other.
+//! The broad phase against brute force, frame by frame.
 
 use lin_canny::broad::*;
 use nalgebra::{Point3, Vector3};
@@ -9,7 +9,7 @@ use truth::rng::Rng;
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
 /// The pairs there should be: all of all, by the definition.
-fn expected(broad: &impl BroadPhase) -> Keys {
+fn expected(broad: &PencilSweep) -> Keys {
     let ids: Vec<BodyId> = broad.bodies().collect();
     let boxes: Vec<StoredBox> = ids.iter().map(|id| broad.stored_box(*id).unwrap()).collect();
     let may = |a: u32, b: u32| {
@@ -23,7 +23,7 @@ fn expected(broad: &impl BroadPhase) -> Keys {
         .collect()
 }
 
-fn present(broad: &impl BroadPhase) -> Keys {
+fn present(broad: &PencilSweep) -> Keys {
     broad.pairs().map(|p| (p.a, p.b)).collect()
 }
 
@@ -50,75 +50,41 @@ impl Replay {
     }
 }
 
-/// Both structures, fed the same calls.
-struct Both {
-    pencils: PencilSweep,
-    axes: SortedAxes,
+/// A broad phase and the pairs that its events tell.
+struct Fed {
+    broad: PencilSweep,
     replay: Replay,
 }
 
-impl Both {
+impl Fed {
     fn new() -> Self {
         Self {
-            pencils: PencilSweep::new(),
-            axes: SortedAxes::new(),
+            broad: PencilSweep::new(),
             replay: Replay::default(),
         }
     }
 
-    fn insert(&mut self, aabb: &Aabb, body: BodyOptions) -> BodyId {
-        let id = self.pencils.insert(aabb, body).unwrap();
-        assert_eq!(self.axes.insert(aabb, body), Ok(id));
-        id
-    }
-
-    fn insert_unbounded(&mut self, aabb: &Aabb, body: BodyOptions) -> BodyId {
-        let id = self.pencils.insert_unbounded(aabb, body).unwrap();
-        assert_eq!(self.axes.insert_unbounded(aabb, body), Ok(id));
-        id
-    }
-
-    fn both<R: PartialEq + core::fmt::Debug>(
-        &mut self,
-        pencils: impl FnOnce(&mut PencilSweep) -> R,
-        axes: impl FnOnce(&mut SortedAxes) -> R,
-    ) -> R {
-        let result = pencils(&mut self.pencils);
-        assert_eq!(axes(&mut self.axes), result);
-        result
-    }
-
-    fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
-        self.both(|b| b.set_box(id, aabb), |b| b.set_box(id, aabb))
-    }
-
-    fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
-        self.both(|b| b.remove(id), |b| b.remove(id))
-    }
-
-    /// A step of both; everything there is to compare is compared.
+    /// A step; everything there is to compare is compared.
     fn step(&mut self) {
-        let events = self.pencils.step();
-        assert_eq!(self.axes.step(), events);
-        self.replay.apply(events);
-        let expected = expected(&self.pencils);
+        self.replay.apply(self.broad.step());
+        let expected = expected(&self.broad);
         assert_eq!(self.replay.pairs, expected);
-        assert_eq!(present(&self.pencils), expected);
-        assert_eq!(self.pencils.pair_count(), expected.len());
+        assert_eq!(present(&self.broad), expected);
+        assert_eq!(self.broad.pair_count(), expected.len());
         for (id, (a, b)) in &self.replay.slots {
             let pair = Pair { id: *id, a: *a, b: *b };
-            assert_eq!(self.pencils.pair_of(*id), Some(pair));
-            assert_eq!(self.pencils.pair(*b, *a), Some(pair));
+            assert_eq!(self.broad.pair_of(*id), Some(pair));
+            assert_eq!(self.broad.pair(*b, *a), Some(pair));
         }
     }
 }
 
 fn run(kind: Kind, n: usize, steps: usize, body: BodyOptions) -> usize {
     let mut scene = Scene::new(kind, n);
-    let mut both = Both::new();
-    let ids: Vec<BodyId> = scene.boxes.iter().map(|b| both.insert(b, body)).collect();
-    both.step();
-    let mut seen = both.replay.pairs.len();
+    let mut fed = Fed::new();
+    let ids: Vec<BodyId> = scene.boxes.iter().map(|b| fed.broad.insert(b, body).unwrap()).collect();
+    fed.step();
+    let mut seen = fed.replay.pairs.len();
     for _ in 0..steps {
         scene.step();
         let batch: Vec<(BodyId, Aabb)> = scene
@@ -126,9 +92,9 @@ fn run(kind: Kind, n: usize, steps: usize, body: BodyOptions) -> usize {
             .iter()
             .map(|&i| (ids[i as usize], scene.boxes[i as usize]))
             .collect();
-        both.both(|b| b.set_boxes(&batch), |b| b.set_boxes(&batch)).unwrap();
-        both.step();
-        seen += both.replay.pairs.len();
+        fed.broad.set_boxes(&batch).unwrap();
+        fed.step();
+        seen += fed.replay.pairs.len();
     }
     seen
 }
@@ -179,7 +145,7 @@ fn margins_hold_the_given_box() {
 #[test]
 fn inserting_and_removing_bodies_equals_brute_force() {
     let mut random = Rng::new(7);
-    let mut both = Both::new();
+    let mut fed = Fed::new();
     let mut ids: Vec<BodyId> = Vec::new();
     let anywhere = |random: &mut Rng| {
         let center = Point3::from(Vector3::from_fn(|_, _| random.range(-6.0, 6.0)));
@@ -194,56 +160,59 @@ fn inserting_and_removing_bodies_equals_brute_force() {
             } else {
                 BodyOptions::moving()
             };
-            ids.push(both.insert(&aabb, body));
+            ids.push(fed.broad.insert(&aabb, body).unwrap());
         }
         for _ in 0..go.min(ids.len()) {
             let id = ids.swap_remove(random.below(ids.len()));
-            both.remove(id).unwrap();
-            assert_eq!(both.remove(id), Err(BroadPhaseError::StaleId { body: id }));
+            fed.broad.remove(id).unwrap();
+            assert_eq!(fed.broad.remove(id), Err(BroadPhaseError::StaleId { body: id }));
         }
         for _ in 0..ids.len() / 10 {
             let id = ids[random.below(ids.len())];
-            both.set_box(id, &anywhere(&mut random)).unwrap();
+            fed.broad.set_box(id, &anywhere(&mut random)).unwrap();
         }
-        both.step();
+        fed.step();
     }
 }
 
 #[test]
 fn unbounded_bodies_pair_with_what_they_reach() {
-    let mut both = Both::new();
+    let mut fed = Fed::new();
     let mut scene = Scene::new(Kind::Uniform, 200);
     let ids: Vec<BodyId> = scene
         .boxes
         .iter()
-        .map(|b| both.insert(b, BodyOptions::moving()))
+        .map(|b| fed.broad.insert(b, BodyOptions::moving()).unwrap())
         .collect();
     let mut below = Aabb::everything();
     below.max.z = 0.0;
-    let ground = both.insert_unbounded(&below, BodyOptions::fixed());
-    let all = both.insert_unbounded(&Aabb::everything(), BodyOptions::moving());
+    let ground = fed.broad.insert_unbounded(&below, BodyOptions::fixed()).unwrap();
+    let all = fed
+        .broad
+        .insert_unbounded(&Aabb::everything(), BodyOptions::moving())
+        .unwrap();
     let far = Aabb::from_center(Point3::new(1e300, -1e300, 1e200), Vector3::repeat(1.0));
-    both.insert(&far, BodyOptions::moving());
+    fed.broad.insert(&far, BodyOptions::moving()).unwrap();
     for step in 0..30 {
         scene.step();
         for (id, aabb) in ids.iter().zip(&scene.boxes).filter(|(id, _)| id.index % 3 == step % 3) {
-            both.set_box(*id, aabb).unwrap();
+            fed.broad.set_box(*id, aabb).unwrap();
         }
         if step == 10 {
             below.max.z = 3.0;
-            both.set_box(ground, &below).unwrap();
+            fed.broad.set_box(ground, &below).unwrap();
         }
         if step == 20 {
-            both.remove(all).unwrap();
+            fed.broad.remove(all).unwrap();
         }
-        both.step();
+        fed.step();
     }
-    assert!(both.pencils.pair_count() > 50);
+    assert!(fed.broad.pair_count() > 50);
 }
 
 #[test]
 fn far_bodies_work() {
-    let mut both = Both::new();
+    let mut fed = Fed::new();
     let mut scene = Scene::new(Kind::Pile, 200);
     let shift = |aabb: &Aabb, by: f64| {
         let by = Vector3::repeat(by);
@@ -262,13 +231,16 @@ fn far_bodies_work() {
         .enumerate()
         .map(|(i, b)| shift(b, place(i)))
         .collect();
-    let ids: Vec<BodyId> = boxes.iter().map(|b| both.insert(b, BodyOptions::moving())).collect();
+    let ids: Vec<BodyId> = boxes
+        .iter()
+        .map(|b| fed.broad.insert(b, BodyOptions::moving()).unwrap())
+        .collect();
     for step in 0..20 {
-        both.step();
+        fed.step();
         scene.step();
         for (i, aabb) in scene.boxes.iter().enumerate() {
             let by = if step == 10 { -place(i) } else { place(i) };
-            both.set_box(ids[i], &shift(aabb, by)).unwrap();
+            fed.broad.set_box(ids[i], &shift(aabb, by)).unwrap();
         }
     }
 }
@@ -295,25 +267,25 @@ fn an_origin_keeps_far_scenes_fine() {
 
 #[test]
 fn refused_calls_name_the_body_and_change_nothing() {
-    let mut both = Both::new();
+    let mut fed = Fed::new();
     let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(0.5));
-    let [a, b] = [0; 2].map(|_| both.insert(&cube, BodyOptions::moving()));
-    both.step();
+    let [a, b] = [0; 2].map(|_| fed.broad.insert(&cube, BodyOptions::moving()).unwrap());
+    fed.step();
     for axis in 0..3 {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             let mut broken = cube;
             broken.max[axis] = bad;
             let error = Err(BroadPhaseError::NonFinite { body: Some(b), axis });
-            assert_eq!(both.set_box(b, &broken), error);
+            assert_eq!(fed.broad.set_box(b, &broken), error);
             assert_eq!(
-                both.pencils.insert(&broken, BodyOptions::moving()),
+                fed.broad.insert(&broken, BodyOptions::moving()),
                 Err(BroadPhaseError::NonFinite { body: None, axis })
             );
         }
         let mut inverted = cube;
         inverted.min[axis] = 7.0;
         assert_eq!(
-            both.set_box(a, &inverted),
+            fed.broad.set_box(a, &inverted),
             Err(BroadPhaseError::Inverted { body: Some(a), axis })
         );
     }
@@ -322,45 +294,52 @@ fn refused_calls_name_the_body_and_change_nothing() {
         generation: 3,
     };
     assert_eq!(
-        both.set_box(stale, &cube),
+        fed.broad.set_box(stale, &cube),
         Err(BroadPhaseError::StaleId { body: stale })
     );
     let unknown = BodyId {
         index: 77,
         generation: 1,
     };
-    assert_eq!(both.remove(unknown), Err(BroadPhaseError::StaleId { body: unknown }));
     assert_eq!(
-        both.pencils.insert(&cube, BodyOptions::moving().margin(-1.0)),
+        fed.broad.remove(unknown),
+        Err(BroadPhaseError::StaleId { body: unknown })
+    );
+    assert_eq!(
+        fed.broad.insert(&cube, BodyOptions::moving().margin(-1.0)),
         Err(BroadPhaseError::Margin)
     );
-    both.step();
-    assert_eq!(both.pencils.pair_count(), 1);
+    fed.step();
+    assert_eq!(fed.broad.pair_count(), 1);
 
     let apart = Aabb::from_center(Point3::new(9.0, 0.0, 0.0), Vector3::repeat(0.5));
     let broken = Aabb::new(Point3::new(f64::NAN, 0.0, 0.0), Point3::origin());
     let batch = [(a, broken), (b, apart), (stale, cube)];
-    let error = both.both(|b| b.set_boxes(&batch), |b| b.set_boxes(&batch)).unwrap_err();
+    let error = fed.broad.set_boxes(&batch).unwrap_err();
     assert_eq!((error.index, error.refused), (0, 2));
     assert_eq!(error.first, BroadPhaseError::NonFinite { body: Some(a), axis: 0 });
     assert!(error.to_string().contains("body 0"), "{error}");
-    both.step();
-    assert_eq!(both.pencils.pair_count(), 0);
+    fed.step();
+    assert_eq!(fed.broad.pair_count(), 0);
 }
 
 #[test]
 fn touching_and_flat_boxes_are_pairs() {
-    let mut both = Both::new();
+    let mut fed = Fed::new();
     let unit = |x: f64, y: f64, z: f64| Aabb::new(Point3::new(x, y, z), Point3::new(x + 1.0, y + 1.0, z + 1.0));
-    both.insert(&unit(0.0, 0.0, 0.0), BodyOptions::moving());
-    both.insert(&unit(1.0, 1.0, 1.0), BodyOptions::moving());
+    fed.broad.insert(&unit(0.0, 0.0, 0.0), BodyOptions::moving()).unwrap();
+    fed.broad.insert(&unit(1.0, 1.0, 1.0), BodyOptions::moving()).unwrap();
     let point = Point3::new(2.0, 2.0, 2.0);
-    both.insert(&Aabb::new(point, point), BodyOptions::moving());
-    both.insert(&Aabb::new(point, point), BodyOptions::moving());
-    both.insert(&unit(-0.0, -1.0, 0.0), BodyOptions::moving());
-    both.step();
+    fed.broad
+        .insert(&Aabb::new(point, point), BodyOptions::moving())
+        .unwrap();
+    fed.broad
+        .insert(&Aabb::new(point, point), BodyOptions::moving())
+        .unwrap();
+    fed.broad.insert(&unit(-0.0, -1.0, 0.0), BodyOptions::moving()).unwrap();
+    fed.step();
     // The pairs of touching corner, point on corner (twice), point on point, touching face.
-    assert_eq!(both.pencils.pair_count(), 5);
+    assert_eq!(fed.broad.pair_count(), 5);
 }
 
 #[test]
@@ -374,50 +353,49 @@ fn groups_filters_and_fixed_bodies() {
         member_of: 2,
         pairs_with: 3,
     };
-    let mut both = Both::new();
+    let mut fed = Fed::new();
     let r: Vec<BodyId> = (0..3)
-        .map(|_| both.insert(&cube, BodyOptions::moving().groups(robot)))
+        .map(|_| fed.broad.insert(&cube, BodyOptions::moving().groups(robot)).unwrap())
         .collect();
     let c: Vec<BodyId> = (0..3)
-        .map(|_| both.insert(&cube, BodyOptions::fixed().groups(cell)))
+        .map(|_| fed.broad.insert(&cube, BodyOptions::fixed().groups(cell)).unwrap())
         .collect();
-    both.step();
-    assert_eq!(both.pencils.pair_count(), 9);
-    assert_eq!(both.pencils.pairs_between(2, 1).count(), 9);
-    assert_eq!(both.pencils.pairs_between(1, 1).count(), 0);
+    fed.step();
+    assert_eq!(fed.broad.pair_count(), 9);
+    assert_eq!(fed.broad.pairs_between(2, 1).count(), 9);
+    assert_eq!(fed.broad.pairs_between(1, 1).count(), 0);
 
-    both.both(|b| b.set_groups(r[0], cell), |b| b.set_groups(r[0], cell))
-        .unwrap();
-    both.step();
+    fed.broad.set_groups(r[0], cell).unwrap();
+    fed.step();
     // The changed body now also pairs with the two other robots, and still with the three cells.
-    assert_eq!(both.pencils.pair_count(), 6 + 3 + 2);
+    assert_eq!(fed.broad.pair_count(), 6 + 3 + 2);
 
     let never = |broad: &mut PencilSweep| {
         broad.regroup(c[0]).unwrap();
         let ended = broad.step_with(&mut |a, b| a != c[0] && b != c[0]).ended.len();
         (ended, broad.pair_count())
     };
-    assert_eq!(never(&mut both.pencils), (3, 8));
+    assert_eq!(never(&mut fed.broad), (3, 8));
 }
 
 #[test]
 fn ids_and_slots_carry_generations() {
     let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(0.5));
-    let mut both = Both::new();
-    let a = both.insert(&cube, BodyOptions::moving());
-    let b = both.insert(&cube, BodyOptions::moving());
-    both.step();
-    let first = both.pencils.pair(a, b).unwrap();
-    both.remove(b).unwrap();
-    let same_step = both.insert(&cube, BodyOptions::moving());
+    let mut fed = Fed::new();
+    let a = fed.broad.insert(&cube, BodyOptions::moving()).unwrap();
+    let b = fed.broad.insert(&cube, BodyOptions::moving()).unwrap();
+    fed.step();
+    let first = fed.broad.pair(a, b).unwrap();
+    fed.broad.remove(b).unwrap();
+    let same_step = fed.broad.insert(&cube, BodyOptions::moving()).unwrap();
     assert_ne!(same_step.index, b.index, "an index rests until its pairs are reported");
-    both.step();
-    let c = both.insert(&cube, BodyOptions::moving());
+    fed.step();
+    let c = fed.broad.insert(&cube, BodyOptions::moving()).unwrap();
     assert_eq!((c.index, c.generation), (b.index, b.generation + 2));
-    both.step();
-    assert!(!both.pencils.contains(b) && both.pencils.pair_of(first.id).is_none());
-    assert_eq!(both.pencils.pair(a, b), None);
-    let slots: BTreeSet<u32> = both.pencils.pairs().map(|p| p.id.slot).collect();
+    fed.step();
+    assert!(!fed.broad.contains(b) && fed.broad.pair_of(first.id).is_none());
+    assert_eq!(fed.broad.pair(a, b), None);
+    let slots: BTreeSet<u32> = fed.broad.pairs().map(|p| p.id.slot).collect();
     assert_eq!(slots, BTreeSet::from([0, 1, 2]), "slots are reused");
 }
 

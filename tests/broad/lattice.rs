@@ -4,7 +4,7 @@ use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
 use truth::driven::lattice::{Mix, sequence};
 
-fn play<B: BroadPhase>(sequences: u64, make: impl Fn() -> B) {
+fn play(sequences: u64, make: impl Fn() -> PencilSweep) {
     let mut mix = Mix::default();
     for seed in 0..sequences {
         match sequence(seed, make()) {
@@ -26,11 +26,6 @@ fn play<B: BroadPhase>(sequences: u64, make: impl Fn() -> B) {
 #[test]
 fn pencils_on_lattices_equal_brute_force() {
     play(20_000, PencilSweep::new);
-}
-
-#[test]
-fn sorted_axes_on_lattices_equal_brute_force() {
-    play(20_000, SortedAxes::new);
 }
 
 /// With the feature `parallel` and threads to spare, columns are dealt out from the first body on.
@@ -72,7 +67,7 @@ fn two_million_sequences_equal_brute_force() {
 }
 
 /// A wall of bricks; one is lifted out and set back, or replaced, then two slide along each other.
-fn wall<B: BroadPhase>(mut broad: B, size: u32, gap: f64, replace: bool) {
+fn wall(mut broad: PencilSweep, size: u32, gap: f64, replace: bool) {
     let brick = |x: f64, y: f64| Aabb::from_center(Point3::new(x, y, 0.0), Vector3::repeat(0.5));
     let mut wall = Vec::new();
     for x in 0..size {
@@ -108,7 +103,6 @@ fn a_brick_set_back_into_its_wall_still_meets_others() {
         for gap in [1.0, 1.5, 2.0, 3.0] {
             for replace in [false, true] {
                 wall(PencilSweep::new(), size, gap, replace);
-                wall(SortedAxes::new(), size, gap, replace);
             }
         }
     }

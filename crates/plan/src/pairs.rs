@@ -8,7 +8,7 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::tolerance::PLACED;
 use crate::world::{World, WorldId, WorldPair};
-use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, PencilSweep};
 use lin_canny::motion::{Course, Steady, Velocity};
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::{Geometry, PairTracker};

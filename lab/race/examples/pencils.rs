@@ -4,7 +4,7 @@
 //! its boxes in sorted order, each from start to end; pairs are joined by lines.
 
 use clap::Parser;
-use lin_canny::broad::{BodyId, BodyOptions, BroadPhase, Pencil, PencilSweep, StoredBox};
+use lin_canny::broad::{BodyId, BodyOptions, Pencil, PencilSweep, StoredBox};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

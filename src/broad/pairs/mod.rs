@@ -5,6 +5,7 @@ mod links;
 #[cfg(feature = "serde")]
 mod state;
 
+use crate::broad::body::Bodies;
 use crate::broad::change::{Changes, PairKey, pair_key, pair_of};
 use crate::broad::pairs::links::Links;
 #[cfg(feature = "serde")]
@@ -12,7 +13,7 @@ pub(crate) use crate::broad::pairs::state::PairsState;
 use crate::broad::parallel::{Threads, join};
 use crate::broad::tables::read_ahead;
 use crate::broad::tables::trim;
-use crate::broad::{Bodies, BodyId, BroadPhaseError};
+use crate::broad::{BodyId, BroadPhaseError};
 use alloc::string::String;
 use alloc::vec::Vec;
 use alloc::{format, vec};
@@ -61,7 +62,7 @@ pub struct Events<'a> {
     pub began: &'a [Pair],
     /// [`BroadPhaseError::TooManyPairs`] if some pairs found no slot. The refused pairs did not
     /// begin, and all remaining pairs are unaffected; each refused pair is tried again when its
-    /// boxes have parted and meet again, or by [`regroup`](super::BroadPhase::regroup).
+    /// boxes have parted and meet again, or by [`regroup`](super::PencilSweep::regroup).
     pub refused: Option<BroadPhaseError>,
 }
 

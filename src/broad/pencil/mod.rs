@@ -19,8 +19,10 @@ use crate::broad::pencil::column::{Column, entry, index_of, who};
 use crate::broad::pencil::repair::Touch;
 use crate::broad::pencil::scan::Worker;
 use crate::broad::pencil::tune::{StepCounts, Tuning};
-use crate::broad::state::{BroadPhaseState, HasState};
-use crate::broad::{Aabb, BatchError, BodyId, BroadPhase, Events, Settings};
+use crate::broad::state::{BroadPhaseState, nearest};
+use crate::broad::{
+    Aabb, BatchError, BodyId, BodyOptions, BroadPhaseError, Events, Groups, Nearest, Pair, PairId, Settings,
+};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -304,36 +306,14 @@ impl Default for PencilSweep {
     }
 }
 
-impl HasState for PencilSweep {
-    fn state(&self) -> &BroadPhaseState {
-        &self.state
-    }
-
-    fn state_mut(&mut self) -> &mut BroadPhaseState {
-        &mut self.state
-    }
-
-    fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
-        let bodies = &self.state.bodies;
-        let first = found.len();
-        self::overlapping(
-            bodies,
-            &self.columns,
-            &Bounds::from_box(asked),
-            |r| r.before(bodies.step),
-            |i| found.push(bodies.id(i)),
-        );
-        found[first..].sort_unstable();
-    }
-}
-
-impl BroadPhase for PencilSweep {
-    fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
-        let threads = self.threads();
-        self.state.bodies.set_boxes(batch, threads)
-    }
-
-    fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_> {
+/// The calls of a step, and queries about the last step.
+impl PencilSweep {
+    /// Applies all calls since the last step and returns the pairs that began and ended. `filter`
+    /// is called once for each pair whose boxes begin to overlap and whose groups match; a pair
+    /// refused by the filter is tried again only after the boxes parted or after
+    /// [`regroup`](Self::regroup).
+    #[must_use]
+    pub fn step_with(&mut self, filter: &mut dyn FnMut(BodyId, BodyId) -> bool) -> Events<'_> {
         self.find_changes();
         let threads = self.threads();
         let columns = &self.columns;
@@ -354,16 +334,206 @@ impl BroadPhase for PencilSweep {
         self.state.pairs.events(&self.state.bodies)
     }
 
-    fn check(&self) -> Result<(), String> {
-        self.state.check()?;
-        self.check_columns()
+    /// Appends the bodies whose boxes overlapped `aabb` in the last step, in ascending order.
+    ///
+    /// # Errors
+    /// If a bound of the box is NaN or the box is inverted. The box may be infinite.
+    pub fn overlapping(&self, aabb: &Aabb, found: &mut Vec<BodyId>) -> Result<(), BroadPhaseError> {
+        let asked = self.state.asked(aabb)?;
+        self.overlapping_stored(&asked, found);
+        Ok(())
     }
 
-    fn bytes(&self) -> usize {
+    /// Calls [`step_with`](Self::step_with) with a filter that lets every pair pass.
+    pub fn step(&mut self) -> Events<'_> {
+        self.step_with(&mut |_, _| true)
+    }
+
+    /// Adds a body; its pairs begin with the next step.
+    ///
+    /// # Errors
+    /// If the box, a margin or the origin of the structure is unusable, or there are too many
+    /// bodies.
+    pub fn insert(&mut self, aabb: &Aabb, body: BodyOptions) -> Result<BodyId, BroadPhaseError> {
+        self.state.insert(aabb, body, false)
+    }
+
+    /// Adds a body whose box may reach to infinity: a half-space, the ground, a world-wide sensor.
+    /// An unbounded body is compared with every body that moves, so keep unbounded bodies few.
+    /// Margins do not apply.
+    ///
+    /// # Errors
+    /// If a bound is NaN, the box is inverted, the origin of the structure is unusable, or there
+    /// are too many bodies.
+    pub fn insert_unbounded(&mut self, aabb: &Aabb, body: BodyOptions) -> Result<BodyId, BroadPhaseError> {
+        self.state.insert(
+            aabb,
+            BodyOptions {
+                margin: 0.0,
+                lookahead: 0.0,
+                ..body
+            },
+            true,
+        )
+    }
+
+    /// Removes a body: its id is stale at once, its pairs end with the next step.
+    ///
+    /// # Errors
+    /// If the id is stale.
+    pub fn remove(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
+        self.state.bodies.remove(id)
+    }
+
+    /// Moves a body, however far.
+    ///
+    /// # Errors
+    /// If the id is stale or the box unusable; the body keeps its box and its pairs.
+    #[doc(alias = "teleport")]
+    pub fn set_box(&mut self, id: BodyId, aabb: &Aabb) -> Result<(), BroadPhaseError> {
+        self.state.bodies.set_box(id, aabb)
+    }
+
+    /// Moves many bodies. Every valid entry is applied, even if another entry is refused. Fastest
+    /// if the entries are in ascending order of their ids.
+    ///
+    /// # Errors
+    /// If any entry was refused: index and fault of the first refused entry, and the number of
+    /// refused entries.
+    pub fn set_boxes(&mut self, batch: &[(BodyId, Aabb)]) -> Result<(), BatchError> {
+        let threads = self.threads();
+        self.state.bodies.set_boxes(batch, threads)
+    }
+
+    /// Puts a body into another set of groups; groups and filter are asked again for all its pairs
+    /// in the next step.
+    ///
+    /// # Errors
+    /// If the id is stale.
+    pub fn set_groups(&mut self, id: BodyId, groups: Groups) -> Result<(), BroadPhaseError> {
+        self.state.bodies.set_groups(id, Some(groups))
+    }
+
+    /// Asks groups and filter again for all pairs of a body in the next step.
+    ///
+    /// # Errors
+    /// If the id is stale.
+    pub fn regroup(&mut self, id: BodyId) -> Result<(), BroadPhaseError> {
+        self.state.bodies.set_groups(id, None)
+    }
+
+    /// Returns the number of bodies.
+    #[must_use]
+    pub fn body_count(&self) -> usize {
+        self.state.bodies.len()
+    }
+
+    /// Iterates over all bodies in ascending order.
+    #[must_use]
+    pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
+        self.state.bodies.ids()
+    }
+
+    /// Returns whether the id names a body.
+    #[must_use]
+    pub fn contains(&self, id: BodyId) -> bool {
+        self.state.bodies.index_of(id).is_ok()
+    }
+
+    /// Returns the options of a body; margins as stored, in `f32`.
+    #[must_use]
+    pub fn body(&self, id: BodyId) -> Option<BodyOptions> {
+        let bodies = &self.state.bodies;
+        bodies.index_of(id).ok().map(|_| bodies.body(id.index))
+    }
+
+    /// Returns the box of a body as the next step will see the box, margins included.
+    #[must_use]
+    pub fn stored_box(&self, id: BodyId) -> Option<StoredBox> {
+        let bodies = &self.state.bodies;
+        let record = &bodies.records[bodies.index_of(id).ok()?];
+        Some(record.now().to_box().rotated(3 - bodies.grid.axis))
+    }
+
+    /// Iterates over the pairs of the last step, in the order of their slots.
+    #[must_use]
+    pub fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
+        let BroadPhaseState { bodies, pairs, .. } = &self.state;
+        pairs.iter(bodies)
+    }
+
+    /// Returns the number of pairs of the last step.
+    #[must_use]
+    pub fn pair_count(&self) -> usize {
+        self.state.pairs.len()
+    }
+
+    /// Returns the pair of two bodies, in either order, if the boxes overlapped in the last step.
+    #[must_use]
+    pub fn pair(&self, a: BodyId, b: BodyId) -> Option<Pair> {
+        self.state.pair(a, b)
+    }
+
+    /// Returns the pair with this id, if the pair has not ended.
+    #[must_use]
+    pub fn pair_of(&self, id: PairId) -> Option<Pair> {
+        self.state.pair_of(id)
+    }
+
+    /// Iterates over the pairs of a member of any group of `these` with a member of any group of
+    /// `those`.
+    #[must_use]
+    pub fn pairs_between(&self, these: u32, those: u32) -> impl Iterator<Item = Pair> + '_ {
+        let bodies = &self.state.bodies;
+        self.pairs().filter(move |pair| {
+            let [a, b] = [pair.a, pair.b].map(|id| bodies.body(id.index).groups.member_of);
+            (a & these != 0 && b & those != 0) || (b & these != 0 && a & those != 0)
+        })
+    }
+
+    /// Returns at most `count` bodies whose boxes are nearest to `aabb` and no farther than
+    /// `farthest`, nearest first, ties in ascending order of ids. Distances are between stored
+    /// boxes, 0 if the boxes overlap.
+    ///
+    /// # Errors
+    /// If a bound of the box is NaN or infinite, or the box is inverted.
+    pub fn nearest(&self, aabb: &Aabb, count: usize, farthest: f64) -> Result<Vec<Nearest>, BroadPhaseError> {
+        nearest(self, aabb, count, farthest)
+    }
+
+    /// Returns the bytes reserved for bodies and pairs, by the structure itself and for scratch.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
         let columns: usize = self.columns.iter().map(|c| c.entries.capacity() * 8).sum();
         let scratch: usize = self.workers.iter().map(Worker::bytes).sum();
         let touched = self.touched.capacity() * size_of::<Touch>();
         self.state.bytes() + self.columns.capacity() * size_of::<Column>() + columns + scratch + touched
+    }
+
+    /// Returns the first contradiction between lists, bodies and pairs, if any: used by tests and
+    /// fuzzing after each step. The check reads everything, so the cost is far more than the cost
+    /// of a step.
+    ///
+    /// # Errors
+    /// The contradiction. A contradiction is a defect of the crate, whatever was called.
+    #[doc(hidden)]
+    pub fn check(&self) -> Result<(), String> {
+        self.state.check()?;
+        self.check_columns()
+    }
+
+    /// Appends the bodies whose boxes overlapped a stored box in the last step, in ascending order.
+    pub(super) fn overlapping_stored(&self, asked: &StoredBox, found: &mut Vec<BodyId>) {
+        let bodies = &self.state.bodies;
+        let first = found.len();
+        self::overlapping(
+            bodies,
+            &self.columns,
+            &Bounds::from_box(asked),
+            |r| r.before(bodies.step),
+            |i| found.push(bodies.id(i)),
+        );
+        found[first..].sort_unstable();
     }
 }
 

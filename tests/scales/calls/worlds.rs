@@ -1,7 +1,7 @@
 //! Worlds of boxes, and scenes of bodies of every kind: events, pairs and answers.
 
 use super::{Scene, composite, curved, dented};
-use lin_canny::broad::{self, Aabb, BroadPhase, PencilSweep, SortedAxes};
+use lin_canny::broad::{self, Aabb, PencilSweep};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::scene::{self, Body, Effects, Group};
@@ -11,7 +11,6 @@ use truth::rng::Rng;
 pub(super) fn boxes(scene: &mut Scene, rng: &mut Rng) {
     let seed = rng.bits();
     world(scene, &mut Rng::new(seed), PencilSweep::new());
-    world(scene, &mut Rng::new(seed), SortedAxes::new());
 }
 
 fn aabb(scene: &Scene, rng: &mut Rng) -> Aabb {
@@ -22,14 +21,14 @@ fn aabb(scene: &Scene, rng: &mut Rng) -> Aabb {
     )
 }
 
-fn world(scene: &mut Scene, rng: &mut Rng, mut broad: impl BroadPhase) {
+fn world(scene: &mut Scene, rng: &mut Rng, mut broad: PencilSweep) {
     let margin = 0.05 * scene.unit;
-    let insert = |broad: &mut _, rng: &mut Rng, k: usize| {
+    let insert = |broad: &mut PencilSweep, rng: &mut Rng, k: usize| {
         let body = [
             broad::BodyOptions::moving().margin(margin).lookahead(1.0),
             broad::BodyOptions::fixed(),
         ][k % 2];
-        BroadPhase::insert(broad, &aabb(scene, rng), body).expect("a box")
+        broad.insert(&aabb(scene, rng), body).expect("a box")
     };
     let ids: Vec<_> = (0..40).map(|k| insert(&mut broad, rng, k)).collect();
     for _ in 0..6 {

@@ -5,7 +5,7 @@
 //! The test `broad` and the instrument `soak` share this.
 
 use crate::rng::Rng;
-use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, PencilSweep};
 use lin_canny::nalgebra::{Point3, Vector3};
 
 /// What happened in some sequences; a mix that lacks an ingredient tests nothing.
@@ -119,15 +119,15 @@ struct Held {
     slide: [f64; 3],
 }
 
-/// One world in one structure.
-struct Play<B> {
-    broad: B,
+/// One world.
+struct Play {
+    broad: PencilSweep,
     held: Vec<Held>,
     rng: Rng,
     mix: Mix,
 }
 
-impl<B: BroadPhase> Play<B> {
+impl Play {
     fn insert(&mut self, brick: Brick) -> Result<(), String> {
         let fixed = self.rng.chance(0.05);
         let body = if fixed {
@@ -236,11 +236,11 @@ impl<B: BroadPhase> Play<B> {
     }
 }
 
-/// Plays one sequence; the same seed asks the same of any structure.
+/// Plays one sequence; the same seed makes the same calls.
 ///
 /// # Errors
 /// What was lost, what should not be there, or what contradicts itself.
-pub fn sequence(seed: u64, broad: impl BroadPhase) -> Result<Mix, String> {
+pub fn sequence(seed: u64, broad: PencilSweep) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let bricks = world(&mut rng);
     let mut play = Play {

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use lin_canny::broad::{Aabb, BodyOptions, BroadPhase, PencilSweep};
+use lin_canny::broad::{Aabb, BodyOptions, PencilSweep};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{BoxHint, RelativePose, Tracker};

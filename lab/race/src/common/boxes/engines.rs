@@ -1,7 +1,7 @@
 //! Broad phases in one form.
 
 use crate::common::tree::Tree;
-use lin_canny::broad::{Aabb, BodyId, BodyOptions, BroadPhase, PencilSweep, SortedAxes};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, PencilSweep};
 use truth::boxes::{Kind, Scene};
 
 /// A broad phase that is fed a scene.
@@ -18,15 +18,15 @@ pub trait Engine {
     fn bytes(&self) -> Option<usize>;
 }
 
-struct Ours<B> {
-    name: &'static str,
-    broad: B,
+struct Ours {
+    broad: PencilSweep,
     ids: Vec<BodyId>,
     batch: Vec<(BodyId, Aabb)>,
 }
 
-impl<B: BroadPhase> Ours<B> {
-    fn new(name: &'static str, mut broad: B, scene: &Scene) -> Self {
+impl Ours {
+    fn new(scene: &Scene) -> Self {
+        let mut broad = PencilSweep::new();
         let margin = if matches!(scene.kind, Kind::Movers | Kind::UniformSlow) {
             0.04
         } else {
@@ -35,7 +35,6 @@ impl<B: BroadPhase> Ours<B> {
         let body = BodyOptions::moving().margin(margin);
         let ids = scene.boxes.iter().filter_map(|b| broad.insert(b, body).ok()).collect();
         Self {
-            name,
             broad,
             ids,
             batch: Vec::new(),
@@ -43,9 +42,9 @@ impl<B: BroadPhase> Ours<B> {
     }
 }
 
-impl<B: BroadPhase> Engine for Ours<B> {
+impl Engine for Ours {
     fn name(&self) -> &'static str {
-        self.name
+        "ours"
     }
 
     fn prepare(&mut self, scene: &Scene) {
@@ -121,10 +120,7 @@ impl Engine for Parry {
 pub type Make = fn(&Scene) -> Box<dyn Engine>;
 
 /// In the order of the tables.
-pub const ENGINES: [(&str, Make); 3] = [
-    ("ours", |scene| Box::new(Ours::new("ours", PencilSweep::new(), scene))),
+pub const ENGINES: [(&str, Make); 2] = [
+    ("ours", |scene| Box::new(Ours::new(scene))),
     ("parry-bvh", |scene| Box::new(Parry::new(scene))),
-    ("three-axes", |scene| {
-        Box::new(Ours::new("three-axes", SortedAxes::new(), scene))
-    }),
 ];

@@ -68,7 +68,7 @@ fn measure(engine: &mut dyn Engine, mut scene: Scene, steps: usize, warm: usize,
 /// Cases nobody wants to wait for.
 fn skipped(name: &str, kind: Kind, n: usize) -> bool {
     let tree = name == "rapier" || name == "parry-bvh";
-    (name == "three-axes" && n > 10_000) || (tree && kind == Kind::Teleport && n > 10_000)
+    tree && kind == Kind::Teleport && n > 10_000
 }
 
 /// Scenes of the race, in the order of the tables.
