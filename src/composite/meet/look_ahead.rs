@@ -31,7 +31,7 @@ use crate::composite::meet::bounds::{BoundAim, bounds};
 use crate::composite::meet::frame::split_pair;
 use crate::composite::meet::state::PosedTrees;
 use crate::composite::parts::Parted;
-use crate::composite::tree::height::height;
+use crate::composite::tree::height;
 use crate::time::separation::{Flight, Measure};
 
 /// Pairs of nodes that a look ahead splits at most. Not measured.

@@ -9,7 +9,7 @@ use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
 use crate::composite::meet::frame::{TreeFrame, split_pair};
 use crate::composite::meet::shared::Touching;
 use crate::composite::tree::Tree;
-use crate::composite::tree::height::{height, unit};
+use crate::composite::tree::{height, unit};
 use crate::composite::work::MeshWork;
 
 /// Pairs taken off the stack at once: both halves of each make eight, the width of the kernel.

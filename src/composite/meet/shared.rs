@@ -27,7 +27,7 @@ use crate::composite::meet::triangle::{self, Triangle};
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::tree::Below;
-use crate::composite::tree::height::height;
+use crate::composite::tree::height;
 
 /// Pairs of triangles in contact that are looked at for inner points. Not measured.
 const TOUCHES: usize = 128;

@@ -33,7 +33,7 @@ use crate::composite::mesh::nearest::From;
 use crate::composite::parts::Parted;
 use crate::composite::penetration::BEYOND;
 use crate::composite::tree::Below;
-use crate::composite::tree::height::height;
+use crate::composite::tree::height;
 
 /// Most planes of a convex part; with more the part is made half as wide. In the same overlaps the
 /// bounds are the same with 32 and with 512.
