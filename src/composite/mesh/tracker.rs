@@ -4,8 +4,8 @@ use alloc::boxed::Box;
 
 use crate::base::num::count::Counter;
 use crate::base::pose::RelativePose;
-use crate::composite::front::audit::{FrontFault, audit};
 use crate::composite::front::memory::FrontMemory;
+use crate::composite::front::{FrontFault, audit};
 use crate::composite::meet::state::{PosedTrees, TreeAnswer, TreeState};
 use crate::composite::meet::triangle::TriangleSpot;
 use crate::composite::mesh::Mesh;
