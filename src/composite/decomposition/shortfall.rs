@@ -14,9 +14,9 @@ use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Core;
 use crate::composite::meet::triangle::Triangle;
+use crate::composite::mesh::hull::greatest;
 use crate::composite::mesh::{Mesh, MeshError};
 use crate::composite::pieces::{Composite, Piece};
-use crate::composite::tree::maximum::greatest;
 use crate::convex::tracker::Tracker;
 
 /// Distances of points from pieces are measured by planes alone if that leaves less than this part

@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::Mesh;
-use super::pair::{TriangleJudge, spots};
 use super::tracker::MeshTracker;
+use super::tracker::{TriangleJudge, spots};
 use crate::base::num::count::Counter;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;

@@ -29,7 +29,7 @@ use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
 use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
-use crate::composite::mesh::nearest::From;
+use crate::composite::mesh::measure::From;
 use crate::composite::parts::Parted;
 use crate::composite::penetration::BEYOND;
 use crate::composite::tree::Below;

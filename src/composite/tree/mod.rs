@@ -9,7 +9,6 @@
 //! moved; `rebuild` tells when a new tree is worth it and makes the upper part of one.
 
 mod fit;
-pub(in crate::composite) mod maximum;
 mod rebuild;
 mod refit;
 mod split;
