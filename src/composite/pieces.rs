@@ -22,13 +22,13 @@ use crate::composite::front::NodePair;
 use crate::composite::front::memory::FrontMemory;
 use crate::composite::meet::frame::{TreeFrame, TreeSide};
 use crate::composite::meet::overlap::Touching;
+use crate::composite::meet::search::MeshWork;
 use crate::composite::meet::search::{Judge, Measured};
 use crate::composite::meet::state::{PosedTrees, Recognised, TreeAnswer, TreeState};
 use crate::composite::mesh::{Mesh, MeshError, MeshKind};
+use crate::composite::parts::Placed;
 use crate::composite::parts::{Parted, PartsRef};
-use crate::composite::placement::Placed;
 use crate::composite::tree::Tree;
-use crate::composite::work::MeshWork;
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
 use crate::convex::shape_tracker::ShapeTracker;

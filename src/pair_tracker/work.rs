@@ -1,7 +1,7 @@
 //! The work of a tracker of any two geometries.
 
 #[cfg(feature = "meshes")]
-use crate::composite::work::MeshWork;
+use crate::composite::meet::search::MeshWork;
 use crate::convex::tracker::Totals;
 #[cfg(feature = "surfaces")]
 use crate::patch::SurfaceWork;

@@ -13,8 +13,8 @@ use crate::base::num::scalar::sqrt;
 use crate::composite::front::{EntryId, Front, NodePair};
 use crate::composite::meet::bounds::{WIDTH, along};
 use crate::composite::meet::frame::{TreeFrame, TreeMoves};
+use crate::composite::meet::search::MeshWork;
 use crate::composite::meet::search::{Judge, TreeSearch};
-use crate::composite::work::MeshWork;
 
 /// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a
 /// front: some 2.4 degrees. At 2 degrees a frame a front and a new search cost about the same.

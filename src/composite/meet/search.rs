@@ -1,4 +1,5 @@
-//! Down both trees to the closest pair, with everything else proven farther.
+//! Down both trees to the closest pair, with everything else proven farther, and the counters of
+//! the work.
 //!
 //! A search begins with a close pair of items ([`TreeSearch::seed`]): no proof, but a distance
 //! beyond which boxes are passed by. It ends at pairs of leaves, item by item
@@ -8,13 +9,13 @@
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::count::sum_of_counters;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::composite::front::{Front, NodePair};
 use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
 use crate::composite::meet::frame::{TreeFrame, split_pair};
 use crate::composite::meet::overlap::Touching;
 use crate::composite::tree::{Below, LEAF, Tree, height, unit};
-use crate::composite::work::MeshWork;
 
 /// Pairs taken off the stack at once: both halves of each make eight, the width of the kernel.
 pub(in crate::composite) const AT_ONCE: usize = 4;
@@ -688,3 +689,43 @@ impl<J: Judge> TreeSearch<'_, J> {
         }
     }
 }
+
+/// Work done by queries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshWork {
+    /// Queries.
+    pub queries: u64,
+    /// Entries of the front that were proven again, or not, by their direction.
+    pub entries: u64,
+    /// Entries whose direction no longer proved them.
+    pub failed: u64,
+    /// Pairs of boxes bounded anew.
+    pub bounds: u64,
+    /// Pairs of boxes bounded in double precision.
+    pub looks: u64,
+    /// Pairs of leaves judged.
+    pub leaves: u64,
+    /// Pairs of triangles or pieces measured.
+    pub measured: u64,
+    /// Pairs settled by a certified query of two polygons.
+    pub settled: u64,
+    /// Fronts cut.
+    pub cuts: u64,
+    /// Winding numbers taken.
+    pub windings: u64,
+}
+
+sum_of_counters!(MeshWork {
+    queries,
+    entries,
+    failed,
+    bounds,
+    looks,
+    leaves,
+    measured,
+    settled,
+    cuts,
+    windings,
+});

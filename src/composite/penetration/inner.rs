@@ -44,9 +44,9 @@ use crate::composite::meet::frame::split_pair;
 use crate::composite::meet::state::PosedTrees;
 use crate::composite::meet::triangle::{self, Triangle};
 use crate::composite::mesh::Mesh;
+use crate::composite::parts::Placed;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::{Composite, Piece};
-use crate::composite::placement::Placed;
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::outcome::{Class, Outcome};
 

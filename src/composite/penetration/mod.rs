@@ -34,9 +34,9 @@ use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::composite::meet::state::PosedTrees;
 use crate::composite::mesh::Mesh;
 use crate::composite::mesh::tracker::MeshTracker;
+use crate::composite::parts::relative;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::CompositeTracker;
-use crate::composite::placement::relative;
 use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Class;
 
