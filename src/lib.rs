@@ -327,13 +327,13 @@ pub use composite::continuous;
 #[cfg(feature = "meshes")]
 pub use composite::decomposition::{Decomposition, DecompositionFit};
 #[cfg(feature = "meshes")]
+pub use composite::meet::search::MeshWork;
+#[cfg(feature = "meshes")]
 pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
 #[cfg(feature = "meshes")]
 pub use composite::penetration::PenetrationBounds;
 #[cfg(feature = "meshes")]
 pub use composite::pieces::{Composite, CompositeError, Piece};
-#[cfg(feature = "meshes")]
-pub use composite::work::MeshWork;
 pub use convex::contact::{
     ContactPoint, Gradient, HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError, Manifold, ManifoldOptions,
 };

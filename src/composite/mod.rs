@@ -2,13 +2,13 @@
 //! convex pieces.
 //!
 //! Reading order: [`mesh`] (triangles to a checked mesh, two meshes at a pose, the state of a
-//! pair), `pieces` (placed shapes to a body, and the same), `parts` (both as convex parts),
-//! `placement` (poses of parts), `tree` (oriented boxes in single precision), `meet` (two trees at
-//! a pose: the bounds of eight pairs of boxes at once, the search down both trees, triangles,
+//! pair), `pieces` (placed shapes to a body, and the same), `parts` (both as convex parts, and
+//! their poses), `tree` (oriented boxes in single precision), `meet` (two trees at a pose: the
+//! bounds of eight pairs of boxes at once, the search down both trees and its counters, triangles,
 //! winding numbers, and the queries), `front` (the proof of the last answer, kept from frame to
 //! frame), `contact` (manifolds of convex patches), `penetration` (bounds of the depth),
-//! `decomposition` (pieces in the place of a mesh), `separation` (pairs over time), [`continuous`]
-//! (first contacts of vertices on straight paths) and `work` (counters).
+//! `decomposition` (pieces in the place of a mesh), `separation` (pairs over time) and
+//! [`continuous`] (first contacts of vertices on straight paths).
 //!
 //! # The proof
 //!
@@ -39,7 +39,5 @@ pub mod mesh;
 pub(crate) mod parts;
 pub(crate) mod penetration;
 pub(crate) mod pieces;
-pub(crate) mod placement;
 pub(crate) mod separation;
 mod tree;
-pub(crate) mod work;

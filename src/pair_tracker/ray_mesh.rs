@@ -5,9 +5,9 @@ use nalgebra::{Isometry3, Unit};
 use super::ray::{Ray, RayCast, RayHit, placed};
 use crate::base::tolerance::RAY;
 #[cfg(feature = "exact")]
-use crate::composite::meet::exact_ray::ExactRay;
+use crate::composite::meet::exact::ExactRay;
 #[cfg(feature = "exact")]
-use crate::composite::meet::exact_side::PointSide;
+use crate::composite::meet::exact::PointSide;
 use crate::composite::meet::ray::{MeshRay, Met};
 use crate::composite::mesh::Mesh;
 use crate::pair_tracker::geometry::GeometryRef;

@@ -6,7 +6,7 @@ use crate::base::pose::RelativePose;
 #[cfg(feature = "meshes")]
 use crate::composite::contact::ContactTracker;
 #[cfg(feature = "meshes")]
-use crate::composite::work::MeshWork;
+use crate::composite::meet::search::MeshWork;
 use crate::convex::contact::{Manifold, ManifoldOptions};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::Totals;

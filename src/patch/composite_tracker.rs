@@ -13,8 +13,8 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::composite::parts::Parted;
+use crate::composite::parts::Placed;
 use crate::composite::pieces::{Composite, Piece};
-use crate::composite::placement::Placed;
 use crate::composite::separation::ball_about;
 use crate::pair::spot::Answer;
 

@@ -1,19 +1,28 @@
 //! A body as its contacts see it: the convex patches of a mesh, or the pieces of a composite.
+//!
+//! Of a union of pieces it is told which points of a piece are on the surface of the union, and how
+//! far a point inside is from the surface. A face of a piece is on the surface where no other piece
+//! covers it. What a convex piece leaves of a convex polygon are the parts of the polygon beyond
+//! each of the piece's planes, convex again.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use super::clear::is_clear;
-use super::surface::{Borne, PatchedMesh};
-use super::union::{Under, is_covered, is_end, under};
+use super::patches::{Borne, PatchedMesh};
 use crate::base::num::extremes::Bounded;
 use crate::base::num::fingerprint::Fingerprint;
-use crate::body::shape::Shape;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::body::polyhedron::{ConvexPolyhedron, FaceId};
+use crate::body::shape::{Core, Shape};
 use crate::composite::meet::frame::TreeSide;
+use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::{Parted, PartsRef};
-use crate::composite::pieces::Composite;
+use crate::composite::pieces::{Composite, Piece};
+use crate::convex::contact::tangents_of;
+use crate::convex::shape_tracker::ShapeTracker;
 
 /// A body as its contacts see it: convex patches of a mesh's surface, or the pieces of a
 /// [`Composite`].
@@ -227,4 +236,245 @@ impl From<Shape> for ContactPatches {
     fn from(shape: Shape) -> Self {
         Self::of_pieces(Composite::from(shape))
     }
+}
+
+/// How far from a point that another piece covers a place of the same face is looked for that is
+/// not covered, in the slack of the point: faces that meet at less than one part in this many of a
+/// radian are one. Not measured.
+const BESIDE_END: f64 = 64.0;
+
+/// What is at a point of the plane of a face beyond the end of the face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Under {
+    /// The inside of the body: the face ends in a valley.
+    Body,
+    /// Another face in the same plane.
+    Face,
+    /// Nothing, or nothing that is known.
+    Unknown,
+}
+
+/// Returns whether another piece holds the point and is higher along the normal: then the whole has
+/// no such normal there.
+pub(super) fn is_covered(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
+    cover(body, of, point, n, slack).is_some()
+}
+
+/// Returns a piece that covers a point of another one.
+pub(super) fn cover<'a>(
+    body: &'a Composite,
+    of: u32,
+    point: &Point3<f64>,
+    n: &Vector3<f64>,
+    slack: f64,
+) -> Option<&'a Piece> {
+    other(body, of, point, slack, |piece, local| {
+        let m = piece.pose.inverse_transform_vector(n);
+        piece.shape.support_height(&m) > m.dot(&local.coords) + 2.0 * slack
+    })
+}
+
+/// Returns whether a covered point of a face is at the end of the part of the face that is not:
+/// some place of the face next to the point is not covered.
+pub(super) fn is_end(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
+    let Some(Piece { shape, pose, .. }) = body.pieces().get(of as usize) else {
+        return false;
+    };
+    let [u, v] = tangents_of(n);
+    let ways = [u, v, u + v, u - v].into_iter().flat_map(|w| [w, -w]);
+    ways.into_iter().any(|way| {
+        let place = point + way * (BESIDE_END * slack);
+        is_in(shape, &pose.inverse_transform_point(&place), 2.0 * slack) && !is_covered(body, of, &place, n, slack)
+    })
+}
+
+/// Returns what is at a point of the plane of a face of a piece.
+pub(super) fn under(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> Under {
+    if is_covered(body, of, point, n, slack) {
+        Under::Body
+    } else if other(body, of, point, slack, |_, _| true).is_some() {
+        Under::Face
+    } else {
+        Under::Unknown
+    }
+}
+
+/// Another piece that holds the point, here in the piece's frame, and passes a test.
+fn other<'a>(
+    body: &'a Composite,
+    of: u32,
+    point: &Point3<f64>,
+    slack: f64,
+    passes: impl Fn(&Piece, &Point3<f64>) -> bool,
+) -> Option<&'a Piece> {
+    if body.pieces().len() == 1 {
+        return None;
+    }
+    let (unit, mut found) = (body.stored_unit(), None);
+    let holds = |item: u32| {
+        let piece = &body.pieces()[body.number(item) as usize];
+        let local = piece.pose.inverse_transform_point(point);
+        let holds = body.number(item) != of && passes(piece, &local) && is_in(&piece.shape, &local, slack);
+        found = holds.then_some(piece);
+        holds
+    };
+    body.side().tree.any_near(&(point.coords / unit), slack / unit, holds);
+    found
+}
+
+/// Returns whether a point is within `slack` of a shape, or of the planes of all its faces.
+pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
+    if let (Core::Polyhedron(core), 0.0) = (shape.core(), shape.round())
+        && core.face_count() >= 4
+    {
+        let planes = core.faces().filter_map(|face| core.face_plane(face));
+        return planes
+            .into_iter()
+            .all(|(n, offset)| n.dot(&point.coords) - offset <= slack);
+    }
+    dot_at(point).is_some_and(|(dot, at)| ShapeTracker::new().within(shape, &dot, &at, slack))
+}
+
+/// Returns a point as a shape, and its pose.
+pub(super) fn dot_at(point: &Point3<f64>) -> Option<(Shape, RelativePose)> {
+    let dot = ConvexPolyhedron::point(Point3::origin()).ok()?;
+    let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;
+    Some((Shape::from(dot), at))
+}
+
+/// Pieces that are cut off a face, one after the other, to find the part that none covers. Not
+/// measured.
+const COVERS: usize = 4;
+
+/// Returns whether the surface of the union is as far from a point inside as `depth`, as far as
+/// faces and feet on curved pieces tell. The point is in the frame of one of the pieces, and
+/// `depth` below its core.
+pub(super) fn is_clear(body: &Composite, of: u32, point: &Point3<f64>, (depth, slack): (f64, f64)) -> bool {
+    let own = &body.pieces()[of as usize];
+    if body.pieces().len() == 1 {
+        let Core::Polyhedron(core) = own.shape.core() else {
+            return true;
+        };
+        return core.faces().all(|face| {
+            let plane = core.face_plane(face);
+            plane.is_none_or(|(n, offset)| offset - n.dot(&point.coords) >= depth - own.shape.round())
+        });
+    }
+    let (unit, reach) = (body.stored_unit(), depth + own.shape.round());
+    let place = own.pose * point;
+    let near = NearPoint {
+        body,
+        place: place.coords,
+        reach,
+        slack,
+    };
+    let is_near = |item: u32| near.is_exposed(body.number(item));
+    !body.side().tree.any_near(&(place.coords / unit), reach / unit, is_near)
+}
+
+/// A point in a body, both in the body's frame.
+struct NearPoint<'a> {
+    body: &'a Composite,
+    place: Vector3<f64>,
+    reach: f64,
+    slack: f64,
+}
+
+impl NearPoint<'_> {
+    /// Returns whether the surface of a piece is within reach where no other piece covers it.
+    fn is_exposed(&self, of: u32) -> bool {
+        let piece = &self.body.pieces()[of as usize];
+        let Core::Polyhedron(core) = piece.shape.core() else {
+            return self.is_foot_exposed(of, piece);
+        };
+        core.faces().any(|face| {
+            let Some((n, offset)) = core.face_plane(face) else {
+                return false;
+            };
+            let out = piece.pose * n.into_inner();
+            let height = out.dot(&(self.place - piece.pose.translation.vector)) - offset - piece.shape.round();
+            height.abs() < self.reach && self.is_left((of, &out), &rim(piece, core, face, &out), COVERS)
+        })
+    }
+
+    /// Returns whether a part of a face that no other piece covers is within reach.
+    fn is_left(&self, (of, n): (u32, &Vector3<f64>), polygon: &[Vector3<f64>], covers: usize) -> bool {
+        let (square, foot) = nearest(polygon, &self.place);
+        if !(square < self.reach * self.reach) {
+            return false;
+        }
+        let away = self.place - foot;
+        let is_out = n.dot(&away) > 0.0;
+        let normal = if is_out { away / sqrt(square) } else { *n };
+        let Some(by) = cover(self.body, of, &Point3::from(foot), &normal, self.slack) else {
+            return true;
+        };
+        let (Core::Polyhedron(core), 0.0, 1..) = (by.shape.core(), by.shape.round(), covers) else {
+            return false;
+        };
+        core.faces().any(|face| {
+            let Some((m, offset)) = core.face_plane(face) else {
+                return false;
+            };
+            let m = by.pose * m.into_inner();
+            let level = offset + m.dot(&by.pose.translation.vector) + 2.0 * self.slack;
+            let left = beyond(polygon, &m, level);
+            left.len() > 2 && self.is_left((of, n), &left, covers - 1)
+        })
+    }
+
+    /// Returns whether the point of a curved shape that is nearest is within reach, and not
+    /// covered.
+    fn is_foot_exposed(&self, of: u32, Piece { shape, pose, .. }: &Piece) -> bool {
+        let foot = foot(shape, &pose.inverse_transform_point(&Point3::from(self.place)));
+        foot.is_some_and(|(foot, n)| {
+            let at = pose * foot;
+            let is_near = (at.coords - self.place).norm_squared() < self.reach * self.reach;
+            is_near && !is_covered(self.body, of, &at, &(pose * n), self.slack)
+        })
+    }
+}
+
+/// Returns the corners of a face of a piece, in the body's frame, moved out by the radius of the
+/// piece.
+fn rim(piece: &Piece, core: &ConvexPolyhedron, face: FaceId, n: &Vector3<f64>) -> Vec<Vector3<f64>> {
+    let corners = core.face_vertices(face).filter_map(|v| core.vertex(v));
+    corners
+        .map(|p| (piece.pose * p).coords + n * piece.shape.round())
+        .collect()
+}
+
+/// Returns the squared distance of a point from a convex polygon, and the point of the polygon.
+fn nearest(polygon: &[Vector3<f64>], point: &Vector3<f64>) -> (f64, Vector3<f64>) {
+    let mut best = (f64::INFINITY, *point);
+    for w in polygon.windows(2).skip(1) {
+        let found = triangle::foot_of(point, &[polygon[0], w[0], w[1]]);
+        if found.0 < best.0 {
+            best = found;
+        }
+    }
+    best
+}
+
+/// Returns the part of a convex polygon above a plane.
+fn beyond(polygon: &[Vector3<f64>], m: &Vector3<f64>, level: f64) -> Vec<Vector3<f64>> {
+    let mut left = Vec::with_capacity(polygon.len() + 1);
+    for (k, p) in polygon.iter().enumerate() {
+        let q = &polygon[(k + 1) % polygon.len()];
+        let (here, next) = (m.dot(p) - level, m.dot(q) - level);
+        if here >= 0.0 {
+            left.push(*p);
+        }
+        if (here >= 0.0) != (next >= 0.0) {
+            left.push(p + (q - p) * (here / (here - next)));
+        }
+    }
+    left
+}
+
+/// Returns the point of a shape's surface that is nearest to a point, and the normal there.
+fn foot(shape: &Shape, point: &Point3<f64>) -> Option<(Point3<f64>, Vector3<f64>)> {
+    let (dot, at) = dot_at(point)?;
+    let found = ShapeTracker::new().closest(shape, &dot, &at);
+    Some((found.point_on_a, found.normal.into_inner()))
 }

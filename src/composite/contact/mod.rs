@@ -1,49 +1,48 @@
 //! Contacts of meshes and bodies of pieces: one manifold for each pair of convex patches.
 //!
 //! Triangles of a convex region are a single body to a manifold, so that the edges inside the
-//! region bear no contact (`grow`, `surface`). The manifold of two patches (`near`) is kept if both
+//! region bear no contact (`patches`). The manifold of two patches (`near`) is kept if both
 //! bodies have its normal at the deepest point: that of a face, or in the cone of normals of a
 //! convex edge or vertex. A reflex edge has none, and neither has a face that a piece next to it
-//! covers (`union`). Else the normal of a face is taken, that of least overlap along which the
-//! bodies bear a contact: at the deepest vertex, if no surface is nearer to the vertex (`clear`),
-//! or on an edge of the vertex, if the face ends in a valley before it comes to the vertex
-//! (`beside`). So a body that slides over the edges of a tessellated floor, or along a reflex edge,
-//! feels none of them. If no patches bear a contact although the bodies overlap, the direction of a
-//! translation that parts the bodies is taken (`parting`).
+//! covers (`body`). Else the normal of a face is taken, that of least overlap along which the
+//! bodies bear a contact: at the deepest vertex, if no surface is nearer to the vertex, or on an
+//! edge of the vertex, if the face ends in a valley before it comes to the vertex. So a body that
+//! slides over the edges of a tessellated floor, or along a reflex edge, feels none of them.
+//!
+//! Bodies may overlap although no patches bear a contact: of two edges that cross, neither may be
+//! an edge of a patch's hull, and a corner that has gone through a thin edge lies behind every face
+//! that is near. Then the direction of a translation that parts the bodies is taken
+//! (`penetration`), and the contact is the place at which they touch last on their way out
+//! ([`parting`]).
 //!
 //! Normal cones: Clarke 1990, "Optimization and Nonsmooth Analysis", section 2.5 (proximal
-//! normals). Patches: see `grow`.
+//! normals). Patches: see `patches`.
 
-mod beside;
 mod body;
-mod clear;
-mod grow;
 mod near;
-mod parting;
-mod surface;
-mod union;
+mod patches;
 
 use alloc::collections::BTreeMap;
 use alloc::collections::btree_map::Entry;
 use alloc::vec::Vec;
-use nalgebra::{Unit, Vector3};
+use nalgebra::{Translation3, Unit, Vector3};
 
 pub use body::ContactPatches;
 
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
-use crate::base::tolerance::ACROSS;
+use crate::base::tolerance::{ACROSS, CERTIFICATE, UNIT};
 use crate::composite::front::NodePair;
 use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
-use crate::composite::meet::frame::TreeFrame;
-use crate::composite::meet::frame::split_pair;
+use crate::composite::meet::frame::{TreeFrame, split_pair};
 use crate::composite::parts::Parted;
+use crate::composite::parts::{Placed, relative};
 use crate::composite::pieces::CompositeTracker;
-use crate::composite::placement::Placed;
 use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
+use crate::pair::outcome::Class;
 use near::NearPatches;
-use parting::parting;
 
 /// Sine of the largest angle between the normals of contacts that are reduced together. Not
 /// measured.
@@ -240,4 +239,51 @@ fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
     }
     found.sort_unstable();
     found
+}
+
+/// Steps back along a translation that parts two bodies, to the place of their last contact. Each
+/// takes the gap that is left, so few do unless the bodies slide past each other. Not measured.
+const WAY_BACK: usize = 64;
+
+/// Returns the contact along a translation that parts two solids; `None` if none is known. `size`
+/// is L of the pair in the caller's unit.
+fn parting(query: &PatchQuery, size: f64) -> Option<PatchContact> {
+    let (a, b) = (query.a.parts(), query.b.parts());
+    let mut tracker = CompositeTracker::new();
+    let shift = tracker.penetration(&a, &b, query.pose)?.shift;
+    let mut length = sqrt(shift.norm_squared());
+    if !(length > 0.0) {
+        return None;
+    }
+    let (n, at) = (Unit::new_unchecked(shift / length), relative(query.pose));
+    // Twice the gap that proves the bodies apart.
+    let last = 8.0 * CERTIFICATE * UNIT * size;
+    let mut found = None;
+    for _ in 0..WAY_BACK {
+        let shifted = Translation3::from(*n * length) * at;
+        let outcome = tracker.closest(&a, &b, &RelativePose::from_isometry(&shifted).ok()?);
+        if outcome.class != Class::Separated {
+            break;
+        }
+        found = Some(outcome);
+        if !(outcome.upper > last) {
+            break;
+        }
+        // The bodies cannot meet before they have moved by the gap between them.
+        length -= outcome.lower - 0.5 * last;
+    }
+    let outcome = found?;
+    let [p, q] = outcome.parts();
+    let (point_on_a, point_on_b) = (outcome.point_on_a, outcome.point_on_b);
+    Some(PatchContact {
+        patches: [query.a.patch_at(p, &point_on_a), query.b.patch_at(q, &point_on_b)],
+        normal: n,
+        point: ContactPoint {
+            point_on_a,
+            point_on_b,
+            separation: n.dot(&(at * point_on_b - point_on_a)),
+            features: outcome.features,
+            id: outcome.features,
+        },
+    })
 }

@@ -12,7 +12,7 @@ use crate::base::tolerance::UNIT;
 use crate::composite::mesh::Mesh;
 use crate::composite::parts::Parted;
 use crate::composite::tree::Below;
-use crate::composite::tree::height::height;
+use crate::composite::tree::height;
 use crate::time::impact::ImpactError;
 
 /// The rotation and the place of a mesh at an instant of a frame.

@@ -84,13 +84,11 @@
 //! 4. That the rim of a part does not cross itself is proven, where most methods leave it out, and
 //!    so is that normals stay on one side over the frame.
 
-mod arcs;
 #[cfg(feature = "exact")]
 mod exact;
 mod frame;
 mod height_field;
 mod meshes;
-mod pair;
 pub(crate) mod paths;
 mod search;
 
@@ -121,7 +119,7 @@ const LARGEST: f64 = f64::from_bits((1023 + 1000) << 52);
 /// # Errors
 /// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
 pub fn vertex_face(vertex: &Path, face: &[Path; 3], tolerance: Tolerance) -> Result<Cast, ImpactError> {
-    cast(&[*vertex], face, tolerance, pair::vertex_face)
+    cast(&[*vertex], face, tolerance, search::vertex_face)
 }
 
 /// Returns the first contact of two edges.
@@ -130,7 +128,7 @@ pub fn vertex_face(vertex: &Path, face: &[Path; 3], tolerance: Tolerance) -> Res
 /// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
 /// Vertices are numbered as given, those of A first.
 pub fn edge_edge(a: &[Path; 2], b: &[Path; 2], tolerance: Tolerance) -> Result<Cast, ImpactError> {
-    cast(a, b, tolerance, pair::edge_edge)
+    cast(a, b, tolerance, search::edge_edge)
 }
 
 /// Returns the first contact of two triangles: of any of their points.
@@ -139,7 +137,7 @@ pub fn edge_edge(a: &[Path; 2], b: &[Path; 2], tolerance: Tolerance) -> Result<C
 /// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
 /// Vertices are numbered as given, those of A first.
 pub fn triangles(a: &[Path; 3], b: &[Path; 3], tolerance: Tolerance) -> Result<Cast, ImpactError> {
-    cast(a, b, tolerance, pair::triangles)
+    cast(a, b, tolerance, search::triangles)
 }
 
 /// Checks paths and tolerance, asks for the contact, and measures the parts at the safe time.

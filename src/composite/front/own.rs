@@ -21,8 +21,8 @@ use nalgebra::Vector3;
 
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
+use crate::composite::front::FrontFault;
 use crate::composite::front::NodePair;
-use crate::composite::front::audit::FrontFault;
 use crate::composite::meet::search::AT_ONCE;
 use crate::composite::meet::search::{GapProof, Judge, ProofKeeper, TreeSearch};
 use crate::composite::tree::{Below, Tree, up};

@@ -11,7 +11,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{RAY_PLANE, RAY_SIDE};
 #[cfg(feature = "exact")]
-use crate::composite::meet::exact_ray::ExactRay;
+use crate::composite::meet::exact::ExactRay;
 use crate::composite::meet::triangle::{self, Triangle};
 use crate::composite::mesh::Mesh;
 

@@ -1,16 +1,21 @@
-//! Down both trees to the closest pair, with everything else proven farther.
+//! Down both trees to the closest pair, with everything else proven farther, and the counters of
+//! the work.
+//!
+//! A search begins with a close pair of items ([`TreeSearch::seed`]): no proof, but a distance
+//! beyond which boxes are passed by. It ends at pairs of leaves, item by item
+//! ([`TreeSearch::judge_leaves`]): along directions first, as a gap along one costs far less than a
+//! distance.
 
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use crate::base::num::extremes::Extremes;
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::sum_of_counters;
 use crate::composite::front::{Front, NodePair};
 use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
 use crate::composite::meet::frame::{TreeFrame, split_pair};
-use crate::composite::meet::shared::Touching;
-use crate::composite::tree::Tree;
-use crate::composite::tree::height::{height, unit};
-use crate::composite::work::MeshWork;
+use crate::composite::meet::overlap::Touching;
+use crate::composite::tree::{Below, LEAF, Tree, height, unit};
 
 /// Pairs taken off the stack at once: both halves of each make eight, the width of the kernel.
 pub(in crate::composite) const AT_ONCE: usize = 4;
@@ -504,3 +509,223 @@ fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
     let (first, last) = tree.range(node);
     (last - first <= FEW_ITEMS).then_some((first, last))
 }
+
+impl<J: Judge> TreeSearch<'_, J> {
+    /// Finds a close pair of items: the few most promising pairs of nodes, level by level.
+    pub(in crate::composite) fn seed(&mut self) {
+        let mut beam = [[0u32; 2]; AT_ONCE];
+        let mut width = 1;
+        let mut leaves = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+        while width > 0 {
+            let mut halves = [[0; 2]; 2 * AT_ONCE];
+            let mut count = 0;
+            for &pair in &beam[..width] {
+                match split_pair((self.a, self.b), self.frame, pair) {
+                    Some(two) => {
+                        halves[count..count + 2].copy_from_slice(&two);
+                        count += 2;
+                    }
+                    None => keep(&mut leaves, (-f32::MAX, pair, [0.0; 3])),
+                }
+            }
+            if count == 0 {
+                break;
+            }
+            let found = self.bound(&halves[..count]);
+            let mut next = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+            for (k, &pair) in halves[..count].iter().enumerate() {
+                let is_leaf = self.a.is_leaf(pair[0]) && self.b.is_leaf(pair[1]);
+                keep(
+                    if is_leaf { &mut leaves } else { &mut next },
+                    (found.gap[k], pair, found.normal[k]),
+                );
+            }
+            width = next.iter().filter(|x| x.0 < f32::INFINITY).count();
+            (0..width).for_each(|k| beam[k] = next[k].1);
+        }
+        for (_, pair, normal) in leaves.into_iter().filter(|x| x.0 < f32::INFINITY).take(2) {
+            self.judge_leaves(pair, normal);
+        }
+    }
+}
+
+/// Puts a pair into a list sorted by gap; the last one falls out.
+fn keep(list: &mut [(f32, NodePair, [f32; 3]); AT_ONCE], new: (f32, NodePair, [f32; 3])) {
+    if new.0 < list[AT_ONCE - 1].0 {
+        list[AT_ONCE - 1] = new;
+        list.sort_by(|p, q| p.0.total_cmp(&q.0));
+    }
+}
+
+/// Pairs of items of two leaves that are not proven yet.
+struct OpenLeafPair {
+    of_a: (u32, u32),
+    of_b: (u32, u32),
+    /// A bit for each pair, four to an item of A.
+    left: u32,
+    /// The direction with the greatest least gap.
+    best: Option<(Vector3<f64>, f64)>,
+    /// Lower bound over the pairs that are proven.
+    proven: f64,
+}
+
+impl OpenLeafPair {
+    fn new(of_a: (u32, u32), of_b: (u32, u32)) -> Self {
+        let row = (1 << of_b.1) - 1;
+        let left = (0..of_a.1).fold(0, |bits, x| bits | row << (4 * x));
+        Self {
+            of_a,
+            of_b,
+            left,
+            best: None,
+            proven: f64::INFINITY,
+        }
+    }
+
+    /// Takes a distance that is proven of some pairs, if it is of use.
+    #[inline(always)]
+    fn prove<J: Judge>(&mut self, distance: f64) {
+        if J::IS_SELF {
+            self.proven = self.proven.smaller(distance);
+        }
+    }
+
+    /// Leaves out pairs that are not asked for.
+    fn only_asked<J: Judge>(&mut self, judge: &J) {
+        for bit in bits(self.left) {
+            if !judge.is_asked([self.of_a.0 + bit / 4, self.of_b.0 + bit % 4]) {
+                self.left &= !(1 << bit);
+            }
+        }
+    }
+}
+
+/// Returns the numbers of the bits that are set.
+#[inline(always)]
+fn bits(mut left: u32) -> impl Iterator<Item = u32> {
+    core::iter::from_fn(move || {
+        let bit = (left != 0).then(|| left.trailing_zeros())?;
+        left &= left - 1;
+        Some(bit)
+    })
+}
+
+impl<J: Judge> TreeSearch<'_, J> {
+    /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by
+    /// measuring. The proof returned is the best single direction, whether it proves the pair far
+    /// enough or not.
+    pub(in crate::composite) fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
+        self.work.leaves += 1;
+        let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
+            return (normal, -f32::MAX);
+        };
+        let mut open = OpenLeafPair::new((i, m), (j, n));
+        if J::IS_SELF {
+            open.only_asked(&self.judge);
+        }
+        for k in 0..3 {
+            if J::IS_SELF && open.left == 0 {
+                break;
+            }
+            let known = self.directions.get(k).map(|d| d.map(|d| d.1));
+            if let Some(n) = known.unwrap_or_else(|| self.own_direction(normal)) {
+                self.along(&mut open, &n);
+            }
+            if open.left == 0 {
+                break;
+            }
+        }
+        while open.left != 0 && !self.is_over() {
+            let bit = open.left.trailing_zeros();
+            open.left &= open.left - 1;
+            let (n, lower) = self.measure([i + bit / 4, j + bit % 4]);
+            open.prove::<J>(lower);
+            self.along(&mut open, &TriedDirection::new(self.frame, &n));
+        }
+        if J::IS_SELF {
+            let is_whole = open.left == 0;
+            self.leaf_gap = if is_whole { open.proven } else { f64::NEG_INFINITY };
+            return ([0.0; 3], -f32::MAX);
+        }
+        match open.best {
+            Some((n, gap)) => self.proof(&n, gap),
+            None => (normal, -f32::MAX),
+        }
+    }
+
+    /// Passes by the pairs of items that a direction proves.
+    #[inline(always)]
+    fn along(&mut self, open: &mut OpenLeafPair, n: &TriedDirection) {
+        let (i, j) = (open.of_a.0, open.of_b.0);
+        let lift = n.lift - self.frame.error;
+        let (mut high, mut low) = ([f64::NEG_INFINITY; LEAF], [f64::INFINITY; LEAF]);
+        let (mut top, mut bottom) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (item, to) in (i..i + open.of_a.1).zip(&mut high) {
+            *to = self.judge.highest_in_a(item, &n.in_a);
+            top = top.at_least(*to);
+        }
+        for (item, to) in (j..j + open.of_b.1).zip(&mut low) {
+            *to = self.judge.lowest_in_b(item, &n.in_b) + lift;
+            bottom = bottom.at_most(*to);
+        }
+        let least = bottom - top;
+        if least > self.frame.tie && self.passes(least) {
+            open.left = 0;
+            open.prove::<J>(least);
+        } else {
+            for bit in bits(open.left) {
+                let gap = low[bit as usize % LEAF] - high[bit as usize / LEAF];
+                if self.passes(gap) {
+                    open.left &= !(1 << bit);
+                    open.prove::<J>(gap);
+                    if gap <= self.frame.tie {
+                        self.touching.push([i + bit / 4, j + bit % 4]);
+                    }
+                }
+            }
+        }
+        if open.best.is_none_or(|b| b.1 < least) {
+            open.best = Some((n.in_a, least));
+        }
+    }
+}
+
+/// Work done by queries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshWork {
+    /// Queries.
+    pub queries: u64,
+    /// Entries of the front that were proven again, or not, by their direction.
+    pub entries: u64,
+    /// Entries whose direction no longer proved them.
+    pub failed: u64,
+    /// Pairs of boxes bounded anew.
+    pub bounds: u64,
+    /// Pairs of boxes bounded in double precision.
+    pub looks: u64,
+    /// Pairs of leaves judged.
+    pub leaves: u64,
+    /// Pairs of triangles or pieces measured.
+    pub measured: u64,
+    /// Pairs settled by a certified query of two polygons.
+    pub settled: u64,
+    /// Fronts cut.
+    pub cuts: u64,
+    /// Winding numbers taken.
+    pub windings: u64,
+}
+
+sum_of_counters!(MeshWork {
+    queries,
+    entries,
+    failed,
+    bounds,
+    looks,
+    leaves,
+    measured,
+    settled,
+    cuts,
+    windings,
+});

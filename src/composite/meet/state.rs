@@ -10,10 +10,10 @@ use crate::base::pose::{Operand, RelativePose};
 use crate::composite::front::NodePair;
 use crate::composite::front::memory::FrontMemory;
 #[cfg(feature = "exact")]
-use crate::composite::meet::exact_side::PointSide;
+use crate::composite::meet::exact::PointSide;
 use crate::composite::meet::frame::{TreeFrame, TreeMoves, TreeSide};
+use crate::composite::meet::overlap::Touching;
 use crate::composite::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
-use crate::composite::meet::shared::Touching;
 use crate::composite::parts::Parted;
 #[cfg(feature = "exact")]
 use crate::composite::parts::PartsRef;

@@ -3,19 +3,13 @@
 mod build;
 mod edges;
 pub(super) mod hull;
-mod inspect;
-mod mass;
-pub(super) mod nearest;
-mod oriented;
+pub(super) mod measure;
 mod own;
-mod pair;
 #[cfg(feature = "serde")]
 mod persist;
 mod report;
-mod sheets;
 pub(crate) mod tracker;
 mod vertices;
-mod weld;
 
 use alloc::boxed::Box;
 use alloc::string::String;
@@ -23,8 +17,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 pub use hull::HullFit;
-pub use inspect::MeshInspection;
-pub use report::{MeshError, MeshKind, MeshPart, MeshReport, VertexError};
+pub use report::{MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
 
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;

@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::build::InTreeOrder;
-use super::weld::Units;
+use super::build::Units;
 use super::{Mesh, VertexError};
 use crate::base::notice::Watch;
 use crate::base::num::extremes::{Bounded, Extremes, largest};

@@ -29,11 +29,11 @@ use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
 use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
-use crate::composite::mesh::nearest::From;
+use crate::composite::mesh::measure::From;
 use crate::composite::parts::Parted;
 use crate::composite::penetration::BEYOND;
 use crate::composite::tree::Below;
-use crate::composite::tree::height::height;
+use crate::composite::tree::height;
 
 /// Most planes of a convex part; with more the part is made half as wide. In the same overlaps the
 /// bounds are the same with 32 and with 512.

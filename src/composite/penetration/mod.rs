@@ -14,7 +14,7 @@
 //! bodies are apart, then shortens the translation by bisection; and it shortens the translation
 //! that parts the hulls. If no vertex is inside the other body and the bounds differ, it moves B by
 //! the overlap of convex parts about the middle of a stretch of an edge that is inside the other
-//! body (`stretches`): of a pin in a slot, whose edges cross and whose hull fills the mouth of the
+//! body (`inner`): of a pin in a slot, whose edges cross and whose hull fills the mouth of the
 //! slot. None of this need find the shortest: the interval stays open, and says so.
 //!
 //! Source: the two bounds of Zhang, Kim, Varadhan and Manocha 2007, "Generalized penetration depth
@@ -23,7 +23,6 @@
 
 mod cell;
 mod inner;
-mod stretches;
 
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
@@ -35,9 +34,9 @@ use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::composite::meet::state::PosedTrees;
 use crate::composite::mesh::Mesh;
 use crate::composite::mesh::tracker::MeshTracker;
+use crate::composite::parts::relative;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::CompositeTracker;
-use crate::composite::placement::relative;
 use crate::convex::tracker::Tracker;
 use crate::pair::outcome::Class;
 
@@ -184,7 +183,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     /// the other body.
     fn on_edges(&mut self, pose: &RelativePose) -> Option<inner::ProvenDepth> {
         let bodies = (self.bodies.a, self.bodies.b);
-        let (found, windings) = stretches::deepest_middle(bodies.0, bodies.1, pose);
+        let (found, windings) = inner::deepest_middle(bodies.0, bodies.1, pose);
         self.windings += windings;
         let (middle, depth) = found?;
         let reaches = [CELL_REACH * depth, f64::INFINITY];

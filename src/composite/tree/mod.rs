@@ -1,26 +1,25 @@
-//! A tree of oriented boxes over triangles or convex pieces.
+//! A tree of oriented boxes over triangles or convex pieces, and the heights of its nodes along a
+//! direction.
 //!
 //! Oriented boxes, because a box in the body's axes is as thick as its piece of surface is long if
 //! the surface is oblique, an oriented one only as thick as the surface is curved: near contact the
 //! first cost pairs in proportion to size over gap, the second its logarithm.
+//!
+//! `split` puts the items in order, `fit` takes the first boxes, `refit` those of points that have
+//! moved; `rebuild` tells when a new tree is worth it and makes the upper part of one.
 
-mod axes;
-mod eigen;
-mod eight;
 mod fit;
-mod group;
-pub(in crate::composite) mod height;
-mod looseness;
-pub(in crate::composite) mod maximum;
+mod rebuild;
 mod refit;
 mod split;
-mod top;
-pub(super) use fit::up;
-pub(super) use refit::{Paths, Refit};
 
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+pub(super) use fit::up;
+pub(super) use refit::{Paths, Refit};
+
+use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprinter;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
@@ -252,4 +251,30 @@ impl Tree {
         let slabs = size_of_val(&self.slabs[..]) + size_of_val(&self.nearest[..]);
         size_of_val(&self.boxes[..]) + size_of_val(&self.links[..]) + slabs
     }
+}
+
+/// Returns a vector divided by its length if the length is near one.
+pub(in crate::composite) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let square = v.norm_squared();
+    (square > 0.5 && square < 2.0).then(|| v / sqrt(square))
+}
+
+/// Returns an upper bound of the height along `n` of all points below a node, in stored units of
+/// the body.
+pub(in crate::composite) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
+    let b = &tree.boxes[node as usize];
+    let (unit, half) = (tree.unit(), b.half());
+    let centre = tree.centre + b.centre() * unit;
+    let of_box = |n: &Vector3<f64>| {
+        let [x, y, z] = [0, 1, 2].map(|k| (b.axis(k).dot(n) * half[k]).abs());
+        n.dot(&centre) + (x + y + z) * unit
+    };
+    let Some(slab) = tree.slab(node) else { return of_box(n) };
+    let part = |k: usize, along: f64| along * if along > 0.0 { slab.high[k] } else { slab.low[k] };
+    let [x, y, s] = slab.axes.map(|a| a.dot(n));
+    // n = s m + rest with the normal m: the slab bounds what m contributes, the box the rest, which
+    // is next to nothing if n is m. The slab alone is better for its own node.
+    let top = part(2, s);
+    let rest = of_box(&(n - slab.axes[2] * s));
+    top + rest.smaller(part(0, x) + part(1, y) + slab.doubt)
 }

@@ -3,8 +3,12 @@
 //! Order and links of the tree stay. A node keeps three of its vertices that are far from each
 //! other; its axes turn as the triangle of the three turns, and extents are taken of all vertices
 //! below the node, never of the boxes of its children: boxes about boxes grow by a half at each
-//! level. Small nodes have the axes of the root of their group. Only nodes with a vertex that moved
-//! are fitted anew.
+//! level. Only nodes with a vertex that moved are fitted anew, eight boxes at once
+//! ([`EightAtRest`]).
+//!
+//! All nodes below one of few items, the root of a group, have its axes ([`GroupFit`]). So the
+//! heights of a vertex are taken once for all of them, and the extents of a node are those of its
+//! children, which do not grow as boxes about boxes of other axes do.
 //!
 //! Source: refitting of bounding volumes: van den Bergen 1997; the frame of three vertices is ours.
 
@@ -12,14 +16,12 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
+use wide::{f32x4, f32x8, f64x8};
 
-use super::eight::{EightAtRest, LANES, NARROW, Places, VerticesBelow};
-use super::group::{GroupCorners, GroupFit, GroupRoom};
 use super::{Below, OrientedBox, Tree, up};
-use crate::base::num::extremes::Extremes;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
-use crate::base::tolerance::{BOX_EXTENT, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
-use crate::composite::tree::group::GROUP;
+use crate::base::tolerance::{BOX_EXTENT, BOX_SKEW, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
 
 /// Triangles of a node among which three vertices far from each other are looked for. Not measured.
 const FAR_SAMPLES: usize = 128;
@@ -308,4 +310,385 @@ fn rotation_of(frame: &Matrix3<f64>, [x, y]: [Vector3<f64>; 2]) -> Option<[f32; 
     }
     let length = sqrt(q.iter().map(|x| x * x).sum());
     (length > 0.5).then(|| q.map(|x| (x / length) as f32))
+}
+
+/// Nodes of up to so many items have the axes of the largest node above them that has no more.
+pub(super) const GROUP: usize = 16;
+
+/// The corners of every triangle by their number among the vertices of its group: the consecutive
+/// ones, then the others.
+#[derive(Clone, Debug)]
+pub(super) struct GroupCorners(Arc<[[u8; 3]]>);
+
+impl GroupCorners {
+    /// Takes the groups of a tree: their items, their consecutive vertices, the others.
+    pub(super) fn new(items: &[[u32; 3]], groups: impl Iterator<Item = ((usize, usize), [u32; 2], Vec<u32>)>) -> Self {
+        let mut corners = vec![[0; 3]; items.len()];
+        for ((first, last), own, others) in groups {
+            let number = |v: u32| match others.binary_search(&v) {
+                Ok(k) => own[1] - own[0] + k as u32,
+                Err(_) => v - own[0],
+            };
+            for (corners, item) in corners[first..last].iter_mut().zip(&items[first..last]) {
+                *corners = item.map(|v| number(v) as u8);
+            }
+        }
+        Self(corners.into())
+    }
+}
+
+/// Fits the boxes of groups.
+pub(super) struct GroupFit<'a> {
+    pub(super) tree: &'a Tree,
+    pub(super) places: &'a Places,
+    pub(super) corners: &'a GroupCorners,
+    /// The vertices of nodes that are not consecutive.
+    pub(super) others: &'a [u32],
+    pub(super) slack: f32,
+}
+
+/// Extents along three axes.
+type Extents = (f32x4, f32x4);
+
+/// Room for the work on a group: heights of its vertices, and extents of its nodes.
+pub(super) struct GroupRoom {
+    heights: [f32x4; 3 * GROUP],
+    extents: [Extents; 2 * GROUP],
+}
+
+impl GroupRoom {
+    pub(super) fn new() -> Self {
+        Self {
+            heights: [f32x4::ZERO; 3 * GROUP],
+            extents: [(f32x4::ZERO, f32x4::ZERO); 2 * GROUP],
+        }
+    }
+}
+
+impl GroupFit<'_> {
+    /// Fits the boxes of eight groups. Returns how far they reach from the tree's origin.
+    pub(super) fn fit(&self, eight: &EightAtRest, boxes: &mut [OrientedBox], room: &mut GroupRoom) -> f32 {
+        let (axes, mut reach) = (eight.stored_axes(self.places, boxes), 0.0f32);
+        for (lane, (&node, below)) in eight.nodes.iter().zip(&eight.below).enumerate() {
+            if lane == 0 || node != eight.nodes[lane - 1] {
+                let axes = BoxAxes::new(axes.map(|axis| axis.map(|x| x[lane])));
+                self.fit_group((node, below), &axes, boxes, room);
+                reach = reach.larger(boxes[node as usize].reach());
+            }
+        }
+        reach
+    }
+
+    fn fit_group(
+        &self,
+        (root, below): (u32, &VerticesBelow),
+        axes: &BoxAxes,
+        boxes: &mut [OrientedBox],
+        GroupRoom { heights, extents }: &mut GroupRoom,
+    ) {
+        let others = &self.others[below.others[0] as usize..below.others[1] as usize];
+        let vertices = (below.own[0]..below.own[1]).chain(others.iter().copied());
+        for (heights, vertex) in heights.iter_mut().zip(vertices) {
+            *heights = self.places.heights_of(vertex, axes);
+        }
+        // The root, then the nodes below it, whose children have higher numbers.
+        let first = match self.tree.below(root) {
+            Below::Children(c) => c,
+            Below::Leaf(..) => below.end,
+        };
+        for k in (0..=(below.end - first) as usize).rev() {
+            let node = if k == 0 { root } else { first + k as u32 - 1 };
+            let (low, high) = match self.tree.below(node) {
+                Below::Leaf(item, count) => self.of_leaf(item as usize, count as usize, heights),
+                Below::Children(c) => {
+                    let c = (c - first) as usize + 1;
+                    let ((low, high), (l, h)) = (extents[c], extents[c + 1]);
+                    (low.fast_min(l), high.fast_max(h))
+                }
+            };
+            extents[k] = (low, high);
+            boxes[node as usize] = axes.fitted(low, high, self.slack);
+        }
+    }
+
+    #[inline(always)]
+    fn of_leaf(&self, item: usize, count: usize, heights: &[f32x4; 3 * GROUP]) -> Extents {
+        let corners = self.corners.0[item..item + count].as_flattened();
+        let start = (f32x4::splat(f32::MAX), f32x4::splat(-f32::MAX));
+        corners.iter().fold(start, |(low, high), &v| {
+            let h = heights[v as usize];
+            (low.fast_min(h), high.fast_max(h))
+        })
+    }
+}
+
+/// Boxes fitted at once.
+pub(super) const LANES: usize = 8;
+
+/// Square of the least sine of the angle of two sides of three vertices that have a frame.
+pub(super) const NARROW: f64 = 1.0 / (1u64 << 40) as f64;
+
+type Lanes = [f32x8; 3];
+/// Axes of eight boxes by axis, coordinate and lane.
+pub(super) type StoredAxes = [[[f32; LANES]; 3]; 3];
+
+type Columns = [[f64x8; 3]; 3];
+
+/// The places of the vertices in the tree's coordinates, in single precision: by vertex and by
+/// coordinate.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Places {
+    rows: Vec<f32x4>,
+    columns: [Vec<f32>; 3],
+}
+
+impl Places {
+    /// Takes the places; returns an upper bound of their distances from the tree's origin.
+    pub(super) fn take(&mut self, points: &[Vector3<f64>], centre: &Vector3<f64>, scale: f64) -> f64 {
+        self.rows.resize(points.len(), f32x4::ZERO);
+        self.columns.iter_mut().for_each(|c| c.resize(points.len(), 0.0));
+        let [xs, ys, zs] = &mut self.columns;
+        let columns = xs.iter_mut().zip(ys).zip(zs);
+        let mut farthest = 0.0f64;
+        for ((p, row), ((x, y), z)) in points.iter().zip(&mut self.rows).zip(columns) {
+            let place = (p - centre) * scale;
+            farthest = farthest.at_least(place.norm_squared());
+            (*x, *y, *z) = (place.x as f32, place.y as f32, place.z as f32);
+            *row = f32x4::new([*x, *y, *z, 0.0]);
+        }
+        sqrt(farthest) * (1.0 + UNIT_SINGLE)
+    }
+
+    /// Returns the heights of a vertex along three axes.
+    #[inline(always)]
+    pub(super) fn heights_of(&self, vertex: u32, axes: &BoxAxes) -> f32x4 {
+        axes.heights(self.rows[vertex as usize])
+    }
+
+    /// Returns the places of eight vertices.
+    #[inline(always)]
+    fn gather(&self, vertices: &[u32; LANES]) -> Lanes {
+        let row = |k: usize| self.rows[vertices[k] as usize];
+        let low = f32x4::transpose([row(0), row(1), row(2), row(3)]);
+        let high = f32x4::transpose([row(4), row(5), row(6), row(7)]);
+        core::array::from_fn(|k| {
+            let ([a, b, c, d], [e, f, g, h]) = (low[k].to_array(), high[k].to_array());
+            f32x8::new([a, b, c, d, e, f, g, h])
+        })
+    }
+
+    /// Returns the least and greatest heights of consecutive vertices and of others.
+    fn heights(&self, own: core::ops::Range<usize>, others: &[u32], axes: &BoxAxes) -> (f32x4, f32x4) {
+        let [xs, ys, zs] = [0, 1, 2].map(|k| self.columns[k][own.clone()].as_chunks::<LANES>());
+        let rest = own.end - xs.1.len()..own.end;
+        let start = (f32x4::splat(f32::MAX), f32x4::splat(-f32::MAX));
+        let singly = rest.map(|v| v as u32).chain(others.iter().copied());
+        let (low, high) = singly.fold(start, |(low, high), v| {
+            let h = self.heights_of(v, axes);
+            (low.fast_min(h), high.fast_max(h))
+        });
+        if xs.0.is_empty() {
+            return (low, high);
+        }
+        let (mut lows, mut highs) = ([f32x8::splat(f32::MAX); 3], [f32x8::splat(-f32::MAX); 3]);
+        for ((x, y), z) in xs.0.iter().zip(ys.0).zip(zs.0) {
+            let [x, y, z] = [x, y, z].map(|c| f32x8::new(*c));
+            for (k, axis) in axes.rows.iter().enumerate() {
+                let h = x * f32x8::splat(axis[0]) + y * f32x8::splat(axis[1]) + z * f32x8::splat(axis[2]);
+                (lows[k], highs[k]) = (lows[k].fast_min(h), highs[k].fast_max(h));
+            }
+        }
+        (
+            low.fast_min(across(lows, f32x4::fast_min)),
+            high.fast_max(across(highs, f32x4::fast_max)),
+        )
+    }
+}
+
+/// Returns the least or the greatest of the lanes of each of three.
+#[inline(always)]
+fn across(of: Lanes, better: impl Fn(f32x4, f32x4) -> f32x4) -> f32x4 {
+    let halves = of.map(|v| {
+        let [a, b, c, d, e, f, g, h] = v.to_array();
+        better(f32x4::new([a, b, c, d]), f32x4::new([e, f, g, h]))
+    });
+    let [p, q, r, s] = f32x4::transpose([halves[0], halves[1], halves[2], f32x4::ZERO]);
+    better(better(p, q), better(r, s))
+}
+
+/// Where the vertices of a node stand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VerticesBelow {
+    /// Consecutive ones, from one number to the next.
+    pub(super) own: [u32; 2],
+    /// The others, as part of a list.
+    pub(super) others: [u32; 2],
+    /// Of a group, the number after the last node below it.
+    pub(super) end: u32,
+}
+
+/// Eight nodes as they were when their tree was made.
+#[derive(Clone, Debug)]
+pub(super) struct EightAtRest {
+    pub(super) nodes: [u32; LANES],
+    /// Three vertices of each, far from each other.
+    pub(super) three: [[u32; LANES]; 3],
+    /// The rotation from the frame of the three to the axes, as quaternions; zero if there is none.
+    pub(super) rotation: [[f32; LANES]; 4],
+    pub(super) below: [VerticesBelow; LANES],
+}
+
+impl EightAtRest {
+    /// Fits the boxes of the nodes to the places of their vertices, of which `others` lists those
+    /// that are not consecutive; heights err by `slack`. Returns how far the boxes reach from the
+    /// tree's origin.
+    pub(super) fn fit(&self, places: &Places, others: &[u32], slack: f32, boxes: &mut [OrientedBox]) -> f32 {
+        let (axes, mut reach) = (self.stored_axes(places, boxes), 0.0f32);
+        for (lane, below) in self.below.iter().enumerate() {
+            let axes = BoxAxes::new(axes.map(|axis| axis.map(|x| x[lane])));
+            let own = below.own[0] as usize..below.own[1] as usize;
+            let others = &others[below.others[0] as usize..below.others[1] as usize];
+            let (low, high) = places.heights(own, others, &axes);
+            let fitted = axes.fitted(low, high, slack);
+            reach = reach.larger(fitted.reach());
+            boxes[self.nodes[lane] as usize] = fitted;
+        }
+        reach
+    }
+
+    /// Returns the axes as they are stored, by axis, coordinate and lane: turned with the three
+    /// vertices, or as they were if these have no frame now.
+    #[inline(always)]
+    pub(super) fn stored_axes(&self, places: &Places, boxes: &[OrientedBox]) -> StoredAxes {
+        let (axes, exists) = self.axes(places);
+        let mut stored = axes.map(|axis| axis.map(|x| x.to_array().map(|x| x as f32)));
+        for lane in (0..LANES).filter(|lane| !exists[*lane]) {
+            let old = &boxes[self.nodes[lane] as usize].rows;
+            for k in 0..9 {
+                stored[k / 3][k % 3][lane] = old[k / 4][k % 4];
+            }
+        }
+        stored
+    }
+
+    /// Returns the axes in double precision, and which of them exist.
+    #[inline(always)]
+    fn axes(&self, places: &Places) -> (Columns, [bool; LANES]) {
+        let at = |k: usize| places.gather(&self.three[k]).map(double);
+        let (a, b, c) = (at(0), at(1), at(2));
+        let (side, other) = (minus(&b, &a), minus(&c, &a));
+        let normal = cross(&side, &other);
+        let [x, y, z, w] = self.rotation.map(|q| double(f32x8::new(q)));
+        let norm = x * x + y * y + z * z + w * w;
+        let (square, area) = (dot(&side, &side), dot(&normal, &normal));
+        let narrow = (f64x8::splat(NARROW) * square * dot(&other, &other)).to_array();
+        let (areas, norms) = (area.to_array(), norm.to_array());
+        // Written so that NaN is none.
+        let exists = core::array::from_fn(|k| areas[k] > narrow[k] && areas[k] > f64::MIN_POSITIVE && norms[k] > 0.5);
+        let one = f64x8::splat(1.0);
+        let (per_side, per_area) = (one / square.sqrt(), one / area.sqrt());
+        let (e, n) = (side.map(|x| x * per_side), normal.map(|x| x * per_area));
+        let f = cross(&n, &e);
+        // The columns of the rotation in the frame of the three.
+        let s = f64x8::splat(2.0) / norm;
+        let (xs, ys, zs) = (x * s, y * s, z * s);
+        let rotated = [
+            [one - (y * ys + z * zs), x * ys + w * zs, x * zs - w * ys],
+            [x * ys - w * zs, one - (x * xs + z * zs), y * zs + w * xs],
+            [x * zs + w * ys, y * zs - w * xs, one - (x * xs + y * ys)],
+        ];
+        let axes = rotated.map(|[p, q, r]| core::array::from_fn(|k| e[k] * p + f[k] * q + n[k] * r));
+        (axes, exists)
+    }
+}
+
+#[inline(always)]
+fn double(x: f32x8) -> f64x8 {
+    f64x8::new(x.to_array().map(f64::from))
+}
+
+#[inline(always)]
+fn minus(a: &[f64x8; 3], b: &[f64x8; 3]) -> [f64x8; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+#[inline(always)]
+fn dot(a: &[f64x8; 3], b: &[f64x8; 3]) -> f64x8 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross(a: &[f64x8; 3], b: &[f64x8; 3]) -> [f64x8; 3] {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Three axes in single precision: by axis, and the same by coordinate.
+pub(super) struct BoxAxes {
+    pub(super) rows: [[f32; 3]; 3],
+    columns: [f32x4; 3],
+}
+
+impl BoxAxes {
+    #[inline(always)]
+    pub(super) fn new(rows: [[f32; 3]; 3]) -> Self {
+        let columns = [0, 1, 2].map(|k| f32x4::new([rows[0][k], rows[1][k], rows[2][k], 0.0]));
+        Self { rows, columns }
+    }
+
+    /// Returns the heights of a point along the axes.
+    #[inline(always)]
+    pub(super) fn heights(&self, point: f32x4) -> f32x4 {
+        let [x, y, z, _] = point.to_array().map(f32x4::splat);
+        self.columns[0] * x + self.columns[1] * y + self.columns[2] * z
+    }
+
+    /// Returns a box that holds all points whose heights along the axes as stored are at least
+    /// `low` and at most `high`, up to `slack`, the longest side first.
+    ///
+    /// Heights `h` about the centre are the coordinates `s` of a point, `p = sum of s_k axis_k`, up
+    /// to the products of the axes: `h = G s` with the matrix G of products, which is the unit
+    /// matrix up to `e = 8 UNIT_SINGLE` in every place. So `|s_k - h_k| <= e sum |s_j|`, and `sum
+    /// |s_j| <= sum |h_j| / (1 - 3 e)`; `|p|^2 = s . G s <= (1 + 3 e) |s|^2`. The last factors hold
+    /// the roundings of the sums of positive numbers.
+    #[inline(always)]
+    pub(super) fn fitted(&self, low: f32x4, high: f32x4, slack: f32) -> OrientedBox {
+        let up = 1.0 + 8.0 * f32::EPSILON;
+        let [p, q, r, _] = ((low + high) * f32x4::splat(0.5)).to_array();
+        let rows = &self.rows;
+        let centre = [0, 1, 2].map(|k| rows[0][k] * p + rows[1][k] * q + rows[2][k] * r);
+        let at = self.heights(f32x4::new([centre[0], centre[1], centre[2], 0.0]));
+        let reach = (high - at).fast_max(at - low) + f32x4::splat(slack);
+        let [x, y, z, _] = reach.to_array();
+        let skew = f32x4::splat((x + y + z) * BOX_SKEW as f32);
+        let half = ((reach + skew) * f32x4::splat(up)).to_array();
+        let [x, y, z, _] = half;
+        let square = f64::from(x * x + y * y + z * z);
+        let radius = sqrt(square) as f32 * ((1.0 + 3.0 * BOX_SKEW as f32) * up);
+        let [i, j, k] = descending((high - low).to_array());
+        let ([a, b, c], [p, q, r]) = ([rows[i], rows[j], rows[k]], centre);
+        OrientedBox {
+            rows: [
+                [a[0], a[1], a[2], b[0]],
+                [b[1], b[2], c[0], c[1]],
+                [c[2], p, q, r],
+                [half[i], half[j], half[k], radius],
+            ],
+        }
+    }
+}
+
+/// Returns the order of the first three numbers, the greatest first.
+#[inline(always)]
+fn descending([a, b, c, _]: [f32; 4]) -> [usize; 3] {
+    // Ranks by three comparisons: how many of the others come first.
+    let (ba, ca, cb) = (usize::from(b > a), usize::from(c > a), usize::from(c > b));
+    let mut order = [0; 3];
+    order[ba + ca] = 0;
+    order[1 - ba + cb] = 1;
+    order[2 - ca - cb] = 2;
+    order
 }

@@ -1,27 +1,39 @@
-//! Bodies of placed convex pieces, and the queries of two of them.
+//! Bodies of placed convex pieces; the state of a pair of bodies of convex parts, and its queries.
+//!
+//! At a pose, pairs of parts are asked by trackers that are kept ([`PartJudge`]).
 
-mod pair;
-mod tracker;
-
+use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
-pub(crate) use tracker::CompositeTracker;
-
 use crate::base::notice::Watch;
-use crate::base::num::extremes::Extremes;
+use crate::base::num::Counter;
+use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
 use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, PLACED, UNIT};
-use crate::body::polyhedron::{BoxHint, BuildError, ConvexPolyhedron, bounding_box, exponent_of, power_of_two};
+use crate::body::polyhedron::{
+    BoxHint, BuildError, ConvexPolyhedron, FeaturePair, bounding_box, exponent_of, power_of_two,
+};
 use crate::body::shape::{Core, Mass, Shape};
-use crate::composite::meet::frame::TreeSide;
+use crate::composite::front::NodePair;
+use crate::composite::front::memory::FrontMemory;
+use crate::composite::meet::frame::{TreeFrame, TreeSide};
+use crate::composite::meet::overlap::Touching;
+use crate::composite::meet::search::MeshWork;
+use crate::composite::meet::search::{Judge, Measured};
+use crate::composite::meet::state::{PosedTrees, Recognised, TreeAnswer, TreeState};
 use crate::composite::mesh::{Mesh, MeshError, MeshKind};
+use crate::composite::parts::Placed;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::tree::Tree;
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
+use crate::convex::shape_tracker::ShapeTracker;
+use crate::pair::outcome::{Class, Outcome};
+use crate::pair::spot::{Answer, Spot};
 
 /// A convex piece of a [`Composite`]: a shape of any kind, its pose in the body's frame, and a
 /// name.
@@ -458,5 +470,256 @@ impl serde::Serialize for Composite {
 impl<'de> serde::Deserialize<'de> for Composite {
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         Self::new(Vec::deserialize(deserializer)?).map_err(serde::de::Error::custom)
+    }
+}
+
+/// Trackers of pairs of pieces that are kept for each entry of the front; more are forgotten. Not
+/// measured.
+const TRACKERS: usize = 4;
+
+/// The front of the last answer for one pair of bodies of convex parts, and a
+/// `ShapeTracker` for each pair of parts that came near.
+///
+/// Either body is a [`Composite`](crate::Composite) or a [`Mesh`](crate::Mesh); a
+/// `MeshTracker` is faster for two meshes. A convex body against a mesh is a
+/// composite of one piece, which is one leaf with its own support points.
+///
+/// Owns no body. State changes time, never an answer. Saving a tracker (feature `serde`)
+/// keeps its counters alone.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct CompositeTracker {
+    state: TreeState,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    near: BTreeMap<NodePair, NearParts>,
+}
+
+impl CompositeTracker {
+    /// Returns a tracker without a start.
+    #[must_use]
+    pub(crate) fn new() -> Self {
+        Self::default()
+    }
+
+    /// Returns the work of all queries so far; `measured` counts queries of two parts.
+    #[must_use]
+    pub(crate) fn work(&self) -> MeshWork {
+        self.state.kept.work
+    }
+
+    pub(in crate::composite) fn kept(&self) -> &FrontMemory {
+        &self.state.kept
+    }
+
+    pub(in crate::composite) fn count_windings(&mut self, taken: u64) {
+        self.state.kept.work.windings.count(taken);
+    }
+
+    /// Returns the number of entries of the front that is kept.
+    #[must_use]
+    pub(crate) fn front_len(&self) -> usize {
+        self.state.kept.front.len()
+    }
+
+    /// Returns the bytes of the front on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.state.kept.heap_bytes()
+    }
+
+    /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`:
+    /// half as wide again if pieces have poses of their own. Curved pieces add the width of their
+    /// own bounds.
+    pub(crate) fn closest<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> Answer {
+        if PosedTrees::is_turned(a, b, a_from_b) {
+            return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
+        }
+        self.recognise(a, b);
+        self.state.kept.work.queries.count(1);
+        let answer = match PosedTrees::new(a, b, a_from_b) {
+            Some(posed) => {
+                let judge = PartJudge::new(&posed, None, &mut self.near);
+                self.state.closest(&posed, judge)
+            }
+            None => PosedTrees::far(a, b, a_from_b),
+        };
+        self.forget_some();
+        answered(a, b, &answer)
+    }
+
+    /// Returns whether the bodies are at most `d` apart: as exact as
+    /// [`intersects`](Self::intersects), with the limits of
+    /// `MeshTracker::within`. False for a negative `d` and NaN.
+    pub(crate) fn within<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose, d: f64) -> bool {
+        if !(d >= 0.0) {
+            return false;
+        }
+        if PosedTrees::is_turned(a, b, a_from_b) {
+            return self.within(b, a, &a_from_b.swapped(), d);
+        }
+        self.recognise(a, b);
+        self.state.kept.work.queries.count(1);
+        let Some(posed) = PosedTrees::new(a, b, a_from_b) else {
+            return PosedTrees::far::<()>(a, b, a_from_b).lower <= d;
+        };
+        let judge = PartJudge::new(&posed, Some(d), &mut self.near);
+        let is_within = self.state.within(&posed, judge, d / a.stored_unit());
+        self.forget_some();
+        is_within
+    }
+
+    /// Returns a lower bound of the distance in one pass over the front, without looking for the
+    /// closest pair; zero if nothing better is known.
+    pub(crate) fn lower_bound<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> f64 {
+        if PosedTrees::is_turned(a, b, a_from_b) {
+            return self.lower_bound(b, a, &a_from_b.swapped());
+        }
+        self.recognise(a, b);
+        PosedTrees::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
+    }
+
+    fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) {
+        // The parts near each other are copies.
+        if self.state.recognise(a, b) != Recognised::Same {
+            self.near.clear();
+        }
+    }
+
+    fn forget_some(&mut self) {
+        if self.near.len() > TRACKERS * self.state.kept.front.len() + 64 {
+            self.near.clear();
+        }
+    }
+}
+
+fn answered<A: Parted, B: Parted>(a: &A, b: &B, found: &TreeAnswer<FeaturePair>) -> Answer {
+    let ([i, j], features) = found.of.unwrap_or(([0, 0], FeaturePair::FIRST));
+    found.on([Spot::new(a.number(i), features.a), Spot::new(b.number(j), features.b)])
+}
+
+/// Two parts that came near.
+#[derive(Clone, Debug)]
+pub(super) struct NearParts {
+    parts: [(Shape, Isometry3<f64>); 2],
+    pub(super) tracker: ShapeTracker,
+}
+
+/// Judges pairs of parts.
+pub(super) struct PartJudge<'a, A, B> {
+    posed: &'a PosedTrees<'a, A, B>,
+    placed: Placed<'a>,
+    /// The distance in question, in the caller's unit, if that is the question.
+    within: Option<f64>,
+    near: &'a mut BTreeMap<NodePair, NearParts>,
+}
+
+impl<'a, A: Parted, B: Parted> PartJudge<'a, A, B> {
+    pub(super) fn new(
+        posed: &'a PosedTrees<'a, A, B>,
+        within: Option<f64>,
+        near: &'a mut BTreeMap<NodePair, NearParts>,
+    ) -> Self {
+        Self {
+            posed,
+            placed: Placed::of(posed.pose, posed.a, posed.b),
+            within,
+            near,
+        }
+    }
+
+    /// Returns the bounds of two parts about which nothing is known.
+    fn unknown(&self, frame: &TreeFrame, pair: NodePair) -> Measured<FeaturePair> {
+        let (on_a, on_b) = (self.posed.a.side().tree.centre, self.posed.b.side().tree.centre);
+        Measured {
+            pair,
+            distance: frame.size,
+            lower: 0.0,
+            upper: frame.size,
+            normal: Vector3::x(),
+            on_a,
+            on_b,
+            features: FeaturePair::FIRST,
+            crosses: false,
+        }
+    }
+}
+
+impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
+    type Features = FeaturePair;
+
+    fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        self.posed.a.highest(item, n)
+    }
+
+    fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        -self.posed.b.highest(item, &-n)
+    }
+
+    fn shares_inside(&self, touching: &Touching, found: &Measured<FeaturePair>) -> (bool, u64) {
+        self.posed.shares_inside(touching, found, false)
+    }
+
+    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, _: f64) -> Measured<FeaturePair> {
+        let (a, b) = (self.posed.a, self.posed.b);
+        if !self.near.contains_key(&pair) {
+            let (Some(p), Some(q)) = (a.part(pair[0]), b.part(pair[1])) else {
+                return self.unknown(frame, pair);
+            };
+            let near = NearParts {
+                parts: [p, q],
+                tracker: ShapeTracker::new(),
+            };
+            self.near.insert(pair, near);
+        }
+        let Some(NearParts { parts, tracker }) = self.near.get_mut(&pair) else {
+            return self.unknown(frame, pair);
+        };
+        let [(p, at_p), (q, at_q)] = parts;
+        let (pose, exact) = self.placed.between(at_p, at_q);
+        let mut o: Outcome = tracker.closest_or_class(p, q, &pose);
+        if !exact && o.class == Class::Overlapping {
+            // Only a depth beyond the rounding of composed poses proves an overlap.
+            o = tracker.closest(p, q, &pose);
+        }
+        let unit = 1.0 / a.stored_unit();
+        // The rounding of composed poses: two products of rotations and two sums.
+        let error = if exact { 0.0 } else { 2.0 * frame.error };
+        let meets = o.class == Class::Overlapping;
+        let distance = if meets { 0.0 } else { (o.distance * unit).at_least(0.0) };
+        let mut m = Measured {
+            pair,
+            distance,
+            lower: if meets {
+                0.0
+            } else {
+                (o.lower * unit - error).at_least(0.0)
+            },
+            // An overlap no deeper than rounding may be a gap.
+            upper: if meets {
+                (o.upper * unit + error).at_least(0.0)
+            } else {
+                (o.upper * unit).larger(distance) + error
+            },
+            normal: at_p.rotation * *o.normal,
+            on_a: (*at_p * o.point_on_a).coords * unit,
+            on_b: (*at_q * o.point_on_b).coords / b.stored_unit(),
+            features: o.features,
+            crosses: meets && (exact || o.upper * unit < -error),
+        };
+        let Some(d) = self.within else { return m };
+        let stored = d * unit;
+        if !(m.lower > stored || m.upper <= stored) {
+            if !exact || tracker.within(p, q, &pose, d) {
+                (m.lower, m.distance, m.upper) = (
+                    m.lower.smaller(stored),
+                    m.distance.smaller(stored),
+                    m.upper.smaller(stored),
+                );
+            } else {
+                m.lower = stored.next_up();
+                m.distance = m.distance.larger(m.lower);
+                m.upper = m.upper.larger(m.lower);
+            }
+        }
+        m
     }
 }
