@@ -548,12 +548,11 @@ fn topology_knows_no_place() {
     );
 }
 
-/// The walk, its solvers and manifolds allocate nothing. Exact integers do; so does the record of a walk, on request only.
+/// The walk, its solvers and manifolds allocate nothing. Exact integers do.
 #[test]
 fn queries_allocate_nothing_and_call_no_trait_object() {
     let folders = ["pair", "walk", "minimum", "solve", "contact"];
-    let outside =
-        |s: &Source| folders.iter().any(|f| s.is_in(f)) && !s.is_in("walk/trace") && !s.is_in("solve/mutation");
+    let outside = |s: &Source| folders.iter().any(|f| s.is_in(f)) && !s.is_in("solve/mutation");
     none(
         "allocation in the walk",
         holding(&["dyn", "Vec", "Box", "String", "alloc", "vec!", "format!"], outside),

@@ -16,7 +16,7 @@
 use nalgebra::{Point3, Unit, Vector3};
 use thiserror::Error;
 
-use super::candidates::{Candidates, Location};
+use super::clip::{Candidates, Location};
 use super::reduce::reduce;
 use super::{MOST_POINTS, ManifoldOptions, tangents_of};
 use crate::base::num::extremes::Extremes;

@@ -10,12 +10,11 @@ use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::pair::outcome::Outcome;
 use crate::pair::rounding;
 
-use super::candidates::{ContactCandidate, Location};
-use super::facet::Facet;
-use super::facets;
+use super::bearing::Facet;
+use super::clip::{ContactCandidate, Location};
+use super::clip_large::{NO_RAYS, Rays};
 use super::query::Query;
-use super::rims::{NO_RAYS, Rays};
-use super::{Contacts, MOST_POINTS, ManifoldOptions, PosedOutcome};
+use super::{Contacts, MOST_POINTS, ManifoldOptions, PosedOutcome, clip_curved};
 
 /// A point of each body, opposite each other along the normal: of two edges that are parallel but
 /// for the angle of [`ManifoldOptions::sine`], each end and the nearest point of the other edge.
@@ -316,7 +315,7 @@ impl Manifold {
                 };
                 posed.contacts(options, self, since_choice)
             }
-            facets => facets::contacts(query, outcome, facets, self),
+            facets => clip_curved::contacts(query, outcome, facets, self),
         };
         if query.radii != [0.0; 2] {
             contacts.grow(query, &outcome.normal);

@@ -2,9 +2,9 @@
 //! frame; and gradients of the signed distance.
 //!
 //! A manifold starts from a certified outcome: normal, features, witnesses. The features are
-//! promoted to the faces (or edges) within a small angle of the normal ([`promote`]), both are
+//! promoted to the faces (or edges) within a small angle of the normal ([`bearing`]), both are
 //! projected along the normal ([`projection`]), and the vertices of their overlap ([`clip`], and
-//! [`rims`] for faces of many vertices) are the contact candidates. A few candidates are kept
+//! [`clip_large`] for faces of many vertices) are the contact candidates. A few candidates are kept
 //! ([`mod@reduce`]): the deepest, and the points that span the most area. [`manifold`] keeps the
 //! contacts over frames.
 //!
@@ -16,25 +16,22 @@
 //! 1. Both faces are projected along the certified normal, and play equal parts: points on A and on
 //!    B lie opposite each other along the normal, whichever body is named first.
 //! 2. The reference only determines the body with which the normal rotates between two outcomes.
-//! 3. Curved shapes bear contacts by flat round faces and straight generators ([`facet`]), clipped
-//!    as circles and segments ([`facets`]); rounded shapes by their cores, and the points move out.
+//! 3. Curved shapes bear contacts by flat round faces and straight generators ([`Facet`]), clipped
+//!    as circles and segments ([`clip_curved`]); rounded shapes by their cores, and the points move
+//!    out.
 //! 4. Old contacts are matched by a bound on the motion of the bodies, not by distances of points.
 
-mod axes;
-mod candidates;
+mod bearing;
 mod clip;
-mod facet;
-mod facets;
+mod clip_curved;
+mod clip_large;
 mod gradient;
 mod half_space;
-mod keep;
 mod manifold;
-mod options;
 mod projection;
-mod promote;
 mod query;
 mod reduce;
-mod rims;
+mod refresh;
 
 use nalgebra::{Matrix3, Point3, Vector3};
 
@@ -44,20 +41,19 @@ use crate::base::tolerance::{ACROSS, AGREE, STEEP};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, FeaturePair};
 use crate::pair::outcome::{Outcome, Solver};
 use crate::pair::rounding;
-use axes::Axes;
-pub(crate) use candidates::ContactCandidate;
-use candidates::{Candidates, Location};
-use keep::Projections;
-use projection::{LazyProjection, ProjectedFeature};
-use promote::Promotion;
+use bearing::Promotion;
+pub(crate) use clip::ContactCandidate;
+use clip::{Candidates, Location};
+use clip_large::Rays;
+use projection::{Axes, LazyProjection, ProjectedFeature};
 pub(crate) use reduce::reduce;
-use rims::Rays;
+use refresh::Projections;
 
-pub(crate) use facet::{Facet, RoundFace};
+pub(crate) use bearing::{Facet, RoundFace};
 pub use gradient::Gradient;
 pub use half_space::{HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError};
 pub use manifold::{ContactPoint, Manifold};
-pub use options::ManifoldOptions;
+pub use query::ManifoldOptions;
 pub(crate) use query::{Extent, Query};
 
 /// Most points of a manifold.
@@ -285,7 +281,7 @@ impl ProjectedPair<'_> {
         } else if a.is_large() || b.is_large() {
             let middle = |p: &Point3<f64>| a.position_of(&self.posed.a.to_stored(p));
             let hint = before.middle().as_ref().map(middle);
-            rims::clip([a, b], hint, options.most(), rays, candidates);
+            clip_large::clip([a, b], hint, options.most(), rays, candidates);
         } else {
             clip::clip(a, b, a.axes.noise, candidates);
         }
@@ -336,7 +332,7 @@ impl ProjectedPair<'_> {
             [_, Some(_)] => self.a.inside_by(candidate.at),
             _ => 0.0,
         };
-        keep::margin(inside * self.unit, candidate.separation * self.unit, options)
+        refresh::margin(inside * self.unit, candidate.separation * self.unit, options)
     }
 
     fn features_of(&self, candidate: &ContactCandidate) -> FeaturePair {

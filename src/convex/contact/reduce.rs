@@ -1,7 +1,7 @@
 //! Reduction of many candidates to a few: the deepest, and the points that span the most area.
 
 use super::MOST_POINTS;
-use super::candidates::ContactCandidate;
+use super::clip::ContactCandidate;
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::STAY;
 

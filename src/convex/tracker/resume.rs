@@ -1,10 +1,10 @@
 //! Depths from the last answer: the deepest facet, and the surface, of the query before.
 
 use super::{Tracker, to_user_units};
-use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::body::polyhedron::FeaturePair;
 use crate::convex::depth::{self, Memory, NearestFeature};
 use crate::pair::draft::Draft;
-use crate::pair::outcome::{Class, Until};
+use crate::pair::outcome::Until;
 use crate::pair::posed::PosedPair;
 
 /// What became of the last overlap.
@@ -18,38 +18,6 @@ pub(super) enum Resumed {
 }
 
 impl Tracker {
-    /// Returns a tracker that starts as after an answer of this class at these features: for
-    /// callers who keep features and class in state of their own, and no tracker. After an overlap,
-    /// the next query for a depth begins at the facet of the features; after any other class the
-    /// tracker is that of [`starting_from`](Self::starting_from). A wrong hint costs time and never
-    /// an answer.
-    ///
-    /// ```
-    /// use lin_canny::nalgebra::{Isometry3, Vector3};
-    /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
-    ///
-    /// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
-    /// let b = solids::octahedron(0.5)?;
-    /// let pose = |x| {
-    ///     RelativePose::from_isometry(&Isometry3::translation(x, 0.2, 0.1))
-    /// };
-    /// let before = Tracker::new().closest(&a, &b, &pose(1.48)?);
-    ///
-    /// // In the next frame, from what the caller kept:
-    /// let mut pair = Tracker::resuming(before.features, before.class, &a, &b);
-    /// let now = pair.closest(&a, &b, &pose(1.49)?);
-    /// assert!((now.distance + 0.01).abs() < 1e-12);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    #[must_use]
-    pub fn resuming(features: FeaturePair, class: Class, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
-        let mut tracker = Self::starting_from(features, a, b);
-        if class == Class::Overlapping && features.is_of(a, b) {
-            tracker.memory = Memory::after(features);
-        }
-        tracker
-    }
-
     /// Answers from the deepest facet or the surface of the last answer. State of no further use is
     /// dropped. Bodies that came apart since get the start of a walk, whatever the costs of starts
     /// were: these costs are no part of a replay.

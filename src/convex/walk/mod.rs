@@ -27,7 +27,6 @@ pub(crate) mod rings;
 pub(crate) mod seed;
 mod slide;
 pub(crate) mod step;
-pub(crate) mod trace;
 mod vertex_edge;
 mod vertex_face;
 mod vertex_vertex;

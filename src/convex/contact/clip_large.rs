@@ -23,8 +23,7 @@
 use core::cmp::Ordering;
 
 use super::MOST_POINTS;
-use super::candidates::{Candidates, Location};
-use super::clip::push_crossing;
+use super::clip::{Candidates, Location, push_crossing};
 use super::projection::ProjectedFeature;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;

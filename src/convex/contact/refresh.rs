@@ -6,10 +6,8 @@
 
 use nalgebra::Vector3;
 
-use super::axes::{Axes, FacePlane2};
-use super::candidates::Location;
-use super::clip::{self, LocalPoint};
-use super::projection::LazyProjection;
+use super::clip::{self, LocalPoint, Location};
+use super::projection::{Axes, FacePlane2, LazyProjection};
 use super::{ContactPoint, Contacts, Manifold, ManifoldOptions, PosedOutcome};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{AGREE, STAY};

@@ -7,10 +7,9 @@
 
 use nalgebra::Vector3;
 
-use super::axes::Axes;
-use super::candidates::{Candidates, ContactCandidate, Location};
-use super::clip::crossing;
-use super::facet::{Facet, ProjectedFacet};
+use super::bearing::{Facet, ProjectedFacet};
+use super::clip::{Candidates, ContactCandidate, Location, crossing};
+use super::projection::Axes;
 use super::{Choice, ContactPoint, Contacts, Manifold, Query, tangents_of};
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;

@@ -1,0 +1,793 @@
+//! The state a user keeps per pair: the features of the last answer, from which the next query
+//! starts.
+//!
+//! This file holds the [`Tracker`] and all its queries: closest points, distances and proposals,
+//! contacts, the local depth of an overlap, predicates, whether bodies are within a sum of numbers
+//! of each other (what rounded bodies ask), the record of a walk for diagnosis, and the tracker as
+//! a text. [`mod@resume`] starts from the overlap of the last answer, [`counts`] chooses the start
+//! of a walk.
+
+mod counts;
+mod resume;
+
+use alloc::string::String;
+use alloc::vec::Vec;
+
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::LEAST_SQUARE;
+use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
+use crate::convex::contact::{Manifold, ManifoldOptions, Query};
+use crate::convex::depth::Memory;
+use crate::convex::minimum::overlap_proof::OverlapProof;
+use crate::convex::replay::Replay;
+use crate::convex::solve::out_of_range;
+use crate::convex::tracker::counts::Starts;
+use crate::convex::tracker::resume::{Resumed, enters_overlap};
+use crate::convex::walk::rings::predict::predict;
+use crate::convex::walk::{seed, walk_observed};
+use crate::convex::{depth, solve};
+use crate::pair::draft::Draft;
+use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until, Work};
+use crate::pair::posed::PosedPair;
+
+pub(crate) use crate::convex::depth::Workspace;
+pub use crate::convex::tracker::counts::Totals;
+
+/// Walks of so many steps were near their end at the start, and extrapolation of the features would
+/// gain nothing. Not measured.
+const STEADY: u32 = 3;
+
+/// The features of the last answer of a pair, from which the next walk starts, and counters.
+///
+/// Owns no body. A tracker that comes from another pair, or is out of date, costs time and never an
+/// answer: classification and predicates are equal warm and cold, and distances agree within their
+/// bounds. Only among exact ties may features, witnesses and normal depend on the history.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+///
+/// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+/// let b = solids::octahedron(0.5)?;
+/// let mut pair = Tracker::default();
+/// for k in 0..10 {
+///     let at = Isometry3::translation(3.0, 0.1 * k as f64, 0.0);
+///     let a_from_b = RelativePose::from_isometry(&at)?;
+///     let c = pair.closest(&a, &b, &a_from_b);
+///     assert!(c.lower <= 1.5 && 1.5 <= c.upper);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "v-clip")]
+#[doc(alias = "gjk")]
+#[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Tracker {
+    last: Option<FeaturePair>,
+    /// Start of the next walk: the last features, or features extrapolated by the motion of a step.
+    #[cfg_attr(feature = "serde", serde(default))]
+    next: Option<FeaturePair>,
+    starts: Starts,
+    totals: Totals,
+    /// The surface of the last answer, if the last answer was an overlap.
+    #[cfg_attr(feature = "serde", serde(default))]
+    memory: Memory,
+    /// The proof of the last answer, if the last answer was an overlap without depth.
+    #[cfg_attr(feature = "serde", serde(default))]
+    overlap_proof: Option<OverlapProof>,
+}
+
+impl Tracker {
+    /// Returns a tracker without a start: the first query begins at the support vertices along the
+    /// line of centres.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Returns the closest features, their witnesses and bounds of the distance, certified:
+    /// separated bodies get bounds no wider than `1e-13 L`, with `L` the size of the pair ([front
+    /// page](crate#guarantees)). Overlapping bodies get their depth as a negative distance, bounded
+    /// as well. Queries of separated bodies allocate nothing, unless exact arithmetic is needed;
+    /// the depth of an overlap takes memory that the tracker keeps, or has allocated before
+    /// ([`reserve`](Self::reserve)).
+    ///
+    /// A query tests a few vertices, even if faces or fans of thousands of edges lie flush. Only
+    /// one query takes time in proportion to the number of such edges: the depth of an overlap
+    /// whose centre is equally deep under all of them, as of two cones with coaxial apexes. Each
+    /// may be the deepest, and is tested, in some 3 to 7 us.
+    #[inline]
+    pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
+        self.checked(a, b, a_from_b, Until::Depth)
+    }
+
+    /// Returns the closest features as [`closest`](Self::closest) does, with the distance of
+    /// separated bodies within one unit in the last place of the truth. Costs some ten times
+    /// `closest`: features that are the closest beyond doubt have a distance in closed form, in
+    /// double-double arithmetic; other pairs, as of parallel faces, are solved in that arithmetic
+    /// or in exact integers, in microseconds. The depth of an overlap keeps the bounds of
+    /// [`closest`](Self::closest) unless its facets are decided over integers
+    /// ([`Solver::Exact`](crate::Solver)).
+    #[cfg(feature = "exact")]
+    pub fn closest_exact(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
+        let before = self.before(a, b);
+        let mut outcome = self.answer(
+            a,
+            b,
+            a_from_b,
+            Ask {
+                accuracy: Accuracy::Exact,
+                until: Until::Depth,
+            },
+        );
+        // Second case: a distance that f64 holds in the caller's unit only, below the normal
+        // numbers in the stored unit.
+        if outcome.solver == crate::pair::outcome::Solver::Far
+            || outcome.class == Class::Separated && !outcome.is_tight()
+        {
+            outcome = out_of_range::exactly(a, b, a_from_b, outcome);
+        }
+        debug_check(a, b, a_from_b, &before, Accuracy::Exact, &outcome);
+        outcome
+    }
+
+    /// Returns the closest points of bodies apart, and of an overlap the class without its depth.
+    pub(crate) fn closest_or_class(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+    ) -> Outcome {
+        self.measure(a, b, a_from_b, Until::Class)
+    }
+
+    /// Returns the distance and its bounds without the witnesses.
+    pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
+        self.bounds(a, b, a_from_b, Until::Depth)
+    }
+
+    /// Returns the closest features as the walk proposes, without bounds. If the walk does not end,
+    /// the minimum-norm solver in f64 is used.
+    #[inline]
+    pub fn propose(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Proposal {
+        let o = self.answer(
+            a,
+            b,
+            a_from_b,
+            Ask {
+                accuracy: Accuracy::Walk,
+                until: Until::Class,
+            },
+        );
+        Proposal {
+            distance: (o.class != Class::Overlapping).then_some(o.distance),
+            features: o.features,
+            point_on_a: o.point_on_a,
+            point_on_b: o.point_on_b,
+            normal: o.normal,
+            solver: o.solver,
+            work: o.work,
+        }
+    }
+
+    /// Returns a tracker that starts from the given features; features that the bodies do not have
+    /// are ignored.
+    #[must_use]
+    pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        let features = features.is_of(a, b).then(|| features.walkable(a, b));
+        Self {
+            last: features,
+            next: features,
+            starts: Starts::default(),
+            totals: Totals::default(),
+            memory: Memory::default(),
+            overlap_proof: None,
+        }
+    }
+
+    /// Returns a tracker that starts as after an answer of this class at these features: for
+    /// callers who keep features and class in state of their own, and no tracker. After an overlap,
+    /// the next query for a depth begins at the facet of the features; after any other class the
+    /// tracker is that of [`starting_from`](Self::starting_from). A wrong hint costs time and never
+    /// an answer.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+    ///
+    /// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
+    /// let b = solids::octahedron(0.5)?;
+    /// let pose = |x| {
+    ///     RelativePose::from_isometry(&Isometry3::translation(x, 0.2, 0.1))
+    /// };
+    /// let before = Tracker::new().closest(&a, &b, &pose(1.48)?);
+    ///
+    /// // In the next frame, from what the caller kept:
+    /// let mut pair = Tracker::resuming(before.features, before.class, &a, &b);
+    /// let now = pair.closest(&a, &b, &pose(1.49)?);
+    /// assert!((now.distance + 0.01).abs() < 1e-12);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn resuming(features: FeaturePair, class: Class, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+        let mut tracker = Self::starting_from(features, a, b);
+        if class == Class::Overlapping && features.is_of(a, b) {
+            tracker.memory = Memory::after(features);
+        }
+        tracker
+    }
+
+    /// Allocates all the memory that overlaps may need later (some 50 kB): afterwards no query
+    /// allocates if the walk or its solvers in f64 suffice, as long as surfaces have no more than
+    /// 256 triangles. Only round bodies deep in each other need more.
+    pub fn reserve(&mut self) {
+        self.memory.reserve();
+    }
+
+    /// Returns the features of the last answer.
+    #[must_use]
+    pub fn features(&self) -> Option<FeaturePair> {
+        self.last
+    }
+
+    /// Returns the pairs of features that the walk of the next query would test, in order, and
+    /// whether the walk ends on the last pair rather than handing over there. Nothing is changed or
+    /// counted. Empty for bodies on which no walk is tried: too far apart, or of sizes too
+    /// different.
+    #[must_use]
+    pub fn trace(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+    ) -> (Vec<FeaturePair>, bool) {
+        match PosedPair::new(a, b, a_from_b) {
+            Ok(posed) => trace(&posed, self.start(a, b)),
+            Err(_) => (Vec::new(), false),
+        }
+    }
+
+    /// Returns the query as a text that rebuilds the query bit for bit: call this before the query,
+    /// or the recorded start is the start of the next query.
+    #[must_use]
+    pub fn replay(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        accuracy: Accuracy,
+    ) -> Replay {
+        replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), accuracy)
+    }
+
+    /// Returns the first broken invariant of the cached state: a tool of tests and fuzzing.
+    ///
+    /// # Errors
+    /// A text that names the broken invariant.
+    pub fn check(&self) -> Result<(), String> {
+        self.memory.check()
+    }
+
+    /// Returns the counters since the tracker was made or reset.
+    #[must_use]
+    pub fn work(&self) -> Totals {
+        self.totals
+    }
+
+    /// Forgets features and counters.
+    pub fn reset(&mut self) {
+        *self = Self::default();
+    }
+
+    /// Computes the contact points of two bodies within `options.prediction`, in `manifold`, which
+    /// keeps ids and order of the contacts of the previous query: one manifold for each pair,
+    /// passed in every frame.
+    ///
+    /// If the bodies have moved no more than `options.drift` since the manifold was made, its
+    /// points stay fixed to the bodies and only their separations, the normal and the bounds are
+    /// measured again; otherwise the manifold is rebuilt from [`closest`](Self::closest), and its
+    /// deepest contact is the contact of the answer.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::{Manifold, ManifoldOptions, RelativePose, Tracker};
+    ///
+    /// let floor = solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
+    /// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
+    /// let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
+    /// let options = ManifoldOptions::within(0.02);
+    /// for k in 0..10 {
+    ///     let at = Isometry3::translation(0.1 * k as f64, 0.0, 1.49);
+    ///     let a_from_b = RelativePose::from_isometry(&at)?;
+    ///     pair.manifold(&floor, &part, &a_from_b, &options, &mut manifold);
+    ///     assert_eq!(manifold.points().len(), 4);
+    ///     for contact in manifold.points() {
+    ///         let (id, point) = (contact.id, contact.point_on_a);
+    ///         println!("{id}: {:.3} at {point}", contact.separation);
+    ///     }
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[inline]
+    pub fn manifold(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+        manifold: &mut Manifold,
+    ) {
+        let query = Query::new(a, b, a_from_b, options);
+        if let Err(moved) = manifold.refresh(&query) {
+            let outcome = match options.local_depth {
+                false => self.closest(a, b, a_from_b),
+                true => self.closest_with_local_depth(a, b, a_from_b),
+            };
+            manifold.renew(&query, &outcome, moved);
+        }
+    }
+
+    /// Returns the closest features as [`closest`](Self::closest) does, and of an overlap a local
+    /// depth, at about three times the price of a walk: `normal` and `distance` are those of a
+    /// facet of the Minkowski difference that is nearest in its neighbourhood, found by a walk from
+    /// the facet of the last answer. A translation of B by `-lower` along the normal is proven to
+    /// part the bodies, so `-lower` bounds the depth from above; a shorter translation may do.
+    ///
+    /// `upper` is what the search happens to prove: equal to the distance (within `1e-13 L`) if the
+    /// depth is proven to be the least, else a bound, and zero if only the overlap is proven.
+    ///
+    /// Use this for bodies of 32 vertices or more in shallow contact; do not use it for bodies of
+    /// few vertices, nor for deep overlaps. Measured on round and flat bodies 1 % deep that turn by
+    /// half a degree a frame:
+    ///
+    /// * From 32 vertices on, [`closest`](Self::closest) takes 2.5 to 16 times as long, and one
+    ///   query in a hundred 16 to 87 times. (Prisms that slide flush on each other: 1.0 to 1.7
+    ///   times as long.)
+    /// * If `upper` is zero, a quarter (flat bodies) to four fifths of the answers are deeper than
+    ///   the depth; if `upper` is a bound below zero, 2 % to 40 % are.
+    /// * From 128 vertices on, such an answer is at most 1.2 times the depth. At eight vertices it
+    ///   is up to 5 times (round bodies) or 33 times (flat bodies) the depth: the facet is nearest
+    ///   only in its neighbourhood, and the next queries start from it.
+    ///
+    /// [`closest`](Self::closest) of the same tracker leads back to the deepest facet:
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Vector3};
+    /// use lin_canny::{RelativePose, Tracker, polyhedron::solids};
+    ///
+    /// let plate = solids::cuboid(Vector3::new(1.0, 1.0, 0.1))?;
+    /// let peg = solids::cuboid(Vector3::new(0.1, 0.1, 0.5))?;
+    /// let mut pair = Tracker::new();
+    /// for k in 0..20 {
+    ///     // The peg comes in over the rim of the plate, up to the centre.
+    ///     let at = Isometry3::translation(1.1 - 0.05 * f64::from(k), 0.0, 0.5);
+    ///     let pose = RelativePose::from_isometry(&at)?;
+    ///     let mut o = pair.closest_with_local_depth(&plate, &peg, &pose);
+    ///     if o.upper - o.lower > 0.01 {
+    ///         o = pair.closest(&plate, &peg, &pose);
+    ///     }
+    ///     assert!(-o.distance < 0.11);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn closest_with_local_depth(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+    ) -> Outcome {
+        self.checked(a, b, a_from_b, Until::LocalDepth)
+    }
+
+    /// Returns whether the closed bodies share a point: touching is intersecting.
+    ///
+    /// With the feature `exact` the answer equals exact arithmetic on the poses given. Without
+    /// `exact`, bodies within `1e-27 L` of touching count as intersecting.
+    pub fn intersects(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> bool {
+        self.within(a, b, a_from_b, 0.0)
+    }
+
+    /// Returns whether the closed bodies are at most `d` apart, `d` in the caller's units. Always
+    /// false for a negative or NaN `d`.
+    ///
+    /// With the feature `exact` the answer equals exact arithmetic on the poses and the `d` given.
+    /// Without `exact`, a distance that the bounds cannot distinguish from `d` counts as within.
+    pub fn within(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
+        if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
+            return false;
+        }
+        let outcome = self.measure(a, b, a_from_b, Until::Class);
+        self.decides_within(a, b, a_from_b, &outcome, d)
+    }
+
+    /// Returns the signed distance and its bounds; the depth of an overlap stays open if `until` is
+    /// [`Until::Class`].
+    #[inline]
+    pub(crate) fn bounds(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        until: Until,
+    ) -> Distance {
+        Distance::from(&self.measure(a, b, a_from_b, until))
+    }
+
+    /// Returns the certified outcome; of an overlap as much as `until` calls for.
+    #[inline]
+    pub(crate) fn measure(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        until: Until,
+    ) -> Outcome {
+        self.answer(a, b, a_from_b, Ask::certified(until))
+    }
+
+    /// Returns the outcome of [`measure`](Self::measure), checked in debug builds.
+    #[inline]
+    pub(crate) fn checked(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        until: Until,
+    ) -> Outcome {
+        let before = self.before(a, b);
+        let outcome = self.measure(a, b, a_from_b, until);
+        debug_check(a, b, a_from_b, &before, Accuracy::Certified, &outcome);
+        outcome
+    }
+
+    /// Returns the answer of [`within`](Self::within) for a `d` that is not negative, from the
+    /// outcome of the last query.
+    #[inline]
+    pub(crate) fn decides_within(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        outcome: &Outcome,
+        d: f64,
+    ) -> bool {
+        if outcome.class == Class::Overlapping || outcome.upper <= d {
+            true
+        } else if outcome.lower > d {
+            false
+        } else {
+            self.decide_within(a, b, a_from_b, d)
+        }
+    }
+
+    /// Makes the next query without depth begin with the expectation of an overlap, from this
+    /// proof.
+    pub(crate) fn expect(&mut self, proof: OverlapProof) {
+        self.overlap_proof = Some(proof);
+    }
+
+    /// Returns the number of triangles of the cached surface of an overlap.
+    pub(crate) fn facets(&self) -> usize {
+        if self.overlap_proof.is_some() {
+            4
+        } else {
+            self.memory.facets()
+        }
+    }
+
+    /// Drops the cached surface of an overlap, and its memory.
+    pub(crate) fn shed(&mut self) {
+        self.memory = Memory::default();
+    }
+
+    /// Exchanges the working memory of searches for a depth for another: a scene lends one to all
+    /// its trackers, since one for each would not stay in the cache.
+    #[inline]
+    pub(crate) fn exchange(&mut self, workspace: &mut Workspace) {
+        self.memory.exchange(workspace);
+    }
+
+    /// Returns the bytes on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.memory.heap_bytes()
+    }
+
+    /// Computes the class alone from the proof of the last answer, or by the solver of this proof.
+    #[inline(never)]
+    pub(super) fn still_overlaps(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
+        let first = *draft;
+        let Some((hold, features)) = self.overlap_proof.zip(self.last.filter(|f| f.is_of(posed.a, posed.b))) else {
+            return false;
+        };
+        draft.features = features;
+        self.overlap_proof = hold.renewed(posed, features, draft);
+        if self.overlap_proof.is_none() {
+            let work = draft.work;
+            *draft = first;
+            draft.work = work;
+            return false;
+        }
+        self.totals.note(true, draft.solver, &draft.work);
+        if !(posed.a.is_unscaled && posed.b.is_unscaled) {
+            to_user_units(posed.a, posed.b, draft);
+        }
+        true
+    }
+
+    #[cfg(feature = "exact")]
+    #[cold]
+    fn decide_within(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, d: f64) -> bool {
+        let hint = self
+            .last
+            .unwrap_or(crate::body::polyhedron::FeaturePair::FIRST)
+            .vertices_of(a, b);
+        crate::convex::exact::within(a, b, a_from_b, hint, d)
+    }
+
+    #[cfg(not(feature = "exact"))]
+    fn decide_within(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: f64) -> bool {
+        true
+    }
+
+    /// Returns whether the closed bodies are at most the exact sum of three numbers apart, like
+    /// [`within`](Self::within); false unless all three numbers are zero or positive.
+    pub(crate) fn within_reach(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        reach: [f64; 3],
+    ) -> bool {
+        if !reach.iter().all(|&x| x >= 0.0) {
+            return false;
+        }
+        let sum = reach[0] + reach[1] + reach[2];
+        // Two roundings: within two units in the last place.
+        let (least, most) = (sum.next_down().next_down(), sum.next_up().next_up());
+        if clear_of(a, b, a_from_b, most) {
+            return false;
+        }
+        let outcome = self.measure(a, b, a_from_b, Until::Class);
+        if outcome.class == Class::Overlapping || outcome.upper <= least {
+            return true;
+        }
+        outcome.lower <= most && self.decide_within_reach(a, b, a_from_b, &reach)
+    }
+
+    #[cfg(feature = "exact")]
+    #[cold]
+    fn decide_within_reach(
+        &self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        reach: &[f64],
+    ) -> bool {
+        let hint = self
+            .last
+            .unwrap_or(crate::body::polyhedron::FeaturePair::FIRST)
+            .vertices_of(a, b);
+        reach.contains(&f64::INFINITY) || crate::convex::exact::compare(a, b, a_from_b, hint, reach).is_le()
+    }
+
+    #[cfg(not(feature = "exact"))]
+    fn decide_within_reach(&self, _: &ConvexPolyhedron, _: &ConvexPolyhedron, _: &RelativePose, _: &[f64]) -> bool {
+        true
+    }
+
+    /// Answers at one accuracy, an overlap with its depth if `deep`. The draft is written in
+    /// place: copied whole, the draft would wait for its parts to leave the store queue.
+    #[inline(always)]
+    fn answer(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, ask: Ask) -> Outcome {
+        let mut draft = Draft::starting_at(FeaturePair::FIRST);
+        self.solve(a, b, a_from_b, ask, &mut draft);
+        draft.into_outcome()
+    }
+
+    #[inline(never)]
+    fn solve(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        ask: Ask,
+        draft: &mut Draft,
+    ) {
+        if a.exponent != b.exponent && has_the_unit(b, a) {
+            self.solve_in_units_of_b(a, b, a_from_b, ask, draft);
+        } else if let Ok(posed) = PosedPair::new(a, b, a_from_b) {
+            let mut near = None;
+            if ask.until.has_depth() && !self.memory.is_empty() {
+                match self.resume(&posed, ask.until, draft) {
+                    Resumed::Proven => return,
+                    Resumed::Apart(start) => near = Some(start),
+                    Resumed::Open => {}
+                }
+            }
+            if ask == Ask::certified(Until::Class) && self.overlap_proof.is_some() && self.still_overlaps(&posed, draft)
+            {
+                return;
+            }
+            let warm = near.or_else(|| self.start(a, b));
+            match warm {
+                Some(pair) => draft.features = pair,
+                None => draft.features = seed::cold(&posed, &mut draft.work),
+            }
+            let memory = &mut self.memory;
+            solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |draft| {
+                ask.until.has_depth() && enters_overlap(&posed, memory, draft)
+            });
+            self.deepen(ask, &posed, draft);
+            self.count(warm.is_some(), a, b, draft);
+            if !(a.is_unscaled && b.is_unscaled) {
+                to_user_units(a, b, draft);
+            }
+        } else {
+            self.solve_far(a, b, a_from_b, draft);
+        }
+    }
+
+    /// Computes the depth of an overlap, if requested; if not, the next query begins with the
+    /// expectation of another overlap.
+    #[inline(always)]
+    fn deepen(&mut self, ask: Ask, posed: &PosedPair, draft: &mut Draft) {
+        if draft.class == Class::Overlapping {
+            self.overlap_proof = (ask.until == Until::Class).then(OverlapProof::default);
+            let is_open = ask.until.has_depth() && draft.lower == f64::NEG_INFINITY;
+            let is_touch = is_open && ask.accuracy != Accuracy::Exact && depth::of_touch(posed, draft);
+            if is_open && !is_touch {
+                depth::penetration_depth(posed, &mut self.memory, draft);
+            }
+        }
+    }
+
+    #[cold]
+    fn solve_in_units_of_b(
+        &mut self,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+        a_from_b: &RelativePose,
+        ask: Ask,
+        draft: &mut Draft,
+    ) {
+        let b_from_a = a_from_b.swapped();
+        let Ok(posed) = PosedPair::new(b, a, &b_from_a) else {
+            return self.solve_far(a, b, a_from_b, draft);
+        };
+        let warm = self.start(a, b).map(FeaturePair::swapped);
+        draft.features = warm.unwrap_or_else(|| seed::cold(&posed, &mut draft.work));
+        solve::solve(ask.accuracy, &posed, warm.is_some(), draft, |_| false);
+        self.deepen(ask, &posed, draft);
+        // The names of the surface are the names of the bodies exchanged.
+        self.memory.clear();
+        self.overlap_proof = None;
+        draft.swap(&b_from_a);
+        self.count(warm.is_some(), a, b, draft);
+        to_user_units(a, b, draft);
+    }
+
+    #[cold]
+    fn solve_far(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose, draft: &mut Draft) {
+        *draft = out_of_range::answer(a, b, a_from_b).into();
+        self.count(false, a, b, draft);
+    }
+
+    /// Returns the start of the next query: the cached pair, if its features belong to these bodies
+    /// and the cached pair has been the cheaper start of late. The start is the only influence of a
+    /// tracker on an answer, and hence all that a replay records.
+    #[inline(always)]
+    fn start(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<FeaturePair> {
+        self.next.filter(|pair| self.starts.prefer_warm() && pair.is_of(a, b))
+    }
+
+    /// Captures the data a fault is reported with, in builds that check for faults.
+    #[inline(always)]
+    fn before(&self, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Option<(Option<FeaturePair>, Memory)> {
+        cfg!(debug_assertions).then(|| (self.start(a, b), self.memory.clone()))
+    }
+
+    #[inline(always)]
+    fn count(&mut self, warm: bool, a: &ConvexPolyhedron, b: &ConvexPolyhedron, draft: &Draft) {
+        self.starts.learn(warm, &draft.work);
+        self.totals.note(warm, draft.solver, &draft.work);
+        // Longer walks, and walks that began at extrapolated features: on long face boundaries and
+        // around large fans.
+        if (a.has_large_rings | b.has_large_rings) && (draft.work.steps > STEADY || self.next != self.last) {
+            let now = draft.features;
+            let next = self.last.map_or(now, |before| predict(a, b, before, now));
+            (self.last, self.next) = (Some(now), Some(next));
+        } else {
+            self.stay(draft.features);
+        }
+    }
+
+    /// Starts the next walk at the end of this walk.
+    #[inline(always)]
+    fn stay(&mut self, features: FeaturePair) {
+        (self.last, self.next) = (Some(features), Some(features));
+    }
+}
+
+fn replay(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    (start, surface): (Option<FeaturePair>, Memory),
+    accuracy: Accuracy,
+) -> Replay {
+    Replay {
+        a: a.clone(),
+        b: b.clone(),
+        round: [0.0; 2],
+        pose: *pose,
+        start,
+        surface,
+        accuracy,
+    }
+}
+
+/// In debug builds: an answer that contradicts itself ends the program with the text that replays
+/// the query.
+#[inline(always)]
+fn debug_check(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    before: &Option<(Option<FeaturePair>, Memory)>,
+    accuracy: Accuracy,
+    outcome: &Outcome,
+) {
+    if let Some(before) = before
+        && let Some(fault) = crate::pair::soundness::fault(a, b, pose, outcome)
+    {
+        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), accuracy));
+    }
+}
+
+impl Replay {
+    /// Returns a tracker with the recorded start.
+    #[must_use]
+    pub fn tracker(&self) -> Tracker {
+        let start = self.start.map(|pair| Tracker::starting_from(pair, &self.a, &self.b));
+        Tracker {
+            memory: self.surface.clone(),
+            ..start.unwrap_or_default()
+        }
+    }
+}
+
+/// Returns whether the bounding balls alone prove the bodies more than `d` apart.
+#[inline]
+pub(crate) fn clear_of(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, d: f64) -> bool {
+    if !a.is_unscaled || !b.is_unscaled {
+        return false;
+    }
+    let reach = a.radius + b.radius + d;
+    // One part in 2^20 is far more than the rounding of both sides, and LEAST_SQUARE more than the
+    // loss of squares below the normal numbers.
+    pose.translation().norm_squared() > reach * reach * (1.0 + 1.0 / 1_048_576.0) + LEAST_SQUARE
+}
+
+/// Returns whether a pair of different units is computed in the unit of `x`: true if `x` has the
+/// larger unit, or `y` is a point, which has no size of its own.
+#[cold]
+fn has_the_unit(x: &ConvexPolyhedron, y: &ConvexPolyhedron) -> bool {
+    y.radius == 0.0 || x.exponent > y.exponent && x.radius > 0.0
+}
+
+/// Converts a draft from stored units and frames to the caller's.
+#[cold]
+fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, draft: &mut Draft) {
+    let unit = if has_the_unit(b, a) { b.unit() } else { a.unit() };
+    draft.scale(unit, a, b);
+}
+
+/// Returns the feature pairs tested by the walk from `start` (from a cold start if `None`), and
+/// whether the walk accepted the last pair rather than giving up there.
+fn trace(posed: &PosedPair, start: Option<FeaturePair>) -> (Vec<FeaturePair>, bool) {
+    let mut path = Vec::new();
+    let mut draft = Draft::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
+    let ended = posed.same_scale() && walk_observed::<true>(posed, &mut draft, |pair| path.push(pair));
+    (path, ended)
+}
