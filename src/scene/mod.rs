@@ -237,7 +237,7 @@ impl Default for Scene {
 impl Scene {
     /// Returns an empty scene about the origin, in which nothing is called for: without
     /// [`call_for`](Self::call_for) a step does nothing but count the bodies that no effect covers
-    /// ([`Counts::uncovered`](super::Counts::uncovered)).
+    /// ([`Counts::uncovered`](Counts::uncovered)).
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
@@ -468,7 +468,7 @@ impl Scene {
     }
 
     /// Returns the changes of the last step, in ascending order of the two bodies; for one pair in
-    /// the order of [`Change`](super::Change).
+    /// the order of [`Change`].
     #[must_use]
     pub fn events(&self) -> &[Event] {
         &self.events

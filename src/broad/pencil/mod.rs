@@ -429,7 +429,6 @@ impl PencilSweep {
     }
 
     /// Iterates over all bodies in ascending order.
-    #[must_use]
     pub fn bodies(&self) -> impl Iterator<Item = BodyId> + '_ {
         self.state.bodies.ids()
     }
@@ -456,7 +455,6 @@ impl PencilSweep {
     }
 
     /// Iterates over the pairs of the last step, in the order of their slots.
-    #[must_use]
     pub fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
         let BroadPhaseState { bodies, pairs, .. } = &self.state;
         pairs.iter(bodies)
@@ -482,7 +480,6 @@ impl PencilSweep {
 
     /// Iterates over the pairs of a member of any group of `these` with a member of any group of
     /// `those`.
-    #[must_use]
     pub fn pairs_between(&self, these: u32, those: u32) -> impl Iterator<Item = Pair> + '_ {
         let bodies = &self.state.bodies;
         self.pairs().filter(move |pair| {

@@ -6,10 +6,10 @@ use crate::pair::outcome::{Solver, Work};
 use crate::pair::world::AnsweredBy;
 
 /// Cost of a cold start, two cube-map look-ups and climbs, in steps of the walk. Measured of the
-/// walks: some five steps from the support vertices of round bodies, and from the last features `1
-/// + 0.085 sqrt(n)` steps a degree turned. Measured of 4, 2 and 1 over five motions and thirteen
-/// shapes: 2 takes 5 to 16 % less time than 4 at random poses of small bodies, and at most 3 % more
-/// elsewhere (flat bodies at 5 degrees, more with 1).
+/// walks: some five steps from the support vertices of round bodies, and from the last features
+/// `1 + 0.085 sqrt(n)` steps a degree turned. Measured of 4, 2 and 1 over five motions and thirteen
+/// shapes: 2 takes 5 to 16 % less time than 4 at random poses of small bodies, and at most 3 %
+/// more elsewhere (flat bodies at 5 degrees, more with 1).
 const CLIMBS: u32 = 2;
 
 /// Costs of a start of which the running mean is taken. Measured of 4, 8, 12, 16 and 24 over round
