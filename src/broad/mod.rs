@@ -20,8 +20,8 @@
 //!
 //! Calls between two steps are gathered: [`insert`](PencilSweep::insert),
 //! [`remove`](PencilSweep::remove), [`set_box`](PencilSweep::set_box) (moves and teleports alike).
-//! [`step`](PencilSweep::step) applies all calls at once and returns the pairs that began and ended.
-//! [`pairs`](PencilSweep::pairs) and all queries describe the last step.
+//! [`step`](PencilSweep::step) applies all calls at once and returns the pairs that began and
+//! ended. [`pairs`](PencilSweep::pairs) and all queries describe the last step.
 //!
 //! # The method
 //!

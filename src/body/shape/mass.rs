@@ -1,5 +1,6 @@
-//! Volume, centre of mass and inertia. A rounded polyhedron consists of the core, a prism on each face, a sector of a cylinder along each
-//! edge, and a sector of a ball at each vertex (Steiner 1840; moments up to the second).
+//! Volume, centre of mass and inertia. A rounded polyhedron consists of the core, a prism on each
+//! face, a sector of a cylinder along each edge, and a sector of a ball at each vertex (Steiner
+//! 1840; moments up to the second).
 //!
 //! ```text
 //!     ___________
