@@ -1,9 +1,10 @@
 //! Pairs of composites and of meshes over time: how long two bodies of many parts stay apart.
 //!
 //! No plane separates bodies that reach into each other's hollows, so a look ahead bounds every
-//! pair of nodes of the two trees along a direction of its own ([`LookAhead`]), and the displacement
-//! of all points: bodies that are `d` apart stay apart until their points, seen from each other, may
-//! have moved by `d` (Mirtich 1996, conservative advancement). The longer time counts.
+//! pair of nodes of the two trees along a direction of its own ([`LookAhead`]), and the
+//! displacement of all points: bodies that are `d` apart stay apart until their points, seen from
+//! each other, may have moved by `d` (Mirtich 1996, conservative advancement). The longer time
+//! counts.
 //!
 //! Let n be a unit direction that turns with one body P, Q the other, c the centre of a ball of
 //! radius rho about the node of Q, and `g` the gap of the two nodes along n at the instant. With
