@@ -2,14 +2,13 @@
 //! shape or a body of such shapes, in a proven interval.
 //!
 //! Reading order: [`net`](Patch) (one patch), `bezier` (de Casteljau), `nurbs` ([`Nurbs`], taken
-//! apart), `surface` ([`Surface`]), `revolution`, `tree` (control nets by halves), `height` (how
-//! far a node reaches along a direction), `bowl` (where no plane stands between), `frame` (a pair
-//! at a pose), `gap` (two nodes apart), `closest` (two points, by Newton's method), `region` (their
-//! surroundings, proven at once), `crossing` (a proof that surfaces meet), `front`, `search` and
-//! `state` (the proof of an answer), `tracker` (the queries of two surfaces); `side` (what the
-//! proof asks of a body), `solid` (a convex shape as such a body), `shape_tracker`
-//! and `composite_tracker` (a surface and a convex shape, or a body of them); `surface_pair` (two
-//! surfaces at a pose and over time; a mesh for which one stands), `separation` (the others).
+//! apart, and surfaces of [`revolution`]), `surface` ([`Surface`]), `tree` (control nets by
+//! halves), `height` (how far a node reaches along a direction, and what the proof asks of a body),
+//! `bowl` (where no plane stands between), `gap` (two nodes apart, at a pose), `closest` (two
+//! points, by Newton's method, and a proof that surfaces meet), `region` (their surroundings,
+//! proven at once), `search` (the proof of an answer, and the front that keeps it), `two_surfaces`
+//! (a pair of surfaces, at a pose and over time; a mesh for which one stands), `solid` (a convex
+//! shape as such a body) and `surface_and_solid` (a surface and a convex shape, or a body of them).
 //!
 //! # The proof
 //!
@@ -82,40 +81,24 @@
 pub(crate) mod bezier;
 mod bowl;
 mod closest;
-mod composite_tracker;
-mod crossing;
-mod cut;
 mod error;
-mod frame;
-mod front;
 mod gap;
 pub(crate) mod height;
 pub(crate) mod net;
 pub(crate) mod nurbs;
-mod outcome;
 #[cfg(feature = "serde")]
 mod persist;
 mod region;
-mod revolution;
 mod search;
-mod separation;
-mod shape_tracker;
-mod side;
 mod solid;
-mod state;
 mod surface;
-mod surface_pair;
-mod tracker;
+mod surface_and_solid;
 mod tree;
+mod two_surfaces;
 
-pub(crate) use composite_tracker::SurfaceCompositeTracker;
 pub use error::PatchError;
 pub use net::Patch;
-pub use nurbs::Nurbs;
-pub use outcome::{SurfacePart, SurfaceWork};
-pub use revolution::revolution;
-pub(crate) use separation::SurfaceSolidPair;
-pub(crate) use shape_tracker::SurfaceShapeTracker;
-pub use surface::Surface;
-pub(crate) use surface_pair::SurfacePair;
-pub(crate) use tracker::SurfaceTracker;
+pub use nurbs::{Nurbs, revolution};
+pub use surface::{Surface, SurfacePart, SurfaceWork};
+pub(crate) use surface_and_solid::{SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceSolidPair};
+pub(crate) use two_surfaces::{SurfacePair, SurfaceTracker};

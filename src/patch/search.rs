@@ -1,22 +1,38 @@
-//! Best-first search down two trees.
+//! Best-first search down two trees, the front that it leaves, and what the trackers of all pairs
+//! with a surface keep of it.
 //!
 //! The open pair with the least lower bound is split, until no open pair is as close as the goal.
-//! Pairs that are far enough go to the front: together they are the proof.
+//! Pairs that are far enough go to the front: together they are the proof. The front of the last
+//! answer ([`NetFront`]) holds pairs of nodes under which every pair of patches lies, each with the
+//! direction that proved it far enough.
+//!
+//! As [`composite::front`](crate::composite), in double precision: let Y, the points below a node
+//! of B, lie in the ball of radius rho about c in B's frame, and X, the points below a node of A,
+//! be at least g below Y along n in A's frame, at the pose (R0, t0). At the pose (R, t) the gap is
+//! at least
+//!
+//! `g + n . (R c + t) - n . (R0 c + t0) - rho |R^T n - R0^T n|`,
+//!
+//! whatever way led there. With the bodies exchanged if the node of A is the smaller. So a claim is
+//! never out of date; after a long way it merely proves nothing.
+//!
+//! The course of a query is that of [`SurfaceMemory`].
 
 use alloc::collections::BinaryHeap;
+use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::closest::{Meeting, Meets};
-use super::front::{NetEntry, NetFront};
-use super::gap::{Gap, NetPair, Trees};
-use super::outcome::SurfaceWork;
+use super::gap::{Gap, NetFrame, NetPair, Trees};
+use super::height::NetSide;
 use super::region::Region;
-use super::side::NetSide;
+use super::surface::SurfaceWork;
 use super::tree::Node;
 use crate::base::num::Ranked;
 use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
-use crate::base::tolerance::UNIT;
+use crate::base::tolerance::{CARRIED, UNIT};
 
 /// Splits after which a search first looks how far apart its bounds are; at twice as many it asks
 /// whether they approach each other fast enough for its budget. Of 2,500 random pairs one in a
@@ -41,7 +57,7 @@ const GROWING: f64 = 1.05;
 /// A region that was not proven is tried so much smaller. Not measured.
 const SHRINKING: f64 = 0.5;
 
-/// See `IMPATIENT` in `state.rs`.
+/// See [`IMPATIENT`].
 const PATIENCE: usize = 32;
 
 /// A pair that may be closer than the goal, ranked by the gap.
@@ -438,5 +454,224 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
         if self.points.is_closer(patches, [u, v, s, t], self.upper) {
             self.offer(patches, [u, v, s, t]);
         }
+    }
+}
+
+/// A pair of nodes with the claim of its gap.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NetEntry {
+    pub(super) pair: NetPair,
+    /// In A's frame.
+    n: Vector3<f64>,
+    /// In B's frame.
+    m: Vector3<f64>,
+    /// Middle of the ball, in the frame of its body.
+    centre: Vector3<f64>,
+    radius: f64,
+    base: f64,
+    /// Whether the ball is that of A's node.
+    is_of_a: bool,
+    /// Whether the gap was proven by planes: else nothing is claimed at another pose.
+    is_plane: bool,
+}
+
+impl NetEntry {
+    /// Returns the entry of a pair with a gap at this pose.
+    pub(super) fn new<B: NetSide>(trees: &Trees<B>, pair: NetPair, gap: &Gap) -> Self {
+        let (x, y) = (trees.a.node(pair[0]), trees.b.node(pair[1]));
+        let is_of_a = x.radius < y.radius;
+        let ball = if is_of_a { x } else { y };
+        let mut entry = Self {
+            pair,
+            n: gap.n,
+            m: trees.frame.direction_in_b(&gap.n),
+            centre: ball.centre,
+            radius: ball.radius + ball.error,
+            base: 0.0,
+            is_of_a,
+            is_plane: gap.is_plane,
+        };
+        entry.base = gap.gap - entry.height(trees.frame) - CARRIED * trees.frame.size;
+        entry
+    }
+
+    /// Returns the height of the ball's middle as seen from the other body.
+    #[inline(always)]
+    fn height(&self, frame: &NetFrame) -> f64 {
+        if self.is_of_a {
+            self.m.dot(&frame.rotation.tr_mul(&(frame.translation - self.centre)))
+        } else {
+            self.n.dot(&frame.place(&self.centre))
+        }
+    }
+
+    /// Returns a lower bound of the gap at a pose.
+    #[inline(always)]
+    pub(super) fn gap(&self, frame: &NetFrame) -> f64 {
+        if !self.is_plane {
+            return f64::NEG_INFINITY;
+        }
+        let turned = if self.is_of_a {
+            frame.rotation * self.m - self.n
+        } else {
+            frame.direction_in_b(&self.n) - self.m
+        };
+        let lost = self.radius * sqrt(turned.norm_squared());
+        self.base + self.height(frame) - lost - CARRIED * frame.size - frame.placing
+    }
+
+    /// Returns the direction in A's frame at a pose.
+    pub(super) fn direction(&self, frame: &NetFrame) -> Vector3<f64> {
+        if self.is_of_a {
+            let n = frame.rotation * self.m;
+            n / sqrt(n.norm_squared())
+        } else {
+            self.n
+        }
+    }
+}
+
+/// The entries, and their number when the front was cut.
+#[derive(Clone, Debug, Default)]
+pub(super) struct NetFront {
+    pub(super) entries: Vec<NetEntry>,
+    pub(super) cut: usize,
+}
+
+/// Splits of nodes that one query may make by default. Two bicubic patches in general position need
+/// some hundred, surfaces that are level along a curve any number: see [`FIRST_LOOK`].
+pub(super) const SPLITS: usize = 20_000;
+
+/// Splits that a query may be allowed: two nodes each of 448 numbers at most are counted in 32
+/// bits.
+const MOST_SPLITS: usize = 1 << 22;
+
+/// A front is cut anew if it has grown to so many times its length. Not measured.
+const GROWTH: usize = 4;
+
+/// Regions tried in one search. Not measured.
+const TRIES: usize = 5;
+
+/// After so many pairs split the search is taken to be stuck at a local minimum, as where bodies
+/// cross: then two points are looked for below every 32nd pair, wherever its middle is. A search
+/// for points costs as much as some six splits.
+const IMPATIENT: usize = 128;
+
+/// The front of the last answer, the last witnesses, and counters.
+#[derive(Clone, Debug)]
+pub(super) struct SurfaceMemory {
+    fingerprints: [Fingerprint; 2],
+    budget: usize,
+    pub(super) front: NetFront,
+    /// Patches and parameters of the last witnesses.
+    last: Option<([u32; 2], [f64; 4])>,
+    /// How far the region of the last search reached.
+    way: Option<f64>,
+    heap: BinaryHeap<OpenNodePair>,
+    pub(super) work: SurfaceWork,
+}
+
+impl Default for SurfaceMemory {
+    fn default() -> Self {
+        Self {
+            fingerprints: [Fingerprint::default(); 2],
+            budget: SPLITS,
+            front: NetFront::default(),
+            last: None,
+            way: None,
+            heap: BinaryHeap::new(),
+            work: SurfaceWork::default(),
+        }
+    }
+}
+
+impl SurfaceMemory {
+    /// Sets the number of splits that a query may make.
+    pub(super) fn allow(&mut self, splits: usize) {
+        self.budget = splits.min(MOST_SPLITS);
+    }
+
+    /// Forgets everything but the budget.
+    pub(super) fn reset(&mut self) {
+        let budget = self.budget;
+        *self = Self {
+            budget,
+            ..Self::default()
+        };
+    }
+
+    /// Begins a query of two bodies: returns whether the state is theirs; if not, or if it
+    /// `is_full`, forgets it.
+    pub(super) fn recognises(&mut self, fingerprints: [Fingerprint; 2], is_full: bool) -> bool {
+        let is_known = self.fingerprints == fingerprints && !is_full;
+        if !is_known {
+            let work = self.work;
+            self.reset();
+            (self.fingerprints, self.work) = (fingerprints, work);
+        }
+        self.work.queries += 1;
+        is_known
+    }
+
+    /// Returns the front of these bodies, empty for others.
+    pub(super) fn entries(&self, fingerprints: [Fingerprint; 2]) -> &[NetEntry] {
+        if self.fingerprints == fingerprints {
+            &self.front.entries
+        } else {
+            &[]
+        }
+    }
+
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.front.entries.capacity() * size_of::<NetEntry>() + self.heap.capacity() * size_of::<OpenNodePair>()
+    }
+
+    /// Returns a lower bound of the distance and the closest points; `None` if no points were
+    /// found.
+    pub(super) fn search<B: NetSide, M: Meets>(
+        &mut self,
+        trees: &mut Trees<'_, B>,
+        points: &mut M,
+        goal: NetGoal,
+    ) -> Option<(f64, Meeting)> {
+        let mut search = NetSearch {
+            trees,
+            points,
+            goal,
+            budget: self.budget,
+            pace: Pace::new(self.budget),
+            heap: &mut self.heap,
+            front: &mut self.front,
+            best: None,
+            upper: f64::INFINITY,
+            hint: None,
+            region: None,
+            way: &mut self.way,
+            patience: IMPATIENT,
+            tries: TRIES,
+            least: f64::INFINITY,
+            work: &mut self.work,
+        };
+        let (patches, at) = self.last.unwrap_or(([0, 0], [0.5; 4]));
+        search.offer(patches, at);
+        search.best.as_ref()?;
+        let entries = search.front.entries.len();
+        let is_new = entries == 0 || entries > GROWTH * search.front.cut;
+        if is_new {
+            search.start();
+        } else {
+            search.renew();
+        }
+        let lower = search.run();
+        let best = search.best;
+        if is_new {
+            self.front.cut = self.front.entries.len();
+        }
+        self.work.gaps += trees.counts.gaps;
+        self.work.caps += trees.counts.caps;
+        self.work.bowls += trees.counts.bowls;
+        let best = best?;
+        self.last = Some((best.patches, best.at));
+        Some((lower, best))
     }
 }

@@ -1,15 +1,15 @@
 //! A convex shape beside a surface: one node that is never split, since its support function gives
 //! its exact height along every direction, and its closest point to a point of the surface.
 
-use crate::patch::closest::NEWTON;
+use super::closest::NEWTON;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::bowl::BowlSide;
 use super::closest::{CLOSE, Meeting, Meets, Parameters, facing, solve};
-use super::cut::Cut;
-use super::frame::NetFrame;
+use super::gap::NetFrame;
+use super::height::NetSide;
 use super::net::{Patch, SurfaceJet};
-use super::side::NetSide;
+use super::tree::Cut;
 use super::tree::Node;
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::{RelativePose, normalize};

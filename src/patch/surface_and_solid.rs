@@ -1,0 +1,454 @@
+//! A surface beside a convex shape, and beside a body of convex pieces, with a tracker for each
+//! piece: the states of both pairs, their queries, and surfaces over time.
+//!
+//! No plane separates surfaces that reach into each other's hollows, so a look ahead bounds the
+//! displacement of all points, as for composites (Mirtich 1996, conservative advancement): bodies
+//! that are proven `d` apart stay apart until their points, seen from each other, may have moved by
+//! `d`. A measure is as narrow as a part of the distance, so looks near contact are as sharp as
+//! those far away, and the number of looks grows with the logarithm of the tolerance. This holds of
+//! two surfaces too (`two_surfaces`).
+
+use alloc::vec::Vec;
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
+
+use super::gap::{NetFrame, SearchCounts, Trees};
+use super::search::{NetGoal, SPLITS, SurfaceMemory};
+use super::solid::{Feet, ShapeNode};
+use super::surface::{Surface, SurfaceWork};
+use super::tree::{Grown, Nodes};
+use super::two_surfaces::KEPT;
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tolerance::{CERTIFICATE, ROUND_UP, SHAPE_POINT, SURFACE_POINT, UNIT};
+use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
+use crate::body::shape::Shape;
+use crate::composite::parts::{Parted, Placed};
+use crate::composite::pieces::{Composite, Piece};
+use crate::composite::separation::ball_about;
+use crate::convex::shape_tracker::ShapeTracker;
+use crate::pair::answer::{far, unit};
+use crate::pair::outcome::{Class, Decision, Outcome};
+use crate::pair::question::Question;
+use crate::pair::spot::{Answer, Spot, features_on};
+use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
+
+/// Width of a measure over time, as a part of the distance: a look of conservative advancement goes
+/// so much less far. Not measured.
+pub(super) const MEASURED: f64 = 1.0 / 4.0;
+
+/// Width of a distance of surfaces in a scene, as a part of both radii. Not measured.
+const SCENE_WIDTH: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// A look over time that would go less far by more than this part is measured again, narrower. Not
+/// measured.
+const NARROWER: f64 = 1.0 / 2.0;
+
+/// A look ahead gives up if its bound proves less than this part of the distance left: the search
+/// for a narrower one has met its limit, and each further look would cost as much for less.
+/// Measured: no cast of the tests ends so.
+const HOPE: f64 = 0.125;
+
+/// The tracker of a surface, as A, and a body of another kind.
+pub(crate) trait BesideSurface {
+    /// The other body.
+    type Body;
+
+    /// Returns a ball that contains the other body: centre and radius.
+    fn ball(body: &Self::Body) -> (Point3<f64>, f64);
+
+    /// Returns the closest points with bounds as close as a goal asks for.
+    fn answer(&mut self, a: &Surface, b: &Self::Body, a_from_b: &RelativePose, goal: NetGoal) -> Answer;
+
+    /// Sets the number of nodes that a query may split; `None` for the usual budget.
+    fn allow(&mut self, splits: Option<usize>);
+}
+
+/// A surface and a solid of convex shapes that can be measured over time, in either order.
+#[derive(Debug)]
+pub(crate) struct SurfaceSolidPair<'a, T: BesideSurface> {
+    pub(crate) surface: &'a Surface,
+    pub(crate) body: &'a T::Body,
+    /// Which of the two is the surface.
+    pub(crate) order: Operand,
+    pub(crate) tracker: &'a mut T,
+}
+
+impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
+    /// Returns the closest points, with bounds of the width that the question sets.
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
+        let width = width_asked(self, question);
+        self.tracker.allow(question.splits);
+        self.answer(a_from_b, NetGoal::Width(width)).without_depth()
+    }
+
+    /// Returns whether the distance is at most `d`, within the splits that the question allows.
+    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.tracker.allow(question.splits);
+        self.is_within(a_from_b, d)
+    }
+
+    /// Returns whether the distance is at most `d`. Undecided only if `d` is within rounding of the
+    /// distance, or a budget is used up: pairs that merely touch stay undecided for zero.
+    fn is_within(&mut self, a_from_b: &RelativePose, d: f64) -> Decision {
+        if !(d >= 0.0) {
+            return Decision::No;
+        }
+        let pose = from_surface(self.order, a_from_b);
+        let found = self.tracker.answer(self.surface, self.body, &pose, NetGoal::Within(d));
+        Decision::by(found.lower, found.upper, d)
+    }
+
+    fn answer(&mut self, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+        let pose = from_surface(self.order, a_from_b);
+        let found = self.tracker.answer(self.surface, self.body, &pose, goal);
+        if self.order == Operand::A {
+            found
+        } else {
+            exchanged(found, &pose)
+        }
+    }
+}
+
+/// Returns the pose of the other body in the frame of a surface that is A or B.
+fn from_surface(order: Operand, a_from_b: &RelativePose) -> RelativePose {
+    if order == Operand::A {
+        *a_from_b
+    } else {
+        a_from_b.swapped()
+    }
+}
+
+/// Returns the answer of B and A as that of A and B, for the pose of B and A.
+fn exchanged(found: Answer, pose: &RelativePose) -> Answer {
+    let normal = unit(&-pose.rotation().tr_mul(&found.normal));
+    let o = found.outcome;
+    Answer {
+        outcome: Outcome {
+            features: o.features.swapped(),
+            point_on_a: o.point_on_b,
+            point_on_b: o.point_on_a,
+            normal,
+            ..o
+        },
+        on: [found.on[1], found.on[0]],
+        ..found
+    }
+}
+
+/// Returns the width of the bounds that the question sets.
+pub(super) fn width_asked(pair: &impl Separation, question: &Question) -> f64 {
+    let radius = |of| pair.ball(of).1;
+    question
+        .width
+        .unwrap_or_else(|| SCENE_WIDTH * (radius(Operand::A) + radius(Operand::B)))
+}
+
+/// Returns how long a lower bound lasts, where `lower` takes a width and returns a new bound: asked
+/// if the bound seen is far below the distance that is left. The answer is zero if no search comes
+/// near that distance.
+pub(super) fn held<S: Separation>(
+    pair: &mut S,
+    seen: &Measure,
+    flight: &Flight,
+    lower: impl FnOnce(&mut S, &RelativePose, f64) -> f64,
+) -> Free {
+    let left = seen.upper - flight.keep;
+    let mut bound = seen.lower;
+    if left > 0.0
+        && bound - flight.keep < (1.0 - NARROWER) * left
+        && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
+    {
+        bound = bound.larger(lower(pair, &pose, MEASURED * left));
+    }
+    let proof = Proof::Own;
+    if bound - flight.keep < HOPE * left {
+        return Free { span: 0.0, proof };
+    }
+    let way = bound - flight.keep - flight.apart(pair).noise;
+    let span = flight.held(pair, way);
+    Free { span, proof }
+}
+
+impl<T: BesideSurface> Separation for SurfaceSolidPair<'_, T> {
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        if of == self.order {
+            self.surface.bounding_ball()
+        } else {
+            T::ball(self.body)
+        }
+    }
+
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        Measure::from(&self.answer(a_from_b, NetGoal::Part(MEASURED)))
+    }
+
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+        self.is_within(a_from_b, distance).is_yes()
+    }
+
+    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+        held(self, seen, flight, |pair, pose, width| {
+            pair.answer(pose, NetGoal::Width(width)).lower
+        })
+    }
+}
+
+/// The front of the last answer for a surface and a convex [`Shape`], from which the next query
+/// starts, the nodes made so far, and counters.
+///
+/// The counterpart of `SurfaceTracker` for every kind of shape: the shape
+/// is not split, and its own support function bounds it. The surface is A and the shape B; for the
+/// other order see [`RelativePose::swapped`]. The shape is solid: a surface inside it has the
+/// distance zero. Not saved to files, as `SurfaceTracker`.
+#[derive(Clone, Debug)]
+pub(crate) struct SurfaceShapeTracker {
+    state: SurfaceMemory,
+    grown: Grown,
+    /// Of a point of the surface and the shape.
+    feet: ShapeTracker,
+    /// A point at the origin.
+    point: Option<Shape>,
+}
+
+impl Default for SurfaceShapeTracker {
+    fn default() -> Self {
+        Self {
+            state: SurfaceMemory::default(),
+            grown: Grown::default(),
+            feet: ShapeTracker::new(),
+            point: ConvexPolyhedron::point(Point3::origin()).ok().map(Shape::from),
+        }
+    }
+}
+
+impl SurfaceShapeTracker {
+    /// Returns a tracker without a start.
+    #[must_use]
+    pub(crate) fn new() -> Self {
+        Self::default()
+    }
+
+    /// Returns the work of all queries so far.
+    #[must_use]
+    pub(crate) fn work(&self) -> SurfaceWork {
+        self.state.work
+    }
+
+    /// Returns the number of entries of the front that is kept.
+    #[must_use]
+    pub(crate) fn front_len(&self) -> usize {
+        self.state.front.entries.len()
+    }
+
+    /// Returns the bytes kept on the heap, without those of shapes.
+    #[must_use]
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.grown.heap_bytes() + self.state.heap_bytes()
+    }
+
+    /// Returns the closest points at a pose that puts points of B up to `placing` aside.
+    pub(super) fn answer_placed(
+        &mut self,
+        a: &Surface,
+        b: &Shape,
+        a_from_b: &RelativePose,
+        goal: NetGoal,
+        placing: f64,
+    ) -> Answer {
+        let is_full = self.grown.numbers() > KEPT;
+        if !self.state.recognises([a.fingerprint, b.fingerprint()], is_full) {
+            (self.grown, self.feet) = (Grown::default(), ShapeTracker::new());
+        }
+        let reach = [a.reach, reach(b)];
+        let points = reach[0] * SURFACE_POINT + reach[1] * SHAPE_POINT;
+        let (Some(frame), Some(point)) = (NetFrame::new(reach, points, a_from_b), &self.point) else {
+            return far_apart(a, b, a_from_b);
+        };
+        let frame = frame.placed(placing);
+        let mut trees = Trees {
+            a: Nodes::new(&a.tree, &mut self.grown),
+            b: ShapeNode::new(b),
+            frame: &frame,
+            counts: SearchCounts::default(),
+        };
+        let mut feet = Feet::new(a.patches(), [point, b], &mut self.feet, &frame, a_from_b);
+        match self.state.search(&mut trees, &mut feet, goal) {
+            Some((lower, best)) => {
+                let on = [best.place(0), Spot::new(0, best.feature)];
+                let outcome = Outcome {
+                    class: class(lower, best.upper),
+                    distance: best.distance.clamped(lower, best.upper),
+                    lower,
+                    upper: best.upper,
+                    point_on_a: best.on_a.into(),
+                    point_on_b: best.on_b.into(),
+                    normal: Unit::new_unchecked(best.normal.unwrap_or_else(Vector3::x)),
+                    ..Outcome::starting_at(features_on(&on))
+                };
+                let is_reached = goal.is_reached(lower, best.upper);
+                Answer {
+                    outcome,
+                    on,
+                    is_reached,
+                }
+            }
+            None => far_apart(a, b, a_from_b),
+        }
+    }
+}
+
+impl BesideSurface for SurfaceShapeTracker {
+    type Body = Shape;
+
+    fn ball(body: &Shape) -> (Point3<f64>, f64) {
+        body.bounding_ball()
+    }
+
+    fn answer(&mut self, a: &Surface, b: &Shape, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+        self.answer_placed(a, b, a_from_b, goal, 0.0)
+    }
+
+    fn allow(&mut self, splits: Option<usize>) {
+        self.state.allow(splits.unwrap_or(SPLITS));
+    }
+}
+
+/// An upper bound of zero is proven by a point of the surface within the shape.
+pub(super) fn class(lower: f64, upper: f64) -> Class {
+    if lower > 0.0 {
+        Class::Separated
+    } else if upper == 0.0 {
+        Class::Overlapping
+    } else {
+        Class::Undecided
+    }
+}
+
+/// Returns the largest distance of a point of a shape from the origin, rounded up.
+fn reach(shape: &Shape) -> f64 {
+    let (centre, radius) = shape.bounding_ball();
+    (sqrt(centre.coords.norm_squared()) + radius) * ROUND_UP * ROUND_UP
+}
+
+/// Bodies so far apart, or so small beside their distance, that only balls about their origins
+/// count.
+pub(super) fn far_apart(a: &Surface, b: &Shape, a_from_b: &RelativePose) -> Answer {
+    let (lower, upper, n) = far([a.reach, reach(b)], a_from_b);
+    let facing = -a_from_b.rotation().tr_mul(&n);
+    let on = [Spot::on_patch(0, [0.0; 2]), Spot::new(0, Feature::Vertex(VertexId(0)))];
+    let outcome = Outcome {
+        class: class(lower, upper),
+        distance: 0.5 * lower + 0.5 * upper,
+        lower,
+        upper,
+        point_on_a: a.patches()[0].point(0.0, 0.0),
+        point_on_b: (b.core_point(&facing).1 + facing * b.round()).into(),
+        normal: Unit::new_unchecked(n),
+        ..Outcome::starting_at(features_on(&on))
+    };
+    Answer {
+        outcome,
+        on,
+        is_reached: false,
+    }
+}
+
+/// Lowers the lower bound of an answer to that of other pieces.
+pub(super) fn lower_to(answer: &mut Answer, lower: f64, goal: NetGoal) {
+    let o = &mut answer.outcome;
+    o.lower = o.lower.smaller(lower);
+    o.distance = o.distance.larger(o.lower);
+    o.class = class(o.lower, o.upper);
+    answer.is_reached = goal.is_reached(o.lower, o.upper);
+}
+
+/// The trackers of a surface and the pieces of a [`Composite`].
+///
+/// The counterpart of [`SurfaceShapeTracker`] for bodies of placed convex shapes: the surface is A
+/// and the body B. A piece whose ball is farther away than the closest piece is not asked. Not
+/// saved to files.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SurfaceCompositeTracker {
+    pieces: Vec<SurfaceShapeTracker>,
+    /// The piece that was closest.
+    last: usize,
+    splits: Option<usize>,
+}
+
+impl SurfaceCompositeTracker {
+    /// Returns the work of all queries so far.
+    pub(crate) fn work(&self) -> SurfaceWork {
+        self.pieces.iter().fold(SurfaceWork::default(), |mut sum, piece| {
+            sum += piece.work();
+            sum
+        })
+    }
+
+    /// Returns the number of entries of the fronts that are kept.
+    pub(crate) fn front_len(&self) -> usize {
+        self.pieces.iter().map(SurfaceShapeTracker::front_len).sum()
+    }
+
+    /// Returns the bytes kept on the heap, without those of shapes.
+    #[must_use]
+    pub(crate) fn heap_bytes(&self) -> usize {
+        let own = self.pieces.capacity() * size_of::<SurfaceShapeTracker>();
+        own + self.pieces.iter().map(SurfaceShapeTracker::heap_bytes).sum::<usize>()
+    }
+}
+
+impl BesideSurface for SurfaceCompositeTracker {
+    type Body = Composite;
+
+    fn ball(body: &Composite) -> (Point3<f64>, f64) {
+        ball_about(body.aabb())
+    }
+
+    fn allow(&mut self, splits: Option<usize>) {
+        self.splits = splits;
+    }
+
+    /// Returns the closest points of all pieces with bounds as close as a goal asks for.
+    fn answer(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+        let pieces = b.pieces();
+        self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);
+        let placed = Placed::new(a_from_b, b.is_in_place());
+        let (centre, radius) = ball_about(b.aabb());
+        let offset = sqrt(a_from_b.translation().norm_squared());
+        let noise = 2.0 * CERTIFICATE * UNIT * (a.reach + sqrt(centre.coords.norm_squared()) + radius + offset);
+        let mut ask = |k: usize, most: f64| {
+            let (pose, is_exact) = placed.between(&Isometry3::identity(), &pieces[k].pose);
+            if apart(a, &pieces[k], &pose) - 2.0 * noise > most {
+                return None;
+            }
+            // The rounding of composed poses: two products of rotations and two sums.
+            let placing = if is_exact { 0.0 } else { noise };
+            self.pieces[k].allow(self.splits);
+            Some(self.pieces[k].answer_placed(a, &pieces[k].shape, &pose, goal, placing))
+        };
+        let mut last = self.last.min(pieces.len() - 1);
+        let first = last;
+        let mut best = ask(first, f64::INFINITY).unwrap_or_else(|| far_apart(a, &pieces[first].shape, a_from_b));
+        let mut lower = best.lower;
+        for k in (0..pieces.len()).filter(|&k| k != first) {
+            let Some(found) = ask(k, best.upper) else { continue };
+            lower = lower.smaller(found.lower);
+            if found.upper < best.upper {
+                (last, best) = (k, found);
+            }
+        }
+        self.last = last;
+        lower_to(&mut best, lower, goal);
+        best.outcome.point_on_b = pieces[last].pose * best.point_on_b;
+        best.on[1].part = last as u32;
+        best
+    }
+}
+
+/// Returns the gap of the balls about a surface and a piece, up to rounding.
+fn apart(a: &Surface, piece: &Piece, pose: &RelativePose) -> f64 {
+    let ((centre, radius), (of_piece, reach)) = (a.bounding_ball(), piece.shape.bounding_ball());
+    let between = pose.rotation() * of_piece.coords + pose.translation() - centre.coords;
+    sqrt(between.norm_squared()) - radius - reach
+}

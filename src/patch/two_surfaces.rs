@@ -1,0 +1,331 @@
+//! Two surfaces: the state of the pair and its queries ([`SurfaceTracker`]), and the pair at a pose
+//! and over time ([`SurfacePair`]).
+//!
+//! One of both may stand for a mesh, whose inside counts if the mesh is a solid.
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use super::closest::{Patches, crosses};
+use super::gap::{NetFrame, SearchCounts, Trees};
+use super::search::{NetGoal, SPLITS, SurfaceMemory};
+use super::surface::{Surface, SurfacePart, SurfaceWork};
+use super::surface_and_solid::{MEASURED, held, width_asked};
+use super::tree::{Grown, Nodes};
+use crate::base::num::extremes::Bounded;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tolerance::{CERTIFICATE, SURFACE_POINT, UNIT};
+use crate::composite::mesh::Mesh;
+use crate::pair::answer::far;
+use crate::pair::outcome::{Class, Decision, Outcome};
+use crate::pair::question::Question;
+use crate::pair::spot::{Answer, Spot, features_on};
+use crate::time::separation::{Flight, Free, Measure, Separation};
+
+/// Numbers that a tracker keeps for the nets of split nodes, at most: 16 MB.
+pub(super) const KEPT: usize = 1 << 21;
+
+/// The front of the last answer for one pair of surfaces, from which the next query starts, the
+/// nodes made so far, and counters.
+///
+/// Owns no surface. State changes time, never which distances an answer allows: bounds are proven
+/// anew at every pose. A tracker that comes from another pair, or is out of date, is allowed. Not
+/// saved to files: nodes are made again by one query, and a front is much larger than its surfaces.
+/// A query allocates where it splits nodes.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SurfaceTracker {
+    state: SurfaceMemory,
+    grown: [Grown; 2],
+}
+
+/// What a search found.
+struct Found {
+    lower: f64,
+    upper: f64,
+    on: [Spot; 2],
+    points: [Point3<f64>; 2],
+    normal: Unit<Vector3<f64>>,
+    distance: f64,
+    shares: bool,
+}
+
+impl SurfaceTracker {
+    /// Sets the number of pairs of nodes that one query may split; `None` for the usual budget.
+    pub(crate) fn allow(&mut self, splits: Option<usize>) {
+        self.state.allow(splits.unwrap_or(SPLITS));
+    }
+
+    /// Returns the work of all queries so far.
+    #[must_use]
+    pub(crate) fn work(&self) -> SurfaceWork {
+        self.state.work
+    }
+
+    /// Returns the number of entries of the front that is kept.
+    #[must_use]
+    pub(crate) fn front_len(&self) -> usize {
+        self.state.front.entries.len()
+    }
+
+    /// Returns the front that is kept for these surfaces: pairs of parts of A and of B that are
+    /// proven apart, under which every pair of patches lies. Empty for surfaces other than those of
+    /// the last query.
+    pub(crate) fn front<'t>(&'t self, a: &'t Surface, b: &'t Surface) -> impl Iterator<Item = [SurfacePart; 2]> + 't {
+        let entries = self.state.entries([a.fingerprint, b.fingerprint]);
+        let part = |s: &Surface, grown: &Grown, id: u32| SurfacePart::of(grown.node(&s.tree, id));
+        entries.iter().map(move |e| {
+            let [x, y] = e.pair;
+            [part(a, &self.grown[0], x), part(b, &self.grown[1], y)]
+        })
+    }
+
+    /// Returns the bytes kept on the heap.
+    #[must_use]
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.grown.iter().map(Grown::heap_bytes).sum::<usize>() + self.state.heap_bytes()
+    }
+
+    /// Returns the closest points with bounds as close as a goal asks for.
+    pub(super) fn answer(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+        let found = self.search(a, b, a_from_b, goal);
+        let class = if found.lower > 0.0 {
+            Class::Separated
+        } else if found.shares {
+            Class::Touching
+        } else {
+            Class::Undecided
+        };
+        let outcome = Outcome {
+            class,
+            distance: found.distance.clamped(found.lower, found.upper),
+            lower: found.lower,
+            upper: found.upper,
+            point_on_a: found.points[0],
+            point_on_b: found.points[1],
+            normal: found.normal,
+            ..Outcome::starting_at(features_on(&found.on))
+        };
+        Answer {
+            outcome,
+            on: found.on,
+            is_reached: goal.is_reached(found.lower, found.upper),
+        }
+    }
+
+    /// Decides whether the distance of the surfaces is at most `d`, a length in the caller's unit.
+    /// Undecided only if `d` is within rounding of the distance, or the budget is too small.
+    ///
+    /// That surfaces share a point is proven where one runs through the other inside two patches,
+    /// by an existence theorem; for a `d` of zero surfaces that merely touch stay undecided, and
+    /// those that are close all over an area and for which the budget is too small.
+    pub(crate) fn within(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, d: f64) -> Decision {
+        if !(d >= 0.0) {
+            return Decision::No;
+        }
+        let found = self.search(a, b, a_from_b, NetGoal::Within(d));
+        let upper = if found.shares { 0.0 } else { found.upper };
+        Decision::by(found.lower, upper, d)
+    }
+
+    fn search(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: NetGoal) -> Found {
+        let is_full = self.grown.iter().any(|g| g.numbers() > KEPT);
+        if !self.state.recognises([a.fingerprint, b.fingerprint], is_full) {
+            self.grown = Default::default();
+        }
+        let reach = [a.reach, b.reach];
+        let points = reach[0] * SURFACE_POINT + reach[1] * SURFACE_POINT;
+        let Some(frame) = NetFrame::new(reach, points, a_from_b) else {
+            return apart(a, b, a_from_b);
+        };
+        let [grown_a, grown_b] = &mut self.grown;
+        let mut trees = Trees {
+            a: Nodes::new(&a.tree, grown_a),
+            b: Nodes::new(&b.tree, grown_b),
+            frame: &frame,
+            counts: SearchCounts::default(),
+        };
+        let mut points = Patches {
+            a: a.patches(),
+            b: b.patches(),
+            frame: &frame,
+        };
+        let Some((lower, best)) = self.state.search(&mut trees, &mut points, goal) else {
+            return apart(a, b, a_from_b);
+        };
+        let shares =
+            lower == 0.0 && best.distance <= frame.limit && crosses(&points.pair(best.patches), &best, frame.limit);
+        Found {
+            lower,
+            upper: best.upper,
+            on: [0, 1].map(|k| best.place(k)),
+            points: [best.on_a.into(), best.on_b.into()],
+            normal: Unit::new_unchecked(best.normal.unwrap_or_else(Vector3::x)),
+            distance: best.distance,
+            shares,
+        }
+    }
+}
+
+/// Surfaces so far apart, or so small beside their distance, that only balls about their origins
+/// count.
+fn apart(a: &Surface, b: &Surface, a_from_b: &RelativePose) -> Found {
+    let (lower, upper, n) = far([a.reach, b.reach], a_from_b);
+    Found {
+        lower,
+        upper,
+        on: [Spot::on_patch(0, [0.0; 2]); 2],
+        points: [a, b].map(|s| s.patches()[0].point(0.0, 0.0)),
+        normal: Unit::new_unchecked(n),
+        distance: 0.5 * lower + 0.5 * upper,
+        shares: false,
+    }
+}
+
+/// Two surfaces that can be measured over time.
+#[derive(Debug)]
+pub(crate) struct SurfacePair<'a> {
+    pub(crate) a: &'a Surface,
+    pub(crate) b: &'a Surface,
+    /// The mesh for which one of the surfaces stands, and which one.
+    pub(crate) mesh: Option<(Operand, &'a Mesh)>,
+    pub(crate) tracker: &'a mut SurfaceTracker,
+}
+
+/// Where a surface lies that does not meet the triangles of a mesh.
+enum Side {
+    Outside,
+    /// In the mesh, with this point.
+    Inside(Spot, Point3<f64>),
+    /// A point is too close to the triangles, or every segment to the outside met an edge.
+    Unclear,
+}
+
+impl SurfacePair<'_> {
+    /// Returns the closest points, with bounds of the width that the question sets.
+    pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+        let width = width_asked(self, question);
+        self.tracker.allow(question.splits);
+        self.answer(pose, NetGoal::Width(width)).without_depth()
+    }
+
+    /// Returns whether the distance is at most `d`, within the splits that the question allows.
+    pub(crate) fn ask_within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+        self.tracker.allow(question.splits);
+        self.is_within(pose, d)
+    }
+
+    /// Returns whether the distance is at most `d`.
+    fn is_within(&mut self, pose: &RelativePose, d: f64) -> Decision {
+        let decision = self.tracker.within(self.a, self.b, pose, d);
+        if !(d >= 0.0) || decision.is_yes() {
+            return decision;
+        }
+        match self.side(pose) {
+            Side::Outside => decision,
+            Side::Inside(..) => Decision::Yes,
+            Side::Unclear => match decision {
+                Decision::Undecided { upper, .. } => Decision::Undecided { lower: 0.0, upper },
+                // Farther apart than d, or inside.
+                _ => Decision::Undecided {
+                    lower: 0.0,
+                    upper: self.tracker.answer(self.a, self.b, pose, NetGoal::Part(MEASURED)).upper,
+                },
+            },
+        }
+    }
+
+    fn answer(&mut self, pose: &RelativePose, goal: NetGoal) -> Answer {
+        let found = self.tracker.answer(self.a, self.b, pose, goal);
+        match found.class {
+            Class::Separated => match self.side(pose) {
+                Side::Outside => found,
+                Side::Inside(spot, point) => self.inside(found, (spot, point), pose),
+                Side::Unclear => Answer {
+                    outcome: Outcome {
+                        class: Class::Undecided,
+                        lower: 0.0,
+                        ..found.outcome
+                    },
+                    is_reached: false,
+                    ..found
+                },
+            },
+            _ => found,
+        }
+    }
+
+    /// Returns the answer of a surface that has a point within the mesh.
+    fn inside(&self, found: Answer, (spot, point): (Spot, Point3<f64>), pose: &RelativePose) -> Answer {
+        let mut answer = found;
+        let o = &mut answer.outcome;
+        (o.class, o.distance, o.lower, o.upper) = (Class::Overlapping, 0.0, 0.0, 0.0);
+        let is_mesh_a = matches!(self.mesh, Some((Operand::A, _)));
+        let [from, to] = if is_mesh_a { [1, 0] } else { [0, 1] };
+        answer.on[from] = spot;
+        let there = moved(&point, pose, is_mesh_a);
+        [o.point_on_a, o.point_on_b] = if is_mesh_a { [there, point] } else { [point, there] };
+        if from == 0 {
+            o.features.a = spot.feature;
+        } else {
+            o.features.b = spot.feature;
+        }
+        answer.on[to] = found.on[to];
+        answer.is_reached = true;
+        answer
+    }
+
+    /// Returns where the surface lies beside the mesh: a patch that does not meet the triangles
+    /// lies on one side of them, so one point of each patch tells.
+    fn side(&self, pose: &RelativePose) -> Side {
+        let Some((operand, mesh)) = self.mesh.filter(|(_, mesh)| mesh.is_solid()) else {
+            return Side::Outside;
+        };
+        let is_mesh_a = operand == Operand::A;
+        let surface = if is_mesh_a { self.b } else { self.a };
+        let reach = sqrt(pose.translation().norm_squared()) + surface.reach;
+        // The rounding of a point of the surface, and of its place in the frame of the mesh.
+        let doubt = surface.reach * SURFACE_POINT + CERTIFICATE * UNIT * reach;
+        let unit = mesh.unit();
+        let mut is_clear = true;
+        for (patch, net) in (0..).zip(surface.patches()) {
+            let point = net.point(0.0, 0.0);
+            let place = moved(&point, pose, is_mesh_a);
+            match mesh.holds_point(&(place.coords / unit), doubt / unit) {
+                Some(true) => return Side::Inside(Spot::on_patch(patch, [0.0; 2]), point),
+                Some(false) => {}
+                None => is_clear = false,
+            }
+        }
+        if is_clear { Side::Outside } else { Side::Unclear }
+    }
+}
+
+/// Returns a point of B in A's frame, or of A in B's.
+fn moved(point: &Point3<f64>, pose: &RelativePose, is_of_b: bool) -> Point3<f64> {
+    let (rotation, t) = (pose.rotation(), pose.translation());
+    Point3::from(if is_of_b {
+        rotation * point.coords + t
+    } else {
+        rotation.tr_mul(&(point.coords - t))
+    })
+}
+
+impl Separation for SurfacePair<'_> {
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        if of == Operand::A { self.a } else { self.b }.bounding_ball()
+    }
+
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        Measure::from(&self.answer(a_from_b, NetGoal::Part(MEASURED)))
+    }
+
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+        self.is_within(a_from_b, distance).is_yes()
+    }
+
+    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+        held(self, seen, flight, |pair, pose, width| {
+            pair.answer(pose, NetGoal::Width(width)).lower
+        })
+    }
+}
