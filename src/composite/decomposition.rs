@@ -222,7 +222,7 @@ fn open(upper: f64) -> Distance {
 const GAP: f64 = 1.0 / 64.0;
 
 /// A piece that is a polyhedron.
-pub(in crate::composite) struct PieceHull<'a> {
+pub(super) struct PieceHull<'a> {
     body: &'a ConvexPolyhedron,
     pose: &'a Isometry3<f64>,
     /// A ball about the piece in the body's frame.
@@ -241,7 +241,7 @@ struct InnerPlanes {
     last: usize,
 }
 
-pub(in crate::composite) fn hulls(pieces: &Composite) -> Result<Vec<PieceHull<'_>>, MeshError> {
+pub(super) fn hulls(pieces: &Composite) -> Result<Vec<PieceHull<'_>>, MeshError> {
     let mut hulls = Vec::with_capacity(pieces.pieces().len());
     for (piece, Piece { shape, pose, .. }) in pieces.pieces().iter().enumerate() {
         let (Core::Polyhedron(body), 0.0) = (shape.core(), shape.round()) else {
@@ -319,19 +319,14 @@ impl PieceHull<'_> {
     }
 
     /// Half the shortest side of the box: no point of the piece is deeper inside.
-    pub(in crate::composite) fn depth(&self) -> f64 {
+    fn depth(&self) -> f64 {
         let (low, high) = self.body.aabb();
         0.5 * smallest(&(high - low))
     }
 }
 
 /// Bounds of the farthest point of the pieces' surface from the mesh, in stored units of the mesh.
-pub(in crate::composite) fn excess(
-    mesh: &Mesh,
-    hulls: &[PieceHull],
-    resolution: f64,
-    watch: &mut Watch<'_>,
-) -> (f64, f64) {
+pub(super) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64, watch: &mut Watch<'_>) -> (f64, f64) {
     let scale = 1.0 / mesh.unit();
     let triangles = hulls.iter().flat_map(|hull| {
         let at = |v| {
@@ -365,12 +360,7 @@ pub(in crate::composite) fn excess(
 }
 
 /// Bounds of the farthest point of the mesh's surface from the pieces, in stored units of the mesh.
-pub(in crate::composite) fn shortfall(
-    mesh: &Mesh,
-    hulls: &mut [PieceHull],
-    resolution: f64,
-    watch: &mut Watch<'_>,
-) -> (f64, f64) {
+fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], resolution: f64, watch: &mut Watch<'_>) -> (f64, f64) {
     let (unit, scale) = (mesh.unit(), 1.0 / mesh.unit());
     let triangles = (0..mesh.triangles.len() as u32).map(|t| mesh.corners(t));
     let (mut last, slack) = (0, GAP * resolution * unit);

@@ -226,7 +226,7 @@ impl Parted for PartsRef<'_> {
 }
 
 /// Returns B in A's frame, right up to rounding.
-pub(in crate::composite) fn relative(pose: &RelativePose) -> Isometry3<f64> {
+pub(super) fn relative(pose: &RelativePose) -> Isometry3<f64> {
     let (pose_a, pose_b) = pose.poses();
     let unit = |q: UnitQuaternion<f64>| UnitQuaternion::new_normalize(q.into_inner());
     let rotation = unit(unit(pose_a.rotation).inverse() * unit(pose_b.rotation));
@@ -247,7 +247,7 @@ impl<'a> Placed<'a> {
         Self { pose, composed }
     }
 
-    pub(in crate::composite) fn of(pose: &'a RelativePose, a: &impl Parted, b: &impl Parted) -> Self {
+    pub(super) fn of(pose: &'a RelativePose, a: &impl Parted, b: &impl Parted) -> Self {
         Self::new(pose, a.is_in_place() && b.is_in_place())
     }
 

@@ -507,11 +507,11 @@ impl CompositeTracker {
         self.state.kept.work
     }
 
-    pub(in crate::composite) fn kept(&self) -> &FrontMemory {
+    pub(super) fn kept(&self) -> &FrontMemory {
         &self.state.kept
     }
 
-    pub(in crate::composite) fn count_windings(&mut self, taken: u64) {
+    pub(super) fn count_windings(&mut self, taken: u64) {
         self.state.kept.work.windings.count(taken);
     }
 
@@ -598,13 +598,13 @@ fn answered<A: Parted, B: Parted>(a: &A, b: &B, found: &TreeAnswer<FeaturePair>)
 
 /// Two parts that came near.
 #[derive(Clone, Debug)]
-pub(super) struct NearParts {
+struct NearParts {
     parts: [(Shape, Isometry3<f64>); 2],
-    pub(super) tracker: ShapeTracker,
+    tracker: ShapeTracker,
 }
 
 /// Judges pairs of parts.
-pub(super) struct PartJudge<'a, A, B> {
+struct PartJudge<'a, A, B> {
     posed: &'a PosedTrees<'a, A, B>,
     placed: Placed<'a>,
     /// The distance in question, in the caller's unit, if that is the question.

@@ -191,7 +191,7 @@ impl Mover {
 }
 
 /// The bodies on a flight.
-pub(in crate::composite) struct LookAhead<'a, A, B> {
+struct LookAhead<'a, A, B> {
     posed: &'a PosedTrees<'a, A, B>,
     flight: &'a Flight,
     movers: [Mover; 2],
@@ -207,12 +207,7 @@ type Claim = (NodePair, Vector3<f64>, f64);
 
 impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     /// `noise` is the effect of rounding on a distance, `radii` those about the pivots.
-    pub(in crate::composite) fn new(
-        posed: &'a PosedTrees<'a, A, B>,
-        flight: &'a Flight,
-        noise: f64,
-        radii: [f64; 2],
-    ) -> Self {
+    pub(super) fn new(posed: &'a PosedTrees<'a, A, B>, flight: &'a Flight, noise: f64, radii: [f64; 2]) -> Self {
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
         let (a, b) = (&flight.course_a, &flight.course_b);
         Self {
@@ -229,7 +224,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     }
 
     /// Returns the time for which all pairs of parts are proven apart: at most the flight's span.
-    pub(in crate::composite) fn span(&mut self, kept: &FrontMemory, seen: &Measure) -> f64 {
+    pub(super) fn span(&mut self, kept: &FrontMemory, seen: &Measure) -> f64 {
         let goal = self.goal(seen);
         let mut stack: Vec<Claim> = Vec::new();
         let (single, unit) = (&self.posed.frame.single, self.posed.a.stored_unit());

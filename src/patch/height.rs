@@ -50,7 +50,7 @@ impl Net<'_> {
 
     /// Returns the number of the highest point.
     #[inline]
-    pub(super) fn highest_index(&self, n: &Vector3<f64>) -> usize {
+    fn highest_index(&self, n: &Vector3<f64>) -> usize {
         let [x, y, z] = self.points;
         let (mut best, mut at) = (f64::NEG_INFINITY, 0);
         for k in 0..x.len() {
@@ -64,7 +64,7 @@ impl Net<'_> {
 
     /// Returns the greatest height of the four corners, which lie on the surface.
     #[inline]
-    pub(super) fn highest_corner(&self, [p, q]: [usize; 2], n: &Vector3<f64>) -> f64 {
+    fn highest_corner(&self, [p, q]: [usize; 2], n: &Vector3<f64>) -> f64 {
         let last = p * (q + 1);
         let heights = [0, q, last, last + q].map(|k| n.dot(&self.point(k)));
         heights[0].larger(heights[1]).larger(heights[2].larger(heights[3]))

@@ -40,7 +40,7 @@ pub(crate) struct Span {
 }
 
 /// A Bezier patch of a NURBS surface with the knots between which it lies, in u and v.
-pub(super) type KnotPatch = (Patch, [[f64; 2]; 2]);
+type KnotPatch = (Patch, [[f64; 2]; 2]);
 
 impl Nurbs<'_> {
     /// Returns the Bezier patches, those of equal u after each other.

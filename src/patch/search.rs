@@ -61,7 +61,7 @@ const SHRINKING: f64 = 0.5;
 const PATIENCE: usize = 32;
 
 /// A pair that may be closer than the goal, ranked by the gap.
-pub(super) type OpenNodePair = Ranked<NetPair, Gap>;
+type OpenNodePair = Ranked<NetPair, Gap>;
 
 /// What a search is for.
 #[derive(Clone, Copy, Debug)]
@@ -91,7 +91,7 @@ impl NetGoal {
 /// isolated, but with a power of it where two surfaces are equally far along a curve or over an
 /// area. There most queries could use up any budget without reaching their goal.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pace {
+struct Pace {
     /// Splits that a query may make.
     allowed: usize,
     /// Pairs of patches or parts of them split so far: those of groups are finite in number.
@@ -102,7 +102,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    pub(super) fn new(allowed: usize) -> Self {
+    fn new(allowed: usize) -> Self {
         Self {
             allowed,
             splits: 0,
@@ -129,31 +129,31 @@ impl Pace {
 }
 
 /// A search under way.
-pub(super) struct NetSearch<'a, 't, B, M> {
-    pub(super) trees: &'a mut Trees<'t, B>,
-    pub(super) points: &'a mut M,
-    pub(super) goal: NetGoal,
+struct NetSearch<'a, 't, B, M> {
+    trees: &'a mut Trees<'t, B>,
+    points: &'a mut M,
+    goal: NetGoal,
     /// Splits that are left.
-    pub(super) budget: usize,
-    pub(super) pace: Pace,
-    pub(super) heap: &'a mut BinaryHeap<OpenNodePair>,
-    pub(super) front: &'a mut NetFront,
-    pub(super) best: Option<Meeting>,
+    budget: usize,
+    pace: Pace,
+    heap: &'a mut BinaryHeap<OpenNodePair>,
+    front: &'a mut NetFront,
+    best: Option<Meeting>,
     /// Upper bound of the distance, errors included.
-    pub(super) upper: f64,
+    upper: f64,
     /// A direction from A to B at the best meeting.
-    pub(super) hint: Option<Vector3<f64>>,
+    hint: Option<Vector3<f64>>,
     /// The surroundings of the best meeting, proven.
-    pub(super) region: Option<Region>,
+    region: Option<Region>,
     /// How far a region reaches along the surfaces; `None` if the search has found none.
-    pub(super) way: &'a mut Option<f64>,
+    way: &'a mut Option<f64>,
     /// Pairs to be split until two points are looked for below one of them, whatever its middle.
-    pub(super) patience: usize,
+    patience: usize,
     /// Regions that may still be tried.
-    pub(super) tries: usize,
+    tries: usize,
     /// The least lower bound of all pairs closed so far.
-    pub(super) least: f64,
-    pub(super) work: &'a mut SurfaceWork,
+    least: f64,
+    work: &'a mut SurfaceWork,
 }
 
 impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
@@ -327,7 +327,7 @@ impl<B: NetSide, M: Meets> NetSearch<'_, '_, B, M> {
     }
 
     /// Proves the surroundings of the best meeting, as large as may be.
-    pub(super) fn find_region(&mut self) -> bool {
+    fn find_region(&mut self) -> bool {
         let target = self.target();
         let Some(best) = self.best.filter(|_| target > 0.0) else {
             return false;
@@ -477,7 +477,7 @@ pub(super) struct NetEntry {
 
 impl NetEntry {
     /// Returns the entry of a pair with a gap at this pose.
-    pub(super) fn new<B: NetSide>(trees: &Trees<B>, pair: NetPair, gap: &Gap) -> Self {
+    fn new<B: NetSide>(trees: &Trees<B>, pair: NetPair, gap: &Gap) -> Self {
         let (x, y) = (trees.a.node(pair[0]), trees.b.node(pair[1]));
         let is_of_a = x.radius < y.radius;
         let ball = if is_of_a { x } else { y };
@@ -507,7 +507,7 @@ impl NetEntry {
 
     /// Returns a lower bound of the gap at a pose.
     #[inline(always)]
-    pub(super) fn gap(&self, frame: &NetFrame) -> f64 {
+    fn gap(&self, frame: &NetFrame) -> f64 {
         if !self.is_plane {
             return f64::NEG_INFINITY;
         }
@@ -521,7 +521,7 @@ impl NetEntry {
     }
 
     /// Returns the direction in A's frame at a pose.
-    pub(super) fn direction(&self, frame: &NetFrame) -> Vector3<f64> {
+    fn direction(&self, frame: &NetFrame) -> Vector3<f64> {
         if self.is_of_a {
             let n = frame.rotation * self.m;
             n / sqrt(n.norm_squared())
@@ -535,7 +535,7 @@ impl NetEntry {
 #[derive(Clone, Debug, Default)]
 pub(super) struct NetFront {
     pub(super) entries: Vec<NetEntry>,
-    pub(super) cut: usize,
+    cut: usize,
 }
 
 /// Splits of nodes that one query may make by default. Two bicubic patches in general position need

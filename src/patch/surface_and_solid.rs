@@ -248,7 +248,7 @@ impl SurfaceShapeTracker {
     }
 
     /// Returns the closest points at a pose that puts points of B up to `placing` aside.
-    pub(super) fn answer_placed(
+    fn answer_placed(
         &mut self,
         a: &Surface,
         b: &Shape,
@@ -355,7 +355,7 @@ pub(super) fn far_apart(a: &Surface, b: &Shape, a_from_b: &RelativePose) -> Answ
 }
 
 /// Lowers the lower bound of an answer to that of other pieces.
-pub(super) fn lower_to(answer: &mut Answer, lower: f64, goal: NetGoal) {
+fn lower_to(answer: &mut Answer, lower: f64, goal: NetGoal) {
     let o = &mut answer.outcome;
     o.lower = o.lower.smaller(lower);
     o.distance = o.distance.larger(o.lower);

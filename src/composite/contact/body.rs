@@ -256,7 +256,7 @@ pub(super) enum Under {
 
 /// Returns whether another piece holds the point and is higher along the normal: then the whole has
 /// no such normal there.
-pub(super) fn is_covered(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
+fn is_covered(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
     cover(body, of, point, n, slack).is_some()
 }
 
@@ -276,7 +276,7 @@ pub(super) fn cover<'a>(
 
 /// Returns whether a covered point of a face is at the end of the part of the face that is not:
 /// some place of the face next to the point is not covered.
-pub(super) fn is_end(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
+fn is_end(body: &Composite, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
     let Some(Piece { shape, pose, .. }) = body.pieces().get(of as usize) else {
         return false;
     };
@@ -336,7 +336,7 @@ pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
 }
 
 /// Returns a point as a shape, and its pose.
-pub(super) fn dot_at(point: &Point3<f64>) -> Option<(Shape, RelativePose)> {
+fn dot_at(point: &Point3<f64>) -> Option<(Shape, RelativePose)> {
     let dot = ConvexPolyhedron::point(Point3::origin()).ok()?;
     let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;
     Some((Shape::from(dot), at))

@@ -41,12 +41,12 @@ pub(super) struct NearPatches {
 }
 
 /// Two patches at a pose.
-pub(super) struct PosedPatches<'a> {
-    pub(super) query: &'a PatchQuery<'a>,
-    pub(super) patches: NodePair,
-    pub(super) parts: &'a [(Shape, Isometry3<f64>); 2],
+struct PosedPatches<'a> {
+    query: &'a PatchQuery<'a>,
+    patches: NodePair,
+    parts: &'a [(Shape, Isometry3<f64>); 2],
     /// From the frame of the part of B to that of the part of A.
-    pub(super) pose: RelativePose,
+    pose: RelativePose,
 }
 
 impl NearPatches {
@@ -114,7 +114,7 @@ impl PosedPatches<'_> {
     }
 
     /// Returns a contact of the parts as one of the bodies.
-    pub(super) fn point(&self, point: &ContactPoint) -> ContactPoint {
+    fn point(&self, point: &ContactPoint) -> ContactPoint {
         ContactPoint {
             point_on_a: self.parts[0].1 * point.point_on_a,
             point_on_b: self.parts[1].1 * point.point_on_b,
@@ -171,7 +171,7 @@ impl PosedPatches<'_> {
         (ends_a || of_a()) && (ends_b || of_b())
     }
 
-    pub(super) fn how_borne(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
+    fn how_borne(&self, n: &Vector3<f64>, point: &ContactPoint) -> Borne {
         let PatchQuery {
             a,
             b,
@@ -257,7 +257,7 @@ impl PosedPatches<'_> {
     }
 
     /// Returns whether a contact lies on the parts that are convex bodies.
-    pub(super) fn is_on_parts(&self, point: &ContactPoint) -> bool {
+    fn is_on_parts(&self, point: &ContactPoint) -> bool {
         let PatchQuery { a, b, doubt, .. } = self.query;
         let [(p, _), (q, _)] = self.parts;
         (a.is_mesh() || is_in(p, &point.point_on_a, 2.0 * doubt))
@@ -266,7 +266,7 @@ impl PosedPatches<'_> {
 
     /// Returns whether the face of an outcome is the nearest one to the deepest point. If a body
     /// enters a ridge from one side, only that side is in contact.
-    pub(super) fn is_nearest(&self, is_of_a: bool, outcome: &Outcome) -> bool {
+    fn is_nearest(&self, is_of_a: bool, outcome: &Outcome) -> bool {
         let PatchQuery { a, b, doubt, .. } = self.query;
         let depth = -outcome.distance * (1.0 - NEARLY) - doubt;
         if !(depth > 0.0) {
@@ -338,7 +338,7 @@ impl PosedPatches<'_> {
     ///
     /// A face that ends in a valley bears contacts within the prediction; any other one overlaps,
     /// if it is the nearest to the vertex.
-    pub(super) fn beside(&self, is_of_a: bool, outcome: &Outcome, is_nearest: bool) -> Option<Outcome> {
+    fn beside(&self, is_of_a: bool, outcome: &Outcome, is_nearest: bool) -> Option<Outcome> {
         let (part, feature) = if is_of_a {
             (&self.parts[1].0, outcome.features.b)
         } else {

@@ -245,7 +245,7 @@ impl PatchedMesh {
 const PLANES: usize = 1024;
 
 /// A convex patch: triangles, each with a triangle of the plane to which it belongs.
-pub(super) type PatchTriangles = Vec<(u32, u32)>;
+type PatchTriangles = Vec<(u32, u32)>;
 
 /// Cuts a mesh into patches.
 pub(super) fn grow(mesh: &Mesh, tolerance: f64) -> Vec<PatchTriangles> {

@@ -234,21 +234,21 @@ impl<'a> ExactPair<'a> {
 
 /// A polynomial by its coefficients, the constant first and the last not zero; zero has none.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Polynomial(Vec<IBig>);
+struct Polynomial(Vec<IBig>);
 
 /// Most halvings of an interval about a root, far beyond what separates the roots of polynomials
 /// whose coefficients have some thousand bits.
 const MOST: u32 = 1 << 16;
 
 impl Polynomial {
-    pub(super) fn new(mut coefficients: Vec<IBig>) -> Self {
+    fn new(mut coefficients: Vec<IBig>) -> Self {
         while coefficients.last().is_some_and(IBig::is_zero) {
             coefficients.pop();
         }
         Self(coefficients)
     }
 
-    pub(super) fn is_zero(&self) -> bool {
+    fn is_zero(&self) -> bool {
         self.0.is_empty()
     }
 
@@ -272,15 +272,15 @@ impl Polynomial {
         )
     }
 
-    pub(super) fn add(&self, other: &Self) -> Self {
+    fn add(&self, other: &Self) -> Self {
         self.plus(other, 1)
     }
 
-    pub(super) fn sub(&self, other: &Self) -> Self {
+    fn sub(&self, other: &Self) -> Self {
         self.plus(other, -1)
     }
 
-    pub(super) fn times(&self, other: &Self) -> Self {
+    fn times(&self, other: &Self) -> Self {
         if self.is_zero() || other.is_zero() {
             return Self(Vec::new());
         }
@@ -366,7 +366,7 @@ impl Polynomial {
     }
 
     /// Returns the roots from zero to one, in order; `None` if halving has not isolated them.
-    pub(super) fn roots(&self, work: &mut WideWork) -> Option<Vec<Root>> {
+    fn roots(&self, work: &mut WideWork) -> Option<Vec<Root>> {
         let simple = self.square_free(work)?;
         let mut roots = Vec::new();
         if simple.degree() == 0 {
@@ -414,7 +414,7 @@ fn variations(coefficients: &[IBig]) -> usize {
 /// A root of a polynomial without multiple roots: the only one between `low / 2^halvings` and the
 /// next such number, or that number itself.
 #[derive(Clone, Debug)]
-pub(super) struct Root {
+struct Root {
     of: Polynomial,
     low: IBig,
     halvings: usize,
@@ -432,11 +432,11 @@ impl Root {
     }
 
     /// Returns zero as the root of a polynomial.
-    pub(super) fn zero() -> Self {
+    fn zero() -> Self {
         Self::exact(Polynomial(vec![IBig::ZERO, IBig::ONE]), IBig::ZERO, 0)
     }
 
-    pub(super) fn is_zero(&self) -> bool {
+    fn is_zero(&self) -> bool {
         self.is_exact && self.low.is_zero()
     }
 
@@ -452,7 +452,7 @@ impl Root {
     }
 
     /// Returns the sign of a polynomial at the root; `None` if halving has not found it.
-    pub(super) fn sign_of(&mut self, other: &Polynomial, work: &mut WideWork) -> Option<i32> {
+    fn sign_of(&mut self, other: &Polynomial, work: &mut WideWork) -> Option<i32> {
         if other.is_zero() {
             return Some(0);
         }
@@ -483,7 +483,7 @@ impl Root {
     /// Returns numbers of f64 about the root, less than `width` and a rounding apart: one below,
     /// and one that is not below; `None` if the budget is spent. Zero is no root here, and `width`
     /// not below `2^-1000`.
-    pub(super) fn bracket(&mut self, width: f64, work: &mut WideWork) -> Option<[f64; 2]> {
+    fn bracket(&mut self, width: f64, work: &mut WideWork) -> Option<[f64; 2]> {
         while !self.is_exact && crate::body::polyhedron::power_of_two(-(self.halvings as i32)) > width {
             self.refine(work)?;
         }

@@ -350,7 +350,7 @@ pub(super) fn placed(a: &MeshOverFrame, b: &MeshOverFrame) -> f64 {
 }
 
 /// Two triangles of meshes at least one of which rotates.
-pub(super) struct TrianglesOnArcs<'a> {
+struct TrianglesOnArcs<'a> {
     of: [&'a MeshOverFrame<'a>; 2],
     triangles: NodePair,
     /// How far the places of corners, as computed, are from the motion.

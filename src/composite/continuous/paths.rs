@@ -304,7 +304,7 @@ pub(super) fn volume_sign(volume: f64) -> i32 {
 }
 
 /// Returns the way between points of two edges that are nearly the closest.
-pub(super) fn between_edges([p, q]: &[Vector3<f64>; 2], [r, s]: &[Vector3<f64>; 2]) -> Vector3<f64> {
+fn between_edges([p, q]: &[Vector3<f64>; 2], [r, s]: &[Vector3<f64>; 2]) -> Vector3<f64> {
     // NaN, of edges without length, becomes zero.
     let part = |x: f64| if x > 0.0 { if x < 1.0 { x } else { 1.0 } } else { 0.0 };
     let (u, v, w) = (q - p, s - r, p - r);

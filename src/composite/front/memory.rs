@@ -42,9 +42,9 @@ const FEW_ENTRIES: usize = 64;
 /// Front, last pairs and buffers.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(in crate::composite) struct FrontMemory {
+pub(crate) struct FrontMemory {
     #[cfg_attr(feature = "serde", serde(skip))]
-    pub(in crate::composite) front: Front,
+    pub(crate) front: Front,
     /// The two closest pairs of items of the last answers.
     #[cfg_attr(feature = "serde", serde(skip))]
     last: [Option<NodePair>; 2],
@@ -66,12 +66,12 @@ pub(in crate::composite) struct FrontMemory {
     stack: Vec<NodePair>,
     #[cfg_attr(feature = "serde", serde(skip))]
     failed: Vec<EntryId>,
-    pub(in crate::composite) work: MeshWork,
+    pub(crate) work: MeshWork,
 }
 
 impl FrontMemory {
     /// Returns an empty memory for two bodies.
-    pub(in crate::composite) fn of_bodies(moves: &TreeMoves) -> Self {
+    pub(crate) fn of_bodies(moves: &TreeMoves) -> Self {
         Self {
             taken: moves.totals(),
             ..Self::default()
@@ -79,7 +79,7 @@ impl FrontMemory {
     }
 
     /// Takes from every claim of the front how far points have moved since it was last taken.
-    pub(in crate::composite) fn follow(&mut self, moves: &TreeMoves) {
+    pub(crate) fn follow(&mut self, moves: &TreeMoves) {
         match moves.since(self.taken) {
             Some(length) => {
                 self.front.follow(moves);
@@ -93,14 +93,14 @@ impl FrontMemory {
         self.taken = moves.totals();
     }
 
-    pub(in crate::composite) fn heap_bytes(&self) -> usize {
+    pub(crate) fn heap_bytes(&self) -> usize {
         self.front.heap_bytes()
             + self.stack.capacity() * size_of::<NodePair>()
             + self.failed.capacity() * size_of::<EntryId>()
     }
 
     /// Finds the closest pair of items, by the front if there is one.
-    pub(in crate::composite) fn closest<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
+    pub(crate) fn closest<J: Judge>(&mut self, search: &mut TreeSearch<J>) {
         let motion = self.motion(search.frame);
         self.pose = Some((search.frame.rotation, search.frame.translation));
         self.bent = 0.0;
@@ -130,7 +130,7 @@ impl FrontMemory {
 
     /// Returns whether any pair of items is within the distance that the search asks for. Unless
     /// the roots are far apart, the pairs that decided last are tried first.
-    pub(in crate::composite) fn is_within<J: Judge>(&mut self, search: &mut TreeSearch<J>) -> bool {
+    pub(crate) fn is_within<J: Judge>(&mut self, search: &mut TreeSearch<J>) -> bool {
         search.start(&mut self.stack, None);
         if !self.stack.is_empty() {
             for pair in self.last.into_iter().flatten() {
@@ -318,7 +318,7 @@ const LONGEST_WAIT: u32 = 63;
 
 /// What fronts have been worth lately.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::composite) struct FrontWorth {
+struct FrontWorth {
     /// The work of the last search without a front; zero before the first.
     search: u64,
     /// Searches to go before a front is tried.
@@ -329,40 +329,40 @@ pub(in crate::composite) struct FrontWorth {
 
 impl FrontWorth {
     /// Returns the work of a query, in bounds of boxes.
-    pub(in crate::composite) fn work(done: &MeshWork) -> u64 {
+    fn work(done: &MeshWork) -> u64 {
         done.bounds + done.entries / ENTRY_WORK + LEAF_WORK * done.leaves + MEASURE_WORK * done.measured
     }
 
     /// Returns whether the search to come is to keep a front.
-    pub(in crate::composite) fn is_due(&mut self) -> bool {
+    fn is_due(&mut self) -> bool {
         let is_due = self.left == 0;
         self.left = self.left.saturating_sub(1);
         is_due
     }
 
     /// Takes the work of a search without a front.
-    pub(in crate::composite) fn searched(&mut self, work: u64) {
+    fn searched(&mut self, work: u64) {
         self.search = work;
     }
 
     /// Returns whether work with a front is more than a search takes.
-    pub(in crate::composite) fn is_dearer(&self, work: u64) -> bool {
+    fn is_dearer(&self, work: u64) -> bool {
         self.search > 0 && work > self.search
     }
 
     /// A front paid: the next one is tried at once.
-    pub(in crate::composite) fn paid(&mut self) {
+    fn paid(&mut self) {
         self.wait = 0;
     }
 
     /// A front did not pay.
-    pub(in crate::composite) fn lost(&mut self) {
+    fn lost(&mut self) {
         self.wait = (2 * self.wait + 1).min(LONGEST_WAIT);
         self.left = self.wait;
     }
 
     /// A front grew too long before it was whole: the next one is far off.
-    pub(in crate::composite) fn overflowed(&mut self) {
+    fn overflowed(&mut self) {
         self.wait = LONGEST_WAIT;
         self.left = self.wait;
     }

@@ -24,8 +24,8 @@
 //! At the end of the file stands a check for debugging ([`audit`]): it compares every claim of the
 //! front with all vertices below the entry's nodes, and looks whether the front covers all pairs.
 
-pub(in crate::composite) mod memory;
-pub(in crate::composite) mod own;
+pub(super) mod memory;
+pub(super) mod own;
 
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
@@ -45,7 +45,7 @@ use crate::composite::tree::{OrientedBox, Paths, Tree};
 const MOST_ENTRIES: usize = 1 << 15;
 
 /// A node of A and a node of B.
-pub(in crate::composite) type NodePair = [u32; 2];
+pub(super) type NodePair = [u32; 2];
 
 /// The numbers of an entry.
 const NUMBERS: usize = 14;
@@ -73,24 +73,24 @@ struct FrontHalf {
 
 /// The place of an entry: the half, and the number there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::composite) struct EntryId {
+pub(super) struct EntryId {
     half: u8,
     at: u32,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::composite) struct Front {
+pub(crate) struct Front {
     /// Entries with directions in A's frame, then those with directions in B's.
     halves: [FrontHalf; 2],
     /// The largest error of single precision since the front was empty: entries carry the rounding
     /// of the pose at which they were made.
     error: f32,
     /// Entries at the last cut.
-    pub(in crate::composite) cut: usize,
+    pub(super) cut: usize,
 }
 
 impl Front {
-    pub(in crate::composite) fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         for half in &mut self.halves {
             half.blocks.clear();
             half.pairs.clear();
@@ -99,29 +99,29 @@ impl Front {
         (self.error, self.cut) = (0.0, 0);
     }
 
-    pub(in crate::composite) fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.halves[0].pairs.len() + self.halves[1].pairs.len()
     }
 
-    pub(in crate::composite) fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// Returns whether no more entries are taken: the front does not cover all pairs any more and
     /// must be cleared at the end of the query.
-    pub(in crate::composite) fn is_full(&self) -> bool {
+    pub(super) fn is_full(&self) -> bool {
         self.len() >= MOST_ENTRIES
     }
 
-    pub(in crate::composite) fn pairs(&self) -> impl Iterator<Item = NodePair> + '_ {
+    pub(super) fn pairs(&self) -> impl Iterator<Item = NodePair> + '_ {
         self.halves.iter().flat_map(|h| h.pairs.iter().copied())
     }
 
-    pub(in crate::composite) fn pair(&self, place: EntryId) -> NodePair {
+    pub(super) fn pair(&self, place: EntryId) -> NodePair {
         self.halves[place.half as usize].pairs[place.at as usize]
     }
 
-    pub(in crate::composite) fn heap_bytes(&self) -> usize {
+    pub(super) fn heap_bytes(&self) -> usize {
         let of = |h: &FrontHalf| {
             h.blocks.capacity() * size_of::<FrontBlock>()
                 + (h.pairs.capacity() + h.paths.capacity()) * size_of::<NodePair>()
@@ -130,12 +130,12 @@ impl Front {
     }
 
     /// Takes the error of a pose. Must be called before entries are tested or made.
-    pub(in crate::composite) fn meet(&mut self, frame: &Single) {
+    pub(super) fn meet(&mut self, frame: &Single) {
         self.error = self.error.larger(frame.error);
     }
 
     /// Returns whether points below entries may have moved since they were made.
-    pub(in crate::composite) fn has_moved(&self) -> bool {
+    pub(super) fn has_moved(&self) -> bool {
         self.halves.iter().any(|h| !h.paths.is_empty())
     }
 
@@ -143,7 +143,7 @@ impl Front {
     /// their paths were last counted: heights along a unit direction change by no more. The
     /// direction may be longer than one by some UNIT_SINGLE, which
     /// [`BOXES`](crate::tolerance::BOXES) has room for: an entry that loses more than L fails.
-    pub(in crate::composite) fn follow(&mut self, moves: &TreeMoves) {
+    pub(super) fn follow(&mut self, moves: &TreeMoves) {
         let (a, b) = moves.trees;
         for half in &mut self.halves {
             half.paths.resize(half.pairs.len(), [0; 2]);
@@ -162,7 +162,7 @@ impl Front {
 
     /// Calls `failed` with the place of every entry that is not proven to be at least `distance`
     /// apart: the places in each half rise.
-    pub(in crate::composite) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(EntryId)) {
+    pub(super) fn test(&self, frame: &Single, distance: f32, mut failed: impl FnMut(EntryId)) {
         let level = f32x8::splat(distance + self.error);
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
             for (k, block) in (0u32..).zip(&entries.blocks) {
@@ -179,7 +179,7 @@ impl Front {
     }
 
     /// Calls `each` with every entry, its pair and the proven gap at this pose.
-    pub(in crate::composite) fn gaps(&self, frame: &Single, mut each: impl FnMut(EntryId, NodePair, f32)) {
+    pub(super) fn gaps(&self, frame: &Single, mut each: impl FnMut(EntryId, NodePair, f32)) {
         for (half, (entries, way)) in (0u8..).zip(self.halves.iter().zip(&frame.ways)) {
             for (k, (block, pairs)) in (0u32..).zip(entries.blocks.iter().zip(entries.pairs.chunks(WIDTH))) {
                 for (at, (pair, gap)) in (WIDTH as u32 * k..).zip(pairs.iter().zip(block.gaps(way).to_array())) {
@@ -191,14 +191,7 @@ impl Front {
 
     /// Adds an entry whose gap along `normal`, in A's frame, is at least `gap` at this pose, unless
     /// the front is full.
-    pub(in crate::composite) fn push(
-        &mut self,
-        frame: &Single,
-        trees: (&Tree, &Tree),
-        pair: NodePair,
-        normal: [f32; 3],
-        gap: f32,
-    ) {
+    pub(super) fn push(&mut self, frame: &Single, trees: (&Tree, &Tree), pair: NodePair, normal: [f32; 3], gap: f32) {
         if self.is_full() {
             return;
         }
@@ -213,14 +206,7 @@ impl Front {
     }
 
     /// Gives an entry another direction, in A's frame.
-    pub(in crate::composite) fn set(
-        &mut self,
-        frame: &Single,
-        (a, b): (&Tree, &Tree),
-        place: EntryId,
-        normal: [f32; 3],
-        gap: f32,
-    ) {
+    pub(super) fn set(&mut self, frame: &Single, (a, b): (&Tree, &Tree), place: EntryId, normal: [f32; 3], gap: f32) {
         let entries = &mut self.halves[place.half as usize];
         let [x, y] = entries.pairs[place.at as usize];
         let way = &frame.ways[place.half as usize];
@@ -242,7 +228,7 @@ impl Front {
     }
 
     /// Removes an entry; the last one of the half takes its place.
-    pub(in crate::composite) fn remove(&mut self, place: EntryId) {
+    pub(super) fn remove(&mut self, place: EntryId) {
         let (entries, k) = (&mut self.halves[place.half as usize], place.at as usize);
         let last = entries.pairs.len() - 1;
         entries.pairs.swap_remove(k);
@@ -262,21 +248,21 @@ impl Front {
 
     /// Spoils an entry, so that a test can see it found.
     #[cfg(test)]
-    pub(in crate::composite) fn corrupt(&mut self, place: EntryId, by: f32) {
+    pub(super) fn corrupt(&mut self, place: EntryId, by: f32) {
         self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers[BASE][place.at as usize % WIDTH] +=
             by;
     }
 
     /// Returns the place of an entry by its number.
     #[cfg(test)]
-    pub(in crate::composite) fn place(&self, k: usize) -> EntryId {
+    pub(super) fn place(&self, k: usize) -> EntryId {
         let first = self.halves[0].pairs.len();
         let (half, at) = if k < first { (0, k) } else { (1, k - first) };
         EntryId { half, at: at as u32 }
     }
 
     /// Returns the direction of an entry at a pose, in A's frame.
-    pub(in crate::composite) fn normal(&self, frame: &Single, place: EntryId) -> [f32; 3] {
+    pub(super) fn normal(&self, frame: &Single, place: EntryId) -> [f32; 3] {
         let block = &self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers;
         let n = [0, 1, 2].map(|c| block[c][place.at as usize % WIDTH]);
         if place.half == 0 {
@@ -381,7 +367,7 @@ pub(crate) enum FrontFault {
 }
 
 /// Checks a front at the pose of its last test.
-pub(in crate::composite) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &TreeFrame) -> Result<(), FrontFault> {
+pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &TreeFrame) -> Result<(), FrontFault> {
     let mut entries = BTreeMap::new();
     let mut fault = None;
     front.gaps(&frame.single, |place, pair, gap| {

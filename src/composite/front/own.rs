@@ -57,7 +57,7 @@ struct DistanceClaim {
 
 /// The claims of a body against itself.
 #[derive(Clone, Debug, Default)]
-pub(in crate::composite) struct SelfFront {
+pub(crate) struct SelfFront {
     claims: Vec<DistanceClaim>,
     /// The vertices when the front was begun, in stored units.
     begun: Vec<Vector3<f64>>,
@@ -72,24 +72,24 @@ pub(in crate::composite) struct SelfFront {
 
 /// The vertices of a body, and those of each of its items.
 #[derive(Clone, Copy)]
-pub(in crate::composite) struct ItemVertices<'a> {
-    pub(in crate::composite) points: &'a [Vector3<f64>],
-    pub(in crate::composite) items: &'a [[u32; 3]],
+pub(crate) struct ItemVertices<'a> {
+    pub(crate) points: &'a [Vector3<f64>],
+    pub(crate) items: &'a [[u32; 3]],
 }
 
 impl SelfFront {
-    pub(in crate::composite) fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.claims.clear();
         self.begun.clear();
         self.drifts.clear();
         self.failed = 0;
     }
 
-    pub(in crate::composite) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.claims.len()
     }
 
-    pub(in crate::composite) fn heap_bytes(&self) -> usize {
+    pub(crate) fn heap_bytes(&self) -> usize {
         self.claims.capacity() * size_of::<DistanceClaim>()
             + self.begun.capacity() * size_of::<Vector3<f64>>()
             + self.drifts.capacity() * size_of::<NodeDrift>()
@@ -97,7 +97,7 @@ impl SelfFront {
     }
 
     /// Takes the vertices as they are.
-    pub(in crate::composite) fn follow(&mut self, tree: &Tree, now: ItemVertices<'_>) {
+    pub(crate) fn follow(&mut self, tree: &Tree, now: ItemVertices<'_>) {
         if self.begun.len() != now.points.len() {
             return self.clear();
         }
@@ -117,7 +117,7 @@ impl SelfFront {
     }
 
     /// Proves the claims again that do not hold, or all anew, and searches below them.
-    pub(in crate::composite) fn search<J: Judge>(&mut self, search: &mut TreeSearch<J>, now: ItemVertices<'_>) {
+    pub(crate) fn search<J: Judge>(&mut self, search: &mut TreeSearch<J>, now: ItemVertices<'_>) {
         if search.is_over() {
             return;
         }
@@ -165,7 +165,7 @@ impl SelfFront {
     }
 
     /// Checks every claim by the distance of its items, for debugging.
-    pub(in crate::composite) fn audit(
+    pub(crate) fn audit(
         &self,
         (unit, error): (f64, f64),
         distance: impl Fn(NodePair) -> f64,

@@ -24,18 +24,18 @@ const LONG_BOX: f32 = 4.0;
 
 /// Pairs of boxes bounded at once: a register of x86-64-v3, two of other targets, where eight lanes
 /// take the time of four twice. The operations of a lane are the same, so bits are.
-pub(in crate::composite) const WIDTH: usize = 8;
+pub(crate) const WIDTH: usize = 8;
 
 /// Gaps along unit directions in A's frame, in the unit of the frame in single precision.
 #[derive(Clone, Copy)]
-pub(in crate::composite) struct BoxGaps {
-    pub(in crate::composite) gap: [f32; WIDTH],
-    pub(in crate::composite) normal: [[f32; 3]; WIDTH],
+pub(crate) struct BoxGaps {
+    pub(crate) gap: [f32; WIDTH],
+    pub(crate) normal: [[f32; 3]; WIDTH],
 }
 
 impl BoxGaps {
     /// Of pairs about which nothing is known.
-    pub(in crate::composite) const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         gap: [-f32::MAX; WIDTH],
         normal: [[0.0; 3]; WIDTH],
     };
@@ -43,16 +43,16 @@ impl BoxGaps {
 
 /// What is asked of bounds.
 #[derive(Clone, Copy)]
-pub(in crate::composite) struct BoundAim {
+pub(crate) struct BoundAim {
     /// The gap that is enough: no more directions are tried once all pairs have it.
-    pub(in crate::composite) level: f32,
+    pub(super) level: f32,
     /// A direction in A's frame that may prove it.
-    pub(in crate::composite) known: Option<[f32; 3]>,
+    pub(super) known: Option<[f32; 3]>,
 }
 
 impl BoundAim {
     /// Returns a gap that is enough, without a direction that may prove it.
-    pub(in crate::composite) const fn to(level: f32) -> Self {
+    pub(crate) const fn to(level: f32) -> Self {
         Self { level, known: None }
     }
 }
@@ -197,12 +197,7 @@ impl BestGaps {
 }
 
 /// Returns the best gap of each of up to eight pairs of nodes, and its direction.
-pub(in crate::composite) fn bounds(
-    frame: &Single,
-    (a, b): (&Tree, &Tree),
-    pairs: &[NodePair],
-    aim: &BoundAim,
-) -> BoxGaps {
+pub(crate) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[NodePair], aim: &BoundAim) -> BoxGaps {
     debug_assert!(pairs.len() <= WIDTH, "{} pairs", pairs.len());
     let Some(last) = pairs.len().checked_sub(1).filter(|_| frame.error.is_finite()) else {
         return BoxGaps::NONE;
@@ -242,7 +237,7 @@ impl EightPairs {
 
 /// Returns the gaps of eight pairs of nodes, each along a direction of its own in A's frame, and
 /// the directions as unit vectors from A to B.
-pub(in crate::composite) fn along(
+pub(crate) fn along(
     frame: &Single,
     (a, b): (&Tree, &Tree),
     pairs: &[NodePair; WIDTH],

@@ -33,13 +33,13 @@ pub(crate) enum PointSide {
 }
 
 /// A triangle over the integers, in units of `2^exponent`.
-pub(super) struct IntegerTriangle {
-    pub(super) corners: [Big3; 3],
-    pub(super) exponent: i32,
+struct IntegerTriangle {
+    corners: [Big3; 3],
+    exponent: i32,
 }
 
 impl IntegerTriangle {
-    pub(super) fn new(corners: &Triangle) -> Self {
+    fn new(corners: &Triangle) -> Self {
         let exponent = lowest_bit(corners.iter().flat_map(|v| v.iter().copied())).unwrap_or(0);
         Self {
             corners: corners.map(|v| [v.x, v.y, v.z].map(|x| integer(x, exponent))),
@@ -47,7 +47,7 @@ impl IntegerTriangle {
         }
     }
 
-    pub(super) fn normal(&self) -> Big3 {
+    fn normal(&self) -> Big3 {
         let [a, b, c] = &self.corners;
         cross(&sub(b, a), &sub(c, a))
     }

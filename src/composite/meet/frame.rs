@@ -14,13 +14,13 @@ use crate::composite::tree::{Below, Paths, Tree, up};
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]
 pub(crate) struct TreeSide<'a> {
-    pub(in crate::composite) tree: &'a Tree,
+    pub(crate) tree: &'a Tree,
     /// Stored lengths times `2^exponent` are the caller's.
-    pub(in crate::composite) exponent: i32,
+    pub(crate) exponent: i32,
     /// Largest distance of a point from the body's origin, in stored units.
-    pub(in crate::composite) radius: f64,
+    pub(crate) radius: f64,
     /// How far a stored point may be off its place in the body, in stored units.
-    pub(in crate::composite) off: f64,
+    pub(crate) off: f64,
 }
 
 /// Sizes beyond this, in the unit of single precision, are left to double precision. Squares stay
@@ -31,43 +31,43 @@ const SINGLE_MOST: f32 = (1u64 << 30) as f32;
 const LEAST: f32 = 1.0 / (1u64 << 60) as f32;
 
 /// `a_from_b` between stored frames, and between the frames of the trees.
-pub(in crate::composite) struct TreeFrame {
+pub(crate) struct TreeFrame {
     /// A rotation times the unit of B's stored frame in A's.
-    pub(in crate::composite) matrix: Matrix3<f64>,
-    pub(in crate::composite) translation: Vector3<f64>,
+    pub(super) matrix: Matrix3<f64>,
+    pub(crate) translation: Vector3<f64>,
     /// The rotation alone.
-    pub(in crate::composite) rotation: Matrix3<f64>,
+    pub(crate) rotation: Matrix3<f64>,
     /// One unit of B's stored frame in A's.
-    pub(in crate::composite) scale: f64,
+    pub(crate) scale: f64,
     /// L in A's stored units.
-    pub(in crate::composite) size: f64,
+    pub(crate) size: f64,
     /// How far stored points of both bodies may be off their places, in A's stored units.
-    pub(in crate::composite) off: f64,
+    pub(crate) off: f64,
     /// Error of a distance and of a height in double precision, with the points' own.
-    pub(in crate::composite) error: f64,
+    pub(crate) error: f64,
     /// Tolerance below the distance within which a proven gap still prunes.
-    pub(in crate::composite) tie: f64,
-    pub(in crate::composite) single: Single,
+    pub(crate) tie: f64,
+    pub(crate) single: Single,
 }
 
 /// The frame in single precision, in a unit in which the larger tree has a size of about one.
-pub(in crate::composite) struct Single {
+pub(crate) struct Single {
     /// The unit in A's stored units, a power of two, and its inverse.
-    pub(in crate::composite) unit: f64,
-    pub(in crate::composite) per_unit: f64,
+    pub(crate) unit: f64,
+    pub(super) per_unit: f64,
     /// From B's tree to A's, and back.
-    pub(in crate::composite) ways: [Way; 2],
-    pub(in crate::composite) scale_a: f32,
-    pub(in crate::composite) scale_b: f32,
+    pub(crate) ways: [Way; 2],
+    pub(crate) scale_a: f32,
+    pub(crate) scale_b: f32,
     /// Error of a gap; infinite if single precision cannot help.
-    pub(in crate::composite) error: f32,
+    pub(crate) error: f32,
 }
 
 /// A map `x -> R x + t` in single precision.
-pub(in crate::composite) struct Way {
+pub(crate) struct Way {
     /// Row by row.
-    pub(in crate::composite) rotation: [f32; 9],
-    pub(in crate::composite) translation: [f32; 3],
+    pub(crate) rotation: [f32; 9],
+    pub(crate) translation: [f32; 3],
 }
 
 impl Way {
@@ -80,7 +80,7 @@ impl Way {
 
     /// Returns the image of a point.
     #[inline(always)]
-    pub(in crate::composite) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let (r, t) = (&self.rotation, &self.translation);
         [
             r[0] * x + r[1] * y + r[2] * z + t[0],
@@ -91,7 +91,7 @@ impl Way {
 
     /// Returns the direction that the map turns to `n`.
     #[inline(always)]
-    pub(in crate::composite) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let r = &self.rotation;
         [
             r[0] * x + r[3] * y + r[6] * z,
@@ -104,7 +104,7 @@ impl Way {
 impl TreeFrame {
     /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the
     /// range of f64.
-    pub(in crate::composite) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
+    pub(crate) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
         let scale = ratio(a, b);
         let rotation = pose.rotation();
         let translation = pose.translation() * power_of_two(-a.exponent);
@@ -131,19 +131,19 @@ impl TreeFrame {
 
     /// Returns the place of a stored point of B in A's stored frame.
     #[inline(always)]
-    pub(in crate::composite) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
         self.matrix * p + self.translation
     }
 
     /// Returns the direction of B's stored frame along which points rise as along `n` in A's.
     #[inline(always)]
-    pub(in crate::composite) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
         self.matrix.tr_mul(n)
     }
 
     /// Lengths in A's stored units in the unit of single precision, rounded up.
     #[inline(always)]
-    pub(in crate::composite) fn single_up(&self, length: f64) -> f32 {
+    pub(crate) fn single_up(&self, length: f64) -> f32 {
         up(length * self.single.per_unit)
     }
 }
@@ -184,16 +184,16 @@ fn units_of(a: TreeSide, b: TreeSide, scale: f64) -> (f64, [f32; 2]) {
 }
 
 /// How far the points of two bodies have moved in their own frames, by the paths of their trees.
-pub(in crate::composite) struct TreeMoves<'a> {
-    pub(in crate::composite) trees: (&'a Tree, &'a Tree),
+pub(crate) struct TreeMoves<'a> {
+    pub(crate) trees: (&'a Tree, &'a Tree),
     /// The units of both trees in that of single precision.
-    pub(in crate::composite) scales: [f32; 2],
+    pub(crate) scales: [f32; 2],
     /// The units of both trees in A's stored units.
     units: [f64; 2],
 }
 
 impl<'a> TreeMoves<'a> {
-    pub(in crate::composite) fn new(a: TreeSide<'a>, b: TreeSide<'a>) -> Self {
+    pub(super) fn new(a: TreeSide<'a>, b: TreeSide<'a>) -> Self {
         let scale = ratio(a, b);
         Self {
             trees: (a.tree, b.tree),
@@ -203,13 +203,13 @@ impl<'a> TreeMoves<'a> {
     }
 
     /// Returns the sums of the longest moves of all points.
-    pub(in crate::composite) fn totals(&self) -> [u64; 2] {
+    pub(crate) fn totals(&self) -> [u64; 2] {
         [self.trees.0.paths.total, self.trees.1.paths.total]
     }
 
     /// Returns how far points of both bodies may have moved since the sums were others, in A's
     /// stored units, up to rounding; `None` if too far for the paths of nodes to tell.
-    pub(in crate::composite) fn since(&self, before: [u64; 2]) -> Option<f64> {
+    pub(crate) fn since(&self, before: [u64; 2]) -> Option<f64> {
         let [a, b] = self.totals();
         let least = |now: u64, then: u64| u32::try_from(now.checked_sub(then)?).ok();
         let (a, b) = (least(a, before[0])?, least(b, before[1])?);
@@ -225,7 +225,7 @@ fn ratio(a: TreeSide, b: TreeSide) -> f64 {
 
 /// Returns the distance of two bodies' origins in the caller's unit, by how much the distance of
 /// the bodies may differ, and the direction.
-pub(in crate::composite) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+pub(super) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
     let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();
     let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
@@ -237,11 +237,7 @@ pub(in crate::composite) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -
 
 /// Returns the two halves of a pair: of the box with the larger surface, unless that is a leaf. Not
 /// of the longer box: parts of a long thin one may be as long.
-pub(in crate::composite) fn split_pair(
-    (a, b): (&Tree, &Tree),
-    frame: &TreeFrame,
-    [x, y]: NodePair,
-) -> Option<[NodePair; 2]> {
+pub(crate) fn split_pair((a, b): (&Tree, &Tree), frame: &TreeFrame, [x, y]: NodePair) -> Option<[NodePair; 2]> {
     let is_a_larger = || {
         let (of_a, of_b) = (&a.boxes[x as usize], &b.boxes[y as usize]);
         let (scale_a, scale_b) = (frame.single.scale_a, frame.single.scale_b);

@@ -27,13 +27,13 @@ const SEGMENTS: usize = 24;
 impl Mesh {
     /// Returns the winding number about a point in stored coordinates that does not lie on the
     /// surface. `None` if every segment met an edge or passed through a vertex.
-    pub(in crate::composite) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
+    pub(crate) fn winding(&self, point: &Vector3<f64>) -> Option<i32> {
         self.winding_of(point, |_| true)
     }
 
     /// Returns the winding number of some of the triangles, which close a surface on which the
     /// point does not lie.
-    pub(in crate::composite) fn winding_of(&self, point: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
+    pub(crate) fn winding_of(&self, point: &Vector3<f64>, counts: impl Fn(u32) -> bool) -> Option<i32> {
         let flush = power_of_two(exponent_of(self.radius) - FLUSH_EXPONENT);
         let p = point.map(|x| if x.abs() < flush { 0.0 } else { x });
         if (0..3).any(|k| !(p[k] >= self.low[k] && p[k] <= self.high[k])) {
@@ -83,7 +83,7 @@ impl Mesh {
 
     /// Returns whether the surface is certainly farther than `error` from a point in stored
     /// coordinates.
-    pub(in crate::composite) fn is_clear_of(&self, point: &Vector3<f64>, error: f64) -> bool {
+    fn is_clear_of(&self, point: &Vector3<f64>, error: f64) -> bool {
         !self.tree.any_near(point, error, |t| {
             let (square, _) = triangle::nearest(point, &self.corners(t));
             !(square > 4.0 * error * error)
@@ -130,12 +130,7 @@ impl Mesh {
     /// Returns the part of a segment before it first meets a triangle, or an edge of one, farther
     /// along than the part `least`, right up to rounding; triangles in whose plane the segment lies
     /// are left out.
-    pub(in crate::composite) fn first_meeting(
-        &self,
-        from: &Vector3<f64>,
-        to: &Vector3<f64>,
-        least: f64,
-    ) -> Option<f64> {
+    pub(super) fn first_meeting(&self, from: &Vector3<f64>, to: &Vector3<f64>, least: f64) -> Option<f64> {
         let mut first = None;
         self.any_along(from, to, 0.0, |t| {
             if let Some(part) = meeting(&self.corners(t), from, to)
@@ -151,7 +146,7 @@ impl Mesh {
 
     /// Asks about the triangles whose boxes a segment may meet, the points of which may be off by
     /// `error`, until an answer is true.
-    pub(in crate::composite) fn any_along(
+    pub(super) fn any_along(
         &self,
         from: &Vector3<f64>,
         to: &Vector3<f64>,
@@ -184,11 +179,7 @@ fn is_crossed(corners: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f6
 
 /// +1 if the segment leaves through a triangle, -1 if it enters, 0 if it misses; `None` if it meets
 /// an edge or the plane at an end. A triangle whose corners are on a line is missed.
-pub(in crate::composite) fn crossing(
-    [a, b, c]: &triangle::Triangle,
-    from: &Vector3<f64>,
-    to: &Vector3<f64>,
-) -> Option<i32> {
+pub(super) fn crossing([a, b, c]: &triangle::Triangle, from: &Vector3<f64>, to: &Vector3<f64>) -> Option<i32> {
     let turns = [
         sign::side(from, to, a, b),
         sign::side(from, to, b, c),

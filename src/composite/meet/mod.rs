@@ -5,9 +5,9 @@ pub(crate) mod bounds;
 #[cfg(feature = "exact")]
 pub(crate) mod exact;
 pub(crate) mod frame;
-pub(in crate::composite) mod inside;
-pub(in crate::composite) mod overlap;
+pub(super) mod inside;
+pub(super) mod overlap;
 pub(crate) mod ray;
 pub(crate) mod search;
-pub(in crate::composite) mod state;
+pub(super) mod state;
 pub(crate) mod triangle;

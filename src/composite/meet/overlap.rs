@@ -43,18 +43,18 @@ const MEETING_BOXES: usize = 16_384;
 const LOOKS: u64 = 1024;
 
 /// Pairs of items at distance zero, up to rounding.
-pub(in crate::composite) struct Touching {
+pub(crate) struct Touching {
     pairs: [NodePair; TOUCHES],
     count: usize,
 }
 
 impl Touching {
-    pub(in crate::composite) const NONE: Self = Self {
+    pub(super) const NONE: Self = Self {
         pairs: [[0; 2]; TOUCHES],
         count: 0,
     };
 
-    pub(in crate::composite) fn push(&mut self, pair: NodePair) {
+    pub(super) fn push(&mut self, pair: NodePair) {
         if self.count < TOUCHES {
             self.pairs[self.count] = pair;
             self.count += 1;
@@ -278,12 +278,7 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
 impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
     /// Returns whether two solids certainly share inner points, and the winding numbers taken.
     /// `found`: a contact. `is_last`: whether no contact is to come.
-    pub(in crate::composite) fn shares_inside<F>(
-        &self,
-        touching: &Touching,
-        found: &Measured<F>,
-        is_last: bool,
-    ) -> (bool, u64) {
+    pub(crate) fn shares_inside<F>(&self, touching: &Touching, found: &Measured<F>, is_last: bool) -> (bool, u64) {
         if !(self.a.is_solid() && self.b.is_solid()) {
             return (false, 0);
         }

@@ -18,7 +18,7 @@ use crate::composite::meet::overlap::Touching;
 use crate::composite::tree::{Below, LEAF, Tree, height, unit};
 
 /// Pairs taken off the stack at once: both halves of each make eight, the width of the kernel.
-pub(in crate::composite) const AT_ONCE: usize = 4;
+pub(crate) const AT_ONCE: usize = 4;
 
 /// Items of a node that are few enough to be looked at one by one in double precision. Not
 /// measured.
@@ -31,7 +31,7 @@ const FEW_ITEMS: u32 = 64;
 const CROWD: u32 = 128;
 
 /// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
-pub(in crate::composite) trait Judge {
+pub(crate) trait Judge {
     /// The features of a pair, told with points and bounds.
     type Features: Copy;
 
@@ -67,20 +67,20 @@ pub(in crate::composite) trait Judge {
 
 /// Two items and how far they are apart, in A's stored units.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::composite) struct Measured<F> {
-    pub(in crate::composite) pair: NodePair,
+pub(crate) struct Measured<F> {
+    pub(crate) pair: NodePair,
     /// The distance as computed.
-    pub(in crate::composite) distance: f64,
-    pub(in crate::composite) lower: f64,
-    pub(in crate::composite) upper: f64,
+    pub(crate) distance: f64,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
     /// Unit direction from A to B, in A's frame.
-    pub(in crate::composite) normal: Vector3<f64>,
+    pub(crate) normal: Vector3<f64>,
     /// In A's and B's stored frames.
-    pub(in crate::composite) on_a: Vector3<f64>,
-    pub(in crate::composite) on_b: Vector3<f64>,
-    pub(in crate::composite) features: F,
+    pub(crate) on_a: Vector3<f64>,
+    pub(crate) on_b: Vector3<f64>,
+    pub(crate) features: F,
     /// Whether the items certainly share inner points.
-    pub(in crate::composite) crosses: bool,
+    pub(crate) crosses: bool,
 }
 
 impl<F> Measured<F> {
@@ -92,7 +92,7 @@ impl<F> Measured<F> {
 
 /// The question.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::composite) enum MeshGoal {
+pub(crate) enum MeshGoal {
     /// The least distance.
     Least,
     /// Whether any pair is at most this far apart, in A's stored units.
@@ -102,7 +102,7 @@ pub(in crate::composite) enum MeshGoal {
 }
 
 /// What keeps the pairs of nodes that a search proves.
-pub(in crate::composite) trait ProofKeeper {
+pub(crate) trait ProofKeeper {
     fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, proof: GapProof);
 }
 
@@ -114,50 +114,50 @@ impl ProofKeeper for Front {
 }
 
 /// A search in progress.
-pub(in crate::composite) struct TreeSearch<'a, J: Judge> {
-    pub(in crate::composite) a: &'a Tree,
-    pub(in crate::composite) b: &'a Tree,
-    pub(in crate::composite) frame: &'a TreeFrame,
-    pub(in crate::composite) judge: J,
-    pub(in crate::composite) goal: MeshGoal,
+pub(crate) struct TreeSearch<'a, J: Judge> {
+    pub(crate) a: &'a Tree,
+    pub(crate) b: &'a Tree,
+    pub(crate) frame: &'a TreeFrame,
+    pub(crate) judge: J,
+    pub(crate) goal: MeshGoal,
     /// The closest pair so far.
-    pub(in crate::composite) best: Option<Measured<J::Features>>,
+    pub(crate) best: Option<Measured<J::Features>>,
     /// Lower bound over all pairs pruned so far.
-    pub(in crate::composite) lower: f64,
+    pub(super) lower: f64,
     /// The pairs found, if all are asked for.
-    pub(in crate::composite) found: Vec<Measured<J::Features>>,
+    pub(crate) found: Vec<Measured<J::Features>>,
     /// Of a body against itself: lower bound over all pairs of the two leaves that were judged
     /// last, minus infinity if the search was over before.
-    pub(in crate::composite) leaf_gap: f64,
+    pub(crate) leaf_gap: f64,
     /// Directions of the latest best pairs; two, because flush contact alternates.
-    pub(in crate::composite) directions: [Option<(NodePair, TriedDirection)>; 2],
+    pub(crate) directions: [Option<(NodePair, TriedDirection)>; 2],
     /// Pairs at distance zero, up to rounding, that were met.
-    pub(in crate::composite) touching: Touching,
+    pub(super) touching: Touching,
     /// Whether contact without a crossing is all that is asked of the least distance: of surfaces,
     /// which share no inner points.
-    pub(in crate::composite) ends_in_contact: bool,
+    pub(crate) ends_in_contact: bool,
     /// Pairs measured that are in contact, or as near as a tie.
     close: u32,
     /// The level in single precision.
     single: f32,
     /// The least gap that single precision has proven.
     least: f32,
-    pub(in crate::composite) work: MeshWork,
+    pub(crate) work: MeshWork,
 }
 
 /// A unit direction from A to B.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::composite) struct TriedDirection {
+pub(crate) struct TriedDirection {
     /// In A's stored frame and in B's.
-    pub(in crate::composite) in_a: Vector3<f64>,
-    pub(in crate::composite) in_b: Vector3<f64>,
+    in_a: Vector3<f64>,
+    in_b: Vector3<f64>,
     /// The height of the origin of B's frame.
-    pub(in crate::composite) lift: f64,
+    lift: f64,
 }
 
 impl TriedDirection {
     #[inline(always)]
-    pub(in crate::composite) fn new(frame: &TreeFrame, n: &Vector3<f64>) -> Self {
+    fn new(frame: &TreeFrame, n: &Vector3<f64>) -> Self {
         Self {
             in_a: *n,
             in_b: frame.direction_in_b(n),
@@ -167,15 +167,10 @@ impl TriedDirection {
 }
 
 /// A direction and a gap along it that are proven, in single precision.
-pub(in crate::composite) type GapProof = ([f32; 3], f32);
+pub(crate) type GapProof = ([f32; 3], f32);
 
 impl<'a, J: Judge> TreeSearch<'a, J> {
-    pub(in crate::composite) fn new(
-        (a, b): (&'a Tree, &'a Tree),
-        frame: &'a TreeFrame,
-        judge: J,
-        goal: MeshGoal,
-    ) -> Self {
+    pub(crate) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a TreeFrame, judge: J, goal: MeshGoal) -> Self {
         let mut search = Self {
             a,
             b,
@@ -199,7 +194,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Returns the gap that a pair must exceed to be passed by, in A's stored units.
-    pub(in crate::composite) fn level(&self) -> f64 {
+    pub(crate) fn level(&self) -> f64 {
         match self.goal {
             MeshGoal::Within(d) | MeshGoal::All(d) => d,
             MeshGoal::Least => self.best.as_ref().map_or(f64::INFINITY, |b| b.distance),
@@ -208,7 +203,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Lower bound of the distance of all pairs, in A's stored units, at the end of a search that
     /// is not over.
-    pub(in crate::composite) fn proven(&self) -> f64 {
+    pub(crate) fn proven(&self) -> f64 {
         let measured = self.best.as_ref().map_or(f64::INFINITY, |b| b.lower);
         let proven = self.lower.smaller(f64::from(self.least) * self.frame.single.unit);
         proven.smaller(measured)
@@ -224,7 +219,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Returns whether the answer is known already.
-    pub(in crate::composite) fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         let Some(best) = &self.best else { return false };
         match self.goal {
             MeshGoal::Least => best.crosses || self.ends_in_contact && best.is_contact(self.frame),
@@ -234,7 +229,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Measures a pair of items and keeps it if it is closer than any before.
-    pub(in crate::composite) fn measure(&mut self, pair: NodePair) -> (Vector3<f64>, f64) {
+    pub(crate) fn measure(&mut self, pair: NodePair) -> (Vector3<f64>, f64) {
         self.work.measured += 1;
         let found = self.judge.measure(self.frame, pair, self.level());
         let result = (found.normal, found.lower);
@@ -286,7 +281,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Returns whether a proven gap prunes the pair, and remembers the gap.
     #[inline(always)]
-    pub(in crate::composite) fn passes(&mut self, gap: f64) -> bool {
+    pub(crate) fn passes(&mut self, gap: f64) -> bool {
         let passes = match self.goal {
             MeshGoal::Least => gap >= self.level() - self.frame.tie,
             MeshGoal::Within(d) | MeshGoal::All(d) => gap > d,
@@ -298,7 +293,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Bounds up to eight pairs of boxes.
-    pub(in crate::composite) fn bound(&mut self, pairs: &[NodePair]) -> BoxGaps {
+    pub(crate) fn bound(&mut self, pairs: &[NodePair]) -> BoxGaps {
         self.work.bounds += pairs.len() as u64;
         let single = |(_, n): &(NodePair, TriedDirection)| [n.in_a.x as f32, n.in_a.y as f32, n.in_a.z as f32];
         let aim = BoundAim {
@@ -310,7 +305,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
     #[inline(always)]
-    pub(in crate::composite) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
+    pub(crate) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
         let proven = gap - self.frame.single.error;
         if proven >= self.single {
             self.least = self.least.smaller(proven);
@@ -372,7 +367,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Tries to prove two leaves along a direction in A's frame, by the items themselves.
-    pub(in crate::composite) fn by_items(&mut self, [x, y]: NodePair, normal: [f32; 3]) -> Option<GapProof> {
+    pub(crate) fn by_items(&mut self, [x, y]: NodePair, normal: [f32; 3]) -> Option<GapProof> {
         if !(self.a.is_leaf(x) && self.b.is_leaf(y)) {
             return None;
         }
@@ -396,13 +391,13 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Returns the direction along which two boxes are parted best.
-    pub(in crate::composite) fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
+    fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
         let n = unit(&Vector3::from(normal.map(f64::from)))?;
         Some(TriedDirection::new(self.frame, &n))
     }
 
     /// Returns a direction and a gap in double precision, as an entry of the front keeps them.
-    pub(in crate::composite) fn proof(&self, n: &Vector3<f64>, gap: f64) -> GapProof {
+    pub(super) fn proof(&self, n: &Vector3<f64>, gap: f64) -> GapProof {
         // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
         // precision is far more.
         let gap = (gap * self.frame.single.per_unit) as f32 - self.frame.single.error;
@@ -434,11 +429,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the
     /// front, if one is kept.
-    pub(in crate::composite) fn descend<K: ProofKeeper>(
-        &mut self,
-        stack: &mut Vec<NodePair>,
-        mut front: Option<&mut K>,
-    ) {
+    pub(crate) fn descend<K: ProofKeeper>(&mut self, stack: &mut Vec<NodePair>, mut front: Option<&mut K>) {
         while !stack.is_empty() && !self.is_over() {
             let mut halves = [[0; 2]; 2 * AT_ONCE];
             let mut count = 0;
@@ -460,7 +451,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Proves up to eight pairs, or puts them on the stack, the nearest last.
     #[inline(always)]
-    pub(in crate::composite) fn settle_all<K: ProofKeeper>(
+    pub(crate) fn settle_all<K: ProofKeeper>(
         &mut self,
         pairs: &[NodePair],
         stack: &mut Vec<NodePair>,
@@ -489,7 +480,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Both roots, settled or on the stack.
-    pub(in crate::composite) fn start(&mut self, stack: &mut Vec<NodePair>, front: Option<&mut Front>) {
+    pub(crate) fn start(&mut self, stack: &mut Vec<NodePair>, front: Option<&mut Front>) {
         stack.clear();
         let root = [0, 0];
         let found = self.bound(&[root]);
@@ -512,7 +503,7 @@ fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
 
 impl<J: Judge> TreeSearch<'_, J> {
     /// Finds a close pair of items: the few most promising pairs of nodes, level by level.
-    pub(in crate::composite) fn seed(&mut self) {
+    pub(crate) fn seed(&mut self) {
         let mut beam = [[0u32; 2]; AT_ONCE];
         let mut width = 1;
         let mut leaves = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
@@ -614,7 +605,7 @@ impl<J: Judge> TreeSearch<'_, J> {
     /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by
     /// measuring. The proof returned is the best single direction, whether it proves the pair far
     /// enough or not.
-    pub(in crate::composite) fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
+    fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
         self.work.leaves += 1;
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
             return (normal, -f32::MAX);

@@ -24,10 +24,10 @@ use crate::pair::spot::{Answer, Spot, features_on};
 /// alone: claims in a file prove nothing.
 #[derive(Clone, Debug, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub(in crate::composite) struct TreeState {
+pub(crate) struct TreeState {
     #[cfg_attr(feature = "serde", serde(skip))]
     fingerprints: [Fingerprint; 2],
-    pub(in crate::composite) kept: FrontMemory,
+    pub(crate) kept: FrontMemory,
     /// Last proof that the bodies do not contain each other: clearance and B's pose.
     #[cfg_attr(feature = "serde", serde(skip))]
     free: Option<(f64, BallAtPose)>,
@@ -35,7 +35,7 @@ pub(in crate::composite) struct TreeState {
 
 /// What a state was before a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::composite) enum Recognised {
+pub(crate) enum Recognised {
     /// Of these bodies as they are.
     Same,
     /// Of these bodies, of which some points have moved since.
@@ -45,28 +45,28 @@ pub(in crate::composite) enum Recognised {
 }
 
 /// Two bodies at a pose.
-pub(in crate::composite) struct PosedTrees<'a, A, B> {
-    pub(in crate::composite) a: &'a A,
-    pub(in crate::composite) b: &'a B,
-    pub(in crate::composite) pose: &'a RelativePose,
-    pub(in crate::composite) frame: TreeFrame,
+pub(crate) struct PosedTrees<'a, A, B> {
+    pub(crate) a: &'a A,
+    pub(crate) b: &'a B,
+    pub(crate) pose: &'a RelativePose,
+    pub(crate) frame: TreeFrame,
 }
 
 /// The closest points, in the caller's units and the bodies' own frames.
-pub(in crate::composite) struct TreeAnswer<F> {
-    pub(in crate::composite) class: Class,
-    pub(in crate::composite) distance: f64,
-    pub(in crate::composite) lower: f64,
-    pub(in crate::composite) upper: f64,
+pub(crate) struct TreeAnswer<F> {
+    pub(super) class: Class,
+    pub(super) distance: f64,
+    pub(crate) lower: f64,
+    pub(super) upper: f64,
     /// The closest items and their features; `None` for bodies too far apart to look at.
-    pub(in crate::composite) of: Option<(NodePair, F)>,
-    pub(in crate::composite) point_on_a: Point3<f64>,
-    pub(in crate::composite) point_on_b: Point3<f64>,
-    pub(in crate::composite) normal: Unit<Vector3<f64>>,
+    pub(crate) of: Option<(NodePair, F)>,
+    pub(super) point_on_a: Point3<f64>,
+    pub(super) point_on_b: Point3<f64>,
+    pub(super) normal: Unit<Vector3<f64>>,
 }
 
 /// Whether one body is inside the other.
-pub(in crate::composite) enum Inside {
+pub(crate) enum Inside {
     No,
     /// At a point of the inner one, in A's frame and in B's.
     At(Vector3<f64>, Vector3<f64>),
@@ -77,14 +77,14 @@ pub(in crate::composite) enum Inside {
 impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the range
     /// of f64.
-    pub(in crate::composite) fn new(a: &'a A, b: &'a B, pose: &'a RelativePose) -> Option<Self> {
+    pub(crate) fn new(a: &'a A, b: &'a B, pose: &'a RelativePose) -> Option<Self> {
         let frame = TreeFrame::new(a.side(), b.side(), pose)?;
         Some(Self { a, b, pose, frame })
     }
 
     /// Returns whether the pair is answered as B and A: lengths leave the range in the unit of A,
     /// and B's is larger.
-    pub(in crate::composite) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
+    pub(crate) fn is_turned(a: &A, b: &B, pose: &RelativePose) -> bool {
         a.side().exponent < b.side().exponent && TreeFrame::new(a.side(), b.side(), pose).is_none()
     }
 
@@ -103,14 +103,14 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     }
 
     /// Returns a point of A in B's stored frame.
-    pub(in crate::composite) fn back(&self, p: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn back(&self, p: &Vector3<f64>) -> Vector3<f64> {
         let ratio = self.a.stored_unit() / self.b.stored_unit();
         self.frame.rotation.tr_mul(&(p - self.frame.translation)) * ratio
     }
 
     /// Returns whether a part of one body is inside the other, whose surfaces are proven to be
     /// `lower` apart; and the winding numbers taken.
-    pub(in crate::composite) fn inside(&self, lower: f64) -> (Inside, u64) {
+    pub(crate) fn inside(&self, lower: f64) -> (Inside, u64) {
         // A point moved to the other frame is off its place by the error of the frame: on its side
         // of a surface that is farther.
         let error = self.frame.error;
@@ -191,7 +191,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
 
     /// Bodies so far apart, or so small beside their distance, that only balls about their origins
     /// count.
-    pub(in crate::composite) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
+    pub(crate) fn far<F>(a: &A, b: &B, pose: &RelativePose) -> TreeAnswer<F> {
         let (distance, slack, normal) = crate::composite::meet::frame::far(a.side(), b.side(), pose);
         let lower = (distance - slack).at_least(0.0);
         let middle = |side: TreeSide, unit: f64| Point3::from(side.tree.centre * unit);
@@ -220,7 +220,7 @@ fn probes<A: Parted>(body: &A, part: usize) -> impl Iterator<Item = Vector3<f64>
 
 impl TreeState {
     /// Forgets the state of other bodies, and what moved points make untrue.
-    pub(in crate::composite) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> Recognised {
+    pub(crate) fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) -> Recognised {
         let (before, now) = (self.fingerprints, [a.fingerprint(), b.fingerprint()]);
         if before == now {
             return Recognised::Same;
@@ -241,7 +241,7 @@ impl TreeState {
     }
 
     /// Returns the closest points, by the front if there is one.
-    pub(in crate::composite) fn closest<A: Parted, B: Parted, J: Judge>(
+    pub(crate) fn closest<A: Parted, B: Parted, J: Judge>(
         &mut self,
         posed: &PosedTrees<A, B>,
         judge: J,
@@ -318,7 +318,7 @@ impl TreeState {
     }
 
     /// Returns whether the bodies are at most `d` apart, in A's stored units; the judge knows `d`.
-    pub(in crate::composite) fn within<A: Parted, B: Parted, J: Judge>(
+    pub(crate) fn within<A: Parted, B: Parted, J: Judge>(
         &mut self,
         posed: &PosedTrees<A, B>,
         judge: J,
@@ -341,7 +341,7 @@ impl TreeState {
     }
 
     /// Returns a lower bound of the distance in the caller's unit, by the state alone.
-    pub(in crate::composite) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) -> f64 {
+    pub(crate) fn lower_bound<A: Parted, B: Parted>(&mut self, posed: &PosedTrees<A, B>) -> f64 {
         let moved = |(lower, then): &(f64, BallAtPose)| lower - posed.place().displacement(then);
         let carried = self.free.as_ref().map_or(0.0, moved);
         if self.kept.front.is_empty() {
@@ -376,7 +376,7 @@ impl<F: Copy> TreeAnswer<F> {
     }
 
     /// Returns two items of one body, which has no inside, and a lower bound of their distance.
-    pub(in crate::composite) fn of_one_body(best: &Measured<F>, lower: f64, unit: f64, frame: &TreeFrame) -> Self {
+    pub(crate) fn of_one_body(best: &Measured<F>, lower: f64, unit: f64, frame: &TreeFrame) -> Self {
         let mut answer = Self::of_pair(best, lower, [unit; 2]);
         if best.crosses {
             answer.share(false);
@@ -391,7 +391,7 @@ impl<F: Copy> TreeAnswer<F> {
 
 impl<F> TreeAnswer<F> {
     /// Returns the answer with the places of the witnesses.
-    pub(in crate::composite) fn on(&self, on: [Spot; 2]) -> Answer {
+    pub(crate) fn on(&self, on: [Spot; 2]) -> Answer {
         let outcome = Outcome {
             class: self.class,
             distance: self.distance,

@@ -21,7 +21,7 @@ use crate::base::tolerance::SAME_PLACE;
 /// A feature of a triangle by the number of its vertex, of its edge (from the vertex of that number
 /// to the next), or the inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::composite) enum TriangleSpot {
+pub(crate) enum TriangleSpot {
     Vertex(u8),
     Edge(u8),
     Inside,
@@ -29,25 +29,25 @@ pub(in crate::composite) enum TriangleSpot {
 
 /// The closest points found.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::composite) struct Closest {
-    pub(in crate::composite) square: f64,
-    pub(in crate::composite) on_p: Vector3<f64>,
-    pub(in crate::composite) on_q: Vector3<f64>,
-    pub(in crate::composite) spots: [TriangleSpot; 2],
+pub(crate) struct Closest {
+    pub(crate) square: f64,
+    pub(crate) on_p: Vector3<f64>,
+    pub(crate) on_q: Vector3<f64>,
+    pub(crate) spots: [TriangleSpot; 2],
     /// Whether an edge of one passes through the other, as far as rounding can tell.
-    pub(in crate::composite) pierces: bool,
+    pub(crate) pierces: bool,
 }
 
-pub(in crate::composite) type Triangle = [Vector3<f64>; 3];
+pub(crate) type Triangle = [Vector3<f64>; 3];
 
 /// Returns the normal of a triangle, with twice its area as length.
 #[inline(always)]
-pub(in crate::composite) fn normal([a, b, c]: &Triangle) -> Vector3<f64> {
+pub(crate) fn normal([a, b, c]: &Triangle) -> Vector3<f64> {
     (b - a).cross(&(c - a))
 }
 
 /// Returns the closest points of two triangles.
-pub(in crate::composite) fn closest(p: &Triangle, q: &Triangle) -> Closest {
+pub(crate) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     let mut best = Closest {
         square: f64::INFINITY,
         on_p: p[0],
@@ -76,13 +76,13 @@ pub(in crate::composite) fn closest(p: &Triangle, q: &Triangle) -> Closest {
 }
 
 /// Returns the squared distance of a point from a triangle, and the nearest feature.
-pub(in crate::composite) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, TriangleSpot) {
+pub(crate) fn nearest(point: &Vector3<f64>, y: &Triangle) -> (f64, TriangleSpot) {
     let best = closest_to(point, y);
     (best.square, best.spots[1])
 }
 
 /// Returns the squared distance of a point from a triangle, and the nearest point.
-pub(in crate::composite) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
+pub(crate) fn foot_of(point: &Vector3<f64>, y: &Triangle) -> (f64, Vector3<f64>) {
     let best = closest_to(point, y);
     (best.square, best.on_q)
 }
@@ -308,7 +308,7 @@ fn crossing(x: &Triangle, heights: &[f64; 3], y: &Triangle, n: &Vector3<f64>) ->
 ///
 /// A determinant of three differences up to `s` of points that are each off by `error` is off by
 /// `6 error s^2` to first order, its rounding by `14 UNIT s^3`; `error` is more than `64 UNIT s`.
-pub(in crate::composite) fn certainly_cross(p: &Triangle, q: &Triangle, error: f64) -> bool {
+pub(crate) fn certainly_cross(p: &Triangle, q: &Triangle, error: f64) -> bool {
     let s = p.iter().chain(q).fold(0.0, |m: f64, x| m.larger((x - p[0]).amax()));
     // Differences between any two of the six are at most twice the largest from one of them, and
     // 1.8 times their largest coordinate.

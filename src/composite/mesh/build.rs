@@ -327,7 +327,7 @@ impl Mesh {
     }
 
     /// Returns the mesh with points that may be off their places by a length in the caller's unit.
-    pub(in crate::composite) fn with_points_off(mut self, off: f64) -> Self {
+    pub(crate) fn with_points_off(mut self, off: f64) -> Self {
         if off > 0.0 {
             self.off = off / self.unit();
             self.fingerprint = self.fingerprint_as_built();
@@ -351,16 +351,16 @@ impl Mesh {
 pub(super) const MOST: usize = 1 << 27;
 
 /// The points in stored units, and for each of them the first with the same coordinates.
-pub(super) struct Welded {
-    pub(super) points: Vec<Vector3<f64>>,
-    pub(super) same_as: Vec<u32>,
-    pub(super) exponent: i32,
-    pub(super) flushed: usize,
+struct Welded {
+    points: Vec<Vector3<f64>>,
+    same_as: Vec<u32>,
+    exponent: i32,
+    flushed: usize,
 }
 
 /// Checks, scales and welds. Points that no triangle uses only have to be finite: the mesh does not
 /// depend on them.
-pub(super) fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Welded, MeshError> {
+fn weld(given: &[Point3<f64>], triangles: &[[u32; 3]]) -> Result<Welded, MeshError> {
     if given.len() > MOST {
         return Err(MeshError::TooMany { count: given.len() });
     }
@@ -452,7 +452,7 @@ fn mix(p: &Vector3<f64>) -> u64 {
 }
 
 /// One round of multiply and shift, a bijection.
-pub(super) fn stir(x: u64) -> u64 {
+fn stir(x: u64) -> u64 {
     let x = (x ^ x >> 32).wrapping_mul(0xd6e8_feb8_6659_fd93);
     (x ^ x >> 29).wrapping_mul(0xff51_afd7_ed55_8ccd)
 }

@@ -20,7 +20,7 @@ use crate::body::polyhedron::{BuildError, ConvexPolyhedron};
 use crate::composite::meet::triangle::{self, Triangle};
 
 /// The gap is bracketed to this part of half the diagonal of the mesh's box: 0.4 %.
-pub(in crate::composite) const RESOLUTION: f64 = 1.0 / 256.0;
+pub(crate) const RESOLUTION: f64 = 1.0 / 256.0;
 
 /// How much a convex hull adds to a mesh. Lengths and volumes are in the caller's unit, right up to
 /// rounding.
@@ -139,7 +139,7 @@ impl Mesh {
 
     /// Returns the gap of the centroid of a triangle in stored coordinates, and an upper bound of
     /// the gap over the triangle.
-    pub(in crate::composite) fn gap_over(&self, corners: &Triangle) -> GapOver {
+    pub(crate) fn gap_over(&self, corners: &Triangle) -> GapOver {
         let [a, b, c] = corners;
         let centroid = (a + b + c) / 3.0;
         let nearest = self.nearest(&centroid);
@@ -158,13 +158,13 @@ impl Mesh {
 }
 
 /// How far a triangle is from a mesh, in stored units.
-pub(in crate::composite) struct GapOver {
-    pub(in crate::composite) centroid: Vector3<f64>,
-    pub(in crate::composite) at_centroid: f64,
+pub(crate) struct GapOver {
+    pub(crate) centroid: Vector3<f64>,
+    pub(crate) at_centroid: f64,
     /// The farthest corner from the centroid.
-    pub(in crate::composite) radius: f64,
+    pub(crate) radius: f64,
     /// Upper bound of the gap of every point.
-    pub(in crate::composite) upper: f64,
+    pub(crate) upper: f64,
 }
 
 /// Triangles that are halved at most; a tenth of a second and more. Not measured.
@@ -185,7 +185,7 @@ type Open = Ranked<(), Triangle>;
 /// Triangles are halved, that with the greatest bound first (branch and bound: Land and Doig 1960),
 /// until no bound exceeds the greatest value found by more than `resolution`. The watch counts
 /// triangles looked at; what is returned to a caller who stops it is of no use.
-pub(in crate::composite) fn greatest(
+pub(crate) fn greatest(
     triangles: impl Iterator<Item = Triangle>,
     resolution: f64,
     watch: &mut Watch<'_>,

@@ -87,15 +87,15 @@ impl Mesh {
 
 /// The nearest point of a mesh, in stored coordinates.
 #[derive(Clone, Copy)]
-pub(in crate::composite) struct MeshFoot {
+pub(crate) struct MeshFoot {
     /// The squared distance.
-    pub(in crate::composite) square: f64,
-    pub(in crate::composite) point: Vector3<f64>,
-    pub(in crate::composite) triangle: u32,
+    pub(crate) square: f64,
+    pub(crate) point: Vector3<f64>,
+    pub(crate) triangle: u32,
 }
 
 /// A point seen from a tree.
-pub(in crate::composite) struct From<'a> {
+pub(crate) struct From<'a> {
     tree: &'a Tree,
     place: Vector3<f64>,
     slack: f64,
@@ -103,7 +103,7 @@ pub(in crate::composite) struct From<'a> {
 
 impl<'a> From<'a> {
     /// Returns a point in stored coordinates of the body.
-    pub(in crate::composite) fn new(tree: &'a Tree, point: &Vector3<f64>) -> Self {
+    pub(crate) fn new(tree: &'a Tree, point: &Vector3<f64>) -> Self {
         let place = (point - tree.centre) / tree.unit();
         // Axes as stored are orthonormal within 8 UNIT_SINGLE.
         let slack = 32.0 * UNIT_SINGLE * (1.0 + place.amax());
@@ -111,7 +111,7 @@ impl<'a> From<'a> {
     }
 
     /// Returns a lower bound of the distance of everything below a node, in stored units.
-    pub(in crate::composite) fn least(&self, node: u32) -> f64 {
+    pub(crate) fn least(&self, node: u32) -> f64 {
         let b = &self.tree.boxes[node as usize];
         let (d, half) = (self.place - b.centre(), b.half());
         let out = |k: usize| (b.axis(k).dot(&d).abs() - half[k] - self.slack).at_least(0.0);
@@ -142,13 +142,13 @@ impl Mesh {
 
     /// Returns the point of the surface that is nearest to a point in stored coordinates, right up
     /// to rounding.
-    pub(in crate::composite) fn nearest(&self, point: &Vector3<f64>) -> MeshFoot {
+    pub(crate) fn nearest(&self, point: &Vector3<f64>) -> MeshFoot {
         self.nearest_beyond(point, 0.0)
     }
 
     /// Returns the same; if the surface is no farther than `level`, any point of it that is no
     /// farther.
-    pub(in crate::composite) fn nearest_beyond(&self, point: &Vector3<f64>, level: f64) -> MeshFoot {
+    pub(crate) fn nearest_beyond(&self, point: &Vector3<f64>, level: f64) -> MeshFoot {
         let (tree, from) = (&self.tree, From::new(&self.tree, point));
         let least = |node: u32| from.least(node);
         let mut best = MeshFoot {

@@ -386,7 +386,7 @@ impl Mesh {
     }
 
     /// Returns a number of the part of every vertex.
-    pub(super) fn labels(&self) -> Vec<u32> {
+    fn labels(&self) -> Vec<u32> {
         let mut label: Vec<u32> = (0..self.points.len() as u32).collect();
         for t in &self.triangles {
             let [a, b, c] = t.map(|v| super::edges::find(&mut label, v));

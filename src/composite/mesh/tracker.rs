@@ -46,11 +46,11 @@ impl MeshTracker {
         self.state.kept.work
     }
 
-    pub(in crate::composite) fn kept(&self) -> &FrontMemory {
+    pub(crate) fn kept(&self) -> &FrontMemory {
         &self.state.kept
     }
 
-    pub(in crate::composite) fn count_windings(&mut self, taken: u64) {
+    pub(crate) fn count_windings(&mut self, taken: u64) {
         self.state.kept.work.windings.count(taken);
     }
 
@@ -85,14 +85,14 @@ impl MeshTracker {
 
     /// Adds to the claim of an entry.
     #[cfg(test)]
-    pub(in crate::composite) fn spoil(&mut self, entry: usize, by: f32) {
+    pub(crate) fn spoil(&mut self, entry: usize, by: f32) {
         let front = &mut self.state.kept.front;
         front.corrupt(front.place(entry % front.len()), by);
     }
 
     /// Loses an entry.
     #[cfg(test)]
-    pub(in crate::composite) fn drop_entry(&mut self, entry: usize) {
+    pub(crate) fn drop_entry(&mut self, entry: usize) {
         let front = &mut self.state.kept.front;
         front.remove(front.place(entry % front.len()));
     }
@@ -163,7 +163,7 @@ fn answered(a: &Mesh, b: &Mesh, found: &TreeAnswer<[TriangleSpot; 2]>) -> Answer
 const SHARP: f64 = 1.0 / 256.0;
 
 /// Judges pairs of triangles.
-pub(in crate::composite) struct TriangleJudge<'a> {
+pub(super) struct TriangleJudge<'a> {
     posed: &'a PosedTrees<'a, Mesh, Mesh>,
     /// The distance in question, in the caller's unit, if that is the question.
     within: Option<f64>,
@@ -172,7 +172,7 @@ pub(in crate::composite) struct TriangleJudge<'a> {
 }
 
 impl<'a> TriangleJudge<'a> {
-    pub(in crate::composite) fn new(posed: &'a PosedTrees<'a, Mesh, Mesh>, within: Option<f64>) -> Self {
+    pub(super) fn new(posed: &'a PosedTrees<'a, Mesh, Mesh>, within: Option<f64>) -> Self {
         Self {
             posed,
             within,
@@ -236,12 +236,12 @@ impl<'a> TriangleJudge<'a> {
 }
 
 /// Returns the triangles of a pair of items by the caller's numbers, and their features.
-pub(in crate::composite) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> [Spot; 2] {
+pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> [Spot; 2] {
     [spot(a, i, spots[0]), spot(b, j, spots[1])]
 }
 
 /// Returns the triangle of an item by the caller's number, and its feature.
-pub(in crate::composite) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
+pub(super) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
     let corners = mesh.triangles[item as usize].map(|v| mesh.source_points[v as usize]);
     let at = |k: u8| corners[k as usize % 3];
     let triangle = mesh.source_triangles[item as usize];

@@ -347,7 +347,7 @@ const CROSSED_LEAVES: usize = 1 << 14;
 
 /// A point of both bodies in A's frame, about how deep it is in one of them, and the winding
 /// numbers taken; lengths in the caller's unit.
-pub(super) type InnerMiddle = (Option<(Point3<f64>, f64)>, u64);
+type InnerMiddle = (Option<(Point3<f64>, f64)>, u64);
 
 /// An edge by its vertices, the lower one first, a part of its length, and the unit normal of a
 /// triangle at the edge.

@@ -321,7 +321,7 @@ fn largest_triangle<I: AsRef<[u32]>>(
 }
 
 /// Returns the least number of single precision that is not below `x`.
-pub(in crate::composite) fn up(x: f64) -> f32 {
+pub(crate) fn up(x: f64) -> f32 {
     let near = x as f32;
     if f64::from(near) < x { near.next_up() } else { near }
 }

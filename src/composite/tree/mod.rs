@@ -254,14 +254,14 @@ impl Tree {
 }
 
 /// Returns a vector divided by its length if the length is near one.
-pub(in crate::composite) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+pub(super) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     let square = v.norm_squared();
     (square > 0.5 && square < 2.0).then(|| v / sqrt(square))
 }
 
 /// Returns an upper bound of the height along `n` of all points below a node, in stored units of
 /// the body.
-pub(in crate::composite) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
+pub(super) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
     let b = &tree.boxes[node as usize];
     let (unit, half) = (tree.unit(), b.half());
     let centre = tree.centre + b.centre() * unit;

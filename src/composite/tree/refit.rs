@@ -318,11 +318,11 @@ pub(super) const GROUP: usize = 16;
 /// The corners of every triangle by their number among the vertices of its group: the consecutive
 /// ones, then the others.
 #[derive(Clone, Debug)]
-pub(super) struct GroupCorners(Arc<[[u8; 3]]>);
+struct GroupCorners(Arc<[[u8; 3]]>);
 
 impl GroupCorners {
     /// Takes the groups of a tree: their items, their consecutive vertices, the others.
-    pub(super) fn new(items: &[[u32; 3]], groups: impl Iterator<Item = ((usize, usize), [u32; 2], Vec<u32>)>) -> Self {
+    fn new(items: &[[u32; 3]], groups: impl Iterator<Item = ((usize, usize), [u32; 2], Vec<u32>)>) -> Self {
         let mut corners = vec![[0; 3]; items.len()];
         for ((first, last), own, others) in groups {
             let number = |v: u32| match others.binary_search(&v) {
@@ -338,26 +338,26 @@ impl GroupCorners {
 }
 
 /// Fits the boxes of groups.
-pub(super) struct GroupFit<'a> {
-    pub(super) tree: &'a Tree,
-    pub(super) places: &'a Places,
-    pub(super) corners: &'a GroupCorners,
+struct GroupFit<'a> {
+    tree: &'a Tree,
+    places: &'a Places,
+    corners: &'a GroupCorners,
     /// The vertices of nodes that are not consecutive.
-    pub(super) others: &'a [u32],
-    pub(super) slack: f32,
+    others: &'a [u32],
+    slack: f32,
 }
 
 /// Extents along three axes.
 type Extents = (f32x4, f32x4);
 
 /// Room for the work on a group: heights of its vertices, and extents of its nodes.
-pub(super) struct GroupRoom {
+struct GroupRoom {
     heights: [f32x4; 3 * GROUP],
     extents: [Extents; 2 * GROUP],
 }
 
 impl GroupRoom {
-    pub(super) fn new() -> Self {
+    fn new() -> Self {
         Self {
             heights: [f32x4::ZERO; 3 * GROUP],
             extents: [(f32x4::ZERO, f32x4::ZERO); 2 * GROUP],
@@ -367,7 +367,7 @@ impl GroupRoom {
 
 impl GroupFit<'_> {
     /// Fits the boxes of eight groups. Returns how far they reach from the tree's origin.
-    pub(super) fn fit(&self, eight: &EightAtRest, boxes: &mut [OrientedBox], room: &mut GroupRoom) -> f32 {
+    fn fit(&self, eight: &EightAtRest, boxes: &mut [OrientedBox], room: &mut GroupRoom) -> f32 {
         let (axes, mut reach) = (eight.stored_axes(self.places, boxes), 0.0f32);
         for (lane, (&node, below)) in eight.nodes.iter().zip(&eight.below).enumerate() {
             if lane == 0 || node != eight.nodes[lane - 1] {
@@ -426,25 +426,25 @@ impl GroupFit<'_> {
 pub(super) const LANES: usize = 8;
 
 /// Square of the least sine of the angle of two sides of three vertices that have a frame.
-pub(super) const NARROW: f64 = 1.0 / (1u64 << 40) as f64;
+const NARROW: f64 = 1.0 / (1u64 << 40) as f64;
 
 type Lanes = [f32x8; 3];
 /// Axes of eight boxes by axis, coordinate and lane.
-pub(super) type StoredAxes = [[[f32; LANES]; 3]; 3];
+type StoredAxes = [[[f32; LANES]; 3]; 3];
 
 type Columns = [[f64x8; 3]; 3];
 
 /// The places of the vertices in the tree's coordinates, in single precision: by vertex and by
 /// coordinate.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Places {
+struct Places {
     rows: Vec<f32x4>,
     columns: [Vec<f32>; 3],
 }
 
 impl Places {
     /// Takes the places; returns an upper bound of their distances from the tree's origin.
-    pub(super) fn take(&mut self, points: &[Vector3<f64>], centre: &Vector3<f64>, scale: f64) -> f64 {
+    fn take(&mut self, points: &[Vector3<f64>], centre: &Vector3<f64>, scale: f64) -> f64 {
         self.rows.resize(points.len(), f32x4::ZERO);
         self.columns.iter_mut().for_each(|c| c.resize(points.len(), 0.0));
         let [xs, ys, zs] = &mut self.columns;
@@ -461,7 +461,7 @@ impl Places {
 
     /// Returns the heights of a vertex along three axes.
     #[inline(always)]
-    pub(super) fn heights_of(&self, vertex: u32, axes: &BoxAxes) -> f32x4 {
+    fn heights_of(&self, vertex: u32, axes: &BoxAxes) -> f32x4 {
         axes.heights(self.rows[vertex as usize])
     }
 
@@ -518,31 +518,31 @@ fn across(of: Lanes, better: impl Fn(f32x4, f32x4) -> f32x4) -> f32x4 {
 
 /// Where the vertices of a node stand.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct VerticesBelow {
+struct VerticesBelow {
     /// Consecutive ones, from one number to the next.
-    pub(super) own: [u32; 2],
+    own: [u32; 2],
     /// The others, as part of a list.
-    pub(super) others: [u32; 2],
+    others: [u32; 2],
     /// Of a group, the number after the last node below it.
-    pub(super) end: u32,
+    end: u32,
 }
 
 /// Eight nodes as they were when their tree was made.
 #[derive(Clone, Debug)]
-pub(super) struct EightAtRest {
-    pub(super) nodes: [u32; LANES],
+struct EightAtRest {
+    nodes: [u32; LANES],
     /// Three vertices of each, far from each other.
-    pub(super) three: [[u32; LANES]; 3],
+    three: [[u32; LANES]; 3],
     /// The rotation from the frame of the three to the axes, as quaternions; zero if there is none.
-    pub(super) rotation: [[f32; LANES]; 4],
-    pub(super) below: [VerticesBelow; LANES],
+    rotation: [[f32; LANES]; 4],
+    below: [VerticesBelow; LANES],
 }
 
 impl EightAtRest {
     /// Fits the boxes of the nodes to the places of their vertices, of which `others` lists those
     /// that are not consecutive; heights err by `slack`. Returns how far the boxes reach from the
     /// tree's origin.
-    pub(super) fn fit(&self, places: &Places, others: &[u32], slack: f32, boxes: &mut [OrientedBox]) -> f32 {
+    fn fit(&self, places: &Places, others: &[u32], slack: f32, boxes: &mut [OrientedBox]) -> f32 {
         let (axes, mut reach) = (self.stored_axes(places, boxes), 0.0f32);
         for (lane, below) in self.below.iter().enumerate() {
             let axes = BoxAxes::new(axes.map(|axis| axis.map(|x| x[lane])));
@@ -559,7 +559,7 @@ impl EightAtRest {
     /// Returns the axes as they are stored, by axis, coordinate and lane: turned with the three
     /// vertices, or as they were if these have no frame now.
     #[inline(always)]
-    pub(super) fn stored_axes(&self, places: &Places, boxes: &[OrientedBox]) -> StoredAxes {
+    fn stored_axes(&self, places: &Places, boxes: &[OrientedBox]) -> StoredAxes {
         let (axes, exists) = self.axes(places);
         let mut stored = axes.map(|axis| axis.map(|x| x.to_array().map(|x| x as f32)));
         for lane in (0..LANES).filter(|lane| !exists[*lane]) {
@@ -627,21 +627,21 @@ fn cross(a: &[f64x8; 3], b: &[f64x8; 3]) -> [f64x8; 3] {
 }
 
 /// Three axes in single precision: by axis, and the same by coordinate.
-pub(super) struct BoxAxes {
-    pub(super) rows: [[f32; 3]; 3],
+struct BoxAxes {
+    rows: [[f32; 3]; 3],
     columns: [f32x4; 3],
 }
 
 impl BoxAxes {
     #[inline(always)]
-    pub(super) fn new(rows: [[f32; 3]; 3]) -> Self {
+    fn new(rows: [[f32; 3]; 3]) -> Self {
         let columns = [0, 1, 2].map(|k| f32x4::new([rows[0][k], rows[1][k], rows[2][k], 0.0]));
         Self { rows, columns }
     }
 
     /// Returns the heights of a point along the axes.
     #[inline(always)]
-    pub(super) fn heights(&self, point: f32x4) -> f32x4 {
+    fn heights(&self, point: f32x4) -> f32x4 {
         let [x, y, z, _] = point.to_array().map(f32x4::splat);
         self.columns[0] * x + self.columns[1] * y + self.columns[2] * z
     }
@@ -655,7 +655,7 @@ impl BoxAxes {
     /// |s_j| <= sum |h_j| / (1 - 3 e)`; `|p|^2 = s . G s <= (1 + 3 e) |s|^2`. The last factors hold
     /// the roundings of the sums of positive numbers.
     #[inline(always)]
-    pub(super) fn fitted(&self, low: f32x4, high: f32x4, slack: f32) -> OrientedBox {
+    fn fitted(&self, low: f32x4, high: f32x4, slack: f32) -> OrientedBox {
         let up = 1.0 + 8.0 * f32::EPSILON;
         let [p, q, r, _] = ((low + high) * f32x4::splat(0.5)).to_array();
         let rows = &self.rows;
