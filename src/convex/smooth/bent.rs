@@ -4,8 +4,8 @@
 //! of GJK, with one smooth branch on each core Newton's method on the normal. The supports at the
 //! next direction are both the next step and the certificate.
 
-use super::balls;
 use super::best::{BranchSet, ProvenBounds};
+use super::depth;
 use super::flush::{self, Flush};
 use super::model::{MOST, ModelPlane, top};
 use super::posed::{DifferencePoint, PlaneStep, PosedCores, Toward, add, tangent, unit};
@@ -115,7 +115,7 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
                 return RunEnd::Closed;
             }
             if self.deep {
-                balls::take(
+                depth::take_balls(
                     self.posed,
                     &centre.toward,
                     (centre.pieces(), &centre.weights),
@@ -307,7 +307,7 @@ mod tests {
     use super::*;
     use crate::base::num::scalar::neg;
     use crate::body::shape::{Core, Shape};
-    use crate::convex::smooth::polyhedral::PolyhedralCore;
+    use crate::convex::smooth::cores::PolyhedralCore;
     use crate::pair::transform::Transform;
     use crate::rng::Rng;
 

@@ -1,24 +1,69 @@
-//! Depth of an overlap.
+//! Depth of an overlap, and its witnesses.
 //!
 //! From the best direction known, the main solver descends to the nearest local minimum of the
 //! depth. Balls inside both cores that touch the surfaces at the deepest points prove a global
 //! minimum if the balls are larger than the depth: if A contains a ball of radius `rA` about `cA`
 //! and B a ball of radius `rB` about `cB`, the depth is at least `rA + rB - |cB - cA|`. Cylinders
-//! and cones about parallel axes have the depth of two polygons (`parallel`). Otherwise a surface
-//! around the origin gives an interval.
+//! and cones about parallel axes have the depth of two polygons. Otherwise a surface around the
+//! origin gives an interval ([`surface`]).
+//!
+//! # Balls inside both cores
+//!
+//! The same balls bound the signed distance of an overlap from above ([`take_balls`]): it is at
+//! most `|cB - cA| - rA - rB`. Balls that touch the surfaces at the deepest points prove the depth.
+//! At a vertex or a rim no ball touches; on a flat or straight part of a surface any other point of
+//! the part is as deep, and the points are moved to the middle of the parts.
+//!
+//! # Parallel axes
+//!
+//! A cylinder or a cone is swept by a polygon, its meridian, that turns about the axis. About
+//! parallel axes the difference of two such bodies is swept by the sum of both meridians, turning
+//! about an axis as well. A point inside is nearest to an edge of the meridian in its half-plane,
+//! and the normal of the edge is that of an edge of either summand. So the depth is the least
+//! height along six normals, without a search, even if the least directions form a circle.
+//!
+//! B about an axis with a tilt is off the body about the parallel axis by at most the chord of the
+//! tilt times its reach: once for the depth, and once for each height.
+//!
+//! # Witnesses
+//!
+//! The witnesses of an overlap are the points at which the cores touch when B has been moved out
+//! ([`witnesses`]).
+//!
+//! The depth is the length of the shortest translation that parts the cores, and the translation
+//! leads along the normal. Moved by the depth and a gap `g` more, the cores are apart, and their
+//! closest points `a` and `b` are found as those of any pair. At the pose given, `b - a` is the
+//! normal times the signed distance, up to `s - g` along the normal and to `s` times the sine
+//! between both normals across, where `s` is the distance of the moved cores: `g` itself if the
+//! normal is that of a local minimum of the depth.
+//!
+//! ```text
+//!      A        B             A         B moved
+//!    ____________           _____
+//!   |     |b  a| |         |    a|<-g->|b
+//!   |_____|____|_|         |_____|
+//! ```
+//!
+//! Points of balls or of facets that prove the depth are no witnesses: equally deep ones may lie
+//! on different sides of a core.
 
 use alloc::vec::Vec;
 
-use super::bent::SolverRun;
-use super::best::{BranchSet, ProvenBounds};
-use super::frozen::{self, Around, Frozen, SolveGoal};
-use super::parallel;
-use super::posed::{DifferencePoint, PosedCores, unit};
-use super::surface;
-use crate::base::num::scalar::{Vec3, cross, neg, sub};
-use crate::base::tolerance::{CERTIFICATE, DEPTH_GOAL, UNIT};
+use crate::base::num::extremes::Extremes;
+use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
+use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, DEPTH_GOAL, PARALLEL_AXES, UNIT};
+use crate::body::polyhedron::VertexId;
 use crate::body::shape::Support;
-use crate::pair::outcome::Until;
+use crate::convex::minimum::simplex::Simplex;
+use crate::convex::smooth::bent::SolverRun;
+use crate::convex::smooth::best::{BranchSet, ProvenBounds};
+use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
+use crate::convex::smooth::ladder::search;
+use crate::convex::smooth::posed::{DifferencePoint, PosedCores, Toward, add, unit, values};
+use crate::convex::smooth::{frozen, surface};
+use crate::pair::difference::MinkowskiPoint;
+use crate::pair::outcome::{Solver, Until};
+use crate::pair::transform::{ErrorScale, Transform};
 
 /// Bounds of the depth of cores that overlap or seem to.
 pub(super) struct Deep {
@@ -44,7 +89,7 @@ pub(super) fn deepen<A: Support, B: Support>(
     local(posed, known.n, &known.set, &mut best);
     let is_known = best.closes(posed) || (until == Until::LocalDepth && is_enough(posed, &best, until));
     if !is_known {
-        parallel::prove(posed, &mut best);
+        prove_parallel(posed, &mut best);
     }
     let mut deep = Deep {
         best,
@@ -139,4 +184,207 @@ pub(super) fn local<A: Support, B: Support>(
 ) {
     let deep = true;
     SolverRun { posed, best, deep }.run(n, set);
+}
+
+/// Takes balls at the weighted points of the pieces; if the bounds do not agree, also balls in the
+/// middle of the flat or straight parts about the points. The points prove the bound alone: equal
+/// balls may touch the surfaces on different sides, so they are no [`witnesses`].
+pub(super) fn take_balls<A: Support, B: Support, T: Scalar>(
+    posed: &PosedCores<A, B, T>,
+    toward: &Toward<T>,
+    (pieces, weights): (&[DifferencePoint<T>], &[T]),
+    best: &mut ProvenBounds<T>,
+) {
+    let (mut on_a, mut on_b) = ([0.0; 3], [0.0; 3]);
+    let mut set = BranchSet::default();
+    for (piece, weight) in pieces.iter().zip(weights) {
+        let weight = weight.value();
+        for k in 0..3 {
+            on_a[k] += piece.on_a[k].value() * weight;
+            on_b[k] += piece.on_b[k].value() * weight;
+        }
+        if weight > 0.0 {
+            set.add(piece.of);
+        }
+    }
+    let points = [on_a, on_b];
+    let mut upper = upper_at(posed, toward, &points);
+    if (upper - best.lower).value() > AGREE_CURVED * posed.size
+        && let Some(places) = middles(posed, toward, pieces, &points)
+    {
+        let moved = upper_at(posed, toward, &places);
+        upper = if moved < upper { moved } else { upper };
+    }
+    if upper < best.upper {
+        (best.upper, best.set) = (upper, set);
+    }
+}
+
+/// Returns the upper bound of the balls that touch the surfaces at two points.
+fn upper_at<A: Support, B: Support, T: Scalar>(
+    posed: &PosedCores<A, B, T>,
+    toward: &Toward<T>,
+    [on_a, on_b]: &[Vec3<f64>; 2],
+) -> T {
+    let (n, m) = (values(&toward.n), values(&toward.m));
+    let (ca, ra) = posed.a.inner_ball(&(*on_a).into(), &n.into());
+    let (cb, rb) = posed.b.inner_ball(&(*on_b).into(), &m.into());
+    let lift = |v: [f64; 3]| v.map(T::from);
+    let between = posed.piece([0; 2], lift(ca.into()), lift(cb.into())).w;
+    root(dot(&between, &between)) - T::from(ra) - T::from(rb)
+}
+
+/// Returns points of the flat or straight parts about two points, opposite each other near the
+/// middle of the parts; `None` if no part faces along the direction.
+fn middles<A: Support, B: Support, T: Scalar>(
+    posed: &PosedCores<A, B, T>,
+    toward: &Toward<T>,
+    pieces: &[DifferencePoint<T>],
+    [on_a, on_b]: &[Vec3<f64>; 2],
+) -> Option<[Vec3<f64>; 2]> {
+    let (n, m) = (values(&toward.n).into(), values(&toward.m).into());
+    let (of_a, of_b) = (posed.a.flat(&n), posed.b.flat(&m));
+    let to_a = |p: &Vec3<f64>| values(&posed.at(&p.map(T::from)));
+    let to_b = |p: &Vec3<f64>| {
+        let off = sub(&p.map(T::from), &posed.frame.translation);
+        values(&posed.frame.direction(&off))
+    };
+    let b = match (&of_a, &of_b) {
+        (_, Some(flat)) => flat.middle(),
+        (Some(flat), None) => to_b(&flat.middle()),
+        (None, None) => return None,
+    };
+    let a = match &of_a {
+        Some(flat) => flat.foot(&to_a(&b)),
+        None => nearest(pieces.iter().map(|p| values(&p.on_a)), &to_a(&b)).unwrap_or(*on_a),
+    };
+    let b = match &of_b {
+        Some(flat) => flat.foot(&to_b(&a)),
+        None => nearest(pieces.iter().map(|p| values(&p.on_b)), &to_b(&a)).unwrap_or(*on_b),
+    };
+    Some([a, b])
+}
+
+/// Returns the point nearest to a place between up to three points.
+fn nearest(points: impl Iterator<Item = Vec3<f64>>, place: &Vec3<f64>) -> Option<Vec3<f64>> {
+    let mut list = [[0.0; 3]; 3];
+    let mut simplex: Option<Simplex<f64>> = None;
+    for (k, point) in points.take(3).enumerate() {
+        list[k] = point;
+        let corner = MinkowskiPoint {
+            a: VertexId(k as u32),
+            b: VertexId(0),
+            w: sub(&point, place),
+        };
+        match &mut simplex {
+            None => simplex = Some(Simplex::vertex(corner)),
+            Some(simplex) => {
+                let size = place.iter().chain(&point).fold(0.0f64, |size, x| size.larger(x.abs()));
+                simplex.add(corner, ErrorScale { size, shared: 0.0 });
+            }
+        }
+    }
+    let simplex = simplex?;
+    let mut sum = [0.0; 3];
+    for (corner, weight) in simplex.points().iter().zip(simplex.weights()) {
+        for k in 0..3 {
+            sum[k] += list[corner.a.index() % 3][k] * weight;
+        }
+    }
+    Some(sum)
+}
+
+/// Takes the depth of cores that are cylinders or cones about parallel axes, or about axes with a
+/// tilt that is below the goal of a depth.
+fn prove_parallel<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, best: &mut ProvenBounds<f64>) {
+    let (Some(of_a), Some(of_b)) = (posed.a.meridian(), posed.b.meridian()) else {
+        return;
+    };
+    let [x, y, z] = posed.frame.vector(&[0.0, 0.0, 1.0]);
+    // The chord of an angle of at most 90 degrees is at most sqrt(2) < 3/2 times the sine.
+    let tilt = 1.5 * root(x * x + y * y) + PARALLEL_AXES;
+    let off = 2.0 * tilt * posed.b.reach();
+    if !(off <= DEPTH_GOAL * posed.size) {
+        return;
+    }
+    let [tx, ty, _] = posed.frame.translation;
+    let apart = root(tx * tx + ty * ty);
+    let aside = if apart > 0.0 {
+        [tx / apart, ty / apart]
+    } else {
+        [1.0, 0.0]
+    };
+    let side = if z < 0.0 { 1.0 } else { -1.0 };
+    let of_b = of_b.map(|[out, up]| [out, side * up]);
+    let (mut top, mut set) = (f64::NEG_INFINITY, BranchSet::default());
+    for [out, up] in of_a.into_iter().chain(of_b) {
+        let toward = posed.toward([out * aside[0], out * aside[1], up]);
+        let piece = posed.support(&toward, [0; 2]);
+        let height = best.prove(&toward, &piece);
+        if height > top {
+            (top, set) = (height, BranchSet::default());
+            set.add(piece.of);
+        }
+    }
+    let upper = top + off;
+    // Only a point inside is nearest to an edge for certain.
+    if upper < -CERTIFICATE * UNIT * posed.size && upper < best.upper {
+        (best.upper, best.set) = (upper, set);
+    }
+}
+
+/// Gap to which the cores are moved apart, times L: small against the cores, and large against the
+/// rounding of the normal between the moved cores. A heuristic.
+const GAP: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Distances of the moved cores that exceed the gap by less than this times L are the gap itself.
+/// Not a matter of soundness.
+const NEAR: f64 = 1.0 / (1u64 << 34) as f64;
+
+/// Directions that are tried: a heuristic.
+const TRIES: u32 = 16;
+
+/// Returns the closest points of the cores, with B moved out along the best direction. If the moved
+/// cores are further apart than the gap, the direction between them is less deep: the local minimum
+/// of the depth from there is the next direction.
+#[inline(never)]
+pub(super) fn witnesses<A: Support, B: Support>(
+    posed: &PosedCores<A, B, f64>,
+    deep: &mut ProvenBounds<f64>,
+) -> ProvenBounds<f64> {
+    let gap = GAP * posed.size;
+    let mut found = moved_apart(posed, deep, gap);
+    for _ in 1..TRIES {
+        if found.upper - gap <= NEAR * posed.size {
+            break;
+        }
+        let before = deep.lower;
+        local(posed, found.n, &found.set, deep);
+        if deep.lower <= before {
+            break;
+        }
+        found = moved_apart(posed, deep, gap);
+    }
+    found
+}
+
+/// Returns the closest points of the cores, with B moved out along the best direction to a gap.
+fn moved_apart<A: Support, B: Support>(
+    posed: &PosedCores<A, B, f64>,
+    deep: &mut ProvenBounds<f64>,
+    gap: f64,
+) -> ProvenBounds<f64> {
+    let out = scaled(&deep.n, gap - deep.lower);
+    let moved = PosedCores {
+        frame: Transform {
+            translation: add(&posed.frame.translation, &out),
+            ..posed.frame
+        },
+        ..*posed
+    };
+    let mut found = ProvenBounds::new();
+    (found.n, found.set) = (deep.n, deep.set);
+    search(&moved, true, &mut found, &mut Solver::default(), |_, _| false);
+    deep.evaluations += found.evaluations;
+    found
 }

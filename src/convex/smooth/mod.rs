@@ -2,10 +2,10 @@
 //!
 //! One solver for all pairs: GJK whose direction step knows the curvature (`bent`, on the model of
 //! `model`). Before it, the parts of the last answer are proved again (`warm`); behind it stand GJK
-//! on fixed support points (`frozen`), then both in double-double (`layers`, the order of all).
-//! Overlaps are the work of `depth`, `parallel` and `surface`, the witnesses of overlaps that of
-//! `opposite`. A core is a support map with branches and second derivatives
-//! ([`Support`](crate::shape::Support)); there is no table of pairs of kinds.
+//! on fixed support points (`frozen`), then both in double-double (`ladder`, the order of all).
+//! Overlaps and their witnesses are the work of `depth` and `surface`. A core is a support map with
+//! branches and second derivatives ([`Support`](crate::shape::Support)); there is no table of pairs
+//! of kinds.
 //!
 //! For any unit direction the height of the difference is a lower bound of the signed distance, the
 //! distance of any two points an upper bound; both are taken at every step, with the error terms of
@@ -19,19 +19,14 @@
 //!    face of a simplex.
 //! 3. Every answer carries both bounds, whatever the solver.
 
-mod any;
-mod balls;
 mod bent;
 mod best;
+mod cores;
 mod depth;
 mod flush;
 mod frozen;
-mod layers;
+mod ladder;
 mod model;
-mod opposite;
-mod pair;
-mod parallel;
-mod polyhedral;
 mod posed;
 mod surface;
 mod warm;
@@ -40,9 +35,9 @@ use alloc::sync::Arc;
 
 #[cfg(feature = "__proofs")]
 pub(crate) use best::bounds_along;
-pub(crate) use pair::WarmStart;
-use pair::{SolverSetting, closest_of};
-use polyhedral::PolyhedralCore;
+use cores::PolyhedralCore;
+pub(crate) use ladder::WarmStart;
+use ladder::{SolverSetting, closest_of};
 
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
@@ -81,7 +76,7 @@ fn hull(body: &Arc<ConvexPolyhedron>) -> PolyhedralCore<'_> {
 fn ordered(a: &Core, b: &Core, pose: &RelativePose, until: Until, memory: &mut WarmStart) -> Outcome {
     let setting = SolverSetting::new(a, b, pose, until);
     if !setting.is_plain() {
-        return pair::extreme(a, b, &setting, memory);
+        return ladder::extreme(a, b, &setting, memory);
     }
     match (a, b) {
         (Core::Polyhedron(x), Core::Ellipsoid(y)) => closest_of(&hull(x), y, &setting, memory),
@@ -98,6 +93,6 @@ fn ordered(a: &Core, b: &Core, pose: &RelativePose, until: Until, memory: &mut W
         (Core::Cylinder(x), Core::Superquadric(y)) => closest_of(x, y, &setting, memory),
         (Core::Cone(x), Core::Superquadric(y)) => closest_of(x, y, &setting, memory),
         (Core::Superquadric(x), Core::Superquadric(y)) => closest_of(x, y, &setting, memory),
-        _ => pair::extreme(a, b, &setting, memory),
+        _ => ladder::extreme(a, b, &setting, memory),
     }
 }

@@ -1,11 +1,93 @@
-//! A core of any kind, for slow paths where one match is free: finer arithmetic, extreme sizes.
+//! The cores that the solvers of this module know besides those of [`shape`](crate::shape):
+//! polyhedra as cores of curved pairs ([`PolyhedralCore`]), and a core of any kind ([`Any`]), for
+//! slow paths where one match is free: finer arithmetic, extreme sizes.
 
 use nalgebra::Vector3;
 
-use super::polyhedral::PolyhedralCore;
-use crate::base::num::scalar::{Scalar, Vec3};
-use crate::body::polyhedron::{Feature, VertexId};
+use crate::base::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};
+use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::body::shape::{Cone, Cylinder, Disc, Ellipsoid, Flat, Superquadric, Support};
+use crate::pair::difference::support_vertex;
+
+/// A polyhedron in stored coordinates, times a power of two.
+#[derive(Clone, Copy)]
+pub(super) struct PolyhedralCore<'a> {
+    pub(super) body: &'a ConvexPolyhedron,
+    pub(super) unit: f64,
+}
+
+/// Branches are the vertices.
+impl Support for PolyhedralCore<'_> {
+    fn reach(&self) -> f64 {
+        self.body.radius * self.unit
+    }
+
+    #[inline(always)]
+    fn support<T: Scalar>(&self, n: &Vec3<T>, hint: u32) -> (u32, Vec3<T>) {
+        let hint = if (hint as usize) < self.body.points.len() {
+            hint
+        } else {
+            0
+        };
+        let VertexId(branch) = support_vertex(self.body, n, VertexId(hint));
+        (branch, self.of_branch(branch, n))
+    }
+
+    #[inline(always)]
+    fn of_branch<T: Scalar>(&self, branch: u32, _: &Vec3<T>) -> Vec3<T> {
+        let points = &self.body.points;
+        let p = points.get(branch as usize).unwrap_or(&points[0]) * self.unit;
+        [T::from(p.x), T::from(p.y), T::from(p.z)]
+    }
+
+    #[inline(always)]
+    fn bent<T: Scalar>(&self, _: u32, _: &Vec3<T>, _: &Vec3<T>, _: &Vec3<T>) -> Vec3<T> {
+        [T::from(0.0); 3]
+    }
+
+    #[inline(always)]
+    fn ridge<T: Scalar>(&self, [one, other]: [u32; 2]) -> Option<(Vec3<T>, T)> {
+        let zero = T::from(0.0);
+        let n = [zero; 3];
+        let along = sub(&self.of_branch(one, &n), &self.of_branch(other, &n));
+        let squared = dot(&along, &along);
+        (squared > zero).then(|| (scaled(&along, T::from(1.0) / root(squared)), zero))
+    }
+
+    #[inline(always)]
+    fn onto<T: Scalar>(&self, branch: u32, place: &Vec3<T>) -> Vec3<T> {
+        self.of_branch(branch, place)
+    }
+
+    fn inner_ball(&self, point: &Vector3<f64>, _: &Vector3<f64>) -> (Vector3<f64>, f64) {
+        (*point, 0.0)
+    }
+
+    fn disc(&self, _: &Vector3<f64>) -> Option<Disc> {
+        None
+    }
+
+    fn flat_faces(&self, branch: u32, each: &mut impl FnMut(Vec3<f64>)) {
+        let faces = self.body.vertex_faces(VertexId(branch));
+        let normals = faces.filter_map(|face| self.body.face_plane(face));
+        normals.for_each(|(normal, _)| each((*normal).into()));
+    }
+
+    fn feature(&self, branches: &[u32], _: &Vector3<f64>) -> Feature {
+        let first = VertexId(branches.first().copied().unwrap_or(0));
+        let mut vertices = [first; 3];
+        for (vertex, &branch) in vertices.iter_mut().zip(branches) {
+            *vertex = VertexId(branch);
+        }
+        if vertices.iter().any(|v| v.index() >= self.body.points.len()) {
+            return Feature::Vertex(VertexId(0));
+        }
+        if vertices == [first; 3] {
+            return Feature::Vertex(first);
+        }
+        self.body.feature_of(&vertices)
+    }
+}
 
 /// A core of any kind.
 #[derive(Clone, Copy)]

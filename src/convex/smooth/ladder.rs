@@ -1,22 +1,20 @@
-//! One pair of cores: solver after solver until the bounds agree, and the outcome.
+//! One pair of cores: solver after solver until the bounds agree ([`separate`]), and the outcome.
 
 use nalgebra::{Unit, Vector3};
 
-use super::any::{Any, CoreKind};
-use super::best::{BranchSet, ProvenBounds};
-use super::depth;
-use super::frozen::Around;
-use super::layers::{Ended, separate};
-use super::opposite;
-use super::polyhedral::PolyhedralCore;
-use super::posed::{DifferencePoint, PosedCores, add, unit, values};
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::extremes::{Bounded, Extremes};
-use crate::base::num::scalar::{Scalar, Vec3, sqrt, sub};
+use crate::base::num::scalar::{Scalar, Vec3, dot, sqrt, sub};
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, SMALL_PAIR, SPECK, UNIT, UNIT_DOUBLE_DOUBLE};
 use crate::body::polyhedron::{FeaturePair, exponent_of, power_of_two};
 use crate::body::shape::{Core, Curved, Support, match_core};
+use crate::convex::smooth::bent::{RunEnd, SolverRun};
+use crate::convex::smooth::best::{BranchSet, ProvenBounds};
+use crate::convex::smooth::cores::{Any, CoreKind, PolyhedralCore};
+use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
+use crate::convex::smooth::posed::{DifferencePoint, PosedCores, add, askew, unit, values};
+use crate::convex::smooth::{depth, frozen, warm};
 use crate::pair::answer::round_outward;
 use crate::pair::outcome::{Class, Outcome, Solver, Until};
 use crate::pair::transform::Transform;
@@ -227,7 +225,7 @@ fn deepen<A: CoreKind, B: CoreKind>(
     outcome.work.depths += 1;
     let mut deep = depth::deepen(posed, known, corners, until);
     let is_done = deep.inside || depth::is_enough(posed, &deep.best, until);
-    let found = is_done.then(|| opposite::witnesses(posed, &mut deep.best));
+    let found = is_done.then(|| depth::witnesses(posed, &mut deep.best));
     outcome.work.steps += deep.best.evaluations - known.evaluations;
     let ProvenBounds { on_a, on_b, set, .. } = found?;
     let answer = ProvenBounds {
@@ -418,4 +416,115 @@ fn far(setting: &SolverSetting, t: &Vector3<f64>, apart: f64, offsets: f64) -> O
     outcome.solver = Solver::Far;
     [outcome.point_on_a, outcome.point_on_b] = setting.origins().map(Into::into);
     outcome
+}
+
+/// End of the solvers of one arithmetic.
+#[derive(PartialEq)]
+pub(super) enum Ended {
+    /// The bounds agree.
+    Closed,
+    Open,
+    /// An overlap is proven.
+    Deep,
+}
+
+/// Runs solver after solver until the bounds agree. `deep` proves an overlap: of cores that seem to
+/// overlap, or whose difference contains the origin between four points.
+#[inline(always)]
+pub(super) fn separate<A: Support, B: Support, T: Scalar>(
+    posed: &PosedCores<A, B, T>,
+    start: Option<(Vec3<T>, BranchSet)>,
+    best: &mut ProvenBounds<T>,
+    solver: &mut Solver,
+    mut deep: impl FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
+) -> Ended {
+    let (mut start, mut closed) = (start, None);
+    loop {
+        if let Some((n, set)) = start {
+            let end = warm::track(posed, n, &set, best);
+            if end == Err(RunEnd::Closed) {
+                return Ended::Closed;
+            }
+            // A lower bound goes with its own direction; a start is about of length one.
+            let is_proven = best.lower > T::from(f64::NEG_INFINITY);
+            let n = unit(&n).filter(|_| !is_proven).unwrap_or(best.n);
+            if end == Err(RunEnd::Inside) && closed.is_none() && deep(&ProvenBounds { n, set, ..*best }, None) {
+                return Ended::Deep;
+            }
+        }
+        if let Some(closed) = closed {
+            *best = closed;
+            return Ended::Closed;
+        }
+        let ended = search(posed, start.is_some(), best, solver, &mut deep);
+        if ended != Ended::Closed || best.is_opposite(posed) {
+            return ended;
+        }
+        // Bounds that agree leave the direction open to the root of the tolerance.
+        (start, closed) = (Some((best.n, best.set)), Some(*best));
+    }
+}
+
+/// Runs the solvers behind the first one of a warm query.
+#[inline(never)]
+pub(super) fn search<A: Support, B: Support, T: Scalar>(
+    posed: &PosedCores<A, B, T>,
+    is_warm: bool,
+    best: &mut ProvenBounds<T>,
+    solver: &mut Solver,
+    mut deep: impl FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
+) -> Ended {
+    if is_warm {
+        if let Some(ended) = bend(posed, best.n, best, &mut deep) {
+            return ended;
+        }
+        *solver = Solver::Restart;
+    }
+    let axis = [T::from(1.0), T::from(0.0), T::from(0.0)];
+    let n = unit(&posed.frame.translation).unwrap_or(axis);
+    match frozen::solve(posed, n, SolveGoal::Approach, best) {
+        Frozen::Closed => return Ended::Closed,
+        Frozen::Inside(corners) if deep(best, Some(corners)) => return Ended::Deep,
+        _ => {}
+    }
+    if let Some(ended) = bend(posed, toward_witness(posed, best), best, &mut deep) {
+        return ended;
+    }
+    *solver = Solver::Fallback;
+    match frozen::solve(posed, toward_witness(posed, best), SolveGoal::Close, best) {
+        Frozen::Closed => Ended::Closed,
+        Frozen::Inside(corners) if deep(best, Some(corners)) => Ended::Deep,
+        _ => Ended::Open,
+    }
+}
+
+/// Runs the main solver from a direction and the best pieces; returns `None` if the bounds stay
+/// open.
+fn bend<A: Support, B: Support, T: Scalar>(
+    posed: &PosedCores<A, B, T>,
+    n: Vec3<T>,
+    best: &mut ProvenBounds<T>,
+    deep: &mut impl FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
+) -> Option<Ended> {
+    let (set, is_deep) = (best.set, false);
+    let mut run = SolverRun {
+        posed,
+        best,
+        deep: is_deep,
+    };
+    match run.run(n, &set) {
+        RunEnd::Closed => Some(Ended::Closed),
+        RunEnd::Inside if deep(best, None) => Some(Ended::Deep),
+        _ => None,
+    }
+}
+
+/// Returns the direction between the nearest points known; if the points coincide, a direction off
+/// the symmetries that put them there.
+fn toward_witness<A: Support, B: Support, T: Scalar>(posed: &PosedCores<A, B, T>, best: &ProvenBounds<T>) -> Vec3<T> {
+    let w = posed.piece([0; 2], best.on_a, best.on_b).w;
+    let least = T::from(AGREE_CURVED * posed.size);
+    unit(&w)
+        .filter(|_| dot(&w, &w) > least * least)
+        .unwrap_or_else(|| askew(&best.n))
 }
