@@ -196,7 +196,7 @@ pub(crate) const COPLANAR: f64 = 1.0 / (1u64 << 46) as f64;
 pub(crate) const STEEP: f64 = 1.0 / 64.0;
 
 /// The radius of the disc that a facet must contain to replace triangles below the target
-/// (`depth::facet_disc`) is raised by this factor. The products, quotient and roots err by 10 UNIT
+/// (`depth::facet`) is raised by this factor. The products, quotient and roots err by 10 UNIT
 /// relatively; the difference of squares by `3 UNIT r^2`, which is less than the `2 CERTIFICATE
 /// UNIT L` taken off each height `p` adds to the difference.
 pub(crate) const DISC: f64 = 1.0 + 1.0 / 1024.0;

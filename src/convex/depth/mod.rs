@@ -20,33 +20,25 @@
 //! 4. A tracker caches the surface as vertex pairs ([`memory`]) and starts the next search from the
 //!    cached surface ([`mod@resume`]).
 //! 5. If faces lie flush on each other, the deepest facet itself covers for triangles slightly
-//!    beneath the boundary of P ([`facet_disc`]).
+//!    beneath the boundary of P ([`holds_disc`](facet::holds_disc)).
 //! 6. A shallow overlap needs no surface: a facet found by a walk over facets ([`descent`]) and one
 //!    point deep in P prove the depth ([`pyramid`]), at the price of a walk ([`nearest`]).
 //! 7. A local depth, an upper bound alone, is the height of the facet on which the descent ends; a
-//!    pyramid or four points around the origin prove the overlap ([`local`]).
+//!    pyramid or four points around the origin prove the overlap ([`local_depth`]).
 //! 8. If the origin lies on the boundary of the first tetrahedron (lattices, concentric and equal
 //!    bodies), the surface is grown about a point close to the origin until the ball about the
 //!    shifted point contains the origin too.
 
-mod deepest;
 mod descent;
-mod direction;
 #[cfg(feature = "exact")]
 mod exhaustive;
 mod facet;
-mod facet_disc;
-mod foot;
-mod local;
 mod memory;
 mod nearest;
 pub(crate) mod pyramid;
-mod result;
 mod resume;
 mod search;
-mod seed;
 mod surface;
-mod verify_surface;
 
 use crate::base::num::double_double::DoubleDouble;
 use crate::base::num::extremes::{Bounded, Extremes};
@@ -61,13 +53,11 @@ use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use nalgebra::Vector3;
-use result::{SearchEnd, SearchResult};
-use search::search;
+use search::{SearchEnd, SearchResult, search};
 use surface::EnclosingSurface;
 
-pub(crate) use local::local_depth;
 pub(crate) use memory::{Memory, RawMemory, Workspace};
-pub(crate) use nearest::{NearestFeature, depth_from, nearest_facet};
+pub(crate) use nearest::{NearestFeature, depth_from, local_depth, nearest_facet};
 pub(crate) use resume::resume;
 
 /// Number of perturbations worth a search in f64, the first of

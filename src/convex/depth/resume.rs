@@ -4,7 +4,7 @@
 //! origin. A closed surface does if the origin lies behind every triangle, since every ray from the
 //! origin then crosses the surface outward only. If every triangle is beyond the facet, the depth
 //! is proven in a single pass; if the facet covers the triangles below target, by the facet itself
-//! ([`facet_disc`](super::facet_disc)). A surface that proves nothing grows, and a folded surface
+//! ([`facet`](super::facet)). A surface that proves nothing grows, and a folded surface
 //! is dropped, unless the nearest facet proves the depth alone ([`nearest`](super::nearest)).
 //! Whatever proved the last depth is asked first.
 
@@ -16,14 +16,12 @@ use crate::pair::draft::Draft;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 
-use crate::convex::depth::facet_disc::{disc_radius, holds_disc, pierced_facet};
-use crate::convex::depth::foot::{WitnessPoints, flush, foot};
+use crate::convex::depth::descent::{WitnessPoints, flush, foot};
+use crate::convex::depth::facet::{disc_radius, holds_disc, pierced_facet};
 use crate::convex::depth::memory::{MAX_POINTS, Memory, Scratch};
 use crate::convex::depth::nearest::{NearestFeature, nearest_facet};
-use crate::convex::depth::result::{Best, SearchEnd, SearchResult};
-use crate::convex::depth::search::{DepthSearch, search};
-use crate::convex::depth::seed::search_from;
-use crate::convex::depth::verify_surface::{SurfaceState, verify_surface};
+use crate::convex::depth::search::{Best, DepthSearch, SearchEnd, SearchResult, search, search_from};
+use crate::convex::depth::surface::{SurfaceState, verify_surface};
 use crate::convex::depth::write_overlap;
 use crate::pair::difference_facet::DifferenceFacet;
 

@@ -1,26 +1,96 @@
 //! Search for the deepest facet: grows a surface at the nearest triangle until the triangle is
-//! proven to lie on the boundary of A - B.
+//! proven to lie on the boundary of A - B. The file holds the search ([`DepthSearch`]), its result
+//! ([`SearchResult`]), and the deepest points after the search has ended.
+//!
+//! A search may begin at a facet ([`search_from`]): the first tetrahedron joins three points of the
+//! facet to a point deep in P = A - B. The facet found by a descent is mostly the deepest, so that
+//! its height is a target from the start, and the surface grows only where P is in doubt. The
+//! bodies need not be known to overlap: the tetrahedron proves that they do.
 
-use crate::base::num::scalar::{Scalar, Vec3, dot, neg};
-use crate::base::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, PLATEAU, SHIFT_DIRECTION, UNIT};
-use crate::body::polyhedron::FeaturePair;
+use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, scaled, sub};
+use crate::base::tolerance::{AGREE_DEPTH, AGREE_WITNESS, ALMOST_FLAT, CERTIFICATE, PLATEAU, SHIFT_DIRECTION, UNIT};
+use crate::body::polyhedron::{FeaturePair, VertexId};
+use crate::convex::depth::descent::{WitnessPoints, foot, sample_rim};
+use crate::convex::depth::surface::{EnclosingSurface, Filter, unit};
 use crate::convex::minimum::gjk::{Minimum, solve};
 use crate::convex::minimum::simplex::Simplex;
 use crate::convex::minimum::start::vertex_of;
 use crate::convex::minimum::witnesses::witnesses;
-use crate::pair::difference::MinkowskiPoint;
-use crate::pair::difference::{difference_point, support};
+use crate::pair::difference::{MinkowskiPoint, difference_point, support};
+use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
-
-use crate::convex::depth::direction::unit;
-use crate::convex::depth::result::{Best, SearchEnd, SearchResult};
-use crate::convex::depth::surface::{EnclosingSurface, Filter};
-use crate::pair::difference_facet::DifferenceFacet;
 
 /// Points that may come twice before a surface counts as folded and the next arithmetic takes over.
 /// Not measured.
 const REPEATS: u32 = 16;
+
+/// Why a search ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SearchEnd {
+    /// Both bounds agree.
+    Closed,
+    /// Rounding hides the next step.
+    Stuck,
+    /// The surface reached its triangle limit.
+    Full,
+}
+
+/// Proven bounds and final state of a search.
+pub(super) struct SearchResult<T> {
+    pub(super) end: SearchEnd,
+    /// Best unit direction and the support of A - B along the direction.
+    pub(super) normal: Vec3<T>,
+    pub(super) height: T,
+    /// Every point outside A - B is at least this far from the origin; zero if nothing is known.
+    pub(super) radius: T,
+    /// Triangle that contains the deepest point, or a triangle of the facet.
+    pub(super) vertices: [MinkowskiPoint<T>; 3],
+    /// Deepest points of A and of B in their stored frames.
+    pub(super) witnesses: Option<WitnessPoints>,
+    pub(super) features: Option<FeaturePair>,
+    /// Number of points added to the surface.
+    pub(super) points_added: u32,
+}
+
+impl SearchResult<f64> {
+    /// Returns the result if the difference contains the ball up to the best facet, which has
+    /// witnesses.
+    pub(super) fn proven(best: &Best<f64>, witnesses: WitnessPoints, size: f64) -> Self {
+        Self::of_facet(best, witnesses, best.height - AGREE_DEPTH * size)
+    }
+
+    /// Returns the result if the difference contains a ball of this radius, with the best facet and
+    /// its witnesses.
+    pub(super) fn of_facet(best: &Best<f64>, witnesses: WitnessPoints, radius: f64) -> Self {
+        Self {
+            end: SearchEnd::Closed,
+            normal: best.normal,
+            height: best.height,
+            radius,
+            vertices: [MinkowskiPoint::default(); 3],
+            witnesses: Some(witnesses),
+            features: best.facet.map(DifferenceFacet::features),
+            points_added: 0,
+        }
+    }
+}
+
+/// A direction, the support along the direction, and the facet it is the normal of.
+#[derive(Clone, Copy)]
+pub(super) struct Best<T> {
+    pub(super) normal: Vec3<T>,
+    pub(super) height: T,
+    pub(super) facet: Option<DifferenceFacet>,
+}
+
+impl<T: Scalar> Best<T> {
+    /// Returns normal and height rounded to f64.
+    pub(super) fn rounded(&self) -> (Vec3<f64>, f64) {
+        (self.normal.map(Scalar::value), self.height.value())
+    }
+}
 
 /// A surface on the way to the deepest facet.
 pub(super) struct DepthSearch<'a, T: Scalar> {
@@ -374,5 +444,159 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
             features: best.facet.map(DifferenceFacet::features),
             points_added: self.points_added,
         }
+    }
+}
+
+/// Searches for the depth from a facet; `None` if the search does not close.
+pub(super) fn search_from(
+    posed: &PosedPair,
+    frame: &Transform<f64>,
+    facet: DifferenceFacet,
+    surface: &mut EnclosingSurface<f64>,
+) -> Option<SearchResult<f64>> {
+    let (normal, height) = facet.height(posed, frame)?;
+    let (v, w) = facet.features().vertices_of(posed.a, posed.b);
+    let apex = support(posed, frame, &neg(&normal), &difference_point(posed, frame, v, w));
+    let [p, q, r] = pierced(posed, frame, facet, &normal, &apex.w)?;
+    let simplex = Simplex::tetrahedron([p, q, r, apex], posed.error_scale::<f64>());
+    if !surface.start(simplex.points()) {
+        return None;
+    }
+    let best = Best {
+        normal,
+        height,
+        facet: Some(facet),
+    };
+    let found = DepthSearch::resumed(posed, frame, surface, best).run(frame, 0.0);
+    (found.end == SearchEnd::Closed).then_some(found)
+}
+
+/// Returns the triangle of a facet through which the ray from `apex` to the origin leaves.
+fn pierced(
+    posed: &PosedPair,
+    frame: &Transform<f64>,
+    facet: DifferenceFacet,
+    normal: &Vec3<f64>,
+    apex: &Vec3<f64>,
+) -> Option<[MinkowskiPoint<f64>; 3]> {
+    let along = neg(apex);
+    let point = |(a, b): (VertexId, VertexId)| difference_point(posed, frame, a, b);
+    // Whether the ray passes to the left of the way from `p` to `q`, seen along the ray.
+    let is_left = |p: &MinkowskiPoint<f64>, q: &MinkowskiPoint<f64>| {
+        dot(&along, &cross(&sub(&p.w, apex), &sub(&q.w, apex))) >= 0.0
+    };
+    let corner = |k: u32, v: VertexId, w: VertexId| if k == 0 { (v, w) } else { (w, v) };
+    let (first, rest) = match facet {
+        DifferenceFacet::Edges(e, g) => {
+            let (t, u) = (&posed.a.topology, &posed.b.topology);
+            let (e, g) = (e.half_edge(), g.half_edge());
+            let ((p, q), (x, y)) = ((t.from(e), t.half_edge(e).to), (u.from(g), u.half_edge(g).to));
+            let c = [(p, x), (q, x), (q, y), (p, y)].map(point);
+            let n = cross(&sub(&c[1].w, &c[0].w), &sub(&c[3].w, &c[0].w));
+            let [p, q, r, s] = if dot(&n, normal) > 0.0 {
+                c
+            } else {
+                [c[3], c[2], c[1], c[0]]
+            };
+            return Some(if is_left(&p, &r) { [p, r, s] } else { [p, q, r] });
+        }
+        DifferenceFacet::FaceVertex(f, v) => ((0, v), sample_rim(posed.a, f)),
+        DifferenceFacet::VertexFace(v, f) => ((1, v), sample_rim(posed.b, f)),
+    };
+    let (side, other) = first;
+    let body = if side == 0 { posed.a } else { posed.b };
+    let corners = rest.map(|h| point(corner(side, body.topology.from(h), other)));
+    fan_triangle(corners, side == 0, is_left)
+}
+
+/// Returns the triangle of the fan of a polygon about its first corner that lies on the ray.
+fn fan_triangle(
+    mut corners: impl Iterator<Item = MinkowskiPoint<f64>>,
+    counter_clockwise: bool,
+    is_left: impl Fn(&MinkowskiPoint<f64>, &MinkowskiPoint<f64>) -> bool,
+) -> Option<[MinkowskiPoint<f64>; 3]> {
+    let (root, mut from) = (corners.next()?, corners.next()?);
+    let mut last = None;
+    for to in corners {
+        last = Some([root, from, to]);
+        if is_left(&root, &to) != counter_clockwise {
+            break;
+        }
+        from = to;
+    }
+    last
+}
+
+impl<T: Scalar> DepthSearch<'_, T> {
+    /// Returns the deepest points and three vertices of their facet.
+    ///
+    /// If the features of the best direction do not contain the deepest points, they are the
+    /// surface point nearest to the foot of the origin on the best plane. The surface crosses the
+    /// ray along the normal between both bounds, hence at the foot if the bounds agree.
+    pub(super) fn deepest(
+        &self,
+        best: &Best<T>,
+        weakest: u32,
+        end: SearchEnd,
+    ) -> ([MinkowskiPoint<T>; 3], WitnessPoints) {
+        if let Some(foot) = best.facet.and_then(|f| foot(self.posed, f, &best.rounded())) {
+            return (self.surface.vertices(weakest), foot);
+        }
+        // Relative to L in either arithmetic, not to the distance of far origins.
+        let close = T::from(AGREE_DEPTH * self.posed.size());
+        let plane = best.height - close;
+        let all = 0..self.surface.triangles.len() as u32;
+        let flat = all.clone().filter(|t| self.surface.height(*t, &best.normal) >= plane);
+        let order = || core::iter::once(weakest).chain(flat.clone()).chain(all.clone());
+        let found = self.nearest::<T>(order(), best, close);
+        if T::UNIT < UNIT || found.1 <= AGREE_WITNESS * self.posed.size() {
+            return (self.surface.vertices(found.0), found.2);
+        }
+        // In f64 the barycentric coordinates of needles are wrong.
+        let mut found = self.nearest::<DoubleDouble>(flat.clone().chain(core::iter::once(found.0)), best, close);
+        if end == SearchEnd::Closed && found.1 > AGREE_WITNESS * self.posed.size() {
+            found = self.nearest::<DoubleDouble>(order(), best, close);
+        }
+        (self.surface.vertices(found.0), found.2)
+    }
+
+    /// Returns the first triangle close enough to the foot of the origin on the best plane (if none
+    /// is, the nearest triangle), the distance from the foot, and the witnesses there.
+    fn nearest<S: Scalar>(
+        &self,
+        triangles: impl Iterator<Item = u32>,
+        best: &Best<T>,
+        close: T,
+    ) -> (u32, f64, WitnessPoints) {
+        // Converts both parts of a double-double.
+        let as_s = |x: T| S::from(x.value()) + S::from((x - T::from(x.value())).value());
+        let fine = |v: &Vec3<T>| v.map(as_s);
+        let target = scaled(&fine(&best.normal), as_s(best.height));
+        let mut found: Option<(u32, f64, Simplex<S>)> = None;
+        for t in triangles {
+            let shifted = self.surface.vertices(t).map(|c| MinkowskiPoint {
+                a: c.a,
+                b: c.b,
+                w: sub(&fine(&c.w), &target),
+            });
+            let simplex = Simplex::triangle(shifted);
+            let off = simplex.witness_distance().value();
+            if found.as_ref().is_none_or(|f| off < f.1) {
+                found = Some((t, off, simplex));
+            }
+            if off <= close.value() {
+                break;
+            }
+        }
+        let (t, off, simplex) = found.unwrap_or_else(|| {
+            let c = self.surface.vertices(0)[0];
+            let at = MinkowskiPoint {
+                a: c.a,
+                b: c.b,
+                w: fine(&c.w),
+            };
+            (0, f64::INFINITY, Simplex::vertex(at))
+        });
+        (t, off, witnesses(self.posed, &simplex))
     }
 }

@@ -1,26 +1,44 @@
 //! A closed surface of triangles on points of A - B, with a lower bound of each triangle's distance
-//! from the origin and the triangle of least bound. Insertion of a point: [`grow`].
+//! from the origin and the triangle of least bound. The surface grows by the insertion of points; a
+//! cached surface is verified at a new pose in a single pass, without roots or divisions
+//! ([`verify_surface`]).
 //!
 //! Invariant: the surface winds once about the origin. The four volumes prove the invariant for the
 //! first tetrahedron, and each step preserves it: a triangle is replaced only by way of the
 //! tetrahedron of the triangle and the new point, on the far side of a plane with the origin
 //! certainly beneath. So the hull of the points contains the ball about the origin that no triangle
 //! enters, however folded the surface is.
-
-mod grow;
-mod vertex_pairs;
+//!
+//! A point is inserted as follows: the triangles visible from the point are replaced by a fan from
+//! the point to their horizon. Of a large surface, the set of the vertex pairs whose points lie on
+//! it is kept ([`VertexPairs`]).
+//!
+//! ```text
+//!      +------+             +------+
+//!     / \ v  / \           / '.  .' \      v: visible triangles
+//!    /   \  / v \         /    \/    \     horizon: the edges around them
+//!   +-----\/-----+   ->  +-----c------+    c: the inserted point, apex of the fan
+//!    \  v /\    /         \   / \    /
+//!     \  / v\  /           \ /   \  /
+//!      +------+             +------+
+//! ```
+//!
+//! At the end of the file stand unit directions and triangle normals at every magnitude.
 
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 
+use wide::f64x2;
+
 use crate::base::num::Ranked;
-use crate::base::num::scalar::{Scalar, Vec3, cross, dot, sub};
-use crate::convex::depth::direction::{min_height, normal, unit};
+use crate::base::num::extremes::Extremes;
+use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, sub};
+use crate::base::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, SQUARE_MIN, UNIT};
+use crate::body::polyhedron::VertexId;
 use crate::convex::depth::memory::MAX_TRIANGLES;
+use crate::convex::depth::search::Best;
 use crate::convex::minimum::simplex::Simplex;
 use crate::pair::difference::MinkowskiPoint;
-use grow::HorizonEdge;
-use vertex_pairs::VertexPairs;
 
 /// Surfaces of up to this many points are scanned for a point, hardly slower than hashing. Equal to
 /// [`MAX_TRIANGLES`], the size for which trackers reserve memory, so that queries allocate nothing.
@@ -318,5 +336,438 @@ impl<T: Scalar> EnclosingSurface<T> {
             self.enqueue(triangle);
         }
         better
+    }
+}
+
+/// An edge between a visible triangle and a triangle that stays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct HorizonEdge {
+    from: u32,
+    to: u32,
+    outer: u32,
+}
+
+impl<T> SurfaceTriangle<T> {
+    fn edges(&self) -> [HorizonEdge; 3] {
+        core::array::from_fn(|k| HorizonEdge {
+            from: self.vertices[k],
+            to: self.vertices[(k + 1) % 3],
+            outer: self.neighbours[k],
+        })
+    }
+}
+
+impl<T: Scalar> EnclosingSurface<T> {
+    /// Inserts a point higher than `triangle` along the triangle's direction, and replaces the
+    /// triangles visible from the point.
+    pub(in crate::convex::depth) fn insert(&mut self, triangle: u32, c: MinkowskiPoint<T>, filter: &Filter<T>) {
+        self.flood(triangle, &c.w, filter);
+        if !self.order_horizon() {
+            // The three edges of a triangle are always a loop.
+            self.visible.clear();
+            self.visible.push(triangle);
+            self.horizon.clear();
+            self.horizon.extend(self.triangles[triangle as usize].edges());
+        }
+        self.points.push(c);
+        self.add_fan();
+        // Removes the highest index first, so that no listed triangle moves.
+        let count = self.horizon.len();
+        while self.visible.len() > count {
+            let left = &self.visible[count..];
+            let last = left.iter().enumerate().max_by_key(|(_, t)| **t).map_or(0, |(k, _)| k);
+            let hole = self.visible.swap_remove(count + last);
+            self.remove(hole);
+        }
+    }
+
+    /// Joins the last point to every horizon edge, reusing the visible triangles and adding more if
+    /// needed.
+    fn add_fan(&mut self) {
+        let apex = self.points.len() as u32 - 1;
+        let (kept, count) = (self.visible.len(), self.horizon.len());
+        let added = self.triangles.len();
+        for k in kept..count {
+            self.triangles.push(SurfaceTriangle::default());
+            self.visible.push((added + k - kept) as u32);
+        }
+        for k in 0..count {
+            let HorizonEdge { from, to, outer } = self.horizon[k];
+            let (at, after, before) = (
+                self.visible[k],
+                self.visible[(k + 1) % count],
+                self.visible[(k + count - 1) % count],
+            );
+            self.triangles[at as usize] = SurfaceTriangle {
+                vertices: [from, to, apex],
+                neighbours: [outer, after, before],
+                ..SurfaceTriangle::default()
+            };
+            self.compute_bound(at);
+            self.join(outer, [to, from], at);
+        }
+    }
+
+    /// Makes `other` the neighbour of a triangle across an edge.
+    fn join(&mut self, triangle: u32, edge: [u32; 2], other: u32) {
+        let t = &mut self.triangles[triangle as usize];
+        for i in 0..3 {
+            if [t.vertices[i], t.vertices[(i + 1) % 3]] == edge {
+                t.neighbours[i] = other;
+            }
+        }
+    }
+
+    /// Removes a triangle no neighbour refers to; the last triangle takes its index.
+    fn remove(&mut self, hole: u32) {
+        let last = self.triangles.len() as u32 - 1;
+        self.triangles.swap_remove(hole as usize);
+        if hole == last {
+            return;
+        }
+        let SurfaceTriangle {
+            vertices, neighbours, ..
+        } = self.triangles[hole as usize];
+        for i in 0..3 {
+            self.join(neighbours[i], [vertices[(i + 1) % 3], vertices[i]], hole);
+        }
+        if self.triangles[hole as usize].state != BoundState::Unmeasured {
+            self.enqueue(hole);
+        }
+    }
+
+    /// Lists the triangles connected to `from` that are visible from `w` and may be replaced.
+    fn flood(&mut self, from: u32, w: &Vec3<T>, filter: &Filter<T>) {
+        self.floods += 1;
+        self.visible.clear();
+        self.visible.push(from);
+        self.triangles[from as usize].flood = self.floods;
+        let mut done = 0;
+        while done < self.visible.len() {
+            for k in self.triangles[self.visible[done] as usize].neighbours {
+                if self.triangles[k as usize].flood == self.floods || !self.is_visible(k, w, filter) {
+                    continue;
+                }
+                self.triangles[k as usize].flood = self.floods;
+                self.visible.push(k);
+            }
+            done += 1;
+        }
+    }
+
+    /// Returns whether `w` is outside the plane of a triangle, and some plane certainly has the
+    /// origin beneath and both the triangle and `w` above.
+    pub(in crate::convex::depth) fn is_visible(&mut self, triangle: u32, w: &Vec3<T>, filter: &Filter<T>) -> bool {
+        self.measure(triangle);
+        let t = &self.triangles[triangle as usize];
+        let p = &self.points[t.vertices[0] as usize].w;
+        let is_flat = t.outward.iter().all(|x| x.value() == 0.0);
+        // Outside the triangle's plane, `w` is at least as high along the normal as the vertices.
+        if !is_flat && !(dot(&t.outward, &sub(w, p)) > filter.noise) {
+            return false;
+        }
+        if !is_flat && t.level > filter.margin {
+            return true;
+        }
+        if self.refine(triangle) {
+            self.enqueue(triangle);
+        }
+        let t = &self.triangles[triangle as usize];
+        let height = dot(&t.direction, w);
+        let above = t.bound > filter.margin && height > filter.margin;
+        above && (!is_flat || height > t.bound + filter.noise)
+    }
+
+    /// Orders the horizon edges around the visible triangles; returns whether they form a single
+    /// loop without a repeated vertex.
+    fn order_horizon(&mut self) -> bool {
+        let (flood, all) = (self.floods, &self.triangles);
+        let edges = &mut self.horizon;
+        edges.clear();
+        let edges_of_visible = self.visible.iter().flat_map(|&t| all[t as usize].edges());
+        edges.extend(edges_of_visible.filter(|e| all[e.outer as usize].flood != flood));
+        for k in 1..edges.len() {
+            let Some(next) = (k..edges.len()).find(|&i| edges[i].from == edges[k - 1].to) else {
+                return false;
+            };
+            edges.swap(k, next);
+        }
+        self.starts.clear();
+        self.starts.extend(edges.iter().map(|e| e.from));
+        self.starts.sort_unstable();
+        let simple = self.starts.windows(2).all(|s| s[0] != s[1]);
+        let closed = edges.last().is_some_and(|e| e.to == edges[0].from);
+        simple && closed && edges.len() > 2
+    }
+}
+
+/// Marks a free slot: no vertices have such numbers.
+const VACANT: [VertexId; 2] = [VertexId(u32::MAX); 2];
+
+/// A hash table without removal: open addressing, linear probing (Knuth, section 6.4).
+#[derive(Clone, Debug, Default)]
+pub(super) struct VertexPairs {
+    /// At most half of the slots are occupied.
+    slots: Vec<[VertexId; 2]>,
+    count: usize,
+}
+
+impl VertexPairs {
+    /// Returns the allocated bytes on the heap.
+    pub(super) fn heap_bytes(&self) -> usize {
+        self.slots.capacity() * size_of::<[VertexId; 2]>()
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.slots.clear();
+        self.count = 0;
+    }
+
+    /// Returns the number of insertions, repeats included.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    pub(super) fn contains(&self, pair: [VertexId; 2]) -> bool {
+        !self.slots.is_empty() && self.slots[self.slot(pair)] == pair
+    }
+
+    pub(super) fn insert(&mut self, pair: [VertexId; 2]) {
+        self.count += 1;
+        if 2 * self.count > self.slots.len() {
+            let larger = alloc::vec![VACANT; 4 * self.count];
+            let old = core::mem::replace(&mut self.slots, larger);
+            for pair in old.into_iter().filter(|&pair| pair != VACANT) {
+                let slot = self.slot(pair);
+                self.slots[slot] = pair;
+            }
+        }
+        let slot = self.slot(pair);
+        self.slots[slot] = pair;
+    }
+
+    /// Returns the slot of a pair, or the free slot for a new pair. The table must not be empty.
+    fn slot(&self, [a, b]: [VertexId; 2]) -> usize {
+        // High half of a product with 2^64 over the golden ratio.
+        let hash = (u64::from(a.0) << 32 | u64::from(b.0)).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32;
+        let mut slot = ((hash * self.slots.len() as u64) >> 32) as usize;
+        while self.slots[slot] != VACANT && self.slots[slot] != [a, b] {
+            slot = if slot + 1 < self.slots.len() { slot + 1 } else { 0 };
+        }
+        slot
+    }
+}
+
+/// Result of the verification.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum SurfaceState {
+    /// The surface encloses the origin and every triangle is beyond the facet: the depth is proven.
+    Proven,
+    /// The surface encloses the origin; some triangles are below target.
+    Encloses,
+    /// The origin is not certainly behind every triangle.
+    Folded,
+}
+
+/// Requirements on a triangle.
+pub(super) struct Target {
+    /// Normal of the best facet.
+    normal: Vec3<f64>,
+    /// Required distance of a triangle from the origin.
+    height: f64,
+    /// Heights above `margin` are certainly positive.
+    margin: f64,
+    noise: f64,
+}
+
+/// Verifies two triangles at a time by SIMD and lists the triangles below target in `below_target`.
+pub(super) fn verify_surface(
+    triangles: &[[u8; 6]],
+    positions: &[Vec3<f64>],
+    best: &Best<f64>,
+    size: f64,
+    below_target: &mut Vec<u32>,
+) -> SurfaceState {
+    let target = Target::new(best, size);
+    let is_deep = target.is_deep();
+    let (zero, noise) = (f64x2::splat(0.0), f64x2::splat(target.noise));
+    let squared_target = f64x2::splat(target.height * target.height);
+    below_target.clear();
+    for (k, pair) in triangles.chunks(2).enumerate() {
+        let (s, t) = (&pair[0], &pair[pair.len() - 1]);
+        let w: [Vec3<f64x2>; 3] = core::array::from_fn(|c| {
+            let (p, q) = (&positions[s[c] as usize], &positions[t[c] as usize]);
+            core::array::from_fn(|axis| f64x2::new([p[axis], q[axis]]))
+        });
+        let (n, edges) = normals(&w);
+        // All vertices are as high along n as the first, up to rounding.
+        let low = dot_pair(&n, &w[0]) - noise * edges;
+        let is_beyond = low.simd_gt(zero) & (low * low).simd_ge(squared_target * dot_pair(&n, &n));
+        if is_deep && is_beyond.all() {
+            continue;
+        }
+        for (lane, t) in pair.iter().enumerate() {
+            match target.judge(&[t[0], t[1], t[2]].map(|c| positions[c as usize])) {
+                None => return SurfaceState::Folded,
+                Some(true) => {}
+                Some(false) => below_target.push((2 * k + lane) as u32),
+            }
+        }
+    }
+    if below_target.is_empty() {
+        SurfaceState::Proven
+    } else {
+        SurfaceState::Encloses
+    }
+}
+
+/// Returns the normals of two triangles, of twice the triangle's area, and the sums of two squared
+/// edge lengths.
+#[inline(always)]
+fn normals(w: &[Vec3<f64x2>; 3]) -> (Vec3<f64x2>, f64x2) {
+    let less = |p: &Vec3<f64x2>, q: &Vec3<f64x2>| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
+    let (u, v) = (less(&w[1], &w[0]), less(&w[2], &w[0]));
+    let n = [
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ];
+    (n, dot_pair(&u, &u) + dot_pair(&v, &v))
+}
+
+#[inline(always)]
+fn dot_pair(u: &Vec3<f64x2>, v: &Vec3<f64x2>) -> f64x2 {
+    u[0] * v[0] + u[1] * v[1] + u[2] * v[2]
+}
+
+impl Target {
+    /// Returns the requirements on triangles of a pair of this size, beside the best facet.
+    #[inline(always)]
+    pub(super) fn new(best: &Best<f64>, size: f64) -> Self {
+        Self {
+            normal: best.normal,
+            height: best.height - AGREE_DEPTH * size,
+            margin: 2.0 * CERTIFICATE * UNIT * size,
+            noise: ORIENTATION * size,
+        }
+    }
+
+    /// Returns the same requirements reflected in the origin.
+    pub(super) fn reflected(self) -> Self {
+        Self {
+            normal: neg(&self.normal),
+            ..self
+        }
+    }
+
+    /// Returns whether the required distance is certainly positive.
+    #[inline(always)]
+    pub(super) fn is_deep(&self) -> bool {
+        self.height > self.margin
+    }
+
+    /// Returns whether a triangle is beyond the facet though its plane is not: the triangle lies
+    /// entirely beyond its nearest point.
+    fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
+        let nearest = Simplex::triangle(w.map(|w| MinkowskiPoint {
+            w,
+            ..MinkowskiPoint::default()
+        }))
+        .direction();
+        let low = min_height(&nearest, w);
+        low > 0.0 && low * low >= self.height * self.height * dot(&nearest, &nearest)
+    }
+
+    /// Returns whether a triangle is beyond the facet; `None` unless the origin is certainly behind
+    /// the triangle and clear of it.
+    pub(super) fn judge(&self, w: &[Vec3<f64>; 3]) -> Option<bool> {
+        let (u, v) = (sub(&w[1], &w[0]), sub(&w[2], &w[0]));
+        let n = cross(&u, &v);
+        let (low, squared) = (min_height(&n, w), dot(&n, &n));
+        let rounding = self.noise * self.noise * dot(&u, &u) * dot(&v, &v);
+        // NaN counts as a fold.
+        if !(low > 0.0 && low * low > rounding && low * low > self.margin * self.margin * squared) {
+            return None;
+        }
+        let is_beyond = low * low >= self.height * self.height * squared
+            || min_height(&self.normal, w) >= self.height
+            || self.is_far(w);
+        Some(self.height > self.margin && is_beyond)
+    }
+}
+
+/// Returns the unit vector along `v`; zero if `v` has no direction.
+#[inline]
+pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Vec3<T> {
+    let squared = dot(v, v);
+    if squared.value() > SQUARE_MIN && squared.value() < 1.0 / SQUARE_MIN {
+        let by = T::from(1.0) / root(squared);
+        return v.map(|x| x * by);
+    }
+    let largest = v.iter().fold(0.0f64, |m, x| m.larger(x.value().abs()));
+    if !(largest > 0.0 && largest < f64::INFINITY) {
+        return [T::from(0.0); 3];
+    }
+    let v = v.map(|x| x / T::from(largest));
+    let norm = root(dot(&v, &v));
+    v.map(|x| x / norm)
+}
+
+/// Returns the least height of three points along a direction.
+#[inline]
+pub(super) fn min_height<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
+    let h = w.map(|w| dot(n, &w));
+    let low = if h[1] < h[0] { h[1] } else { h[0] };
+    if h[2] < low { h[2] } else { low }
+}
+
+/// Returns the unit normal of a triangle, from the two shorter edges.
+#[inline]
+pub(super) fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
+    let edges = [sub(&w[1], &w[0]), sub(&w[2], &w[1]), sub(&w[0], &w[2])];
+    let length = edges.map(|e| dot(&e, &e).value());
+    let (u, v) = if length[0] >= length[1] && length[0] >= length[2] {
+        (&edges[1], &edges[2])
+    } else if length[1] >= length[2] {
+        (&edges[2], &edges[0])
+    } else {
+        (&edges[0], &edges[1])
+    };
+    let n = cross(u, v);
+    // The product of the shortest edges may underflow.
+    if dot(&n, &n).value() > SQUARE_MIN {
+        return unit(&n);
+    }
+    let by_size = |e: &Vec3<T>| {
+        let m = e.iter().fold(0.0f64, |m, x| m.larger(x.value().abs()));
+        if m > 0.0 { e.map(|x| x / T::from(m)) } else { *e }
+    };
+    unit(&cross(&by_size(u), &by_size(v)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::Rng;
+    use alloc::collections::BTreeSet;
+
+    #[test]
+    fn vertex_pairs_are_a_set() {
+        let mut rng = Rng::new(5);
+        let (mut pairs, mut set) = (VertexPairs::default(), BTreeSet::new());
+        for _ in 0..3 {
+            pairs.clear();
+            set.clear();
+            let mut known = 0;
+            for _ in 0..4000 {
+                let pair = [0; 2].map(|_| VertexId(rng.below(60) as u32));
+                known += usize::from(set.contains(&pair));
+                assert_eq!(pairs.contains(pair), set.contains(&pair));
+                pairs.insert(pair);
+                set.insert(pair);
+            }
+            assert!(set.iter().all(|&pair| pairs.contains(pair)));
+            assert!(known > 1000 && set.len() > 1000, "{known}");
+        }
     }
 }

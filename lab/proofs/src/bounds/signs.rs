@@ -92,7 +92,7 @@ fn volume() -> [Bound; 2] {
 fn orientation() -> Bound {
     let (_, height) = signs::pyramid_side([exactly('p'), exactly('a'), exactly('q')]);
     let error = length(&[height.error()], &[]) / RBig::from(2);
-    Bound::whole("ORIENTATION", "depth::local::Pyramid::side", error)
+    Bound::whole("ORIENTATION", "depth::pyramid::PyramidSide::new", error)
 }
 
 /// The distance of a side's plane from the origin, `sqrt(low^2 / n^2)`, where `low` is the height less what is taken off:

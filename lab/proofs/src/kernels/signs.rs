@@ -41,7 +41,7 @@ pub fn volume<N: Number>([a, b, c]: [Vector<N>; 3]) -> N {
     dot(a, cross(b, c))
 }
 
-/// `depth::local::Pyramid::side`: the normal of a side and the height of the origin below it.
+/// `depth::pyramid::PyramidSide::new`: the normal of a side and the height of the origin below it.
 pub fn pyramid_side<N: Number>([from, to, apex]: [Vector<N>; 3]) -> (Vector<N>, N) {
     let (u, v) = (named('u', sub(from, to)), named('v', sub(apex, to)));
     let n = named('n', cross(u, v));
