@@ -25,7 +25,7 @@ use crate::convex::solve;
 use crate::convex::solve::out_of_range;
 use crate::convex::tracker::counts::Starts;
 use crate::convex::tracker::resume::{Resumed, enters_overlap};
-use crate::convex::walk::rings::predict::predict;
+use crate::convex::walk::rings::predict;
 use crate::convex::walk::{seed, walk_observed};
 use crate::pair::draft::Draft;
 use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until, Work};

@@ -9,7 +9,7 @@
 //!
 //! [`walk`] is the loop. Each state has a test in a file of its own: [`vertex_vertex`],
 //! [`vertex_edge`], [`vertex_face`] and [`edge_edge`]. A test returns a [`Step`]: accept the pair,
-//! move to the next pair, or give up.
+//! move to the next pair, or give up; there are two ways to write the step into an outcome.
 //!
 //! Departures:
 //! 1. Four states only (Mirtich 1998): an edge over a face slides off the face ([`slide`]), and two
@@ -21,22 +21,20 @@
 //!    takes over is no worse (`solve::ladder`).
 
 pub(crate) mod edge_edge;
-mod ellipsoid;
-mod ray_exit_face;
 pub(crate) mod rings;
 pub(crate) mod seed;
 mod slide;
-pub(crate) mod step;
 mod vertex_edge;
 mod vertex_face;
 mod vertex_vertex;
 
+use nalgebra::{Unit, Vector3};
+
 use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{Feature, FeaturePair};
 use crate::convex::walk::rings::newton_jump::newton_jump;
-use crate::convex::walk::step::Step;
 use crate::pair::draft::Draft;
-use crate::pair::posed::{AFirst, BFirst, PosedPair};
+use crate::pair::posed::{AFirst, BFirst, PosedPair, WitnessPair};
 
 /// Jumps to a far face (vertex-face from behind) in a walk, at most. Jumps are not monotone; a
 /// larger number keeps walks alive that another solver ends sooner. Not measured.
@@ -185,5 +183,42 @@ fn step_limit(posed: &PosedPair) -> u32 {
         round.min(LONGEST)
     } else {
         round
+    }
+}
+
+/// Result of the test of a feature pair.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Step {
+    /// An adjacent feature is closer: test the new pair next.
+    Move,
+    /// A distant face sees the vertex from outside: test that face next. The distance need not be
+    /// smaller.
+    Jump,
+    /// Each witness lies in the Voronoi region of the opposite feature: the pair is accepted.
+    Found,
+    /// No adjacent feature is closer: the bodies overlap or nearly touch, or rounding hides the
+    /// descent.
+    Lost,
+}
+
+impl Draft {
+    /// Moves to a closer pair.
+    #[inline(always)]
+    pub(crate) fn move_to(&mut self, pair: FeaturePair) -> Step {
+        self.features = pair;
+        Step::Move
+    }
+
+    /// Accepts the current pair: writes the unit direction from A to B in A's frame, the witnesses
+    /// in their stored frames, their distance, and a lower bound of the distance before the error
+    /// term (minus infinity if the tests do not prove one).
+    #[inline(always)]
+    pub(crate) fn accept(&mut self, normal: Vector3<f64>, witnesses: WitnessPair, distance: f64, lower: f64) -> Step {
+        self.normal = Unit::new_unchecked(normal);
+        self.point_on_a = witnesses.0.into();
+        self.point_on_b = witnesses.1.into();
+        self.distance = distance;
+        self.lower = lower;
+        Step::Found
     }
 }

@@ -15,7 +15,7 @@ use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FeaturePair, VertexId};
-use crate::convex::walk::step::Step;
+use crate::convex::walk::Step;
 use crate::pair::draft::Draft;
 use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::OrderedPair;

@@ -5,7 +5,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;
 use crate::base::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::body::polyhedron::{FeaturePair, VertexId};
-use crate::convex::walk::step::Step;
+use crate::convex::walk::Step;
 use crate::pair::draft::Draft;
 use crate::pair::posed::PosedPair;
 
