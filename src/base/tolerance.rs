@@ -647,7 +647,7 @@ pub(crate) const PLACED: f64 = 64.0 * UNIT;
 
 /// Largest shortfall of a gap in f64 below the distance, in units of L, at which a pair of nodes or
 /// triangles of a composite still passes: pairs in flush contact are all equally far, up to
-/// rounding, and no pair could be skipped. With [`CERTIFICATE`](super::CERTIFICATE) above and
+/// rounding, and no pair could be skipped. With [`CERTIFICATE`] above and
 /// below, the bounds are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
 pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;
 
@@ -661,7 +661,7 @@ pub(crate) const PLACED_BALL: f64 = 3.0 * POSE_UNIT;
 /// difference, the product with the direction, which is of unit length within 4 UNIT, the foot, its
 /// length and the sums err by 34 UNIT together. A height of a place of the ray in a mesh's frame
 /// along a unit vector, minus that of a corner, errs by 46: the place, a relative translation, by
-/// 31 (see [`CERTIFICATE`](super::CERTIFICATE)), and by 4 of the direction; products, the
+/// 31 (see [`CERTIFICATE`]), and by 4 of the direction; products, the
 /// difference and the vector's length by the rest.
 pub(crate) const RAY: f64 = 64.0 * UNIT;
 
@@ -744,7 +744,7 @@ pub(crate) const SURFACE_POINT: f64 = PATCH_POINT + if RAISED > KNOTS { RAISED }
 
 /// Error of the distance of a point from a convex shape, in units of the largest distance of the
 /// shape's points from its origin, beside the shape's own bounds and
-/// [`CERTIFICATE`](super::CERTIFICATE): the relative rotation as a product of two quaternions,
+/// [`CERTIFICATE`]: the relative rotation as a product of two quaternions,
 /// eight roundings, normalised with eight more, twice as many for the turned vector, and room.
 pub(crate) const SHAPE_POINT: f64 = 64.0 * UNIT;
 
@@ -794,12 +794,12 @@ pub(crate) const SLOPE: f64 = 4.0;
 pub(crate) const BENT_POSE: f64 = 4.0 * (1.0 + SLOPE);
 
 /// A pair on a front claims its gap less this times the size L at each of the two poses: the claim
-/// is a sum of heights of points of B's frame, [`CERTIFICATE`](super::CERTIFICATE) UNIT L at each
+/// is a sum of heights of points of B's frame, [`CERTIFICATE`] UNIT L at each
 /// pose, and the turn of a direction times the radius of a ball, 80 UNIT L at each pose.
 pub(crate) const CARRIED: f64 = 256.0 * UNIT;
 
 /// Intervals of two surfaces are not asked to be narrower than this times the size L, `2^-42`: the
-/// errors of both bounds are about [`CERTIFICATE`](super::CERTIFICATE) UNIT L each, those of points
+/// errors of both bounds are about [`CERTIFICATE`] UNIT L each, those of points
 /// 256 UNIT L at most, those of nodes split forty times as much, and those of second derivatives
 /// some 1,000 UNIT times the size of a node.
 pub(crate) const PATCH_LIMIT: f64 = 1.0 / (1u64 << 42) as f64;

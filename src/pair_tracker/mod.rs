@@ -23,8 +23,6 @@ mod of_parts;
 mod of_surfaces;
 pub(crate) mod ray;
 #[cfg(feature = "meshes")]
-mod ray_hull;
-#[cfg(feature = "meshes")]
 mod ray_mesh;
 
 pub use lent_pair::OverTime;

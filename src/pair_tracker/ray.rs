@@ -269,7 +269,7 @@ impl RayCaster {
         let found = self.with_origin(found, body, pose, ray);
         #[cfg(feature = "meshes")]
         if let Some(hull) = body.polyhedron()
-            && let Some(met) = super::ray_hull::proven(hull, pose, ray, ((from, until), (length, width)), &found)
+            && let Some(met) = super::ray_mesh::proven(hull, pose, ray, ((from, until), (length, width)), &found)
         {
             return Ok(match met {
                 Met::Nothing => RayCast::Miss,

@@ -237,7 +237,7 @@ impl Default for Scene {
 impl Scene {
     /// Returns an empty scene about the origin, in which nothing is called for: without
     /// [`call_for`](Self::call_for) a step does nothing but count the bodies that no effect covers
-    /// ([`Counts::uncovered`](Counts::uncovered)).
+    /// ([`Counts::uncovered`]).
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())

@@ -127,7 +127,7 @@ impl ConvexPolyhedron {
 
     /// Returns the half-edge of the large fan of `v` with the least angle to `d`, which must lead
     /// out of the body: the edge nearest to a point there. A face visible from the point is found
-    /// as in `walk::ray_exit_face`; along the visible faces the angle is unimodal, with a minimum
+    /// as in `walk::slide::exit_face`; along the visible faces the angle is unimodal, with a minimum
     /// at an edge.
     #[inline(never)]
     pub(crate) fn nearest_edge(&self, v: VertexId, d: &Vector3<f64>) -> HalfEdgeId {

@@ -62,6 +62,8 @@ const WORLD_SHARE: usize = 10;
 /// Cost of a step: proportional to the entries if most boxes move, else to the boxes moved and
 /// their windows. Worst case n^2 if all boxes really overlap on all but the pruned axes, as in a
 /// stack of wide thin plates swept the wrong way.
+#[doc(alias = "sap")]
+#[doc(alias = "bvh")]
 #[doc(alias = "sweep and prune")]
 #[derive(Clone, Debug)]
 pub struct PencilSweep {

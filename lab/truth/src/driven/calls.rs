@@ -4,7 +4,7 @@
 use super::Bytes;
 use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// What came of some bytes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -96,6 +96,7 @@ impl Bytes<'_> {
 struct Fed {
     broad: PencilSweep,
     told: BTreeMap<PairId, (BodyId, BodyId)>,
+    live: BTreeSet<BodyId>,
     ids: Vec<BodyId>,
     tally: Tally,
 }
@@ -110,6 +111,29 @@ impl Fed {
                 index: u32::from(k),
                 generation: 1,
             })
+    }
+
+    /// A call is refused for its id if and only if no body has it.
+    fn judge(&self, id: BodyId, done: &Result<(), BroadPhaseError>) {
+        let is_stale = *done == Err(BroadPhaseError::StaleId { body: id });
+        assert_eq!(is_stale, !self.live.contains(&id), "{id}: {done:?}");
+    }
+
+    /// A new id is one that nobody was given before.
+    fn given(&mut self, id: &Result<BodyId, BroadPhaseError>) {
+        self.count(id);
+        if let Ok(id) = id {
+            assert!(!self.ids.contains(id), "{id} is given twice");
+            self.ids.push(*id);
+            self.live.insert(*id);
+        }
+    }
+
+    fn remove(&mut self, id: BodyId) {
+        let done = self.broad.remove(id);
+        self.judge(id, &done);
+        self.count(&done);
+        self.live.remove(&id);
     }
 
     fn count<T>(&mut self, done: &Result<T, impl core::fmt::Debug>) {
@@ -132,13 +156,11 @@ impl Fed {
             6 => {
                 let aabb = bytes.aabb();
                 let id = self.broad.insert_unbounded(&aabb, BodyOptions::moving());
-                self.count(&id);
-                self.ids.extend(id.ok());
+                self.given(&id);
             }
             7..9 => {
                 let id = self.id(bytes.byte());
-                let done = self.broad.remove(id);
-                self.count(&done);
+                self.remove(id);
             }
             9..15 => self.set(bytes),
             15 => {
@@ -150,6 +172,7 @@ impl Fed {
             16 => {
                 let (id, groups) = (self.id(bytes.byte()), bytes.groups());
                 let done = self.broad.set_groups(id, groups);
+                self.judge(id, &done);
                 self.count(&done);
             }
             _ => self.step(),
@@ -169,8 +192,7 @@ impl Fed {
 
     fn insert(&mut self, aabb: &Aabb, body: BodyOptions) {
         let id = self.broad.insert(aabb, body);
-        self.count(&id);
-        self.ids.extend(id.ok());
+        self.given(&id);
     }
 
     /// The box of a body as it is stored.
@@ -184,8 +206,7 @@ impl Fed {
     fn replace(&mut self, bytes: &mut Bytes) {
         let id = self.id(bytes.byte());
         let Some(place) = self.present(id) else { return };
-        let done = self.broad.remove(id);
-        self.count(&done);
+        self.remove(id);
         if bytes.byte() < 200 {
             self.step(); // the index is free only now
         }
@@ -214,6 +235,7 @@ impl Fed {
     fn set_to(&mut self, id: BodyId, place: Option<Aabb>) {
         let Some(aabb) = place else { return };
         let done = self.broad.set_box(id, &aabb);
+        self.judge(id, &done);
         self.count(&done);
     }
 
@@ -221,6 +243,7 @@ impl Fed {
         let (id, aabb) = (self.id(bytes.byte()), bytes.aabb());
         let before = self.broad.stored_box(id);
         let done = self.broad.set_box(id, &aabb);
+        self.judge(id, &done);
         self.count(&done);
         match done {
             Err(_) => assert_eq!(self.broad.stored_box(id), before),
@@ -232,6 +255,7 @@ impl Fed {
     }
 
     fn step(&mut self) {
+        assert!(self.broad.bodies().eq(self.live.iter().copied()));
         let events = self.broad.step();
         for pair in events.ended {
             assert_eq!(self.told.remove(&pair.id), Some((pair.a, pair.b)));

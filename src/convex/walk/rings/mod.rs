@@ -3,7 +3,7 @@
 //!
 //! Two doors: [`newton_jump`] moves a walk that has taken too many steps, [`predict`] chooses the
 //! start of the next query. Only bodies with a face or a fan of more than
-//! [`LARGE`](crate::polyhedron::topology::LARGE) edges ever come here.
+//! [`LARGE`](crate::body::polyhedron::fans::LARGE) edges ever come here.
 //!
 //! # Prediction
 //!
