@@ -127,8 +127,8 @@ impl ConvexPolyhedron {
 
     /// Returns the half-edge of the large fan of `v` with the least angle to `d`, which must lead
     /// out of the body: the edge nearest to a point there. A face visible from the point is found
-    /// as in `walk::slide::exit_face`; along the visible faces the angle is unimodal, with a minimum
-    /// at an edge.
+    /// as in `walk::slide::exit_face`; along the visible faces the angle is unimodal, with a
+    /// minimum at an edge.
     #[inline(never)]
     pub(crate) fn nearest_edge(&self, v: VertexId, d: &Vector3<f64>) -> HalfEdgeId {
         let (t, fan, p) = (&self.topology, self.topology.fan(v), self.points[v.index()]);
