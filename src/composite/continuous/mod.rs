@@ -3,7 +3,7 @@
 //! Meshes that bend are given by their vertices at the begin and at the end of a frame; in between
 //! every vertex moves on a straight line at constant velocity, from time zero to time one. The
 //! functions of this module return the first instant at which two edges, a vertex and a face, two
-//! triangles, two meshes ([`meshes`]) or a mesh and itself ([`self_contact`]) share a point, as
+//! triangles, two meshes ([`meshes()`]) or a mesh and itself ([`self_contact`]) share a point, as
 //! [`impact`](crate::impact) does for bodies that keep their shape: a proven bracket, a proven
 //! miss, or a name for what is not decided.
 //!

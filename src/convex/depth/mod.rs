@@ -60,9 +60,8 @@ pub(crate) use memory::{Memory, RawMemory, Workspace};
 pub(crate) use nearest::{NearestFeature, depth_from, local_depth, nearest_facet};
 pub(crate) use resume::resume;
 
-/// Number of perturbations worth a search in f64, the first of
-/// [`ORIGIN_SHIFTS`](crate::tolerance::ORIGIN_SHIFTS): the perturbations well above the rounding of
-/// f64.
+/// Number of perturbations worth a search in f64, the first of [`ORIGIN_SHIFTS`]: the perturbations
+/// well above the rounding of f64.
 const SHIFTS_PLAIN: usize = 3;
 
 /// Bounds the depth of an overlap that took double-double to be told from a touch, by the support
