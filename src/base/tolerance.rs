@@ -280,6 +280,11 @@ pub(crate) const DISPLACEMENT: f64 = 256.0 * UNIT;
 /// lengths, as volumes are, stay above the least f64.
 pub(crate) const EXTENT_MIN: f64 = 1e-100;
 
+/// Least extent of a part of a body, of which no volume is asked: `2^-500`. The stored unit of a
+/// part is the one of a body of extent [`EXTENT_MIN`], since `2^-525 < 2^-500` ([`EXPONENT_FREE`]),
+/// and the square of such a length is a normal number.
+pub(crate) const PART_EXTENT_MIN: f64 = f64::from_bits((1023 - 500) << 52);
+
 /// Largest extent of a body: cubes of lengths stay finite.
 pub const EXTENT_MAX: f64 = 1e100;
 

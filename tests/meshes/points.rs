@@ -218,6 +218,52 @@ fn random_points_and_rays_next_to_meshes_are_decided() {
 }
 
 /// The bounds of an origin a hair outside a hull hold zero.
+/// Triangles of a mesh may be smaller than the least extent of a body, and are decided as those of a mesh of any size.
+#[test]
+fn spikes_smaller_than_a_body_may_be_are_decided() {
+    points::play(17_587_455_744_622_523_356).expect("an answer that is right");
+
+    let mut rng = Rng::new(7);
+    let small = 2f64.powi(-331);
+    let mut counts = [0; 2];
+    for k in 0..400 {
+        let tip = Point3::new(0.5, 0.5, 0.5);
+        let size = rng.log_range(1e-15, 1e-3);
+        // A base next to the corner of a cube, and an apex outside of the cube.
+        let mut near = || tip + Vector3::from(rng.in_ball()) * size;
+        let corners = [near(), near(), near(), Point3::new(1.5, 1.25, 1.0)];
+        let Ok(spike) = ConvexPolyhedron::from_points(&corners) else {
+            continue;
+        };
+        let answers = [1.0, small].map(|scale| {
+            let scaled = |body: &ConvexPolyhedron| {
+                let points: Vec<_> = body.vertex_points().map(|p| p * scale).collect();
+                ConvexPolyhedron::from_points(&points).expect("a body")
+            };
+            let (block, spike) = (
+                scaled(&solids::cuboid(Vector3::repeat(0.5)).expect("a cube")),
+                scaled(&spike),
+            );
+            let mesh = |body| Geometry::from(Mesh::from_convex(body).expect("a mesh"));
+            let bodies = [mesh(&block), mesh(&spike), Geometry::from(spike), Geometry::from(block)];
+            [(0, 1), (1, 0), (0, 2), (1, 3), (3, 1)].map(|(i, j)| {
+                let mut tracker = PairTracker::new();
+                let met = tracker.intersects(&bodies[i], &bodies[j], &at_rest()).is_yes();
+                let near = tracker
+                    .within(&bodies[i], &bodies[j], &at_rest(), size * scale / 8.0)
+                    .is_yes();
+                let found = tracker.closest(&bodies[i], &bodies[j], &at_rest());
+                assert!(found.upper - found.lower < 1e-12 * scale || met, "{k}: {found:?}");
+                (met, near)
+            })
+        });
+        assert_eq!(answers[0], answers[1], "{k}: {corners:?}");
+        assert!(answers[0].iter().all(|a| a.0 == answers[0][0].0), "{k}: {answers:?}");
+        counts[usize::from(answers[0][0].0)] += 1;
+    }
+    assert!(counts.iter().all(|n| *n > 50), "{counts:?}");
+}
+
 #[test]
 fn a_ray_that_begins_a_hair_outside_a_hull_misses() {
     points::play(5779).expect("an answer that is right");

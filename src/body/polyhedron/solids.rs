@@ -268,7 +268,7 @@ impl ConvexPolyhedron {
     ///
     /// A coordinate that is not finite.
     pub fn point(point: Point3<f64>) -> Result<Self, BuildError> {
-        let cloud = Cloud::new(&[point], vec![0], 1)?;
+        let cloud = Cloud::new(&[point], vec![0], 1, EXTENT_MIN)?;
         Self::assemble(&cloud, &[0], &[])
     }
 
@@ -279,7 +279,12 @@ impl ConvexPolyhedron {
     /// A coordinate that is not finite, equal points ([`BuildError::Flat`] of dimension 0), or a
     /// length outside 1e-100..1e100.
     pub fn segment(start: Point3<f64>, end: Point3<f64>) -> Result<Self, BuildError> {
-        let cloud = Cloud::new(&[start, end], vec![0, 1], 2)?;
+        Self::segment_of(start, end, EXTENT_MIN)
+    }
+
+    /// Returns a segment as [`segment`](Self::segment) does, of a length of at least `least`.
+    pub(crate) fn segment_of(start: Point3<f64>, end: Point3<f64>, least: f64) -> Result<Self, BuildError> {
+        let cloud = Cloud::new(&[start, end], vec![0, 1], 2, least)?;
         if cloud.points.len() < 2 {
             return Err(flat(&cloud, &vec![0]));
         }
@@ -300,8 +305,13 @@ impl ConvexPolyhedron {
     /// Fewer than three points, collinear or equal points, a coordinate that is not finite, an
     /// extent outside 1e-100..1e100, or a point farther off the plane.
     pub fn polygon(points: &[Point3<f64>]) -> Result<Self, BuildError> {
+        Self::polygon_of(points, EXTENT_MIN)
+    }
+
+    /// Returns a polygon as [`polygon`](Self::polygon) does, of an extent of at least `least`.
+    pub(crate) fn polygon_of(points: &[Point3<f64>], least: f64) -> Result<Self, BuildError> {
         let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
-        let cloud = Cloud::new(points, indices, 3)?;
+        let cloud = Cloud::new(points, indices, 3, least)?;
         let all: Vec<u32> = (0..cloud.points.len() as u32).collect();
         let Some((corners, axis)) = spanning_corners(&cloud) else {
             let span = if all.len() < 2 {

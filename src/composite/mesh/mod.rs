@@ -22,6 +22,7 @@ pub use report::{MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, Vert
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::sign;
+use crate::base::tolerance::PART_EXTENT_MIN;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::polyhedron::obj;
 use crate::composite::tree::Tree;
@@ -197,10 +198,12 @@ impl Mesh {
     }
 
     /// Returns a triangle as a convex body in the caller's units: a segment or a point if it has no
-    /// area; `None` if it is too small beside the mesh to be a body of its own.
+    /// area; `None` if it is smaller than [`PART_EXTENT_MIN`].
     pub(crate) fn polygon(&self, triangle: u32) -> Option<ConvexPolyhedron> {
         let corners: [Point3<f64>; 3] = self.corners(triangle).map(|p| self.given(&p));
-        ConvexPolyhedron::polygon(&corners).ok().or_else(|| line(&corners))
+        ConvexPolyhedron::polygon_of(&corners, PART_EXTENT_MIN)
+            .ok()
+            .or_else(|| line(&corners))
     }
 }
 
@@ -218,7 +221,7 @@ fn line([a, b, c]: &[Point3<f64>; 3]) -> Option<ConvexPolyhedron> {
     })?;
     let mut ends = [*a, *b, *c];
     ends.sort_by(|p, q| p[axis].total_cmp(&q[axis]));
-    ConvexPolyhedron::segment(ends[0], ends[2])
+    ConvexPolyhedron::segment_of(ends[0], ends[2], PART_EXTENT_MIN)
         .or_else(|_| ConvexPolyhedron::point(*a))
         .ok()
 }

@@ -56,6 +56,7 @@ const LIMITS: &[&str] = &[
     "NEARLY_PARALLEL",
     "ORIGIN_SHIFTS",
     "PARALLEL",
+    "PART_EXTENT_MIN",
     "PATCH_LIMIT",
     "PATCH_MAX",
     "PATH_DIRECTION",

@@ -24,9 +24,7 @@ use crate::base::notice::Watch;
 use crate::base::num::double_double::two_sum;
 use crate::base::num::extremes::{Extremes, largest};
 use crate::base::num::scalar::sqrt;
-use crate::base::tolerance::{
-    CORE_CELL, CORE_ERROR, CORE_REACH, EXPONENT_FREE, EXTENT_MAX, EXTENT_MIN, FLUSH_EXPONENT, PLACE_MAX,
-};
+use crate::base::tolerance::{CORE_CELL, CORE_ERROR, CORE_REACH, EXPONENT_FREE, EXTENT_MAX, FLUSH_EXPONENT, PLACE_MAX};
 use crate::body::polyhedron::build::error::BuildError;
 use crate::body::polyhedron::build::hull::hull;
 use alloc::vec;
@@ -92,9 +90,9 @@ pub(crate) fn lowest_bit(numbers: impl IntoIterator<Item = f64>) -> Option<i32> 
 
 impl Cloud {
     /// Makes a cloud of the points named by `indices`. The indices must exist; `needed` is the
-    /// least count accepted.
-    pub(crate) fn new(given: &[Point3<f64>], indices: Vec<u32>, needed: usize) -> Result<Self, BuildError> {
-        Self::sifted(given, indices, needed, usize::MAX)
+    /// least count accepted, `least` the least extent of different points.
+    pub(crate) fn new(given: &[Point3<f64>], indices: Vec<u32>, needed: usize, least: f64) -> Result<Self, BuildError> {
+        Self::sifted(given, indices, needed, usize::MAX, least)
     }
 
     /// Makes a cloud as [`new`](Self::new) does, but of more than `many` points leaves out such as
@@ -104,6 +102,7 @@ impl Cloud {
         mut indices: Vec<u32>,
         needed: usize,
         many: usize,
+        least: f64,
     ) -> Result<Self, BuildError> {
         if given.len() > POINTS_MAX {
             return Err(BuildError::TooMany { count: given.len() });
@@ -120,7 +119,7 @@ impl Cloud {
                 needed,
             });
         }
-        let (origin, exponent, flush) = placement(given, &indices)?;
+        let (origin, exponent, flush) = placement(given, &indices, least)?;
         let mut flushed = 0;
         let mut place = |i: u32| {
             let mut p = stored_place(&given[i as usize], &origin, exponent);
@@ -269,7 +268,8 @@ pub(crate) fn flush_below(radius: f64) -> f64 {
 }
 
 /// Returns the origin, the exponent and the magnitude below which stored coordinates become zero.
-fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i32, f64), BuildError> {
+/// Refuses extents below `least`.
+fn placement(given: &[Point3<f64>], indices: &[u32], least: f64) -> Result<(Vector3<f64>, i32, f64), BuildError> {
     let all = || indices.iter().map(|&i| &given[i as usize].coords);
     let (low, high) = bounding_box(all());
     let sides = high - low;
@@ -288,7 +288,7 @@ fn placement(given: &[Point3<f64>], indices: &[u32]) -> Result<(Vector3<f64>, i3
         let origin = place.map(|x| if x.abs() < f64::MIN_POSITIVE { 0.0 } else { x });
         return Ok((origin, 0, f64::MIN_POSITIVE));
     }
-    if !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
+    if !(least..=EXTENT_MAX).contains(&extent) {
         let ends = indices.iter().find(|&&i| given[i as usize][axis] == high[axis]);
         return Err(BuildError::OutOfRange {
             index: ends.map_or(0, |&i| i as usize),

@@ -10,7 +10,7 @@ use crate::base::notice;
 use crate::base::notice::Watch;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::sign::side;
-use crate::base::tolerance::{PLANARITY, SIDE_ERROR};
+use crate::base::tolerance::{EXTENT_MIN, PLANARITY, SIDE_ERROR};
 use crate::body::polyhedron::build::cloud::{Cloud, power_of_two};
 use crate::body::polyhedron::build::error::BuildError;
 use crate::body::polyhedron::plane::{plane, widest_corners};
@@ -102,7 +102,7 @@ fn build(
     bound: Option<f64>,
 ) -> Result<ConvexPolyhedron, BuildError> {
     let (used, unused) = used_points(points, faces)?;
-    let cloud = Cloud::new(points, used, 4)?;
+    let cloud = Cloud::new(points, used, 4, EXTENT_MIN)?;
     let mesh = FaceList::new(points.len(), faces, &cloud)?;
     let misdirected = mesh.check_edges()?;
     let scale = power_of_two(-cloud.exponent);

@@ -16,7 +16,7 @@ use crate::base::num::extremes::{Bounded, Extremes, largest, smallest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::num::sign::side;
-use crate::base::tolerance::{COPLANAR, ROUND_UP};
+use crate::base::tolerance::{COPLANAR, EXTENT_MIN, ROUND_UP};
 use crate::body::polyhedron::bounds::Scan;
 #[cfg(feature = "exact")]
 use crate::body::polyhedron::build::cloud::lowest_bit;
@@ -101,7 +101,7 @@ impl ConvexPolyhedron {
     fn hull_watched(points: &[Point3<f64>], watch: &mut Watch<'_>) -> Result<Self, BuildError> {
         watch.stage("sort", Some(points.len()))?;
         let indices = (0..points.len().min(u32::MAX as usize) as u32).collect();
-        let cloud = Cloud::sifted(points, indices, 4, MANY);
+        let cloud = Cloud::sifted(points, indices, 4, MANY, EXTENT_MIN);
         let hull = cloud.and_then(|cloud| Self::hull_of(cloud, watch));
         hull.inspect_err(|why| notice::refused("a hull", why))
     }
