@@ -546,8 +546,8 @@ impl CompositeTracker {
         answered(a, b, &answer)
     }
 
-    /// Returns whether the bodies are at most `d` apart: as exact as `PairTracker::intersects`, with
-    /// the limits of `MeshTracker::within`. False for a negative `d` and NaN.
+    /// Returns whether the bodies are at most `d` apart: as exact as `PairTracker::intersects`,
+    /// with the limits of `MeshTracker::within`. False for a negative `d` and NaN.
     pub(crate) fn within<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose, d: f64) -> bool {
         if !(d >= 0.0) {
             return false;
