@@ -57,6 +57,7 @@ use crate::body::shape::Support;
 use crate::convex::minimum::simplex::Simplex;
 use crate::convex::smooth::bent::SolverRun;
 use crate::convex::smooth::best::{BranchSet, ProvenBounds};
+use crate::convex::smooth::cores::{Any, CoreKind};
 use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
 use crate::convex::smooth::ladder::search;
 use crate::convex::smooth::posed::{DifferencePoint, PosedCores, Toward, add, unit, values};
@@ -76,7 +77,7 @@ pub(super) struct Deep {
 
 /// Searches the depth from a direction and branches; by a surface only from `corners` that contain
 /// the origin, and only if a local depth will not do.
-pub(super) fn deepen<A: Support, B: Support>(
+pub(super) fn deepen<A: CoreKind, B: CoreKind>(
     posed: &PosedCores<A, B, f64>,
     known: &ProvenBounds<f64>,
     corners: Option<Around<f64>>,
@@ -89,7 +90,7 @@ pub(super) fn deepen<A: Support, B: Support>(
     local(posed, known.n, &known.set, &mut best);
     let is_known = best.closes(posed) || (until == Until::LocalDepth && is_enough(posed, &best, until));
     if !is_known {
-        prove_parallel(posed, &mut best);
+        posed.with_any(|any| prove_parallel(any, &mut best));
     }
     let mut deep = Deep {
         best,
@@ -99,16 +100,24 @@ pub(super) fn deepen<A: Support, B: Support>(
     let is_local = until == Until::LocalDepth && deep.inside && best.lower < 0.0;
     let is_done = is_local || is_enough(posed, &best, until);
     if until == Until::LocalDepth && !is_done && corners.is_none() && best.lower < 0.0 {
-        prove_overlap(posed, &mut deep);
+        posed.with_any(|any| prove_overlap(any, &mut deep));
     }
     let Some(corners) = corners.filter(|_| !is_done) else {
         return deep;
     };
+    posed.with_any(|any| grow(any, &corners, &mut deep));
+    deep
+}
+
+/// Searches the depth by a surface from corners that contain the origin.
+#[cold]
+#[inline(never)]
+fn grow(posed: &PosedCores<Any, Any, f64>, corners: &Around<f64>, deep: &mut Deep) {
     deep.grown = true;
     let best = &mut deep.best;
     let Some(found) = surface::deepen(posed, corners.points(), best) else {
         from_faces(posed, corners.points(), best);
-        return deep;
+        return;
     };
     deep.inside = true;
     let mut set = BranchSet::default();
@@ -117,12 +126,12 @@ pub(super) fn deepen<A: Support, B: Support>(
     if best.upper > -found.least {
         (best.upper, best.set) = (-found.least, set);
     }
-    deep
 }
 
 /// Searches four points of the difference about the origin, for a local depth that no balls prove
 /// to be one of an overlap: that of two rims or edges.
-fn prove_overlap<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, deep: &mut Deep) {
+#[inline(never)]
+fn prove_overlap(posed: &PosedCores<Any, Any, f64>, deep: &mut Deep) {
     let mut apart = ProvenBounds::new();
     if let Frozen::Inside(corners) = frozen::solve(posed, deep.best.n, SolveGoal::Approach, &mut apart) {
         deep.inside = corners.points().len() == 4;
@@ -136,11 +145,7 @@ fn prove_overlap<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, deep: &m
 /// it lies in the hull of corners that all lie on the supporting plane through the origin: a flat
 /// face of a core that bears contains branches of such corners, and if there is none, three corners
 /// are close to the plane.
-fn from_faces<A: Support, B: Support>(
-    posed: &PosedCores<A, B, f64>,
-    corners: &[DifferencePoint<f64>],
-    best: &mut ProvenBounds<f64>,
-) {
+fn from_faces(posed: &PosedCores<Any, Any, f64>, corners: &[DifferencePoint<f64>], best: &mut ProvenBounds<f64>) {
     let mut prove = |n: Vec3<f64>, of: [u32; 2]| {
         let toward = posed.toward(n);
         best.prove(&toward, &posed.support(&toward, of));
@@ -256,20 +261,26 @@ fn middles<A: Support, B: Support, T: Scalar>(
     };
     let a = match &of_a {
         Some(flat) => flat.foot(&to_a(&b)),
-        None => nearest(pieces.iter().map(|p| values(&p.on_a)), &to_a(&b)).unwrap_or(*on_a),
+        None => nearest(pieces, |p| &p.on_a, &to_a(&b)).unwrap_or(*on_a),
     };
     let b = match &of_b {
         Some(flat) => flat.foot(&to_b(&a)),
-        None => nearest(pieces.iter().map(|p| values(&p.on_b)), &to_b(&a)).unwrap_or(*on_b),
+        None => nearest(pieces, |p| &p.on_b, &to_b(&a)).unwrap_or(*on_b),
     };
     Some([a, b])
 }
 
-/// Returns the point nearest to a place between up to three points.
-fn nearest(points: impl Iterator<Item = Vec3<f64>>, place: &Vec3<f64>) -> Option<Vec3<f64>> {
+/// Returns the point nearest to a place between up to three points of pieces.
+#[inline(never)]
+fn nearest<T: Scalar>(
+    pieces: &[DifferencePoint<T>],
+    point: fn(&DifferencePoint<T>) -> &Vec3<T>,
+    place: &Vec3<f64>,
+) -> Option<Vec3<f64>> {
     let mut list = [[0.0; 3]; 3];
     let mut simplex: Option<Simplex<f64>> = None;
-    for (k, point) in points.take(3).enumerate() {
+    for (k, piece) in pieces.iter().take(3).enumerate() {
+        let point = values(point(piece));
         list[k] = point;
         let corner = MinkowskiPoint {
             a: VertexId(k as u32),
@@ -296,7 +307,8 @@ fn nearest(points: impl Iterator<Item = Vec3<f64>>, place: &Vec3<f64>) -> Option
 
 /// Takes the depth of cores that are cylinders or cones about parallel axes, or about axes with a
 /// tilt that is below the goal of a depth.
-fn prove_parallel<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, best: &mut ProvenBounds<f64>) {
+#[inline(never)]
+fn prove_parallel(posed: &PosedCores<Any, Any, f64>, best: &mut ProvenBounds<f64>) {
     let (Some(of_a), Some(of_b)) = (posed.a.meridian(), posed.b.meridian()) else {
         return;
     };
@@ -384,7 +396,7 @@ fn moved_apart<A: Support, B: Support>(
     };
     let mut found = ProvenBounds::new();
     (found.n, found.set) = (deep.n, deep.set);
-    search(&moved, true, &mut found, &mut Solver::default(), |_, _| false);
+    search(&moved, true, &mut found, &mut Solver::default(), &mut |_, _| false);
     deep.evaluations += found.evaluations;
     found
 }

@@ -192,12 +192,12 @@ pub(super) fn closest_of<A: CoreKind, B: CoreKind>(
     let mut best = ProvenBounds::new();
     let (mut solver, mut set) = (Solver::Walk, None);
     let start = memory.start().map(|(n, set)| (n, set.or_about(&posed, n)));
-    let deep = |known: &ProvenBounds<f64>, corners| {
+    let mut deep = |known: &ProvenBounds<f64>, corners| {
         let proven = deepen(&posed, known, corners, setting.until, &mut outcome);
         set = proven.or(set);
         proven.is_some()
     };
-    let ended = separate(&posed, start, &mut best, &mut solver, deep);
+    let ended = separate(&posed, start, &mut best, &mut solver, &mut deep);
     outcome.work.steps += best.evaluations;
     if outcome.solver == Solver::Walk {
         outcome.solver = solver;
@@ -279,7 +279,7 @@ fn finer<A: CoreKind, B: CoreKind>(
     let mut solver = Solver::DoubleDouble;
     let start = best.n.map(DoubleDouble::from);
     let start = unit(&start).map(|n| (n, best.set));
-    let ended = separate(&fine, start, &mut found, &mut solver, |finest, corners| {
+    let ended = finest(&fine, start, &mut found, &mut solver, &mut |finest, corners| {
         let (mut known, toward) = (known, posed.toward(finest.n.map(Scalar::value)));
         known.prove(&toward, &posed.support(&toward, [0; 2]));
         let rounded =
@@ -296,6 +296,19 @@ fn finer<A: CoreKind, B: CoreKind>(
     take(&fine, &found, term, outcome);
 }
 
+/// Runs [`separate`] in double-double, compiled once for all pairs.
+#[cold]
+#[inline(never)]
+fn finest(
+    posed: &PosedCores<Any, Any, DoubleDouble>,
+    start: Option<(Vec3<DoubleDouble>, BranchSet)>,
+    best: &mut ProvenBounds<DoubleDouble>,
+    solver: &mut Solver,
+    deep: &mut dyn FnMut(&ProvenBounds<DoubleDouble>, Option<Around<DoubleDouble>>) -> bool,
+) -> Ended {
+    separate(posed, start, best, solver, deep)
+}
+
 /// Copies the bounds and witnesses of a solver to the outcome. Returns false, and copies nothing,
 /// if the solver has failed: a point that is no number, or bounds that contradict each other.
 #[inline(always)]
@@ -305,6 +318,25 @@ fn take<A: Support, B: Support, T: Scalar>(
     term: f64,
     outcome: &mut Outcome,
 ) -> bool {
+    let agree = (AGREE_CURVED + 2.0 * (CERTIFICATE + posed.noise) * UNIT) * posed.size;
+    if !take_bounds(best, term, agree, outcome) {
+        return false;
+    }
+    let (mut a, mut b, mut len) = ([0; 3], [0; 3], 0);
+    for of in best.set.branches() {
+        (a[len], b[len]) = (of[0], of[1]);
+        len += 1;
+    }
+    outcome.features = FeaturePair {
+        a: posed.a.feature(&a[..len], &outcome.point_on_a.coords),
+        b: posed.b.feature(&b[..len], &outcome.point_on_b.coords),
+    };
+    true
+}
+
+/// Copies all but the features; bounds apart by at most `agree` touch.
+#[inline]
+fn take_bounds<T: Scalar>(best: &ProvenBounds<T>, term: f64, agree: f64, outcome: &mut Outcome) -> bool {
     let upper = round_outward(best.upper, term).at_most(f64::MAX);
     let points = best.on_a.iter().chain(&best.on_b);
     if !points.fold(true, |all, x| all & x.value().is_finite()) || !(best.lower.value() <= upper) {
@@ -323,19 +355,10 @@ fn take<A: Support, B: Support, T: Scalar>(
         Class::Separated
     } else if outcome.upper < 0.0 {
         Class::Overlapping
-    } else if outcome.upper - outcome.lower <= (AGREE_CURVED + 2.0 * (CERTIFICATE + posed.noise) * UNIT) * posed.size {
+    } else if outcome.upper - outcome.lower <= agree {
         Class::Touching
     } else {
         Class::Undecided
-    };
-    let (mut a, mut b, mut len) = ([0; 3], [0; 3], 0);
-    for of in best.set.branches() {
-        (a[len], b[len]) = (of[0], of[1]);
-        len += 1;
-    }
-    outcome.features = FeaturePair {
-        a: posed.a.feature(&a[..len], &outcome.point_on_a.coords),
-        b: posed.b.feature(&b[..len], &outcome.point_on_b.coords),
     };
     true
 }
@@ -436,7 +459,7 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
     start: Option<(Vec3<T>, BranchSet)>,
     best: &mut ProvenBounds<T>,
     solver: &mut Solver,
-    mut deep: impl FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
+    deep: &mut dyn FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
 ) -> Ended {
     let (mut start, mut closed) = (start, None);
     loop {
@@ -456,7 +479,7 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
             *best = closed;
             return Ended::Closed;
         }
-        let ended = search(posed, start.is_some(), best, solver, &mut deep);
+        let ended = search(posed, start.is_some(), best, solver, deep);
         if ended != Ended::Closed || best.is_opposite(posed) {
             return ended;
         }
@@ -472,10 +495,10 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
     is_warm: bool,
     best: &mut ProvenBounds<T>,
     solver: &mut Solver,
-    mut deep: impl FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
+    deep: &mut dyn FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
 ) -> Ended {
     if is_warm {
-        if let Some(ended) = bend(posed, best.n, best, &mut deep) {
+        if let Some(ended) = bend(posed, best.n, best, deep) {
             return ended;
         }
         *solver = Solver::Restart;
@@ -487,7 +510,7 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
         Frozen::Inside(corners) if deep(best, Some(corners)) => return Ended::Deep,
         _ => {}
     }
-    if let Some(ended) = bend(posed, toward_witness(posed, best), best, &mut deep) {
+    if let Some(ended) = bend(posed, toward_witness(posed, best), best, deep) {
         return ended;
     }
     *solver = Solver::Fallback;
@@ -504,7 +527,7 @@ fn bend<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
     n: Vec3<T>,
     best: &mut ProvenBounds<T>,
-    deep: &mut impl FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
+    deep: &mut dyn FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
 ) -> Option<Ended> {
     let (set, is_deep) = (best.set, false);
     let mut run = SolverRun {

@@ -3,6 +3,7 @@
 
 use crate::base::num::scalar::{Scalar, Vec3, dot, neg, root, scaled, sub};
 use crate::body::shape::Support;
+use crate::convex::smooth::cores::{Any, CoreKind};
 use crate::pair::transform::Transform;
 
 /// Two cores at a relative pose.
@@ -131,6 +132,22 @@ impl<T: Scalar, A: Support, B: Support> PosedCores<'_, A, B, T> {
         let by = self.b.bent(piece.of[1], &piece.on_b, &toward.m, &d_in_b);
         let on_b = self.b.onto(piece.of[1], &add(&piece.on_b, &by));
         self.piece(piece.of, on_a, on_b)
+    }
+}
+
+impl<A: CoreKind, B: CoreKind> PosedCores<'_, A, B, f64> {
+    /// Calls a slow path with both cores behind a match, so that it is compiled once for all pairs.
+    #[inline(always)]
+    pub(super) fn with_any<R>(&self, slow: impl FnOnce(&PosedCores<Any, Any, f64>) -> R) -> R {
+        let (a, b) = (&self.a.any(), &self.b.any());
+        let Self { frame, size, noise, .. } = *self;
+        slow(&PosedCores {
+            a,
+            b,
+            frame,
+            size,
+            noise,
+        })
     }
 }
 
