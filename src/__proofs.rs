@@ -3,6 +3,7 @@
 
 #![allow(missing_docs)]
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
@@ -54,12 +55,12 @@ pub fn slopes(n: Triple, m: Triple, e: Triple, f: Triple) -> (f64, f64) {
 }
 
 pub fn steeper(n: Triple, m: Triple, e: Triple, f: Triple) -> Option<i32> {
-    let [n, m, e, f] = [n, m, e, f].map(Vector3::from);
+    let [n, m, e, f] = [n, m, e, f].each(Vector3::from);
     highest::steeper(&n, &m, &e, &f)
 }
 
 pub fn side_height(u: Triple, w: Triple, base: Triple, p: Triple) -> f64 {
-    let [u, w, base, p] = [u, w, base, p].map(Vector3::from);
+    let [u, w, base, p] = [u, w, base, p].each(Vector3::from);
     hull::side_height(&u.cross(&w), &base, &p)
 }
 
@@ -83,17 +84,17 @@ pub fn triangle(corners: [Triple; 3]) -> Option<(Triple, Triple, f64)> {
         b: VertexId(0),
         w,
     };
-    let simplex = Simplex::triangle(corners.map(corner));
+    let simplex = Simplex::triangle(corners.each(corner));
     let weights = simplex.weights().try_into().ok()?;
     Some((weights, simplex.direction(), simplex.squared_distance()))
 }
 
 pub fn place(ends: [Triple; 2], time: f64) -> Triple {
-    paths::place(&ends.map(Vector3::from), time).into()
+    paths::place(&ends.each(Vector3::from), time).into()
 }
 
 pub fn path_volume(a: Triple, b: Triple, c: Triple) -> f64 {
-    let [a, b, c] = [a, b, c].map(Vector3::from);
+    let [a, b, c] = [a, b, c].each(Vector3::from);
     paths::determinant([&a, &b, &c])
 }
 
@@ -104,9 +105,9 @@ pub fn third(volumes: Triple) -> f64 {
 /// Returns the coefficients of an area along a direction, and the height of the first place over
 /// the second.
 pub fn path_areas(at: [[Triple; 3]; 2], n: Triple) -> [f64; 4] {
-    let at = at.map(|places| places.map(Vector3::from));
+    let at = at.each(|places| places.each(Vector3::from));
     let n = Vector3::from(n);
-    let [x, y, z] = paths::areas(at.each_ref().map(|places| places.each_ref())).map(|area| area.dot(&n));
+    let [x, y, z] = paths::areas(at.each_ref().each(|places| places.each_ref())).each(|area| area.dot(&n));
     [x, y, z, n.dot(&at[0][0]) - n.dot(&at[0][1])]
 }
 
@@ -121,12 +122,12 @@ pub fn over_side(n: Triple, edge: Triple, to: Triple) -> f64 {
 }
 
 pub fn over_middle(n: Triple, p: Triple, middle: Triple) -> f64 {
-    let [n, p, middle] = [n, p, middle].map(Vector3::from);
+    let [n, p, middle] = [n, p, middle].each(Vector3::from);
     pairs::over_middle(n.dot(&p), &n, &middle)
 }
 
 pub fn two_planes_bound(n: Triple, planes: [(Triple, f64); 2], weights: [f64; 2], radius: f64) -> f64 {
-    let [left, right] = planes.map(|(normal, offset)| Plane {
+    let [left, right] = planes.each(|(normal, offset)| Plane {
         normal: normal.into(),
         offset,
     });
@@ -148,13 +149,13 @@ pub fn relative_pose(a: ([f64; 4], Triple), b: ([f64; 4], Triple)) -> Option<([T
 /// Returns the rows of the rotation, and the translation.
 pub fn placing(pose: &RelativePose) -> ([Triple; 3], Triple) {
     let m = pose.rotation();
-    let rows = [0, 1, 2].map(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]]);
+    let rows = [0, 1, 2].each(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]]);
     (rows, pose.translation().into())
 }
 
 pub fn rotation_matrix(q: [f64; 4], s: f64) -> [Triple; 3] {
     let m = pose::rotation_matrix(&q, s);
-    [0, 1, 2].map(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]])
+    [0, 1, 2].each(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]])
 }
 
 pub fn product(m: [Triple; 3], v: Triple) -> Triple {
@@ -188,10 +189,10 @@ pub fn raise(points: &[[f64; 4]]) -> Vec<[f64; 4]> {
 
 /// Returns both derivatives of a direction, and the way of the pivots with its derivatives.
 pub fn plane_derivatives(n: Triple, spin: Triple, w: Triple, ways: [Triple; 3]) -> ([Triple; 2], [f64; 3]) {
-    let [n, spin, w] = [n, spin, w].map(Vector3::from);
-    let [between, velocity, acceleration] = ways.map(Vector3::from);
+    let [n, spin, w] = [n, spin, w].each(Vector3::from);
+    let [between, velocity, acceleration] = ways.each(Vector3::from);
     (
-        plane::derivatives(&n, &spin, &w).map(Triple::from),
+        plane::derivatives(&n, &spin, &w).each(Triple::from),
         plane::way_along(&n, &spin, [&between, &velocity, &acceleration]),
     )
 }
@@ -204,7 +205,7 @@ pub fn flight_of_ball(from: Triple, velocity: Triple, radius: f64) -> [f64; 4] {
 pub fn half_turn(axis: Triple, half: (f64, f64), rest: f64, other: [f64; 4]) -> [[f64; 4]; 2] {
     let [x, y, z, w] = other;
     let q = turn::half_turn(&axis.into(), half, rest);
-    [q, q * Quaternion::new(w, x, y, z)].map(|q| [q.i, q.j, q.k, q.w])
+    [q, q * Quaternion::new(w, x, y, z)].each(|q| [q.i, q.j, q.k, q.w])
 }
 
 pub fn patch_first(net: &[f64], degree: usize, at: f64) -> f64 {
@@ -253,7 +254,7 @@ pub fn walk_end(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose)
         lower: draft.lower,
         normal: draft.normal.into_inner().into(),
         size: posed.size(),
-        rotation: [0, 1, 2].map(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]]),
+        rotation: [0, 1, 2].each(|k| [m[(k, 0)], m[(k, 1)], m[(k, 2)]]),
         translation: posed.translation.vector().into(),
     })
 }
@@ -317,12 +318,12 @@ fn solved<T: Scalar>(posed: &PosedPair, frame: &Transform<T>) -> Option<MinimumE
     else {
         return None;
     };
-    let along = support(posed, frame, &direction.map(|x| -x), &simplex.points()[0]);
+    let along = support(posed, frame, &direction.each(|x| -x), &simplex.points()[0]);
     Some(MinimumEnd {
-        rotation: frame.matrix.map(|row| row.map(parts)),
-        translation: frame.translation.map(parts),
+        rotation: frame.matrix.each(|row| row.each(parts)),
+        translation: frame.translation.each(parts),
         lower: parts(lower),
-        direction: direction.map(parts),
+        direction: direction.each(parts),
         support: [along.a, along.b],
         distance: parts(simplex.witness_distance()),
         points: simplex.points().iter().map(|p| [p.a, p.b]).collect(),
@@ -430,13 +431,13 @@ pub fn constants() -> Vec<(&'static str, f64)> {
         ("RADIUS_UP", tolerance::RADIUS_UP),
         ("DISC", tolerance::DISC),
     ];
-    all.extend(raised.map(|(name, factor)| (name, (factor - 1.0) / unit)));
+    all.extend(raised.each(|(name, factor)| (name, (factor - 1.0) / unit)));
     let lowered = [
         ("ROUND_DOWN", tolerance::ROUND_DOWN),
         ("BOX_DISTANCE_DOWN", tolerance::BOX_DISTANCE_DOWN),
         ("INNER", tolerance::INNER),
     ];
-    all.extend(lowered.map(|(name, factor)| (name, (1.0 - factor) / unit)));
+    all.extend(lowered.each(|(name, factor)| (name, (1.0 - factor) / unit)));
     all.extend(by!(tolerance::UNIT_SINGLE, BOX_SCANNED BOXES REFIT_HEIGHT BOX_SKEW));
     let columns = [
         ("COLUMN_SUM", tolerance::COLUMN_SUM),
@@ -444,6 +445,6 @@ pub fn constants() -> Vec<(&'static str, f64)> {
         ("COLUMN_SEARCH", tolerance::COLUMN_SEARCH),
         ("COLUMN_REACH", tolerance::COLUMN_REACH - 1.0),
     ];
-    all.extend(columns.map(|(name, part)| (name, f64::from(part) / tolerance::UNIT_SINGLE)));
+    all.extend(columns.each(|(name, part)| (name, f64::from(part) / tolerance::UNIT_SINGLE)));
     all
 }

@@ -1,5 +1,6 @@
 //! The relative pose of two bodies: the only place a pose is refused.
 
+use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
 
@@ -136,7 +137,7 @@ impl PoseBits {
 
     #[inline(always)]
     pub(crate) fn q(&self) -> [f64; 4] {
-        let [[x, y], [z, w]] = self.q.map(f64x2::to_array);
+        let [[x, y], [z, w]] = self.q.each(f64x2::to_array);
         [x, y, z, w]
     }
 

@@ -1,6 +1,7 @@
 //! Axis-aligned boxes: as given by callers (`f64`) and as stored by the broad phase (`f32`, rounded
 //! outward).
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use nalgebra::{Point3, Vector3};
 
@@ -245,8 +246,8 @@ impl StoredBox {
     pub(crate) fn grown(&self, by: f64) -> Self {
         let by = by.next_up();
         Self {
-            lo: self.lo.map(|v| rounded_down(f64::from(v) - by) + 0.0),
-            hi: self.hi.map(|v| 0.0 - rounded_down(-f64::from(v) - by)),
+            lo: self.lo.each(|v| rounded_down(f64::from(v) - by) + 0.0),
+            hi: self.hi.each(|v| 0.0 - rounded_down(-f64::from(v) - by)),
         }
     }
 

@@ -1,6 +1,7 @@
 //! A stored box in two SIMD registers: the form in which all hot loops compute.
 
 use super::aabb::{Aabb, FARTHEST, StoredBox};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use nalgebra::Point3;
 use wide::{f32x4, f64x4, i32x4};
@@ -105,13 +106,13 @@ fn rounded_down(v: f64x4) -> f32x4 {
     let nearest = [a as f32, b as f32, c as f32, d as f32];
     let [a, b, c, d] = nearest;
     let back = f64x4::from([f64::from(a), f64::from(b), f64::from(c), f64::from(d)]);
-    let [a, b, c, d] = back.simd_gt(v).to_array().map(|mask| mask.to_bits() as i32);
+    let [a, b, c, d] = back.simd_gt(v).to_array().each(|mask| mask.to_bits() as i32);
     // -1 in lanes that were rounded up. The next float below has bits less by 1 for a positive
     // float, and greater by 1 for a negative float; a sign of -1 yields the latter: (x ^ -1) + 1 =
     // -x.
     let above = i32x4::from([a, b, c, d]);
-    let bits: i32x4 = i32x4::from(nearest.map(|v| v.to_bits() as i32));
+    let bits: i32x4 = i32x4::from(nearest.each(|v| v.to_bits() as i32));
     let sign: i32x4 = bits >> 31;
     let down = (bits + (above ^ sign)) - sign;
-    f32x4::from(down.to_array().map(|bits| f32::from_bits(bits as u32)))
+    f32x4::from(down.to_array().each(|bits| f32::from_bits(bits as u32)))
 }

@@ -6,6 +6,7 @@
 //! correct there, only slower.
 
 use super::bounds::Bounds;
+use crate::base::num::each::Each;
 use wide::f32x4;
 
 /// A move across columns longer than this part of the column width is a jump. Not measured.
@@ -89,7 +90,7 @@ impl Grid {
     /// Returns a grid; `width` must be positive and finite and `size` at least 1 by 1.
     pub(crate) fn new(axis: usize, corner: [f32; 2], width: f32, size: [u16; 2]) -> Self {
         let [u, v] = corner;
-        let [last_u, last_v] = size.map(|n| f32::from(n.max(1) - 1));
+        let [last_u, last_v] = size.each(|n| f32::from(n.max(1) - 1));
         let (corners, last) = ([u, v, u, v], [last_u, last_v, last_u, last_v]);
         Self {
             axis,

@@ -1,5 +1,6 @@
 //! Bodies and pairs: what a broad phase has besides its sorted columns, and the check of both.
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::broad::body::{Bodies, UNBOUNDED};
 use crate::broad::change::{Changes, pair_key};
@@ -164,7 +165,7 @@ impl BroadPhaseState {
         check_bodies(bodies)?;
         pairs.check()?;
         for pair in pairs.iter(bodies) {
-            let [a, b] = [pair.a, pair.b].map(|id| bodies.records[id.index as usize].before(bodies.step));
+            let [a, b] = [pair.a, pair.b].each(|id| bodies.records[id.index as usize].before(bodies.step));
             if !a.overlaps(&b) {
                 return Err(format!(
                     "{} is of boxes that do not overlap: {} and {}",

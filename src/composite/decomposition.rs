@@ -15,6 +15,7 @@
 //! each other: a tracker is kept for each piece, and the plane that a point was beyond, which is
 //! looked at first.
 
+use crate::base::num::each::Each;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt;
@@ -342,7 +343,7 @@ pub(super) fn excess(mesh: &Mesh, hulls: &[PieceHull], resolution: f64, watch: &
         hull.body
             .triangles()
             .chain(wire.filter(|_| is_wire))
-            .map(move |t| t.map(at))
+            .map(move |t| t.each(at))
     });
     greatest(triangles, resolution, watch, |corners: &Triangle, enough| {
         let gap = mesh.gap_over(corners);
@@ -365,7 +366,7 @@ fn shortfall(mesh: &Mesh, hulls: &mut [PieceHull], resolution: f64, watch: &mut 
     let triangles = (0..mesh.triangles.len() as u32).map(|t| mesh.corners(t));
     let (mut last, slack) = (0, GAP * resolution * unit);
     greatest(triangles, resolution, watch, |corners: &Triangle, enough| {
-        let corners = corners.map(|p| Point3::from(p * unit));
+        let corners = corners.each(|p| Point3::from(p * unit));
         let most = enough * unit;
         // The piece that was nearest to the last triangle.
         if let Some(by_piece) = farthest(&mut hulls[last], &corners, most, slack).filter(|d| *d <= most) {

@@ -1,6 +1,7 @@
 //! Meshes and bodies of pieces as convex parts under a tree, and relative poses of parts that stand
 //! at poses of their own.
 
+use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
 use crate::base::num::extremes::{Bounded, Extremes};
@@ -159,7 +160,7 @@ impl Parted for Mesh {
     }
 
     fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
-        self.part_vertices[k].map(|v| self.points[v as usize])
+        self.part_vertices[k].each(|v| self.points[v as usize])
     }
 
     fn further_probe(&self, k: usize) -> Option<Vector3<f64>> {

@@ -2,6 +2,7 @@
 //!
 //! At a pose, pairs of parts are asked by trackers that are kept ([`PartJudge`]).
 
+use crate::base::num::each::Each;
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -185,7 +186,7 @@ impl Composite {
             fingerprint: fingerprint(&pieces),
             in_place: pieces.iter().all(|p| p.pose == Isometry3::identity()),
             radius: farthest * (1.0 + 64.0 * UNIT),
-            probes: pieces.iter().map(|p| probe(p).map(|x| x * scale)).collect(),
+            probes: pieces.iter().map(|p| probe(p).each(|x| x * scale)).collect(),
             pieces,
             order,
             tree,
@@ -431,7 +432,7 @@ fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
         Core::Polyhedron(body) => [Some(body.centroid()), body.vertex_points().next()],
         _ => [None; 2],
     };
-    two.map(|p| (piece.pose * p.unwrap_or_else(Point3::origin)).coords)
+    two.each(|p| (piece.pose * p.unwrap_or_else(Point3::origin)).coords)
 }
 
 /// Adds points in whose hull a shape lies: the vertices of a polyhedron, the corners of a box of

@@ -24,6 +24,7 @@
 //! pairs of nodes, Tang, Kim and Manocha 2009. Departures: 1. the direction of each pair is the
 //! one that separates its boxes; 2. the bound holds with acceleration and drift, second order kept.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -229,7 +230,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         let mut stack: Vec<Claim> = Vec::new();
         let (single, unit) = (&self.posed.frame.single, self.posed.a.stored_unit());
         kept.front.gaps(single, |place, pair, gap| {
-            let n = Vector3::from(kept.front.normal(single, place).map(f64::from));
+            let n = Vector3::from(kept.front.normal(single, place).each(f64::from));
             let length = sqrt(n.norm_squared());
             let claim = if length > 0.5 {
                 (pair, n / length, f64::from(gap) * single.unit * unit)
@@ -288,7 +289,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         let frame = &self.posed.frame;
         let found = bounds(&frame.single, trees, &halves, &BoundAim::to(f32::MAX));
         for (k, half) in halves.into_iter().enumerate() {
-            let m = Vector3::from(found.normal[k].map(f64::from));
+            let m = Vector3::from(found.normal[k].each(f64::from));
             let length = sqrt(m.norm_squared());
             let claim = if frame.single.error.is_finite() && length > 0.5 {
                 let gap = f64::from(found.gap[k] - frame.single.error) * frame.single.unit;

@@ -22,6 +22,7 @@
 //!
 //! Numbers are the bits of an f64 in hexadecimal. Text after `#` and empty lines are ignored.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use core::fmt;
 use core::str::FromStr;
@@ -80,7 +81,7 @@ impl Replay {
     /// counts as zero.
     #[must_use]
     pub fn shapes(&self) -> [Shape; 2] {
-        [(&self.a, self.round[0]), (&self.b, self.round[1])].map(|(body, round)| {
+        [(&self.a, self.round[0]), (&self.b, self.round[1])].each(|(body, round)| {
             let sharp = Shape::from(body.clone());
             sharp.clone().rounded(round).unwrap_or(sharp)
         })

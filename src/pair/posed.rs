@@ -1,5 +1,6 @@
 //! Two bodies at one relative pose, and the maps between their stored frames.
 
+use crate::base::num::each::Each;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::base::num::double_double::DoubleDouble;
@@ -246,7 +247,7 @@ fn shifted_and_scaled(
         return Ok((PackedRotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
     }
     let shift = Transform::shift((&a.origin, a.exponent), &b.origin, pose).ok_or(OutOfRange)?;
-    let translation = Vector3::from(shift.map(DoubleDouble::value));
+    let translation = Vector3::from(shift.each(DoubleDouble::value));
     let length = |v: &Vector3<f64>| v.abs().sum();
     let offsets = (length(&a.origin) + length(&b.origin)) / a.unit();
     Ok((

@@ -1,5 +1,6 @@
 //! The answer of a query of two geometries of any kinds.
 
+use crate::base::num::each::Each;
 use core::ops::Deref;
 
 use nalgebra::Unit;
@@ -85,7 +86,7 @@ impl Answer {
     /// Returns the answer of two geometries of one part each.
     #[inline]
     pub(crate) fn of_convex(outcome: Outcome) -> Self {
-        let on = [outcome.features.a, outcome.features.b].map(|feature| Spot::new(0, feature));
+        let on = [outcome.features.a, outcome.features.b].each(|feature| Spot::new(0, feature));
         Self {
             outcome,
             on,
@@ -121,7 +122,7 @@ impl Answer {
 
     /// Returns the numbers of the closest parts.
     pub(crate) fn parts(&self) -> [u32; 2] {
-        self.on.map(|spot| spot.part)
+        self.on.each(|spot| spot.part)
     }
 }
 

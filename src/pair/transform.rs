@@ -1,5 +1,6 @@
 //! The relative pose in the arithmetic of a solver, and the lengths that scale rounding errors.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::DoubleDouble;
@@ -91,7 +92,7 @@ impl Transform<DoubleDouble> {
         }
         let apart = apart(pose, 1.0);
         let place = placed(rotations, pose, (a.0, b), &apart);
-        Some(place.map(|x| x.scaled(power_of_two(-a.1))))
+        Some(place.each(|x| x.scaled(power_of_two(-a.1))))
     }
 }
 
@@ -184,9 +185,9 @@ fn turned(q: &[f64; 4], rotation: &Rotation, v: &[DoubleDouble; 3]) -> [DoubleDo
 /// Returns the rotation matrix of the quaternion `q`, divided by `|q|^2`.
 fn rotation(q: &[f64; 4]) -> Rotation {
     let [x, y, z, w] = *q;
-    let [xx, yy, zz, ww] = q.map(|c| DoubleDouble::product(c, c));
-    let [xy, xz, yz] = [(x, y), (x, z), (y, z)].map(|(a, b)| DoubleDouble::product(a, b));
-    let [wx, wy, wz] = [x, y, z].map(|c| DoubleDouble::product(w, c));
+    let [xx, yy, zz, ww] = q.each(|c| DoubleDouble::product(c, c));
+    let [xy, xz, yz] = [(x, y), (x, z), (y, z)].each(|(a, b)| DoubleDouble::product(a, b));
+    let [wx, wy, wz] = [x, y, z].each(|c| DoubleDouble::product(w, c));
     let one = DoubleDouble::from(1.0);
     let s = DoubleDouble::from(2.0) / (xx + yy + zz + ww);
     [

@@ -1,5 +1,6 @@
 //! Contacts of two geometries of any kinds, and bounds of the depth of two solids.
 
+use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
@@ -242,11 +243,11 @@ impl LentPair<'_> {
         let [a, b] = match self {
             Self::Polyhedra(pair) => {
                 let (a, b, _) = pair.sides();
-                [a, b].map(|body| Composite::from(Shape::from(body.clone())))
+                [a, b].each(|body| Composite::from(Shape::from(body.clone())))
             }
             Self::Shapes(pair) => {
                 let (a, b, _) = pair.sides();
-                [a, b].map(|shape| Composite::from(shape.clone()))
+                [a, b].each(|shape| Composite::from(shape.clone()))
             }
             Self::Pieces(pair) => return pair.tracker.penetration(&pair.a, &pair.b, pose),
             Self::Meshes(pair) => return pair.tracker.penetration(pair.a, pair.b, pose),

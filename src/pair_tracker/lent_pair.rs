@@ -1,6 +1,7 @@
 //! Two geometries beside a borrowed tracker: the questions that every pair answers, at one pose
 //! and over time.
 
+use crate::base::num::each::Each;
 use alloc::string::String;
 
 use nalgebra::{Point3, Unit, Vector3};
@@ -218,12 +219,12 @@ pub(crate) struct BallPair {
 impl BallPair {
     pub(super) fn new(bodies: [GeometryRef<'_>; 2]) -> Self {
         Self {
-            balls: bodies.map(GeometryRef::bounding_ball),
+            balls: bodies.each(GeometryRef::bounding_ball),
         }
     }
 
     fn ask(&self, pose: &RelativePose, _: &Question) -> Answer {
-        let reach = self.balls.map(|(centre, radius)| centre.coords.norm() + radius);
+        let reach = self.balls.each(|(centre, radius)| centre.coords.norm() + radius);
         let (lower, upper, normal) = far(reach, pose);
         Answer {
             is_reached: false,

@@ -1,6 +1,7 @@
 //! Questions that only meshes and surfaces answer: a mesh against itself, a mesh by the pieces that
 //! stand for it, and the fronts that are kept.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use super::engine::Engine;
@@ -143,7 +144,7 @@ impl PairTracker {
         a_from_b: &RelativePose,
         bounds: impl FnOnce(&Answer, &PartsRef<'_>) -> Distance,
     ) -> Distance {
-        let pair = bodies.map(|body| body.fingerprint().with(*b"pieces  ", 0.0));
+        let pair = bodies.each(|body| body.fingerprint().with(*b"pieces  ", 0.0));
         let followed = self.follow_by(pair, || of_pieces(bodies));
         match followed.engine.lend(bodies) {
             LentPair::Pieces(CompositePair { a, b, tracker }) => bounds(&tracker.closest(&a, &b, a_from_b), &b),

@@ -1,5 +1,6 @@
 //! Engines of pairs with a composite or a mesh.
 
+use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 
@@ -39,7 +40,7 @@ pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
 /// Returns the engine of two bodies of parts, of which a composite stays one beside a mesh.
 pub(super) fn of_pieces(bodies: [GeometryRef<'_>; 2]) -> Engine {
     let piece = |shape: Arc<Shape>| Arc::new(Composite::from(Arc::unwrap_or_clone(shape)));
-    let stand_ins = bodies.map(|body| body.to_shape().map(piece));
+    let stand_ins = bodies.each(|body| body.to_shape().map(piece));
     Engine::Pieces(Box::new(WithStandIns::new(stand_ins)))
 }
 
@@ -91,7 +92,7 @@ impl PieceEngine {
 
 impl MeshEngine {
     pub(super) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
-        let (tracker, [a, b]) = self.sides(bodies.map(GeometryRef::mesh))?;
+        let (tracker, [a, b]) = self.sides(bodies.each(GeometryRef::mesh))?;
         Some(LentPair::Meshes(MeshPair { a, b, tracker }))
     }
 

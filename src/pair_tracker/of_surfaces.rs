@@ -1,5 +1,6 @@
 //! Engines of pairs with a surface of patches.
 
+use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 
@@ -39,7 +40,7 @@ pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
         Lent::Surface(_) | Lent::Mesh(_) => Engine::Surfaces(Box::default()),
         Lent::Composite(_) => Engine::SurfaceAndPieces(Box::new(WithStandIns::new([None, None]))),
         Lent::Polyhedron(_) | Lent::Convex(_) => {
-            let stand_ins = [a, b].map(GeometryRef::polyhedron_as_shape);
+            let stand_ins = [a, b].each(GeometryRef::polyhedron_as_shape);
             Engine::SurfaceAndShape(Box::new(WithStandIns::new(stand_ins)))
         }
     })
@@ -61,7 +62,7 @@ impl SurfaceEngine {
         let [x, y] = self
             .stand_ins
             .each_ref()
-            .map(|s| s.as_ref().map(|(_, surface)| &**surface));
+            .each(|s| s.as_ref().map(|(_, surface)| &**surface));
         let of_a = a.mesh().map(|mesh| (Operand::A, mesh));
         Some(LentPair::Surfaces(SurfacePair {
             a: a.surface().or(x)?,

@@ -5,6 +5,7 @@
 //! rounding may be a miss. Mostly a triangle of the face that was found proves the hit; else all
 //! triangles are asked over the integers.
 
+use crate::base::num::each::Each;
 use crate::base::num::sign;
 use crate::base::tolerance::RAY;
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
@@ -126,7 +127,7 @@ pub(super) fn proven(
 }
 
 fn corners_of(hull: &ConvexPolyhedron, vertices: [VertexId; 3]) -> [Vector3<f64>; 3] {
-    vertices.map(|v| hull.to_user(&hull.points[v.index()]).coords)
+    vertices.each(|v| hull.to_user(&hull.points[v.index()]).coords)
 }
 
 /// Returns whether the vertices of each face are in one plane.

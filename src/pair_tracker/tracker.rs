@@ -1,6 +1,7 @@
 //! One tracker for any two geometries: the engine of the pair that was asked last, the questions,
 //! the manifold of two convex geometries, and the work of queries.
 
+use crate::base::num::each::Each;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 #[cfg(feature = "meshes")]
@@ -165,7 +166,7 @@ impl PairTracker {
     /// Returns the state of a pair, kept if the pair was asked last.
     #[inline]
     pub(super) fn follow(&mut self, bodies: [GeometryRef<'_>; 2]) -> &mut Followed {
-        let pair = bodies.map(GeometryRef::fingerprint);
+        let pair = bodies.each(GeometryRef::fingerprint);
         self.follow_by(pair, || Engine::new(bodies))
     }
 
@@ -561,6 +562,6 @@ impl PairTracker {
 }
 
 pub(super) fn refused(bodies: [GeometryRef<'_>; 2], asked: &'static str) -> PairError {
-    let [a, b] = bodies.map(GeometryRef::kind);
+    let [a, b] = bodies.each(GeometryRef::kind);
     PairError { a, b, asked }
 }

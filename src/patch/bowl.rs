@@ -16,6 +16,7 @@
 //! points X lies below and Y above the graph of S if S is between their curvatures: at a border
 //! only along the border.
 
+use crate::base::num::each::Each;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::bezier::{NET, ORDER};
@@ -187,7 +188,7 @@ impl Bowl {
     pub(super) fn of_b(&self, target: f64, frame: &NetFrame) -> BowlSide {
         BowlSide {
             n: -frame.direction_in_b(&self.n),
-            e: self.e.map(|e| frame.direction_in_b(&e)),
+            e: self.e.each(|e| frame.direction_in_b(&e)),
             at: frame.rotation.tr_mul(&(self.at - frame.translation)),
             form: self.form * self.form * (0.5 * target) + self.form,
             length: self.length * (1.0 + target * self.length),
@@ -205,7 +206,7 @@ impl BowlSide {
     /// Returns the distance of a node's centre from the line along n.
     fn off(&self, node: &Node) -> f64 {
         let x = node.centre - self.at;
-        let [s, t] = self.e.map(|e| e.dot(&x));
+        let [s, t] = self.e.each(|e| e.dot(&x));
         sqrt(s * s + t * t)
     }
 
@@ -223,7 +224,7 @@ impl BowlSide {
             let s = Vector2::new(self.e[0].dot(&x), self.e[1].dot(&x));
             self.n.dot(&x) + 0.5 * s.dot(&(self.form * s))
         };
-        let [a, b, c, d] = [0, q, last, last + q].map(height);
+        let [a, b, c, d] = [0, q, last, last + q].each(height);
         a.larger(b).larger(c.larger(d))
     }
 
@@ -288,7 +289,7 @@ impl BowlSide {
         }
         for (k, pair) in pairs.iter_mut().enumerate() {
             let scale = BINOMIAL[2 * p][k / (2 * q + 1)] * BINOMIAL[2 * q][k % (2 * q + 1)];
-            *pair = pair.map(|x| x / scale);
+            *pair = pair.each(|x| x / scale);
         }
     }
 }

@@ -13,6 +13,7 @@
 //! since `I - C F'` is shorter than one; so F has a zero in B (Krawczyk 1969; Neumaier 1990,
 //! "Interval Methods for Systems of Equations", section 5.1). B must lie inside the patches.
 
+use crate::base::num::each::Each;
 use nalgebra::{Matrix3, Vector3};
 
 use super::bowl::Bowl;
@@ -267,7 +268,7 @@ impl ClosestState {
     fn derivatives(&self) -> (Parameters, [Parameters; 4], [Parameters; 4]) {
         let (a, b, w) = (&self.a, &self.b, &self.w);
         let j = [-a.u, -a.v, b.u, b.v];
-        let gradient = j.map(|c| c.dot(w));
+        let gradient = j.each(|c| c.dot(w));
         let gauss: [Parameters; 4] = core::array::from_fn(|r| core::array::from_fn(|c| j[r].dot(&j[c])));
         let mut bent = gauss;
         bent[0][0] -= w.dot(&a.uu);
@@ -300,7 +301,7 @@ impl ClosestState {
         };
         meeting.normal = meeting.direction(frame.size, &frame.translation);
         meeting.along = meeting.normal;
-        let borders = self.at.map(|t| t <= 0.0 || t >= 1.0);
+        let borders = self.at.each(|t| t <= 0.0 || t >= 1.0);
         meeting.bowl = meeting
             .normal
             .and_then(|n| Bowl::between([&self.a, &self.b], &n, distance, borders, frame));
@@ -370,7 +371,7 @@ fn shares(pair: &PatchPair, meeting: &Meeting, fixed: usize) -> bool {
     let columns = [-p, -q, r, s];
     let mut free = (0..4).filter(|&k| k != fixed);
     let free: [usize; 3] = core::array::from_fn(|_| free.next().unwrap_or(0));
-    let slope = Matrix3::from_columns(&free.map(|k| columns[k]));
+    let slope = Matrix3::from_columns(&free.each(|k| columns[k]));
     let Some(c) = slope.try_inverse() else { return false };
     let off = meeting.w.abs().add_scalar(pair.frame.error + pair.frame.points);
     let eta = largest(&(c.abs() * off));

@@ -14,6 +14,7 @@
 //! point, whatever the size of the node. (Bernstein coefficients of derivatives: Farin 2002,
 //! section 5.3; the term for a lack of concavity: Adjiman and Floudas 1996, alpha-BB.)
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::bezier::{Jet, NET, jet};
@@ -66,7 +67,7 @@ impl Net<'_> {
     #[inline]
     fn highest_corner(&self, [p, q]: [usize; 2], n: &Vector3<f64>) -> f64 {
         let last = p * (q + 1);
-        let heights = [0, q, last, last + q].map(|k| n.dot(&self.point(k)));
+        let heights = [0, q, last, last + q].each(|k| n.dot(&self.point(k)));
         heights[0].larger(heights[1]).larger(heights[2].larger(heights[3]))
     }
 
@@ -169,7 +170,7 @@ pub(super) fn bounded(
         let to = |x: f64| x * (d + 0.5 * k * x);
         to(-at).larger(to(1.0 - at)).at_least(0.0)
     };
-    let over = excess.map(|[k, l]| rise(f.u[0], k, at[0]) + rise(f.v[0], l, at[1]));
+    let over = excess.each(|[k, l]| rise(f.u[0], k, at[0]) + rise(f.v[0], l, at[1]));
     let over = over[0].smaller(over[1]).smaller(over[2]);
     let degree = (degrees[0] + degrees[1]) as f64;
     let error = TAYLOR * degree * degree * size + 4.0 * UNIT * over;
@@ -235,7 +236,7 @@ fn level(degrees: [usize; 2], pairs: &[[f64; 2]], at: [f64; 2]) -> (f64, Jet<1>)
     } = jet::<2>(pairs, degrees, at);
     let c = value[0] / value[1];
     let of = |x: [f64; 2]| [x[0] - c * x[1]];
-    let [value, u, v, uu, uv, vv] = [value, u, v, uu, uv, vv].map(of);
+    let [value, u, v, uu, uv, vv] = [value, u, v, uu, uv, vv].each(of);
     (
         c,
         Jet {

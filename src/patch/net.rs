@@ -1,5 +1,6 @@
 //! One Bezier patch by its control points.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
@@ -164,7 +165,7 @@ impl Patch {
     /// Returns the point at (u, v), clamped to 0..=1.
     #[must_use]
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
-        let [x, y, z, w] = value::<4>(&self.net, self.degrees, [u, v].map(|t| t.clamped(0.0, 1.0)));
+        let [x, y, z, w] = value::<4>(&self.net, self.degrees, [u, v].each(|t| t.clamped(0.0, 1.0)));
         if self.is_rational {
             Point3::new(x / w, y / w, z / w)
         } else {
@@ -209,7 +210,7 @@ impl Patch {
                 part.iter_mut().zip(plane).for_each(|(h, x)| h[k] = x);
             }
         }
-        parts.map(|net| {
+        parts.each(|net| {
             let half = Self::assembled(self.degrees, net);
             let reach = half.reach.larger(self.reach);
             Self {
@@ -230,7 +231,7 @@ impl Patch {
     }
 
     pub(super) fn jet(&self, at: [f64; 2]) -> SurfaceJet {
-        let at = at.map(|t| t.clamped(0.0, 1.0));
+        let at = at.each(|t| t.clamped(0.0, 1.0));
         let Jet {
             value,
             u,
@@ -241,7 +242,7 @@ impl Patch {
         } = jet::<4>(&self.net, self.degrees, at);
         let xyz = |h: &[f64; 4]| Vector3::new(h[0], h[1], h[2]);
         if !self.is_rational {
-            let [point, u, v, uu, uv, vv] = [value, u, v, uu, uv, vv].map(|h| xyz(&h));
+            let [point, u, v, uu, uv, vv] = [value, u, v, uu, uv, vv].each(|h| xyz(&h));
             return SurfaceJet {
                 point,
                 u,

@@ -6,6 +6,7 @@
 //! derivatives along the normal, or by a bowl. Pairs of nodes inside the boxes need no proof of
 //! their own, and pairs outside are so much farther that their planes last for some frames.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::bowl::Bowl;
@@ -74,7 +75,7 @@ impl Region {
             let low = if low > 0.0 { low + REGION } else { low };
             [low, if high < 1.0 { high - REGION } else { high }]
         };
-        let mut sides = sides.map(inner);
+        let mut sides = sides.each(inner);
         if b.is_none() {
             (sides[2], sides[3]) = ([0.0, 1.0], [0.0, 1.0]);
         }

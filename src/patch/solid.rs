@@ -2,6 +2,7 @@
 //! its exact height along every direction, and its closest point to a point of the surface.
 
 use super::closest::NEWTON;
+use crate::base::num::each::Each;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::bowl::BowlSide;
@@ -161,7 +162,7 @@ impl<'a> Feet<'a> {
     /// convex, else with the curvature of the shape alone and damping (Levenberg 1944).
     fn step(&mut self, patch: &Patch, now: &ShapeFoot) -> Option<ShapeFoot> {
         let (n, j) = (*now.found.normal, [now.jet.u, now.jet.v]);
-        let gradient = j.map(|c| -n.dot(&c));
+        let gradient = j.each(|c| -n.dot(&c));
         let is_held = |k: usize| now.at[k] <= 0.0 && gradient[k] >= 0.0 || now.at[k] >= 1.0 && gradient[k] <= 0.0;
         let held = [is_held(0), is_held(1), true, true];
         if held == [true; 4] {
@@ -172,7 +173,7 @@ impl<'a> Feet<'a> {
             return Some(next);
         }
         let round = self.roundness(now)?;
-        let [uu, uv, vv] = [now.jet.uu, now.jet.uv, now.jet.vv].map(|x| -n.dot(&x));
+        let [uu, uv, vv] = [now.jet.uu, now.jet.uv, now.jet.vv].each(|x| -n.dot(&x));
         let bent = matrix([round[0] + uu, round[1] + uv, round[2] + vv]);
         if let Some(next) = solve(&bent, &right, &held).and_then(|s| self.tried(patch, now, &s)) {
             return Some(next);
@@ -226,7 +227,7 @@ impl<'a> Feet<'a> {
     fn tried(&mut self, patch: &Patch, now: &ShapeFoot, step: &Parameters) -> Option<ShapeFoot> {
         let mut part = 1.0;
         for _ in 0..2 {
-            let at = [0, 1].map(|k| (now.at[k] - part * step[k]).clamped(0.0, 1.0));
+            let at = [0, 1].each(|k| (now.at[k] - part * step[k]).clamped(0.0, 1.0));
             let next = self.foot(patch, at)?;
             if next.found.distance < now.found.distance {
                 return Some(next);

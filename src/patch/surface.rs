@@ -1,5 +1,6 @@
 //! A surface: many patches and the tree above them; parts of surfaces, and the work of queries.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -98,7 +99,7 @@ impl Surface {
     /// A body without faces ([`PatchError::Empty`]), a coordinate beyond `2^200`.
     pub fn from_convex(body: &ConvexPolyhedron) -> Result<Self, PatchError> {
         let corner = |v| body.vertex(v).unwrap_or_default();
-        Self::from_triangles(body.triangles().map(|t| t.map(corner)))
+        Self::from_triangles(body.triangles().map(|t| t.each(corner)))
     }
 
     fn from_triangles(corners: impl Iterator<Item = [Point3<f64>; 3]>) -> Result<Self, PatchError> {

@@ -8,6 +8,7 @@
 //! The part of a patch over any box of parameters is a node too ([`Cut`]), cut out by de
 //! Casteljau's algorithm at both ends.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -90,7 +91,7 @@ impl Node {
     /// Returns the box of parameters.
     #[inline]
     pub(super) fn domain(&self) -> [[f64; 2]; 2] {
-        [0, 1].map(|k| {
+        [0, 1].each(|k| {
             let unit = 1.0 / (1u64 << DEEPEST) as f64;
             let size = 1.0 / (1u64 << self.splits[k]) as f64;
             let low = self.low[k] as f64 * unit;
@@ -100,7 +101,7 @@ impl Node {
 
     /// Returns the middle of the box of parameters.
     pub(super) fn middle(&self) -> [f64; 2] {
-        self.domain().map(|[low, high]| 0.5 * (low + high))
+        self.domain().each(|[low, high]| 0.5 * (low + high))
     }
 
     /// Returns whether parameters lie in the box.
@@ -294,7 +295,7 @@ impl NetTree {
     /// Returns the direction in which the legs of the net are longer.
     fn longer(&self, at: usize, count: usize, [p, q]: [usize; 2]) -> u8 {
         let width = q + 1;
-        let planes = [0, 1, 2].map(|k| &self.numbers[at + k * count..][..count]);
+        let planes = [0, 1, 2].each(|k| &self.numbers[at + k * count..][..count]);
         let leg = |i: usize, j: usize| -> f64 { planes.iter().map(|x| (x[i] - x[j]) * (x[i] - x[j])).sum() };
         let longest = |d: usize| {
             let (rows, columns, step) = if d == 0 { (p, width, width) } else { (p + 1, q, 1) };

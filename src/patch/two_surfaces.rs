@@ -3,6 +3,7 @@
 //!
 //! One of both may stand for a mesh, whose inside counts if the mesh is a solid.
 
+use crate::base::num::each::Each;
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::closest::{Patches, crosses};
@@ -157,7 +158,7 @@ impl SurfaceTracker {
         Found {
             lower,
             upper: best.upper,
-            on: [0, 1].map(|k| best.place(k)),
+            on: [0, 1].each(|k| best.place(k)),
             points: [best.on_a.into(), best.on_b.into()],
             normal: Unit::new_unchecked(best.normal.unwrap_or_else(Vector3::x)),
             distance: best.distance,
@@ -174,7 +175,7 @@ fn apart(a: &Surface, b: &Surface, a_from_b: &RelativePose) -> Found {
         lower,
         upper,
         on: [Spot::on_patch(0, [0.0; 2]); 2],
-        points: [a, b].map(|s| s.patches()[0].point(0.0, 0.0)),
+        points: [a, b].each(|s| s.patches()[0].point(0.0, 0.0)),
         normal: Unit::new_unchecked(n),
         distance: 0.5 * lower + 0.5 * upper,
         shares: false,

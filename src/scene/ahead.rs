@@ -25,6 +25,7 @@ use super::pair_engine::PairEngine;
 use super::pair_table::{PairFlags, PairHeader};
 use super::report::Counts;
 use crate::base::motion::{Motion, Steady, Velocity};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::pair::outcome::Outcome;
 use crate::time::impact::{self, Impact, Tolerance};
@@ -62,7 +63,7 @@ impl StepContext<'_> {
         if !is_called || !(outcome.lower > plan.reach) || pair.iter().any(is_steered) {
             return false;
         }
-        let sweeps = pair.map(|i| Sweep {
+        let sweeps = pair.each(|i| Sweep {
             from: bodies.poses[i],
             velocity: bodies.velocity(i),
         });
@@ -106,7 +107,7 @@ impl StepContext<'_> {
     ) -> bool {
         let bodies = self.bodies;
         let length = bodies.ticks.length.abs();
-        let sweeps = [header.a, header.b].map(|i| bodies.sweep(i as usize));
+        let sweeps = [header.a, header.b].each(|i| bodies.sweep(i as usize));
         let is_still = |sweep: &Sweep| sweep.velocity == Velocity::default();
         if !bodies.ticks.is_pending || length == 0.0 || sweeps.iter().all(is_still) {
             return false;

@@ -2,6 +2,7 @@
 //! part by level of detail (nothing, the distance, the whole outcome, or the outcome with contact
 //! points).
 
+use crate::base::num::each::Each;
 use crate::body::polyhedron::FeaturePair;
 use crate::broad;
 use crate::broad::Aabb;
@@ -80,7 +81,7 @@ impl Scene {
         let mut near = Vec::new();
         // The stored box, from f32 to f64 about the origin, contains itself.
         if let Some(stored) = self.broad.stored_box(proxy) {
-            let corner = |v: [f32; 3]| self.settings.origin + nalgebra::Vector3::from(v.map(f64::from));
+            let corner = |v: [f32; 3]| self.settings.origin + nalgebra::Vector3::from(v.each(f64::from));
             let around = Aabb::new(corner(stored.lo), corner(stored.hi));
             let _ = self.broad.overlapping(&around, &mut near);
         }

@@ -1,6 +1,7 @@
 //! Narrow phase of one pair in a step: tests from the cheapest on, and the tracker if no cheaper
 //! test answers.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use super::answers::StoredAnswer;
@@ -80,7 +81,7 @@ impl StepContext<'_> {
     /// up.
     #[inline]
     fn is_answered(&self, header: &mut PairHeader, counts: &mut Counts) -> bool {
-        let [a, b] = [header.a, header.b].map(|i| &self.bodies.travels[i as usize]);
+        let [a, b] = [header.a, header.b].each(|i| &self.bodies.travels[i as usize]);
         let step = self.bodies.step;
         if !header.state.known {
             return false;
@@ -107,7 +108,7 @@ impl StepContext<'_> {
     /// Returns whether two balls are so far apart that no effect called for can apply.
     #[inline]
     fn is_clear(&self, header: &mut PairHeader, reach: f64, counts: &mut Counts) -> bool {
-        let [a, b] = [header.a, header.b].map(|i| &self.bodies.balls[i as usize]);
+        let [a, b] = [header.a, header.b].each(|i| &self.bodies.balls[i as usize]);
         let apart = least_distance(a, b);
         if !(apart > reach) {
             return false;

@@ -13,6 +13,7 @@
 //! are measured in ascending order of their bounds, until a bound exceeds the least upper bound:
 //! every pair left out is farther apart than the pair found.
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
@@ -188,7 +189,7 @@ impl Scene {
     }
 
     pub(super) fn may_pair(&self, a: u32, b: u32) -> bool {
-        let [x, y] = [a, b].map(|i| self.bodies.solids[i as usize].as_ref());
+        let [x, y] = [a, b].each(|i| self.bodies.solids[i as usize].as_ref());
         let (Some(x), Some(y)) = (x, y) else { return false };
         let pairs = a != b && !(x.fixed && y.fixed) && !self.ignored.contains(a, b);
         pairs && self.table.plan(group_pair_of(x.group, y.group)).detail > Detail::Nothing
@@ -196,7 +197,7 @@ impl Scene {
 
     /// Returns the pair, if at most `d` apart.
     fn near_within(&self, a: u32, b: u32, d: f64) -> Option<ClosestPair> {
-        let [x, y] = [a, b].map(|i| &self.bodies.balls[i as usize]);
+        let [x, y] = [a, b].each(|i| &self.bodies.balls[i as usize]);
         if least_distance(x, y) > d {
             return None;
         }
@@ -400,7 +401,7 @@ impl ClosestSearch<'_> {
         };
         let answer = query.measure(Until::Depth);
         let (outcome, pieces) = (answer.outcome, answer.parts());
-        let [a, b] = [a, b].map(|i| scene.bodies.id(i));
+        let [a, b] = [a, b].each(|i| scene.bodies.id(i));
         let is_closer = |best: &ClosestPair| {
             let order = outcome.distance.total_cmp(&best.outcome.distance);
             order.then((a, b).cmp(&(best.a, best.b))).is_lt()

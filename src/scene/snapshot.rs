@@ -2,6 +2,7 @@
 //! interrupted. All input is checked, so that no text makes a scene that could panic; an answer
 //! that a text falsifies stays false until the pair is tested again.
 
+use crate::base::num::each::Each;
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -172,7 +173,7 @@ impl SceneSnapshot {
             })
         };
         let generations = bodies.slots.generations();
-        let [free, leaving] = bodies.slots.vacancies().map(Vec::clone);
+        let [free, leaving] = bodies.slots.vacancies().each(Vec::clone);
         let mut row = |i: usize| SnapshotRow {
             generation: generations[i],
             solid: bodies.solids[i].as_ref().map(|s| SolidRow {

@@ -1,5 +1,6 @@
 //! A step: the stages of the pipeline, in order.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use super::Scene;
@@ -284,7 +285,7 @@ pub(super) fn group(number: usize) -> Group {
 
 /// Returns the indices of the two bodies of a pair, the lower index first.
 pub(super) fn bodies_of(bodies: &BodyTable, pair: &broad::Pair) -> (u32, u32) {
-    let [a, b] = [pair.a, pair.b].map(|id| bodies.body_of_proxy[id.index as usize]);
+    let [a, b] = [pair.a, pair.b].each(|id| bodies.body_of_proxy[id.index as usize]);
     (a.min(b), a.max(b))
 }
 
@@ -380,7 +381,7 @@ fn swept_box(bodies: &BodyTable, i: usize, sweep: &Sweep, growth: f64, hint: &mu
     let solid = bodies.solids[i].as_ref()?;
     let time = bodies.ticks.length.abs();
     let poses = [sweep.from, sweep.velocity.applied(&sweep.from, time), bodies.poses[i]];
-    let [first, second, third] = poses.map(|pose| solid.shape.aabb_at(&pose, hint));
+    let [first, second, third] = poses.each(|pose| solid.shape.aabb_at(&pose, hint));
     let low = first.0.smaller(second.0).smaller(third.0);
     let high = first.1.larger(second.1).larger(third.1);
     let growth = growth + sweep.bulge(solid.reach(), time);

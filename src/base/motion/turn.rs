@@ -1,5 +1,6 @@
 //! Rotation by a constant angular velocity over a time.
 
+use crate::base::num::each::Each;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::base::num::double_double::{DoubleDouble, two_product};
@@ -38,7 +39,7 @@ impl Spin {
         }
         let scaled = Self::new(&(angular / unit));
         Self {
-            rate: scaled.rate.map(|rate| rate * unit),
+            rate: scaled.rate.each(|rate| rate * unit),
             ..scaled
         }
     }

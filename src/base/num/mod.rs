@@ -3,6 +3,7 @@
 //! largest number, and items by rank, for searches that take the best first.
 
 pub(crate) mod double_double;
+pub(crate) mod each;
 pub(crate) mod extremes;
 pub(crate) mod fingerprint;
 pub(crate) mod packed;

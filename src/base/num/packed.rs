@@ -6,6 +6,7 @@
 //! it finds; for packed vectors always the first two together and the third alone. Results are
 //! rounded as by the plain formulas.
 
+use crate::base::num::each::Each;
 use core::ops::{Add, Mul, Neg, Sub};
 
 use nalgebra::{Matrix3, Vector3};
@@ -235,15 +236,15 @@ impl PackedRotation {
     pub(crate) fn new(m: &Matrix3<f64>) -> Self {
         let pair = |x, y| f64x2::new([x, y]);
         Self {
-            columns: [0, 1, 2].map(|k| pair(m[(0, k)], m[(1, k)])),
-            rows: [0, 1, 2].map(|k| pair(m[(k, 0)], m[(k, 1)])),
+            columns: [0, 1, 2].each(|k| pair(m[(0, k)], m[(1, k)])),
+            rows: [0, 1, 2].each(|k| pair(m[(k, 0)], m[(k, 1)])),
             last: f64x2::splat(m[(2, 2)]),
         }
     }
 
     #[inline]
     pub(crate) fn matrix(&self) -> Matrix3<f64> {
-        let [a, b, c] = self.columns.map(f64x2::to_array);
+        let [a, b, c] = self.columns.each(f64x2::to_array);
         let [x, y] = self.rows[2].to_array();
         Matrix3::new(a[0], b[0], c[0], a[1], b[1], c[1], x, y, first(self.last))
     }

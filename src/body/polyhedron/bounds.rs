@@ -6,6 +6,7 @@
 //! bound of all rounding, so the box holds the posed body: at most `1e-6 r` too large on a side if
 //! scanned, `1e-14 (r + |t|)` if climbed.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
@@ -42,7 +43,7 @@ impl Scan {
             return Self::default();
         }
         let group = |g: &[Vector3<f64>]| {
-            [0, 1, 2].map(|axis| f32x4::new(core::array::from_fn(|k| g[k.min(g.len() - 1)][axis] as f32)))
+            [0, 1, 2].each(|axis| f32x4::new(core::array::from_fn(|k| g[k.min(g.len() - 1)][axis] as f32)))
         };
         Self(points.chunks(4).map(group).collect())
     }

@@ -19,6 +19,7 @@
 //! Such a direction `m` is the axis of the fan, and its signs are exact.
 
 use crate::base::num::double_double::{DoubleDouble, Expansion};
+use crate::base::num::each::Each;
 use crate::base::num::sign::{edge_sign, exact_dot, side};
 use crate::body::polyhedron::feature::HalfEdgeId;
 use crate::body::polyhedron::highest::{Direction, Slope};
@@ -175,7 +176,7 @@ impl Axis {
         let normals = t.fan(v).iter().map(|h| planes[t.half_edge(h).face.index()].normal);
         let m = -normals.sum::<Vector3<f64>>() / t.fan(v).len() as f64;
         let rises = |w: VertexId| edge_sign(&m, &(points[w.index()] - points[v.index()])) > 0;
-        let parts = [0, 1, 2].map(|k| core::array::from_fn(|part| if part == 0 { m[k] } else { 0.0 }));
+        let parts = [0, 1, 2].each(|k| core::array::from_fn(|part| if part == 0 { m[k] } else { 0.0 }));
         t.neighbours(v).all(rises).then_some(Self { parts, is_plain: true })
     }
 
@@ -184,7 +185,7 @@ impl Axis {
     pub(super) fn from_exact_normals(t: &Topology, points: &[Vector3<f64>], v: VertexId) -> Option<Self> {
         let (fan, p) = (t.fan(v), points[v.index()]);
         let to = |h: HalfEdgeId| points[t.half_edge(h).to.index()];
-        let faces = [0, fan.len() / 2].map(|k| [k, k + 1].map(|k| to(fan.at(k))));
+        let faces = [0, fan.len() / 2].each(|k| [k, k + 1].each(|k| to(fan.at(k))));
         let coordinate = |k: usize| {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
             let mut sum = Expansion::<{ 24 + Self::PARTS }>::new();
@@ -197,7 +198,7 @@ impl Axis {
             }
             sum.leading()
         };
-        let (parts, is_plain) = ([0, 1, 2].map(coordinate), false);
+        let (parts, is_plain) = ([0, 1, 2].each(coordinate), false);
         let axis = Self { parts, is_plain };
         let rises = |w: VertexId| axis.rise(&p, &points[w.index()]).sign() > 0;
         t.neighbours(v).all(rises).then_some(axis)
@@ -205,12 +206,12 @@ impl Axis {
 
     /// Returns the axis rounded to f64.
     pub(crate) fn rounded(&self) -> Vector3<f64> {
-        Vector3::from(self.parts.map(|p| p[0]))
+        Vector3::from(self.parts.each(|p| p[0]))
     }
 
     /// Returns the first two parts of each coordinate, as double-double.
     pub(super) fn doubled(&self) -> [DoubleDouble; 3] {
-        self.parts.map(|[hi, lo, ..]| DoubleDouble { hi, lo })
+        self.parts.each(|[hi, lo, ..]| DoubleDouble { hi, lo })
     }
 
     /// Returns all parts of each coordinate.

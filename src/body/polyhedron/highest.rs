@@ -12,6 +12,7 @@
 //! integers at the exact level ([`Upward`]).
 
 use crate::base::num::double_double::{DoubleDouble, Expansion};
+use crate::base::num::each::Each;
 use crate::base::num::scalar::Scalar;
 use crate::base::num::sign::{dot_and_size, edge_sign, exact_dot, is_level, sign};
 use crate::base::tolerance::{EDGE_SIGN, LEAST_RISE, STEEPER, UNIT};
@@ -154,7 +155,7 @@ impl<'a> Direction<'a> {
     /// `2^400`, so that no bit of a product with a stored edge is lost to underflow.
     fn in_double_double(&self) -> [DoubleDouble; 3] {
         let scale = power_of_two(400 - exponent_of(self.n.amax()));
-        [0, 1, 2].map(|k| DoubleDouble {
+        [0, 1, 2].each(|k| DoubleDouble {
             hi: self.n[k] * scale,
             lo: self.rest[k] * scale,
         })
@@ -167,7 +168,7 @@ impl<'a> Direction<'a> {
 
     fn edge_in_double_double(&self, p: VertexId, q: VertexId) -> [DoubleDouble; 3] {
         let (p, q) = (&self.points[p.index()], &self.points[q.index()]);
-        [0, 1, 2].map(|k| DoubleDouble::sum(q[k], -p[k]))
+        [0, 1, 2].each(|k| DoubleDouble::sum(q[k], -p[k]))
     }
 
     #[cold]
@@ -180,7 +181,7 @@ impl<'a> Direction<'a> {
             return sign(value.value());
         }
         let (p, q) = (&self.points[p.index()], &self.points[q.index()]);
-        exact_dot::<2, 24>(&fine.map(|n| [n.hi, n.lo]), p, q).sign()
+        exact_dot::<2, 24>(&fine.each(|n| [n.hi, n.lo]), p, q).sign()
     }
 
     #[cold]
@@ -193,8 +194,8 @@ impl<'a> Direction<'a> {
         if let Some(sign) = certain(&fine, &m.doubled(), &e, &f) {
             return sign;
         }
-        let [p, q, r] = [p, q, r].map(|v| &self.points[v.index()]);
-        let up = fine.map(|n| [n.hi, n.lo]);
+        let [p, q, r] = [p, q, r].each(|v| &self.points[v.index()]);
+        let up = fine.each(|n| [n.hi, n.lo]);
         let rises = |q| (exact_dot::<2, 24>(&up, p, q), m.rise(p, q));
         let ((n_e, m_e), (n_f, m_f)) = (rises(q), rises(r));
         let mut sum = Expansion::<4608>::new();
@@ -245,7 +246,7 @@ pub(crate) fn slopes<T: Scalar>(n: &[T; 3], m: &[T; 3], e: &[T; 3], f: &[T; 3]) 
 /// and `e` and `f` are rounded differences of stored points.
 #[inline]
 pub(crate) fn steeper(n: &Vector3<f64>, m: &Vector3<f64>, e: &Vector3<f64>, f: &Vector3<f64>) -> Option<i32> {
-    let [n, m, e, f] = [n, m, e, f].map(|v| <[f64; 3]>::from(*v));
+    let [n, m, e, f] = [n, m, e, f].each(|v| <[f64; 3]>::from(*v));
     certain(&n, &m, &e, &f)
 }
 

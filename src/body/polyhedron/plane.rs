@@ -1,6 +1,7 @@
 //! Supporting planes of faces: a unit normal right to the last bit or so, and an offset that
 //! provably bounds the body.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::{DoubleDouble, Expansion, two_sum};
@@ -124,7 +125,7 @@ fn cross(a: &Vector3<f64>, b: &Vector3<f64>, c: &Vector3<f64>) -> ([DoubleDouble
     if most > 0.0 {
         let k = exponent_of(most);
         let scale = power_of_two(-k);
-        cross = cross.map(|x| DoubleDouble {
+        cross = cross.each(|x| DoubleDouble {
             hi: x.hi * scale,
             lo: x.lo * scale,
         });

@@ -5,6 +5,7 @@
 //! holds the constructors of bodies without volume: a point, a segment, a convex polygon.
 
 use crate::base::notice::Watch;
+use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign::{projection, side, turn};
 use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN, PLANARITY};
@@ -109,7 +110,7 @@ pub fn cone(n: usize, half_height: f64, radius: f64) -> Result<ConvexPolyhedron,
 pub fn tetrahedron(radius: f64) -> Result<ConvexPolyhedron, BuildError> {
     let s = size("radius", radius)? / sqrt(3.0);
     let signs = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
-    ConvexPolyhedron::from_points(&signs.map(|[x, y, z]| Point3::new(s * x, s * y, s * z)))
+    ConvexPolyhedron::from_points(&signs.each(|[x, y, z]| Point3::new(s * x, s * y, s * z)))
 }
 
 /// Returns a regular octahedron with its vertices on the axes at distance `radius`.
@@ -212,7 +213,7 @@ pub fn geodesic_sphere(subdivisions: u32, radius: f64) -> Result<ConvexPolyhedro
 
 /// Divides each triangle into four at the midpoints of its edges, moved out to the unit sphere.
 fn divide(triangles: &[[u32; 3]], points: &mut Vec<Vector3<f64>>) -> Vec<[u32; 3]> {
-    let edges_of = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a.min(b), a.max(b)));
+    let edges_of = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].each(|(a, b)| (a.min(b), a.max(b)));
     let mut edges: Vec<(u32, u32)> = triangles.iter().flat_map(edges_of).collect();
     edges.sort_unstable();
     edges.dedup();
@@ -222,7 +223,7 @@ fn divide(triangles: &[[u32; 3]], points: &mut Vec<Vector3<f64>>) -> Vec<[u32; 3
         points.push(middle / sqrt(middle.norm_squared()));
     }
     let divided = triangles.iter().flat_map(|t| {
-        let [ab, bc, ca] = edges_of(t).map(|e| base + edges.partition_point(|x| *x < e) as u32);
+        let [ab, bc, ca] = edges_of(t).each(|e| base + edges.partition_point(|x| *x < e) as u32);
         let [a, b, c] = *t;
         [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
     });
@@ -321,7 +322,7 @@ impl ConvexPolyhedron {
             };
             return Err(flat(&cloud, &span));
         };
-        let [a, b, c] = corners.map(|i| &cloud.points[i as usize]);
+        let [a, b, c] = corners.each(|i| &cloud.points[i as usize]);
         if cloud.points.iter().any(|p| side(a, b, c, p) != 0.0) {
             check_planar(&cloud, a, &plane(a, b, c, 0.0).0.normal)?;
             return Self::hull_of(cloud, &mut Watch::none());
@@ -356,7 +357,7 @@ fn spanning_corners(cloud: &Cloud) -> Option<([u32; 3], usize)> {
     }
     let all: Vec<u32> = (0..points.len() as u32).collect();
     let wide = widest_corners(points, &all);
-    let [a, b, c] = wide.map(|i| &points[i as usize]);
+    let [a, b, c] = wide.each(|i| &points[i as usize]);
     // The widest axis keeps the projection wide as well.
     let normal = (b - a).cross(&(c - a));
     if turn(normal.iamax(), a, b, c) != 0.0 {
@@ -375,7 +376,7 @@ fn first_turn(cloud: &Cloud, points: &[Point3<f64>], axis: usize) -> f64 {
     let Some(b) = points.iter().find(|p| *p != a) else {
         return 1.0;
     };
-    let [a, b] = [a, b].map(|p| cloud.place(p));
+    let [a, b] = [a, b].each(|p| cloud.place(p));
     let turns = points.iter().map(|c| turn(axis, &a, &b, &cloud.place(c)));
     turns.into_iter().find(|t| *t != 0.0).unwrap_or(1.0)
 }

@@ -10,6 +10,7 @@
 //! lookup of Ehmann and Lin 2000, section 4.2, with cells on a cube instead of a sphere, so that no
 //! trigonometry is needed.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -123,7 +124,7 @@ impl ConvexPolyhedron {
         let p = self.points[v.index()];
         let rises = |w: VertexId| n.dot(&(self.points[w.index()] - p)) > 0.0;
         let adjacent = self.topology.up_to_eight(v);
-        adjacent.is_some_and(|adjacent| !adjacent.map(rises).into_iter().fold(false, |any, one| any | one))
+        adjacent.is_some_and(|adjacent| !adjacent.each(rises).into_iter().fold(false, |any, one| any | one))
     }
 
     /// Returns the support vertex along `n` up to rounding, without a hint.

@@ -14,6 +14,7 @@
 //!            from
 //! ```
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -48,7 +49,7 @@ impl HalfEdges {
     fn new(half_edges: Vec<[u32; 4]>) -> Self {
         // Half-edges have the largest numbers of all features of a body.
         if half_edges.len() <= usize::from(u16::MAX) {
-            HalfEdges::Short(half_edges.iter().map(|e| e.map(|x| x as u16)).collect())
+            HalfEdges::Short(half_edges.iter().map(|e| e.each(|x| x as u16)).collect())
         } else {
             HalfEdges::Long(half_edges)
         }
@@ -65,7 +66,7 @@ impl HalfEdges {
     #[inline(always)]
     fn get(&self, h: HalfEdgeId) -> HalfEdge {
         let [to, twin, next, face] = match self {
-            HalfEdges::Short(l) => l[h.index()].map(u32::from),
+            HalfEdges::Short(l) => l[h.index()].each(u32::from),
             HalfEdges::Long(l) => l[h.index()],
         };
         HalfEdge {

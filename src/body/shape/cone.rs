@@ -1,5 +1,6 @@
 //! Circular cones.
 
+use crate::base::num::each::Each;
 use core::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3};
@@ -153,7 +154,7 @@ impl Support for Cone {
             return self.disc(n).map(Flat::Disc);
         }
         let n = [n.x, n.y, n.z];
-        Some(Flat::Line([0, 1].map(|branch| self.of_branch(branch, &n).into())))
+        Some(Flat::Line([0, 1].each(|branch| self.of_branch(branch, &n).into())))
     }
 
     /// Returns the feature: the base is face 0, the side face 1, the apex vertex 0, the rim edge 0.

@@ -1,5 +1,6 @@
 //! Circular cylinders.
 
+use crate::base::num::each::Each;
 use core::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3};
@@ -161,7 +162,7 @@ impl Support for Cylinder {
             return self.disc(n).map(Flat::Disc);
         }
         let n = [n.x, n.y, n.z];
-        Some(Flat::Line([0, 1].map(|branch| self.of_branch(branch, &n).into())))
+        Some(Flat::Line([0, 1].each(|branch| self.of_branch(branch, &n).into())))
     }
 
     /// Returns the feature: caps are faces 0 (upper) and 1, the side is face 2, rims are edges 0

@@ -1,5 +1,6 @@
 //! Ellipsoids.
 
+use crate::base::num::each::Each;
 use core::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3};
@@ -98,7 +99,7 @@ impl Support for Ellipsoid {
     #[inline(always)]
     fn onto<T: Scalar>(&self, _: u32, place: &Vec3<T>) -> Vec3<T> {
         let a: Vec3<T> = self.axes();
-        let unit = [0, 1, 2].map(|k| place[k] / a[k]);
+        let unit = [0, 1, 2].each(|k| place[k] / a[k]);
         scaled(place, T::from(1.0) / root(dot(&unit, &unit)))
     }
 

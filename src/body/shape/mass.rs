@@ -15,6 +15,7 @@
 //! `int n = -1/2 sum o e` and `int n n^T = (solid angle - sum (int n along the arc) e^T) / 3`. The
 //! solid angle is 2 pi less the angles of the faces at the vertex (Gauss and Bonnet).
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, VertexId};
@@ -181,7 +182,7 @@ impl Rounded<'_> {
         for c in rim {
             let part = 0.5 * (b - a).cross(&(c - a)).dot(&n);
             let corners = a + b + c;
-            let squares = [a, b, c].map(|p| p * p.transpose());
+            let squares = [a, b, c].each(|p| p * p.transpose());
             area += part;
             first += corners * (part / 3.0);
             second += (squares[0] + squares[1] + squares[2] + corners * corners.transpose()) * (part / 12.0);

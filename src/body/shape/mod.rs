@@ -23,6 +23,7 @@ mod persist;
 mod superquadric;
 mod support;
 
+use crate::base::num::each::Each;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{dot, sqrt};
 use crate::base::pose::rotation_matrix;
@@ -388,7 +389,7 @@ fn box_at<C: Support>(core: &C, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f
     for k in 0..3 {
         let row = [matrix[(k, 0)], matrix[(k, 1)], matrix[(k, 2)]];
         let norm = sqrt(dot(&row, &row));
-        let up = Vector3::from(row.map(|x| x / norm));
+        let up = Vector3::from(row.each(|x| x / norm));
         let margin = (BOX + core.noise() * UNIT) * (core.reach() + t[k].abs());
         high[k] += height(core, &up) + margin;
         low[k] -= height(core, &-up) + margin;

@@ -1,5 +1,6 @@
 //! Superquadrics, with powers in the arithmetic of a solver.
 
+use crate::base::num::each::Each;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, scaled, sqrt};
 use crate::base::tolerance::{TIP, UNIT};
@@ -51,8 +52,8 @@ impl Superquadric {
 
     /// Returns the gauge of a place: at most one inside.
     pub(crate) fn gauge<T: Scalar>(&self, place: &Vec3<T>) -> T {
-        let x = [0, 1, 2].map(|k| absolute(place[k]) / T::from(self.semi_axes[k]));
-        let [p, q] = self.exponents.map(|e| T::from(2.0) / T::from(e));
+        let x = [0, 1, 2].each(|k| absolute(place[k]) / T::from(self.semi_axes[k]));
+        let [p, q] = self.exponents.each(|e| T::from(2.0) / T::from(e));
         norm(norm(x[0], x[1], q), x[2], p)
     }
 
@@ -60,15 +61,15 @@ impl Superquadric {
     fn dual<T: Scalar>(&self, n: &Vec3<T>) -> Dual<T> {
         let (two, zero) = (T::from(2.0), T::from(0.0));
         // p / (p - 1) of p = 2 / e.
-        let q = self.exponents.map(|e| two / (two - T::from(e)));
-        let axes = [0, 1, 2].map(|k| {
+        let q = self.exponents.each(|e| two / (two - T::from(e)));
+        let axes = [0, 1, 2].each(|k| {
             T::from(if n[k] < zero {
                 -self.semi_axes[k]
             } else {
                 self.semi_axes[k]
             })
         });
-        let [x, y, z] = [0, 1, 2].map(|k| axes[k] * n[k]);
+        let [x, y, z] = [0, 1, 2].each(|k| axes[k] * n[k]);
         let inner = norm(x, y, q[1]);
         let height = norm(inner, z, q[0]);
         let share = |x: T, of: T| if of > zero { x / of } else { zero };
@@ -169,7 +170,7 @@ impl Support for Superquadric {
     fn bent<T: Scalar>(&self, _: u32, _: &Vec3<T>, n: &Vec3<T>, d: &Vec3<T>) -> Vec3<T> {
         let dual = self.dual(n);
         let (one, [q, p]) = (T::from(1.0), dual.q);
-        let [du, dv, dw] = [0, 1, 2].map(|k| dual.axes[k] * d[k]);
+        let [du, dv, dw] = [0, 1, 2].each(|k| dual.axes[k] * d[k]);
         let (fu, fv) = (power(dual.u, p - one), power(dual.v, p - one));
         let along = fu * du + fv * dv;
         let inner = if dual.inner > T::from(0.0) {

@@ -1,6 +1,7 @@
 //! What solvers ask of shapes: support points, and how they move with the direction; what a shape
 //! asks of a curved core, and the match of a core.
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, root};
@@ -110,7 +111,7 @@ pub(crate) trait Support {
 
     /// Calls `each` with the outward normals of the flat faces that a branch is a part of.
     fn flat_faces(&self, _branch: u32, each: &mut impl FnMut(Vec3<f64>)) {
-        let sides = [1.0, -1.0].map(|z| self.disc(&Vector3::new(0.0, 0.0, z)));
+        let sides = [1.0, -1.0].each(|z| self.disc(&Vector3::new(0.0, 0.0, z)));
         sides.iter().flatten().for_each(|disc| each([0.0, 0.0, disc.side]));
     }
 

@@ -8,6 +8,7 @@ mod record;
 #[cfg(feature = "serde")]
 mod state;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::broad::aabb::{Aabb, BoxFault, FARTHEST, StoredBox};
 pub(crate) use crate::broad::body::record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
@@ -253,7 +254,7 @@ impl Bodies {
     /// Returns whether the options of two bodies allow a pair.
     #[inline]
     pub(crate) fn may_pair(&self, a: u32, b: u32) -> bool {
-        let [a, b] = [a, b].map(|i| &self.details[i as usize]);
+        let [a, b] = [a, b].each(|i| &self.details[i as usize]);
         !(a.fixed && b.fixed) && a.groups.meet(b.groups)
     }
 

@@ -1,5 +1,6 @@
 //! The record of a body that a step reads, in one cache line.
 
+use crate::base::num::each::Each;
 use crate::broad::aabb::StoredBox;
 use crate::broad::bounds::Bounds;
 use crate::broad::grid::{Grid, Range};
@@ -144,7 +145,7 @@ impl Record {
 
     /// Rotates the coordinates of both boxes to another cyclic order.
     pub(super) fn rotate(&mut self, turn: usize) {
-        let [new, old] = [self.new, self.old].map(|bounds| Bounds::from_box(&bounds.to_box().rotated(turn)));
+        let [new, old] = [self.new, self.old].each(|bounds| Bounds::from_box(&bounds.to_box().rotated(turn)));
         self.set_new(&new);
         self.set_old(&old);
     }

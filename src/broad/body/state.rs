@@ -1,6 +1,7 @@
 //! Feature `serde`: the table of bodies as text.
 
 use super::*;
+use crate::base::num::each::Each;
 use crate::broad::aabb::FARTHEST;
 use alloc::string::String;
 
@@ -35,7 +36,7 @@ impl Bodies {
     pub(crate) fn state(&self) -> BodiesState {
         let back = 3 - self.grid.axis;
         let generations = self.slots.generations();
-        let [free, leaving] = self.slots.vacancies().map(Vec::clone);
+        let [free, leaving] = self.slots.vacancies().each(Vec::clone);
         let row = |(i, record): (usize, &Record)| BodyRow {
             generation: generations[i],
             body: self.details[i].body(),

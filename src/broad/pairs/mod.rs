@@ -5,6 +5,7 @@ mod links;
 #[cfg(feature = "serde")]
 mod state;
 
+use crate::base::num::each::Each;
 use crate::broad::body::Bodies;
 use crate::broad::change::{Changes, PairKey, pair_key, pair_of};
 use crate::broad::pairs::links::Links;
@@ -121,7 +122,7 @@ impl PairSlots {
     pub(crate) fn events(&self, bodies: &Bodies) -> Events<'_> {
         let refused = self.refused.map(|(key, refused)| {
             let (a, b) = pair_of(key);
-            let [a, b] = [a, b].map(|i| bodies.id(i));
+            let [a, b] = [a, b].each(|i| bodies.id(i));
             BroadPhaseError::TooManyPairs { a, b, refused }
         });
         Events {

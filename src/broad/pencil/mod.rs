@@ -7,6 +7,7 @@ mod repair;
 mod scan;
 mod tune;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::tolerance::COLUMN_SEARCH;
 use crate::broad::aabb::{StoredBox, order_key};
@@ -485,7 +486,7 @@ impl PencilSweep {
     pub fn pairs_between(&self, these: u32, those: u32) -> impl Iterator<Item = Pair> + '_ {
         let bodies = &self.state.bodies;
         self.pairs().filter(move |pair| {
-            let [a, b] = [pair.a, pair.b].map(|id| bodies.body(id.index).groups.member_of);
+            let [a, b] = [pair.a, pair.b].each(|id| bodies.body(id.index).groups.member_of);
             (a & these != 0 && b & those != 0) || (b & these != 0 && a & those != 0)
         })
     }
@@ -587,7 +588,7 @@ impl PencilSweep {
             Pencil {
                 swept_axis: grid.axis,
                 lo,
-                hi: lo.map(|v| v + grid.width),
+                hi: lo.each(|v| v + grid.width),
                 listed: column.entries.len(),
             }
         })

@@ -21,6 +21,7 @@
 
 use super::column::{ARRIVING, Column, Entry, EntryBoxes, index_of};
 use super::tune::StepCounts;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::tolerance::{COLUMN_MOVE, COLUMN_SUM};
 use crate::broad::aabb::StoredBox;
@@ -101,9 +102,9 @@ impl BoxColumns {
     /// lengths on the swept axis of the covers of old and new boxes, or a little more.
     #[inline(always)]
     fn copy(&mut self, k: usize, records: &[&Record; FOUR], step: u32) -> (f32x4, f32x4) {
-        let by = records.map(|record| record.before(step).displacement(&record.now()));
-        let [start, lo_u, lo_v, _] = f32x4::transpose(records.map(|record| record.now().lo));
-        let [end, hi_u, hi_v, _] = f32x4::transpose(records.map(|record| record.now().hi));
+        let by = records.each(|record| record.before(step).displacement(&record.now()));
+        let [start, lo_u, lo_v, _] = f32x4::transpose(records.each(|record| record.now().lo));
+        let [end, hi_u, hi_v, _] = f32x4::transpose(records.each(|record| record.now().hi));
         let [by_x, by_u, by_v, _] = f32x4::transpose(by);
         let moved = by_x.fast_max(by_u).fast_max(by_v) * f32x4::splat(COLUMN_MOVE);
         let put = |boxes: &mut Vec<f32>, four: f32x4| boxes[k..k + FOUR].copy_from_slice(&four.to_array());
@@ -176,7 +177,7 @@ impl Worker {
             // The last four may be fewer; the lanes behind the end are padding, which is written
             // last.
             let four: [Entry; FOUR] = core::array::from_fn(|i| entries[i.min(entries.len() - 1)]);
-            let records = four.map(|e| &bodies.records[index_of(e)]);
+            let records = four.each(|e| &bodies.records[index_of(e)]);
             let (mut moved, mut length) = self.boxes.copy(FOUR * k, &records, bodies.step);
             let flags = records.iter().fold(0, |flags, record| flags | record.flags());
             let arriving = four.iter().fold(0, |all, e| all | *e as u32) & ARRIVING;
@@ -227,9 +228,9 @@ impl Worker {
         let beyond = 2.0 * self.reach + farthest * COLUMN_SUM;
         for i in 0..n {
             let reach = end[i] + beyond;
-            let [x0, x1] = [start[i], end[i]].map(f32x4::splat);
-            let [u0, u1, v0, v1] = [lo_u[i], hi_u[i], lo_v[i], hi_v[i]].map(f32x4::splat);
-            let [by, least] = [moved[i], floor[i]].map(f32x4::splat);
+            let [x0, x1] = [start[i], end[i]].each(f32x4::splat);
+            let [u0, u1, v0, v1] = [lo_u[i], hi_u[i], lo_v[i], hi_v[i]].each(f32x4::splat);
+            let [by, least] = [moved[i], floor[i]].each(f32x4::splat);
             let hits_of_four = |j: usize| {
                 let apart_x = (four(start, j) - x1).fast_max(x0 - four(end, j));
                 let apart_u = (four(lo_u, j) - u1).fast_max(u0 - four(hi_u, j));
@@ -310,7 +311,7 @@ fn settle(pending: &mut [Hits], column: &Column, cell: [u16; 2], bodies: &Bodies
                 let (i, j, hits) = pending[k];
                 let first = column.entries[i as usize];
                 let second = column.entries[(j + hits.trailing_zeros()) as usize];
-                let [a, b] = [first, second].map(|e| &bodies.records[index_of(e)]);
+                let [a, b] = [first, second].each(|e| &bodies.records[index_of(e)]);
                 let (was, is) = overlap(a, b, bodies.step);
                 found[changed] = (first as u32, second as u32, is);
                 changed += usize::from(was != is);
@@ -341,7 +342,7 @@ pub(super) fn decide(a: u32, b: u32, began: bool, cell: [u16; 2], bodies: &Bodie
     let (part_a, part_b) = (EntryBoxes::of(a, first, cell), EntryBoxes::of(b, second, cell));
     // Computed without a branch, since the outcome is unpredictable.
     let seen = part_a.has(began) & part_b.has(began);
-    let [box_a, box_b] = [first, second].map(|record| record.at(began, bodies.step));
+    let [box_a, box_b] = [first, second].each(|record| record.at(began, bodies.step));
     let owner = bodies.grid.owner(box_a, box_b);
     if seen & (owner == cell) {
         changes.note(i, j, !began, began);

@@ -10,6 +10,7 @@
 //! the entries of the last check ends the calm, and so does a check that finds the bodies spread
 //! along another axis: axis and width are then chosen as for a new world.
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
 use crate::broad::body::{Bodies, UNBOUNDED};
@@ -70,7 +71,7 @@ impl Survey {
         }
         let taken = sample[0].len().max(1) as f64;
         let count = (bodies.len().saturating_sub(bodies.unbounded.len())) as f64;
-        let (mean, product) = (mean.map(|v| v / taken), product.map(|v| v / taken));
+        let (mean, product) = (mean.each(|v| v / taken), product.each(|v| v / taken));
         let mut out = Self {
             count,
             mean,
@@ -197,13 +198,13 @@ impl Survey {
         let most = (2.0 * self.count).at_least(64.0);
         let mut width = width.at_least(LEAST_WIDTH);
         loop {
-            let size = [1, 2].map(|k| (libm::ceil(self.extent(k) / width)).clamped(1.0, 1e9));
+            let size = [1, 2].each(|k| (libm::ceil(self.extent(k) / width)).clamped(1.0, 1e9));
             if size[0] * size[1] <= most && size[0].larger(size[1]) <= MOST_COLUMNS_OF_AXIS as f64 {
                 return Grid::new(
                     axis,
                     [self.lo[1] as f32, self.lo[2] as f32],
                     width as f32,
-                    size.map(|n| n as u16),
+                    size.each(|n| n as u16),
                 )
                 .leaping(self.leap(width, size[0] * size[1]));
             }

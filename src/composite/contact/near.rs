@@ -8,6 +8,7 @@
 //!             v  ` foot            passes over its end.
 //! ```
 
+use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use super::body::{ContactPatches, Under, is_in};
@@ -444,7 +445,7 @@ impl PosedPatches<'_> {
 
     /// Returns the closest points of an outcome of the cores as a contact of the parts.
     fn witness(&self, outcome: &Outcome) -> ContactPoint {
-        let [on_a, on_b] = [0, 1].map(|k| self.parts[k].0.round());
+        let [on_a, on_b] = [0, 1].each(|k| self.parts[k].0.round());
         ContactPoint {
             point_on_a: outcome.point_on_a + *outcome.normal * on_a,
             point_on_b: outcome.point_on_b - self.pose.rotation().tr_mul(&outcome.normal) * on_b,

@@ -13,6 +13,7 @@
 //! Sources: Collins and Akritas 1976 (bisection by Descartes' rule of signs); Collins 1967
 //! (remainder sequences). Bernstein coefficients stand for the sign variations.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use dashu_base::{BitTest, Gcd};
@@ -55,10 +56,10 @@ pub(super) fn edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64, work: &mut Wid
 pub(super) fn pierce(p: &Triangle, q: &Triangle) -> bool {
     let numbers = p.iter().chain(q).flat_map(|v| v.iter().copied());
     let lowest = lowest_bit(numbers).unwrap_or(0);
-    let whole = |t: &Triangle| t.map(|v| [v.x, v.y, v.z].map(|x| integer(x, lowest)));
+    let whole = |t: &Triangle| t.each(|v| [v.x, v.y, v.z].each(|x| integer(x, lowest)));
     let (p, q) = (whole(p), whole(q));
     let volume = |a: &Big3, b: &Big3, c: &Big3, d: &Big3| {
-        let [u, v, w] = [b, c, d].map(|x| integer::sub(x, a));
+        let [u, v, w] = [b, c, d].each(|x| integer::sub(x, a));
         sign(&integer::dot(&integer::cross(&u, &v), &w))
     };
     let through = |x: &[Big3; 3], y: &[Big3; 3]| {
@@ -67,7 +68,7 @@ pub(super) fn pierce(p: &Triangle, q: &Triangle) -> bool {
             if volume(&y[0], &y[1], &y[2], from) * volume(&y[0], &y[1], &y[2], to) >= 0 {
                 return false;
             }
-            let turns = [0, 1, 2].map(|j| volume(from, to, &y[j], &y[(j + 1) % 3]));
+            let turns = [0, 1, 2].each(|j| volume(from, to, &y[j], &y[(j + 1) % 3]));
             turns[0] != 0 && turns[1] == turns[0] && turns[2] == turns[0]
         })
     };
@@ -79,9 +80,9 @@ fn moving(paths: [&Path; 4]) -> [Vector; 4] {
     let ends = |p: &Path| [p.begin, p.end];
     let numbers = paths.iter().flat_map(|p| ends(p)).flat_map(|v| [v.x, v.y, v.z]);
     let lowest = lowest_bit(numbers).unwrap_or(0);
-    paths.map(|p| {
-        [0, 1, 2].map(|k| {
-            let [begin, end] = ends(p).map(|v| integer(v[k], lowest));
+    paths.each(|p| {
+        [0, 1, 2].each(|k| {
+            let [begin, end] = ends(p).each(|v| integer(v[k], lowest));
             let move_of = &end - &begin;
             Polynomial::new(vec![begin, move_of])
         })
@@ -89,7 +90,7 @@ fn moving(paths: [&Path; 4]) -> [Vector; 4] {
 }
 
 fn sub(a: &Vector, b: &Vector) -> Vector {
-    [0, 1, 2].map(|k| a[k].sub(&b[k]))
+    [0, 1, 2].each(|k| a[k].sub(&b[k]))
 }
 
 fn dot(a: &Vector, b: &Vector) -> Polynomial {
@@ -97,7 +98,7 @@ fn dot(a: &Vector, b: &Vector) -> Polynomial {
 }
 
 fn cross(a: &Vector, b: &Vector) -> Vector {
-    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i].times(&b[j]).sub(&a[j].times(&b[i])))
+    [(1, 2), (2, 0), (0, 1)].each(|(i, j)| a[i].times(&b[j]).sub(&a[j].times(&b[i])))
 }
 
 fn is_zero(a: &Vector) -> bool {
@@ -214,7 +215,7 @@ impl<'a> ExactPair<'a> {
             ExactPair::Edges([a, b, c, d]) => {
                 let (u, v, w) = (sub(b, a), sub(d, c), sub(c, a));
                 let whole = dot(normal, normal);
-                let [on_a, on_b] = [&v, &u].map(|x| dot(&cross(&w, x), normal));
+                let [on_a, on_b] = [&v, &u].each(|x| dot(&cross(&w, x), normal));
                 vec![whole.sub(&on_a), on_a, whole.sub(&on_b), on_b]
             }
         }
@@ -224,9 +225,9 @@ impl<'a> ExactPair<'a> {
     fn segments(&self) -> Vec<ExactPair<'a>> {
         match *self {
             ExactPair::Segment(_) => Vec::new(),
-            ExactPair::Face([p, a, b, c]) => [[p, a, b], [p, b, c], [p, c, a]].map(ExactPair::Segment).to_vec(),
+            ExactPair::Face([p, a, b, c]) => [[p, a, b], [p, b, c], [p, c, a]].each(ExactPair::Segment).to_vec(),
             ExactPair::Edges([a, b, c, d]) => [[a, c, d], [b, c, d], [c, a, b], [d, a, b]]
-                .map(ExactPair::Segment)
+                .each(ExactPair::Segment)
                 .to_vec(),
         }
     }

@@ -1,5 +1,6 @@
 //! A mesh over a frame: its vertices at both ends, and where it is at instants between.
 
+use crate::base::num::each::Each;
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
@@ -113,7 +114,7 @@ impl<'a> MeshOverFrame<'a> {
         };
         let ends = match &motion {
             None => [Moment::new(0.0, &begin), Moment::new(1.0, &end)],
-            Some(motion) => [0.0, 1.0].map(|time| Moment::new(time, &motion.pose(time))),
+            Some(motion) => [0.0, 1.0].each(|time| Moment::new(time, &motion.pose(time))),
         };
         let meshes = self.meshes;
         Ok(Self {
@@ -129,7 +130,7 @@ impl<'a> MeshOverFrame<'a> {
     pub(super) fn beside(a: &Self, b: &Self) -> Result<([Self; 2], Vector3<f64>), ImpactError> {
         let origin = a.poses[0].translation.vector;
         let seen = |of: &Self| {
-            let shifted = of.poses.map(|pose| {
+            let shifted = of.poses.each(|pose| {
                 let place = pose.translation.vector - origin;
                 Isometry3::from_parts(place.into(), pose.rotation)
             });
@@ -151,7 +152,7 @@ impl<'a> MeshOverFrame<'a> {
             None => Moment {
                 time,
                 rotation: self.ends[0].rotation,
-                place: place(&self.ends.map(|end| end.place), time),
+                place: place(&self.ends.each(|end| end.place), time),
             },
         }
     }
@@ -173,13 +174,13 @@ impl<'a> MeshOverFrame<'a> {
 
     /// Returns the corners of a triangle at an instant.
     pub(super) fn corners(&self, triangle: u32, moment: &Moment) -> [Point3<f64>; 3] {
-        self.meshes[0].triangles[triangle as usize].map(|v| self.point(v, moment))
+        self.meshes[0].triangles[triangle as usize].each(|v| self.point(v, moment))
     }
 
     /// Returns the corners of a triangle as they move from one instant to another.
     pub(super) fn paths(&self, triangle: u32, [from, to]: [&Moment; 2]) -> [Path; 3] {
         let (from, to) = (self.corners(triangle, from), self.corners(triangle, to));
-        [0, 1, 2].map(|k| Path::new(from[k], to[k]))
+        [0, 1, 2].each(|k| Path::new(from[k], to[k]))
     }
 
     /// Returns all vertices as they are at both ends.
@@ -221,7 +222,7 @@ impl<'a> MeshOverFrame<'a> {
         let own = match moment.time {
             0.0 => of(&self.meshes[0]),
             1.0 => of(&self.meshes[1]),
-            time => place(&self.both().map(of), time),
+            time => place(&self.both().each(of), time),
         };
         moment.rotation * own + moment.place
     }
@@ -230,24 +231,24 @@ impl<'a> MeshOverFrame<'a> {
     pub(super) fn axes(&self, node: u32, moment: &Moment) -> [Vector3<f64>; 3] {
         let mesh = &self.meshes[usize::from(moment.time == 1.0)];
         let b = &mesh.tree.boxes[node as usize];
-        [2, 1, 0].map(|k| moment.rotation * b.axis(k))
+        [2, 1, 0].each(|k| moment.rotation * b.axis(k))
     }
 
     /// Returns how far vertices are from the origin of the mesh's frame at most.
     pub(super) fn radius(&self) -> f64 {
-        let [begin, end] = self.both().map(|mesh| mesh.radius * mesh.unit());
+        let [begin, end] = self.both().each(|mesh| mesh.radius * mesh.unit());
         begin.larger(end)
     }
 
     /// Returns half the diagonal of the box of the mesh, or the radius if that is less.
     pub(super) fn half_size(&self) -> f64 {
-        let [begin, end] = self.both().map(Parted::half_size);
+        let [begin, end] = self.both().each(Parted::half_size);
         begin.larger(end)
     }
 
     /// Returns the largest coordinate of a point, or more.
     pub(super) fn reach(&self) -> f64 {
-        let [begin, end] = [0, 1].map(|k| {
+        let [begin, end] = [0, 1].each(|k| {
             let mesh = &self.meshes[k];
             mesh.radius * mesh.unit() + self.ends[k].place.abs().sum()
         });
@@ -289,7 +290,7 @@ impl<'a> MeshOverFrame<'a> {
         }
         let mut most = (0.0f64, 0.0f64);
         for v in self.meshes[0].triangles[triangle as usize] {
-            let [begin, end] = [0.0, 1.0].map(|time| self.own(v, time));
+            let [begin, end] = [0.0, 1.0].each(|time| self.own(v, time));
             most.0 = most.0.larger(length(&begin)).larger(length(&end));
             most.1 = most.1.larger(length(&(end - begin)));
         }

@@ -20,6 +20,7 @@
 //! it; two at the rim are at two places of it, which 2 excludes. So some point nearby would be
 //! covered twice.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -58,7 +59,7 @@ pub(super) struct HeightFields<'a> {
 impl<'a> HeightFields<'a> {
     pub(super) fn new(of: &'a MeshOverFrame<'a>, vertices: &[Path]) -> Self {
         let first = vertices.first().map_or_else(Vector3::zeros, |p| p.begin.coords);
-        let seen = |p: &Path| [p.begin, p.end].map(|x| x.coords - first);
+        let seen = |p: &Path| [p.begin, p.end].each(|x| x.coords - first);
         let mut places: Vec<_> = vertices.iter().map(seen).collect();
         let largest = places.iter().flatten().fold(0.0, |m: f64, v| m.larger(v.amax()));
         // A factor below the normal numbers is two factors.
@@ -93,7 +94,7 @@ impl<'a> HeightFields<'a> {
         let rows = self.rows((from..to).chain(other..end));
         for t in (from..to).chain(other..end) {
             let corners = self.of.both()[0].triangles[t as usize];
-            let [a, b, c] = corners.map(|v| self.way(v, &rows));
+            let [a, b, c] = corners.each(|v| self.way(v, &rows));
             if crosses([&a, &b], [&a, &c]).iter().any(|area| !(*area > PATH_AREA)) {
                 return false;
             }
@@ -120,7 +121,7 @@ impl<'a> HeightFields<'a> {
                 let [begin, end] = &self.places[v as usize];
                 begin + end
             };
-            let [a, b, c] = self.of.both()[0].triangles[t as usize].map(middle);
+            let [a, b, c] = self.of.both()[0].triangles[t as usize].each(middle);
             n += (b - a).cross(&(c - a));
         }
         let least = n.iamin();
@@ -135,7 +136,7 @@ impl<'a> HeightFields<'a> {
     }
 
     fn way(&self, vertex: u32, [p, q]: &[Vector3<f64>; 2]) -> PlaneWay {
-        self.places[vertex as usize].map(|x| [p.dot(&x), q.dot(&x)])
+        self.places[vertex as usize].each(|x| [p.dot(&x), q.dot(&x)])
     }
 
     /// Returns whether the loops of the rim are simple over the frame, and at most one runs
@@ -161,11 +162,11 @@ impl<'a> HeightFields<'a> {
             if after == NONE {
                 return false;
             }
-            let [a, b, c] = [from, to, after].map(|v| self.way(v, rows));
+            let [a, b, c] = [from, to, after].each(|v| self.way(v, rows));
             let turns = crosses([&a, &b], [&b, &c]);
             // The scalar product is the cross product with the other vector turned by a right
             // angle.
-            let turned = |way: &PlaneWay| way.map(|[x, y]| [-y, x]);
+            let turned = |way: &PlaneWay| way.each(|[x, y]| [-y, x]);
             turns.iter().all(|x| *x > PATH_AREA)
                 || turns.iter().all(|x| *x < -PATH_AREA)
                 || crosses([&a, &b], [&turned(&b), &turned(&c)])
@@ -177,7 +178,7 @@ impl<'a> HeightFields<'a> {
     /// Returns whether every two edges of the rim that share no vertex are parted by a line.
     fn are_rim_edges_apart(&self, rows: &[Vector3<f64>; 2]) -> bool {
         let edge = |&[from, to]: &[u32; 2]| {
-            let ways = [from, to].map(|v| self.way(v, rows));
+            let ways = [from, to].each(|v| self.way(v, rows));
             let range = |k: usize| {
                 let all = ways.iter().flatten().map(|place| place[k]);
                 all.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
@@ -224,7 +225,7 @@ impl<'a> HeightFields<'a> {
 /// Returns the Bernstein coefficients of the cross product of the ways from `a` to `b` and from `c`
 /// to `d` between both ends.
 fn crosses([a, b]: [&PlaneWay; 2], [c, d]: [&PlaneWay; 2]) -> [f64; 3] {
-    let way = |p: &PlaneWay, q: &PlaneWay| [0, 1].map(|k| [q[k][0] - p[k][0], q[k][1] - p[k][1]]);
+    let way = |p: &PlaneWay, q: &PlaneWay| [0, 1].each(|k| [q[k][0] - p[k][0], q[k][1] - p[k][1]]);
     let cross = |u: PlanePlace, v: PlanePlace| u[0] * v[1] - u[1] * v[0];
     let ([u, v], [w, x]) = (way(a, b), way(c, d));
     [cross(u, w), 0.5 * (cross(u, x) + cross(v, w)), cross(v, x)]
@@ -232,7 +233,7 @@ fn crosses([a, b]: [&PlaneWay; 2], [c, d]: [&PlaneWay; 2]) -> [f64; 3] {
 
 /// Returns whether a line parts two edges at both ends, and so at all instants between.
 fn are_parted(p: &[PlaneWay; 2], q: &[PlaneWay; 2]) -> bool {
-    let middle = |edge: &[PlaneWay; 2]| [0, 1].map(|k| edge.iter().flatten().map(|place| place[k]).sum::<f64>());
+    let middle = |edge: &[PlaneWay; 2]| [0, 1].each(|k| edge.iter().flatten().map(|place| place[k]).sum::<f64>());
     let ([a, b], [c, d]) = (middle(p), middle(q));
     let way = [c - a, d - b];
     let across = |edge: &[PlaneWay; 2]| {

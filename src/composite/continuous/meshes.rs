@@ -4,6 +4,7 @@
 //! Triangles of meshes that rotate are on straight paths but for the sagitta of the arcs, which
 //! falls with the square of the time ([`TrianglesOnArcs`]).
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use nalgebra::{Point3, Vector3};
 
@@ -134,7 +135,7 @@ impl<'a> FrameSearch<'a> {
             fields: None,
             width,
             origin: Vector3::zeros(),
-            step: [0, 1].map(|k| [a.ends[k], b.ends[k]]),
+            step: [0, 1].each(|k| [a.ends[k], b.ends[k]]),
             placed: if is_straight { 0.0 } else { placed(a, b) },
             sagitta: sagitta(a) + sagitta(b),
             first: First::default(),
@@ -155,7 +156,7 @@ impl<'a> FrameSearch<'a> {
         let steps = if wanted > 1.0 { wanted as u32 + 1 } else { 1 };
         for k in 0..steps {
             if steps > 1 {
-                self.step = [k, k + 1].map(|k| {
+                self.step = [k, k + 1].each(|k| {
                     let time = f64::from(k) / f64::from(steps);
                     [self.a.moment(time), self.b.moment(time)]
                 });
@@ -197,7 +198,7 @@ impl<'a> FrameSearch<'a> {
 
     /// Returns the times of the step, up to the first contact known: what is later changes nothing.
     fn times(&self) -> [f64; 2] {
-        let [begin, end] = self.step.map(|[a, _]| a.time);
+        let [begin, end] = self.step.each(|[a, _]| a.time);
         [begin, self.first.hit.smaller(end)]
     }
 
@@ -208,7 +209,7 @@ impl<'a> FrameSearch<'a> {
         self.work.intervals = self.work.intervals.saturating_add(1);
         let doubt = self.doubt();
         let [from, to] = &self.step;
-        let [begin, end] = [from, to].map(|[a, b]| self.b.middle(j, b) - self.a.middle(i, a));
+        let [begin, end] = [from, to].each(|[a, b]| self.b.middle(j, b) - self.a.middle(i, a));
         let way = begin + end;
         let share = self.share();
         let parts = |n: &Vector3<f64>| {
@@ -238,7 +239,7 @@ impl<'a> FrameSearch<'a> {
 
     /// Returns what a gap of two nodes must exceed.
     fn doubt(&self) -> f64 {
-        let [begin, end] = self.step.map(|[a, _]| a.time);
+        let [begin, end] = self.step.each(|[a, _]| a.time);
         let length = end - begin;
         // Heights of two nodes, the rotations of the direction, and the rounding of places: each
         // less than the error of a height.
@@ -248,7 +249,7 @@ impl<'a> FrameSearch<'a> {
 
     /// Returns which part of the step is asked.
     fn share(&self) -> f64 {
-        let [begin, end] = self.step.map(|[a, _]| a.time);
+        let [begin, end] = self.step.each(|[a, _]| a.time);
         let [_, until] = self.times();
         if begin == 0.0 && end == 1.0 {
             return until;
@@ -263,7 +264,7 @@ impl<'a> FrameSearch<'a> {
             return;
         }
         if self.is_self {
-            let [s, t] = pair.map(|k| self.a.both()[0].triangles[k as usize]);
+            let [s, t] = pair.each(|k| self.a.both()[0].triangles[k as usize]);
             if x >= y || s.iter().any(|v| t.contains(v)) {
                 return;
             }
@@ -364,7 +365,7 @@ type Corners = [[Point3<f64>; 3]; 2];
 
 impl<'a> TrianglesOnArcs<'a> {
     pub(super) fn new(of: [&'a MeshOverFrame<'a>; 2], triangles: NodePair, placed: f64) -> Self {
-        let [a, b] = [0, 1].map(|k| of[k].sagitta_of(triangles[k]));
+        let [a, b] = [0, 1].each(|k| of[k].sagitta_of(triangles[k]));
         Self {
             of,
             triangles,
@@ -374,7 +375,7 @@ impl<'a> TrianglesOnArcs<'a> {
     }
 
     fn at(&self, time: f64) -> Corners {
-        [0, 1].map(|k| {
+        [0, 1].each(|k| {
             let of = self.of[k];
             of.corners(self.triangles[k], &of.moment(time))
         })
@@ -382,7 +383,7 @@ impl<'a> TrianglesOnArcs<'a> {
 
     /// Returns both triangles at rest as they are at an instant.
     pub(super) fn at_rest(&self, time: f64) -> [[Path; 3]; 2] {
-        self.at(time).map(|corners| corners.map(|p| Path::new(p, p)))
+        self.at(time).each(|corners| corners.each(|p| Path::new(p, p)))
     }
 
     /// Returns the first contact between two instants, in a bracket at most `width` wide if the
@@ -431,7 +432,7 @@ impl<'a> TrianglesOnArcs<'a> {
 
     /// Returns whether a direction parts the triangles over an interval of this length.
     fn are_apart(&self, [x, y]: [&Corners; 2], length: f64) -> bool {
-        let paths = |k: usize| [0, 1, 2].map(|i| Path::new(x[k][i], y[k][i]));
+        let paths = |k: usize| [0, 1, 2].each(|i| Path::new(x[k][i], y[k][i]));
         let slack = self.placed + self.sagitta * (length * length) * (1.0 + 8.0 * UNIT);
         VertexPaths::new(&paths(0), &paths(1)).is_some_and(|paths| {
             let paths = paths.within(slack);
@@ -478,7 +479,7 @@ impl<'a> TrianglesOnArcs<'a> {
         if !(off < 1.0 / 64.0) {
             return false;
         }
-        let [p, q] = [p, q].map(|t| t.map(|x| x * 0.5));
+        let [p, q] = [p, q].each(|t| t.each(|x| x * 0.5));
         passes(&p, &q, off) || passes(&q, &p, off)
     }
 }
@@ -500,17 +501,17 @@ fn passes(p: &[Vector3<f64>; 3], q: &[Vector3<f64>; 3], off: f64) -> bool {
     // 3 * 2 * 3 off, and the squares and the cube of it, 0.4 off.
     let doubt = PATH_VOLUME + 20.0 * off;
     let sign = |a: &Vector3<f64>, others: [&Vector3<f64>; 3]| {
-        let [u, v, w] = others.map(|x| x - a);
+        let [u, v, w] = others.each(|x| x - a);
         let volume = determinant([&u, &v, &w]);
         i32::from(volume > doubt) - i32::from(volume < -doubt)
     };
-    let sides = [0, 1, 2].map(|k| sign(&p[k], [&q[0], &q[1], &q[2]]));
+    let sides = [0, 1, 2].each(|k| sign(&p[k], [&q[0], &q[1], &q[2]]));
     (0..3).any(|k| {
         let (from, to) = (&p[k], &p[(k + 1) % 3]);
         if sides[k] * sides[(k + 1) % 3] >= 0 {
             return false;
         }
-        let turns = [0, 1, 2].map(|j| sign(from, [to, &q[j], &q[(j + 1) % 3]]));
+        let turns = [0, 1, 2].each(|j| sign(from, [to, &q[j], &q[(j + 1) % 3]]));
         turns[0] != 0 && turns[1] == turns[0] && turns[2] == turns[0]
     })
 }

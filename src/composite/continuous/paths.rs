@@ -1,6 +1,7 @@
 //! Two sets of vertices on straight paths, in numbers of their own size, and what a direction
 //! proves of them.
 
+use crate::base::num::each::Each;
 use core::array::from_fn;
 use nalgebra::{Point3, Vector3};
 
@@ -67,7 +68,7 @@ impl<const A: usize, const B: usize> VertexPaths<A, B> {
         let (once, rest) = (power_of_two(lift), power_of_two(-e));
         // A factor below the normal numbers is two factors.
         let scaled = |v: &Vector3<f64>| v * once * rest;
-        let each = |p: &[Vector3<f64>; 2]| p.each_ref().map(scaled);
+        let each = |p: &[Vector3<f64>; 2]| p.each_ref().each(scaled);
         let (a, b) = (a.each_ref().map(each), b.each_ref().map(each));
         let unit = [power_of_two(e), power_of_two(-lift)];
         let slack = 0.0;
@@ -177,14 +178,14 @@ fn certain(x: f64, doubt: f64) -> i32 {
 /// two, else zero: the product is a quadratic in time, of one sign if its Bernstein coefficients
 /// are.
 fn turn(at: [[&Vector3<f64>; 3]; 2], n: &Vector3<f64>, doubt: f64) -> i32 {
-    let [first, second, third] = areas(at).map(|area| certain(area.dot(n), doubt));
+    let [first, second, third] = areas(at).each(|area| certain(area.dot(n), doubt));
     if first == second && second == third { first } else { 0 }
 }
 
 /// Returns the Bernstein coefficients of `(j - i) x (k - i)` between two instants.
 #[inline(always)]
 pub(crate) fn areas(at: [[&Vector3<f64>; 3]; 2]) -> [Vector3<f64>; 3] {
-    let [[a, b], [c, d]] = at.map(|[i, j, k]| [j - i, k - i]);
+    let [[a, b], [c, d]] = at.each(|[i, j, k]| [j - i, k - i]);
     let middle = (a.cross(&d) + c.cross(&b)) * 0.5;
     [a.cross(&b), middle, c.cross(&d)]
 }
@@ -225,7 +226,7 @@ impl FourVertices for VertexPlaces<1, 3> {
 
     fn is_over(both: [&Self; 2], n: &Vector3<f64>) -> bool {
         let doubt = PATH_AREA * size(n);
-        let side = |j: usize, k: usize| turn(both.map(|x| [&x.a[0], &x.b[j], &x.b[k]]), n, doubt);
+        let side = |j: usize, k: usize| turn(both.each(|x| [&x.a[0], &x.b[j], &x.b[k]]), n, doubt);
         let first = side(0, 1);
         doubt > 0.0 && first != 0 && side(1, 2) == first && side(2, 0) == first
     }
@@ -256,8 +257,8 @@ impl FourVertices for VertexPlaces<2, 2> {
 
     fn is_over(both: [&Self; 2], n: &Vector3<f64>) -> bool {
         let doubt = PATH_AREA * size(n);
-        let of_a = |k: usize| turn(both.map(|x| [&x.a[k], &x.b[0], &x.b[1]]), n, doubt);
-        let of_b = |k: usize| turn(both.map(|x| [&x.b[k], &x.a[0], &x.a[1]]), n, doubt);
+        let of_a = |k: usize| turn(both.each(|x| [&x.a[k], &x.b[0], &x.b[1]]), n, doubt);
+        let of_b = |k: usize| turn(both.each(|x| [&x.b[k], &x.a[0], &x.a[1]]), n, doubt);
         doubt > 0.0 && of_a(0) * of_a(1) == -1 && of_b(0) * of_b(1) == -1
     }
 }
@@ -271,12 +272,12 @@ impl Parts for VertexPlaces<3, 3> {
 
     fn normals(&self) -> [Vector3<f64>; 2] {
         let way = self.b[0] + self.b[1] + self.b[2] - self.a[0] - self.a[1] - self.a[2];
-        [&self.a, &self.b].map(|t| turned(triangle::normal(t), &way))
+        [&self.a, &self.b].each(|t| turned(triangle::normal(t), &way))
     }
 }
 
 fn is_never_flat<P: FourVertices>([x, y]: [&P; 2]) -> bool {
-    let signs = volumes(x, y).map(volume_sign);
+    let signs = volumes(x, y).each(volume_sign);
     signs[0] != 0 && signs.iter().all(|s| *s == signs[0])
 }
 

@@ -4,6 +4,7 @@
 //! First comes the search for any two parts, then what floating point proves and exact arithmetic
 //! decides of a vertex and a face, two edges and two triangles.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::paths::{FourVertices, Parts, Path, VertexPaths, VertexPlaces, volume_sign, volumes};
@@ -100,7 +101,7 @@ where
             return None;
         }
         let volumes = volumes(x, y);
-        let signs = volumes.map(volume_sign);
+        let signs = volumes.each(volume_sign);
         // Two coefficients that may turn back may belong to three contacts.
         let is_single = signs[1] == signs[0] || signs[2] == signs[3];
         (signs[0] * signs[3] == -1 && (is_single || e - s <= width.at_least(PATH_WIDTH))).then(|| {
@@ -357,7 +358,7 @@ pub(super) fn triangles_until(
         return FirstContact::Miss;
     };
     if safe == 0.0 {
-        let begin = |t: &[Path; 3]| t.map(|p| p.begin.coords);
+        let begin = |t: &[Path; 3]| t.each(|p| p.begin.coords);
         work.proofs = work.proofs.saturating_add(1);
         if pierce(&begin(a), &begin(b)) {
             return FirstContact::Start;

@@ -5,6 +5,7 @@
 //! to frame that a front costs more than a search anew. Such a front is dropped, and after some
 //! searches, twice as many each time, another one is tried.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
@@ -245,8 +246,8 @@ impl FrontMemory {
         for first in (0..self.failed.len()).step_by(WIDTH) {
             let batch: [EntryId; WIDTH] = core::array::from_fn(|k| self.failed[(first + k).min(self.failed.len() - 1)]);
             let count = WIDTH.min(self.failed.len() - first);
-            let normals = batch.map(|at| front.normal(single, at));
-            let pairs = batch.map(|at| front.pair(at));
+            let normals = batch.each(|at| front.normal(single, at));
+            let pairs = batch.each(|at| front.pair(at));
             let found = along(single, trees, &pairs, &normals);
             search.work.bounds += count as u64;
             for k in 0..count {

@@ -27,6 +27,7 @@
 pub(super) mod memory;
 pub(super) mod own;
 
+use crate::base::num::each::Each;
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -213,10 +214,10 @@ impl Front {
         let (ball, scale, n) = if place.half == 0 {
             (&b.boxes[y as usize], frame.scale_b, normal)
         } else {
-            let n = frame.ways[0].back(normal).map(|x| -x);
+            let n = frame.ways[0].back(normal).each(|x| -x);
             (&a.boxes[x as usize], frame.scale_a, n)
         };
-        let [_, cx, cy, cz] = ball.rows[2].map(|c| c * scale);
+        let [_, cx, cy, cz] = ball.rows[2].each(|c| c * scale);
         let (radius, [ux, uy, uz]) = ball.rod(scale);
         let (m, base) = claim(way, n, [cx, cy, cz], gap);
         let values = [n[0], n[1], n[2], m[0], m[1], m[2], cx, cy, cz, radius, base, ux, uy, uz];
@@ -264,11 +265,11 @@ impl Front {
     /// Returns the direction of an entry at a pose, in A's frame.
     pub(super) fn normal(&self, frame: &Single, place: EntryId) -> [f32; 3] {
         let block = &self.halves[place.half as usize].blocks[place.at as usize / WIDTH].numbers;
-        let n = [0, 1, 2].map(|c| block[c][place.at as usize % WIDTH]);
+        let n = [0, 1, 2].each(|c| block[c][place.at as usize % WIDTH]);
         if place.half == 0 {
             n
         } else {
-            frame.ways[1].back(n).map(|x| -x)
+            frame.ways[1].back(n).each(|x| -x)
         }
     }
 }
@@ -290,7 +291,7 @@ pub(crate) fn entry_at(
     centre: [f32; 3],
     (radius, [ux, uy, uz]): (f32, [f32; 3]),
 ) -> ([f32; 3], f32, f32) {
-    let [made, now] = poses.map(|(rotation, translation)| Way { rotation, translation });
+    let [made, now] = poses.each(|(rotation, translation)| Way { rotation, translation });
     let (m, base) = claim(&made, n, centre, gap);
     let [cx, cy, cz] = centre;
     let mut block = FrontBlock::EMPTY;
@@ -324,7 +325,7 @@ impl FrontBlock {
     #[inline(always)]
     fn gaps(&self, way: &Way) -> f32x8 {
         let [nx, ny, nz, mx, my, mz, cx, cy, cz, radius, base, ux, uy, uz] = &self.numbers;
-        let (r, t) = (way.rotation.map(f32x8::splat), way.translation.map(f32x8::splat));
+        let (r, t) = (way.rotation.map(f32x8::splat), way.translation.each(f32x8::splat));
         let (nx, ny, nz) = (f32x8::new(*nx), f32x8::new(*ny), f32x8::new(*nz));
         let (cx, cy, cz) = (f32x8::new(*cx), f32x8::new(*cy), f32x8::new(*cz));
         let (x, y, z) = (
@@ -374,7 +375,7 @@ pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &TreeFrame) -> Res
         if entries.insert(pair, ()).is_some() {
             fault = Some(FrontFault::Cover { pair });
         }
-        let n = Vector3::from(front.normal(&frame.single, place).map(f64::from));
+        let n = Vector3::from(front.normal(&frame.single, place).each(f64::from));
         let claimed = f64::from(gap) * frame.single.unit;
         let gap = true_gap(a, b, frame, pair, &n);
         if claimed > gap {

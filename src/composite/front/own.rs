@@ -16,6 +16,7 @@
 //! Neighbours move together: near nodes lose what the body is stretched between them, not what they
 //! move. Nothing adds up over frames: a body that swings is where it was.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
@@ -214,7 +215,7 @@ impl SelfFront {
         }
         let (mut between, mut base) = ([0.0; 3], distance);
         if !self.drifts.is_empty() {
-            between = self::between(&self.drifts, pair).map(|x| x as f32);
+            between = self::between(&self.drifts, pair).each(|x| x as f32);
             base -= loss(&self.drifts, pair, between) * tree.unit();
         }
         self.claims.push(DistanceClaim { pair, base, between });
@@ -248,7 +249,7 @@ impl ProofKeeper for SelfFront {
 #[inline(always)]
 fn between(drifts: &[NodeDrift], [x, y]: NodePair) -> [f64; 3] {
     let (p, q) = (&drifts[x as usize].middle, &drifts[y as usize].middle);
-    [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(q[k]))
+    [0, 1, 2].each(|k| f64::from(p[k]) - f64::from(q[k]))
 }
 
 /// Returns by how much two nodes may be nearer than with this difference of their middles and no
@@ -256,8 +257,8 @@ fn between(drifts: &[NodeDrift], [x, y]: NodePair) -> [f64; 3] {
 #[inline(always)]
 fn loss(drifts: &[NodeDrift], pair: NodePair, then: [f32; 3]) -> f64 {
     let now = between(drifts, pair);
-    let [x, y, z] = [0, 1, 2].map(|k| now[k] - f64::from(then[k]));
-    let [p, q] = pair.map(|node| f64::from(drifts[node as usize].spread));
+    let [x, y, z] = [0, 1, 2].each(|k| now[k] - f64::from(then[k]));
+    let [p, q] = pair.each(|node| f64::from(drifts[node as usize].spread));
     sqrt(x * x + y * y + z * z) + p + q
 }
 
@@ -269,7 +270,7 @@ impl NodeDrift {
             (low, high) = (low.smaller(way), high.larger(way));
         }
         let middle: [f32; 3] = ((low + high) * 0.5).map(|x| x as f32).into();
-        let at = Vector3::from(middle.map(f64::from));
+        let at = Vector3::from(middle.each(f64::from));
         let square = all().fold(0.0, |m: f64, way| m.larger((way - at).norm_squared()));
         let spread = up(sqrt(square)).next_up();
         Self { middle, spread }
@@ -277,9 +278,9 @@ impl NodeDrift {
 
     /// The displacements of two nodes.
     fn of_both(x: &Self, y: &Self) -> Self {
-        let middle = [0, 1, 2].map(|k| 0.5 * (x.middle[k] + y.middle[k]));
+        let middle = [0, 1, 2].each(|k| 0.5 * (x.middle[k] + y.middle[k]));
         let reach = |of: &Self| {
-            let [p, q, r] = [0, 1, 2].map(|k| f64::from(of.middle[k]) - f64::from(middle[k]));
+            let [p, q, r] = [0, 1, 2].each(|k| f64::from(of.middle[k]) - f64::from(middle[k]));
             sqrt(p * p + q * q + r * r) + f64::from(of.spread)
         };
         let spread = up(reach(x).larger(reach(y))).next_up();

@@ -12,6 +12,7 @@
 //! or not the axes are orthonormal and whatever the direction is. The error term is
 //! [`BOXES`](crate::tolerance::BOXES).
 
+use crate::base::num::each::Each;
 use wide::{f32x4, f32x8};
 
 use crate::base::tolerance::PARALLEL_SIDES;
@@ -69,8 +70,8 @@ impl EightBoxes {
     fn new(boxes: [&OrientedBox; WIDTH], scale: f32) -> Self {
         let [b0, b1, b2, b3, b4, b5, b6, b7] = boxes;
         let row = |k: usize| {
-            let low = f32x4::transpose([b0, b1, b2, b3].map(|b| f32x4::new(b.rows[k])));
-            let high = f32x4::transpose([b4, b5, b6, b7].map(|b| f32x4::new(b.rows[k])));
+            let low = f32x4::transpose([b0, b1, b2, b3].each(|b| f32x4::new(b.rows[k])));
+            let high = f32x4::transpose([b4, b5, b6, b7].each(|b| f32x4::new(b.rows[k])));
             core::array::from_fn(|i| joined(low[i], high[i]))
         };
         let [xx, xy, xz, yx] = row(0);
@@ -167,7 +168,7 @@ struct BestGaps {
 impl BestGaps {
     #[inline(always)]
     fn gaps(self) -> BoxGaps {
-        let [x, y, z] = self.normal.map(|n| n.to_array());
+        let [x, y, z] = self.normal.each(|n| n.to_array());
         BoxGaps {
             gap: self.gap.to_array(),
             normal: core::array::from_fn(|k| [x[k], y[k], z[k]]),
@@ -204,8 +205,8 @@ pub(crate) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[NodePair],
     };
     // The last pair again in the lanes that are left.
     let at: [NodePair; WIDTH] = core::array::from_fn(|k| pairs[k.min(last)]);
-    let of_a = at.map(|[x, _]| &a.boxes[x as usize]);
-    let of_b = at.map(|[_, y]| &b.boxes[y as usize]);
+    let of_a = at.each(|[x, _]| &a.boxes[x as usize]);
+    let of_b = at.each(|[_, y]| &b.boxes[y as usize]);
     bound_eight(frame, (of_a, of_b), aim).gaps()
 }
 
@@ -225,7 +226,7 @@ impl EightPairs {
         let r = &frame.ways[0].rotation.map(f32x8::splat);
         let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];
         let at = turned(r, b.centre);
-        let t = frame.ways[0].translation.map(f32x8::splat);
+        let t = frame.ways[0].translation.each(f32x8::splat);
         let d = [
             at[0] + t[0] - a.centre[0],
             at[1] + t[1] - a.centre[1],
@@ -244,15 +245,15 @@ pub(crate) fn along(
     directions: &[[f32; 3]; WIDTH],
 ) -> BoxGaps {
     let boxes = (
-        pairs.map(|[x, _]| &a.boxes[x as usize]),
-        pairs.map(|[_, y]| &b.boxes[y as usize]),
+        pairs.each(|[x, _]| &a.boxes[x as usize]),
+        pairs.each(|[_, y]| &b.boxes[y as usize]),
     );
     let EightPairs { a, b, axes, d } = EightPairs::new(frame, boxes);
     let mut best = BestGaps {
         gap: f32x8::splat(-f32::MAX),
         normal: [f32x8::splat(0.0); 3],
     };
-    let component = |k: usize| f32x8::new(directions.map(|n| n[k]));
+    let component = |k: usize| f32x8::new(directions.each(|n| n[k]));
     let direction = [component(0), component(1), component(2)];
     best.offer(direction, d, ((&a.half, &a.axes), (&b.half, &axes)));
     best.gaps()
@@ -333,10 +334,10 @@ pub(crate) fn gap_of(
         scale_b: 1.0,
         error: 0.0,
     };
-    let [a, b] = boxes.map(|rows| {
+    let [a, b] = boxes.each(|rows| {
         let mut numbers = rows.as_flattened().iter().copied();
         OrientedBox {
-            rows: [0; 4].map(|_| [0; 4].map(|_| numbers.next().unwrap_or(0.0))),
+            rows: [0; 4].each(|_| [0; 4].each(|_| numbers.next().unwrap_or(0.0))),
         }
     });
     let level = f32::INFINITY;

@@ -8,6 +8,7 @@
 //!
 //! Source: simulation of simplicity: Edelsbrunner and Muecke 1990.
 
+use crate::base::num::each::Each;
 use core::cmp::Ordering;
 use dashu_int::IBig;
 use nalgebra::Vector3;
@@ -42,7 +43,7 @@ impl IntegerTriangle {
     fn new(corners: &Triangle) -> Self {
         let exponent = lowest_bit(corners.iter().flat_map(|v| v.iter().copied())).unwrap_or(0);
         Self {
-            corners: corners.map(|v| [v.x, v.y, v.z].map(|x| integer(x, exponent))),
+            corners: corners.each(|v| [v.x, v.y, v.z].each(|x| integer(x, exponent))),
             exponent,
         }
     }
@@ -102,7 +103,7 @@ impl Probe<'_> {
             return sign::sign(x - y);
         }
         let exponent = lowest_bit([a[u], a[v], b[u], b[v]]).unwrap_or(0);
-        let [au, av, bu, bv] = [a[u], a[v], b[u], b[v]].map(|x| integer(x, exponent));
+        let [au, av, bu, bv] = [a[u], a[v], b[u], b[v]].each(|x| integer(x, exponent));
         let exact = self.exact;
         let through = (&bu - &au) * &exact.at[v] - (&bv - &av) * &exact.at[u];
         let level = (bu * av - au * bv) * &exact.over;
@@ -111,7 +112,7 @@ impl Probe<'_> {
 
     /// Returns the turns of the three edges about the point.
     fn turns(&self, axis: usize, [a, b, c]: &Triangle) -> [i32; 3] {
-        [(a, b), (b, c), (c, a)].map(|(x, y)| self.turn(axis, x, y))
+        [(a, b), (b, c), (c, a)].each(|(x, y)| self.turn(axis, x, y))
     }
 
     /// Returns whether a triangle of whose plane the point is one holds the point. A triangle
@@ -234,7 +235,7 @@ impl ExactRay {
             let origin = origin_of(pose, exponent);
             let direction = ExactVector::new(direction).direction_in_a(pose);
             let moment = cross(&origin.at, &direction.at);
-            let weighed = direction.at.each_ref().map(|x| x * &origin.over);
+            let weighed = direction.at.each_ref().each(|x| x * &origin.over);
             IntegerRay {
                 origin,
                 direction,
@@ -329,9 +330,9 @@ impl IntegerRay {
         let flat = |a: &[&IBig; 2], b: &[&IBig; 2]| a[0] * b[1] - a[1] * b[0];
         let way = [&d.at[u], &d.at[v]];
         // Of a corner minus the origin, over the denominator of the origin.
-        let place = |c: &Big3| [u, v].map(|k| difference(&(&c[k] * &o.over), t.exponent, &o.at[k], o.exponent));
-        let places = t.corners.each_ref().map(place);
-        let aside = places.each_ref().map(|p| sign(&flat(&way, &[&p[0], &p[1]])));
+        let place = |c: &Big3| [u, v].each(|k| difference(&(&c[k] * &o.over), t.exponent, &o.at[k], o.exponent));
+        let places = t.corners.each_ref().each(place);
+        let aside = places.each_ref().each(|p| sign(&flat(&way, &[&p[0], &p[1]])));
         let crossed = (0..3).filter(|&k| aside[k] * aside[(k + 1) % 3] <= 0 && aside[k] != aside[(k + 1) % 3]);
         let distances = crossed.filter_map(|k| {
             let (a, b) = (&t.corners[k], &t.corners[(k + 1) % 3]);

@@ -11,6 +11,7 @@
 //!
 //! Bodies that a plane parts share no inner points: this is tried first, as most contacts are such.
 
+use crate::base::num::each::Each;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -171,7 +172,7 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
 
     fn corners(&self, [i, j]: NodePair) -> (Triangle, Triangle) {
         let q = self.b.corners(j);
-        (self.a.corners(i), q.map(|x| self.posed.frame.point(&x)))
+        (self.a.corners(i), q.each(|x| self.posed.frame.point(&x)))
     }
 
     /// Returns whether a point is certainly inside a body.
@@ -335,7 +336,7 @@ pub(super) fn common(p: &Triangle, q: &Triangle, slack: f64) -> CommonPart {
     let (Some(n), Some(m)) = (unit_normal(p), unit_normal(q)) else {
         return CommonPart::Point;
     };
-    let (over_q, over_p) = (p.map(|x| m.dot(&(x - q[0]))), q.map(|x| n.dot(&(x - p[0]))));
+    let (over_q, over_p) = (p.each(|x| m.dot(&(x - q[0]))), q.each(|x| n.dot(&(x - p[0]))));
     if over_q.iter().chain(&over_p).all(|h| h.abs() <= slack) {
         return flat(p, q, &n, slack).map_or(CommonPart::Point, |at| CommonPart::Flat(at, n.dot(&m) > 0.0));
     }
@@ -423,7 +424,7 @@ pub(super) fn leaving(
     (at, s): (&Vector3<f64>, &Vector3<f64>),
     slack: f64,
 ) -> impl Iterator<Item = Vector3<f64>> {
-    let aside = |x: &Triangle| unit_normal(x).map(|n| (n, x.map(|c| n.cross(s).dot(&(c - at)))));
+    let aside = |x: &Triangle| unit_normal(x).map(|n| (n, x.each(|c| n.cross(s).dot(&(c - at)))));
     let is_beyond = move |d: f64| d > 4.0 * slack;
     let front = aside(other)
         .filter(|(_, d)| d.iter().any(|d| is_beyond(*d)) && d.iter().any(|d| is_beyond(-d)))

@@ -5,6 +5,7 @@
 //! distances come from floating point if rounding leaves no doubt, else from integers: the ray is
 //! the one that the caller gave, to the bit.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::Extremes;
@@ -125,8 +126,8 @@ impl MeshRay {
     /// it.
     fn sides(&self, corners: &Triangle) -> [Option<i32>; 3] {
         let from = &self.ends[0];
-        let seen = corners.map(|x| x - from);
-        [0, 1, 2].map(|k| {
+        let seen = corners.each(|x| x - from);
+        [0, 1, 2].each(|k| {
             let along = corners[(k + 1) % 3] - corners[k];
             let side = self.direction.dot(&seen[k].cross(&along));
             let size = seen[k].abs().sum();

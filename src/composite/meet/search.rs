@@ -6,6 +6,7 @@
 //! ([`TreeSearch::judge_leaves`]): along directions first, as a gap along one costs far less than a
 //! distance.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
@@ -392,7 +393,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Returns the direction along which two boxes are parted best.
     fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
-        let n = unit(&Vector3::from(normal.map(f64::from)))?;
+        let n = unit(&Vector3::from(normal.each(f64::from)))?;
         Some(TriedDirection::new(self.frame, &n))
     }
 

@@ -12,6 +12,7 @@
 //! the normals are; where they are rounding, an edge pair may be the proposal although a foot is
 //! closer, by at most the thickness of the triangle.
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use nalgebra::Vector3;
 use wide::f64x4;
@@ -57,8 +58,8 @@ pub(crate) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     };
     edges(p, q, &mut best);
     let (of_p, of_q) = (normal(p), normal(q));
-    let over_q = p.map(|x| of_q.dot(&(x - q[0])));
-    let over_p = q.map(|x| of_p.dot(&(x - p[0])));
+    let over_q = p.each(|x| of_q.dot(&(x - q[0])));
+    let over_p = q.each(|x| of_p.dot(&(x - p[0])));
     // A vertex in the plane touches, and does not pierce.
     let one_side = |h: &[f64; 3]| h.iter().all(|x| *x >= 0.0) || h.iter().all(|x| *x <= 0.0);
     match (one_side(&over_q), one_side(&over_p)) {
@@ -322,7 +323,7 @@ pub(crate) fn certainly_cross(p: &Triangle, q: &Triangle, error: f64) -> bool {
             if !(h.smaller(k) < -doubt && h.larger(k) > doubt) {
                 return false;
             }
-            let turns = [0, 1, 2].map(|j| volume(from, to, &y[j], &y[(j + 1) % 3]));
+            let turns = [0, 1, 2].each(|j| volume(from, to, &y[j], &y[(j + 1) % 3]));
             turns.iter().all(|v| *v > doubt) || turns.iter().all(|v| *v < -doubt)
         })
     };

@@ -3,6 +3,7 @@
 //! The caller's points become stored ones: checked, scaled by a power of two, equal points made one
 //! ([`weld`]).
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
@@ -84,7 +85,7 @@ impl Mesh {
     /// A body without faces, as a segment or a point ([`MeshError::Empty`]).
     pub fn from_convex(body: &ConvexPolyhedron) -> Result<Self, MeshError> {
         let points: Vec<_> = body.vertex_points().collect();
-        let triangles: Vec<_> = body.triangles().map(|t| t.map(|v| v.index() as u32)).collect();
+        let triangles: Vec<_> = body.triangles().map(|t| t.each(|v| v.index() as u32)).collect();
         Self::new(&points, &triangles)
     }
 }
@@ -109,8 +110,8 @@ fn sieve(welded: &Welded, triangles: &[[u32; 3]]) -> Sieved {
         repeated: Vec::new(),
     };
     for (k, t) in (0u32..).zip(triangles) {
-        let t = t.map(|v| welded.same_as[v as usize]);
-        let corners = t.map(|v| &welded.points[v as usize]);
+        let t = t.each(|v| welded.same_as[v as usize]);
+        let corners = t.each(|v| &welded.points[v as usize]);
         if t[0] == t[1] || t[1] == t[2] || t[2] == t[0] {
             sieved.degenerate.push(k);
         } else if is_collinear(corners) {
@@ -163,7 +164,7 @@ fn without_repeated(every: &Sieved) -> Sieved {
             let same = |k: &&(u64, u32)| turned(&every.kept[k.1 as usize]) == turned(&every.kept[later.1 as usize]);
             if let Some(first) = run[..i].iter().find(same) {
                 gone[later.1 as usize] = true;
-                let names = [later.1, first.1].map(|k| every.source[k as usize]);
+                let names = [later.1, first.1].each(|k| every.source[k as usize]);
                 repeated.push((names[0], names[1]));
             }
         }
@@ -230,7 +231,7 @@ fn assemble(
         fingerprint: Fingerprint::default(),
         part_vertices: part_vertices
             .into_iter()
-            .map(|four| four.map(|v| ordered.number[v as usize]))
+            .map(|four| four.each(|v| ordered.number[v as usize]))
             .collect(),
         source_triangles: ordered.sources(&sieved.source),
         source_points: ordered.source,
@@ -287,7 +288,7 @@ impl InTreeOrder {
             number: vec![u32::MAX; points.len()],
         };
         for k in 0..new.order.len() {
-            let corners = given[new.order[k] as usize].map(|v| new.vertex(v));
+            let corners = given[new.order[k] as usize].each(|v| new.vertex(v));
             new.triangles.push(corners);
         }
         new.points = new.source.iter().map(|&v| points[v as usize]).collect();

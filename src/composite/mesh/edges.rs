@@ -5,6 +5,7 @@
 //! the surface has one side. Of the two senses of a part, most of its triangles decide, and a part
 //! that lies in no other part then faces outward.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
@@ -82,7 +83,7 @@ fn cancels_at(points: &[Vector3<f64>], at: &[(u32, u32, i64)]) -> bool {
         }
         let mut sum = 0;
         for (_, _, other, sense) in ends[k..].iter_mut().take_while(|x| x.0 <= least + SLANT) {
-            let [a, b, c] = [v, w, *other].map(|k| &points[k as usize]);
+            let [a, b, c] = [v, w, *other].each(|k| &points[k as usize]);
             if *sense != 0 && (*other == w || sign::projection(a, b, c).is_none()) {
                 sum += *sense;
                 *sense = 0;
@@ -132,7 +133,7 @@ pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: boo
         if closed {
             // About a vertex of the part, so that its place does not matter.
             let base = points[vertices[part][0] as usize];
-            let [a, b, c] = t.map(|v| points[v as usize] - base);
+            let [a, b, c] = t.each(|v| points[v as usize] - base);
             parts[part].volume += a.dot(&b.cross(&c)) / 6.0;
         }
     }
@@ -140,10 +141,10 @@ pub(super) fn parts(points: &[Vector3<f64>], triangles: &[[u32; 3]], closed: boo
         for t in triangles {
             let part = number[find(&mut parent, t[0]) as usize] as usize;
             for &v in t {
-                let [now, new] = [vertices[part][corner], v].map(|v| {
+                let [now, new] = [vertices[part][corner], v].each(|v| {
                     let mut four = vertices[part];
                     four[corner] = v;
-                    spread(four.map(|v| &points[v as usize]), corner)
+                    spread(four.each(|v| &points[v as usize]), corner)
                 });
                 if new > now {
                     vertices[part][corner] = v;
@@ -255,7 +256,7 @@ impl Mesh {
         let starts = |(_, k, i): ([u32; 2], u32, u8)| self.triangles[k as usize][usize::from(i)];
         for edge in runs.chunk_by(|x, y| x.0 == y.0) {
             let &[x, y] = edge else {
-                let edge_of = edge[0].0.map(|v| self.source_points[v as usize]);
+                let edge_of = edge[0].0.each(|v| self.source_points[v as usize]);
                 return Err(MeshError::NotTwo {
                     edge: edge_of,
                     triangles: edge.len(),
@@ -289,7 +290,7 @@ impl Mesh {
                         (part_of[u], is_turned[u]) = (parts, sense);
                         members.push(u);
                     } else if is_turned[u] != sense {
-                        let edge = [i, (i + 1) % 3].map(|i| self.source_points[self.triangles[t][i] as usize]);
+                        let edge = [i, (i + 1) % 3].each(|i| self.source_points[self.triangles[t][i] as usize]);
                         return Err(MeshError::OneSided { edge });
                     }
                 }
@@ -331,7 +332,7 @@ impl Mesh {
             for p in &corners {
                 (own.low, own.high) = (own.low.smaller(*p), own.high.larger(*p));
             }
-            let [a, b, c] = corners.map(|p| p - bases[part as usize]);
+            let [a, b, c] = corners.each(|p| p - bases[part as usize]);
             let volume = a.dot(&b.cross(&c)) / 6.0;
             own.volume += if is_turned { -volume } else { volume };
         }

@@ -6,6 +6,7 @@
 //! distance from a convex set is a convex function. The greatest value of a function over triangles
 //! lies between such bounds, which halving the triangles brings together ([`greatest`]).
 
+use crate::base::num::each::Each;
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 use core::fmt;
@@ -129,7 +130,7 @@ impl Mesh {
     fn gap(&self, hull: &ConvexPolyhedron) -> (f64, f64) {
         let scale = 1.0 / self.unit();
         let points: Vec<Vector3<f64>> = hull.vertex_points().map(|p| p.coords * scale).collect();
-        let triangles = hull.triangles().map(|t| t.map(|v| points[v.index()]));
+        let triangles = hull.triangles().map(|t| t.each(|v| points[v.index()]));
         let size = sqrt((self.high - self.low).norm_squared()) * 0.5;
         greatest(triangles, RESOLUTION * size, &mut Watch::none(), |corners, _| {
             let gap = self.gap_over(corners);

@@ -4,6 +4,7 @@
 //! The first are sums over tetrahedra between the box centre and each triangle (Tonon 2004). Points
 //! with winding number w count w times, as parts that overlap do in the sum of their masses.
 
+use crate::base::num::each::Each;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::{Mesh, tracker};
@@ -73,7 +74,7 @@ impl Mesh {
         }
         let middle = self.middle();
         for t in 0..self.triangle_count() as u32 {
-            let [a, b, c] = self.corners(t).map(|p| p - middle);
+            let [a, b, c] = self.corners(t).each(|p| p - middle);
             let six = a.dot(&b.cross(&c));
             let corners = a + b + c;
             sum.volume += six;

@@ -11,6 +11,7 @@ mod report;
 pub(crate) mod tracker;
 mod vertices;
 
+use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -126,7 +127,7 @@ impl Mesh {
     /// the tree.
     pub fn triangles(&self) -> impl Iterator<Item = (u32, [Point3<f64>; 3])> + '_ {
         let each = self.triangles.iter().zip(&self.source_triangles);
-        each.map(|(t, &source)| (source, t.map(|v| self.given(&self.points[v as usize]))))
+        each.map(|(t, &source)| (source, t.each(|v| self.given(&self.points[v as usize]))))
     }
 
     /// Returns the mesh as the text of an OBJ file: its welded points, every bit kept, and its
@@ -200,7 +201,7 @@ impl Mesh {
     /// Returns a triangle as a convex body in the caller's units: a segment or a point if it has no
     /// area; `None` if it is smaller than [`PART_EXTENT_MIN`].
     pub(crate) fn polygon(&self, triangle: u32) -> Option<ConvexPolyhedron> {
-        let corners: [Point3<f64>; 3] = self.corners(triangle).map(|p| self.given(&p));
+        let corners: [Point3<f64>; 3] = self.corners(triangle).each(|p| self.given(&p));
         ConvexPolyhedron::polygon_of(&corners, PART_EXTENT_MIN)
             .ok()
             .or_else(|| line(&corners))
@@ -215,7 +216,7 @@ fn line([a, b, c]: &[Point3<f64>; 3]) -> Option<ConvexPolyhedron> {
     }
     // The ends are apart along the axis of the longest side.
     let sides = [b - a, c - b, a - c];
-    let axis = sides.map(|s| s.iamax()).into_iter().max_by(|&i, &j| {
+    let axis = sides.each(|s| s.iamax()).into_iter().max_by(|&i, &j| {
         let longest = |k: usize| sides.iter().fold(0.0f64, |m, s| m.larger(s[k].abs()));
         longest(i).total_cmp(&longest(j))
     })?;

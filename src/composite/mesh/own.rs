@@ -1,5 +1,6 @@
 //! A mesh against itself: pairs of triangles that share no vertex.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
@@ -99,7 +100,7 @@ impl SelfState {
             Some(Tracker::new().closest(p, q, &pose).upper.at_least(0.0) / mesh.unit())
         };
         self.front.audit((mesh.tree.unit(), posed.frame.error), |pair| {
-            let [(i, m), (j, n)] = pair.map(|node| mesh.tree.range(node));
+            let [(i, m), (j, n)] = pair.each(|node| mesh.tree.range(node));
             let all = (i..m).flat_map(|x| (j..n).map(move |y| [x, y]));
             let asked = all.filter(|p| judge.is_asked(*p));
             asked.filter_map(apart).fold(f64::INFINITY, f64::smaller)

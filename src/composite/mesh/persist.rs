@@ -3,6 +3,7 @@
 //! for bit. Of a mesh whose vertices were replaced, the vertices are written as built and as they
 //! are.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Point3;
 use serde::de::Error as _;
@@ -39,7 +40,7 @@ impl Serialize for Mesh {
             now,
             triangles: triangles
                 .iter()
-                .map(|&t| self.triangles[t as usize].map(|v| number[v as usize]))
+                .map(|&t| self.triangles[t as usize].each(|v| number[v as usize]))
                 .collect(),
             source_points: points.iter().map(|&v| self.source_points[v as usize]).collect(),
             source_triangles: triangles.iter().map(|&t| self.source_triangles[t as usize]).collect(),

@@ -8,6 +8,7 @@
 //!     window (cavity)   --<--    |                 its end, in the same plane
 //! ```
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;
@@ -348,7 +349,7 @@ impl Mesh {
     }
 
     fn cross_leaves(&self, nodes: [u32; 2], most: usize, found: &mut MeshInspection) {
-        let [(i, m), (j, n)] = nodes.map(|x| self.tree.range(x));
+        let [(i, m), (j, n)] = nodes.each(|x| self.tree.range(x));
         for t in i..m {
             for u in if nodes[0] == nodes[1] { t + 1 } else { j }..n {
                 let (p, q) = (self.corners(t), self.corners(u));
@@ -363,7 +364,7 @@ impl Mesh {
                     found.is_complete = false;
                     return;
                 }
-                let names = [t, u].map(|k| self.source_triangles[k as usize]);
+                let names = [t, u].each(|k| self.source_triangles[k as usize]);
                 list.push([names[0].min(names[1]), names[0].max(names[1])]);
             }
         }
@@ -389,7 +390,7 @@ impl Mesh {
     fn labels(&self) -> Vec<u32> {
         let mut label: Vec<u32> = (0..self.points.len() as u32).collect();
         for t in &self.triangles {
-            let [a, b, c] = t.map(|v| super::edges::find(&mut label, v));
+            let [a, b, c] = t.each(|v| super::edges::find(&mut label, v));
             let least = a.min(b).min(c);
             [a, b, c].iter().for_each(|&r| label[r as usize] = least);
         }
@@ -401,7 +402,7 @@ impl Mesh {
 
 /// Returns whether an edge of one triangle passes through the inside of another: all signs exact.
 fn passes(x: &[Vector3<f64>; 3], [a, b, c]: &[Vector3<f64>; 3]) -> bool {
-    let heights = [0, 1, 2].map(|i| sign::side(a, b, c, &x[i]));
+    let heights = [0, 1, 2].each(|i| sign::side(a, b, c, &x[i]));
     (0..3).any(|i| {
         let (from, to) = (&x[i], &x[(i + 1) % 3]);
         if !(heights[i] < 0.0 && heights[(i + 1) % 3] > 0.0 || heights[i] > 0.0 && heights[(i + 1) % 3] < 0.0) {

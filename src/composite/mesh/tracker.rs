@@ -1,6 +1,7 @@
 //! Two meshes: the state of the pair, its queries, and the questions that a search asks about
 //! triangles at a pose ([`TriangleJudge`]).
 
+use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use nalgebra::Vector3;
 
@@ -242,7 +243,7 @@ pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 
 
 /// Returns the triangle of an item by the caller's number, and its feature.
 pub(super) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
-    let corners = mesh.triangles[item as usize].map(|v| mesh.source_points[v as usize]);
+    let corners = mesh.triangles[item as usize].each(|v| mesh.source_points[v as usize]);
     let at = |k: u8| corners[k as usize % 3];
     let triangle = mesh.source_triangles[item as usize];
     let feature = match spot {
@@ -309,7 +310,7 @@ impl Judge for TriangleJudge<'_> {
     fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<[TriangleSpot; 2]> {
         let p = self.posed.a.corners(pair[0]);
         let local = self.posed.b.corners(pair[1]);
-        let q = local.map(|x| frame.point(&x));
+        let q = local.each(|x| frame.point(&x));
         let found = triangle::closest(&p, &q);
         let distance = sqrt(found.square);
         let crosses = found.pierces && certainly_cross(&p, &q, frame.error);

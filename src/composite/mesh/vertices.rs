@@ -5,6 +5,7 @@
 //! the boxes of a node are those of a history; a tracker recognises its own state of the mesh among
 //! the last ones, and knows by the paths of the nodes how far the points have moved since.
 
+use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
@@ -143,7 +144,7 @@ impl Mesh {
             numbers[v as usize] = number;
         }
         let order = by_source(&self.source_triangles);
-        let corners = |t: u32| self.triangles[t as usize].map(|v| numbers[v as usize]);
+        let corners = |t: u32| self.triangles[t as usize].each(|v| numbers[v as usize]);
         order.into_iter().map(corners).collect()
     }
 

@@ -30,6 +30,7 @@
 //! bodies hold. It is a proposal: crossings are found in rounded arithmetic, and the caller proves
 //! a depth by convex parts about the point.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
@@ -426,7 +427,7 @@ fn of_leaves(posed: &PosedTrees<Mesh, Mesh>, [x, y]: NodePair, found: &mut [Vec<
     let (a, b) = (posed.a, posed.b);
     let [(i, m), (j, n)] = [a.tree.range(x), b.tree.range(y)];
     for u in j..n {
-        let q = b.corners(u).map(|p| posed.frame.point(&p));
+        let q = b.corners(u).each(|p| posed.frame.point(&p));
         for t in i..m {
             let p = a.corners(t);
             through((a.triangles[t as usize], &p), &q, &mut found[0]);
@@ -438,7 +439,7 @@ fn of_leaves(posed: &PosedTrees<Mesh, Mesh>, [x, y]: NodePair, found: &mut [Vec<
 /// Adds where edges of a triangle pass through another one, its boundary with it.
 fn through((vertices, x): ([u32; 3], &Triangle), [a, b, c]: &Triangle, found: &mut Vec<EdgePart>) {
     let normal = (b - a).cross(&(c - a));
-    let heights = x.map(|p| normal.dot(&(p - a)));
+    let heights = x.each(|p| normal.dot(&(p - a)));
     for i in 0..3 {
         let k = (i + 1) % 3;
         if !(heights[i] * heights[k] <= 0.0 && heights[i] != heights[k]) {
@@ -466,7 +467,7 @@ fn middles(mesh: &Mesh, mut crossings: Vec<EdgePart>) -> Vec<(Vector3<f64>, Vect
     crossings.sort_unstable_by(|x, y| x.0.cmp(&y.0).then(x.1.total_cmp(&y.1)));
     let mut all = Vec::new();
     for on_edge in crossings.chunk_by(|x, y| x.0 == y.0) {
-        let [from, to] = on_edge[0].0.map(|v| mesh.points[v as usize]);
+        let [from, to] = on_edge[0].0.each(|v| mesh.points[v as usize]);
         // By the normals of both triangles at the edge.
         let inward = -on_edge.iter().map(|x| x.2).sum::<Vector3<f64>>() / on_edge.len() as f64;
         let mut last = 0.0;

@@ -24,6 +24,7 @@
 mod cell;
 mod inner;
 
+use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 use crate::base::num::extremes::{Bounded, Extremes};
@@ -187,7 +188,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
         self.windings += windings;
         let (middle, depth) = found?;
         let reaches = [CELL_REACH * depth, f64::INFINITY];
-        let parts = reaches.map(|reach| inner::of_parts(bodies, pose, &middle, reach));
+        let parts = reaches.each(|reach| inner::of_parts(bodies, pose, &middle, reach));
         parts.into_iter().flatten().max_by(|x, y| x.0.total_cmp(&y.0))
     }
 

@@ -1,5 +1,6 @@
 //! Extents of the boxes, rounded outward.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -177,7 +178,7 @@ impl Tree {
         vertices: &Vertices<I>,
     ) -> Option<[Vector3<f64>; 3]> {
         let ([a, b, c], normal) = largest_triangle(range, vertices)?;
-        let flat = [self.boxes[node].axis(0), b - a, c - b, a - c].map(|v| {
+        let flat = [self.boxes[node].axis(0), b - a, c - b, a - c].each(|v| {
             let across = v - normal * normal.dot(&v);
             let square = across.norm_squared();
             // The normal of a sliver may be rounding, and not perpendicular to its edges.
@@ -230,9 +231,9 @@ impl Tree {
         let sides = *high - *low;
         let mut order = [0, 1, 2];
         order.sort_by(|&i, &j| sides[j].total_cmp(&sides[i]));
-        let axes = order.map(|k| self.boxes[node].axis(k));
+        let axes = order.each(|k| self.boxes[node].axis(k));
         self.boxes[node].set_axes(&axes);
-        (*low, *high) = (order.map(|k| low[k]).into(), order.map(|k| high[k]).into());
+        (*low, *high) = (order.each(|k| low[k]).into(), order.each(|k| high[k]).into());
     }
 
     /// Centre and half extents: the centre is rounded first, then every point's coordinates about
@@ -249,10 +250,10 @@ impl Tree {
     ) {
         let dual = dual_axes(&self.boxes[node]);
         let middle = (low + high) * 0.5;
-        let axes = [0, 1, 2].map(|k| self.boxes[node].axis(k));
+        let axes = [0, 1, 2].each(|k| self.boxes[node].axis(k));
         let centre = axes[0] * middle.x + axes[1] * middle.y + axes[2] * middle.z;
         let stored = [centre.x as f32, centre.y as f32, centre.z as f32];
-        let centre = Vector3::from(stored.map(f64::from));
+        let centre = Vector3::from(stored.each(f64::from));
         let (mut half, mut square): (Vector3<f64>, f64) = (Vector3::zeros(), 0.0);
         vertices.visit(range, |p| {
             let d = p - centre;
@@ -299,7 +300,7 @@ fn heights<I: AsRef<[u32]>>(
 
 /// Vectors of which each is perpendicular to two of the axes and has product one with the third.
 fn dual_axes(b: &OrientedBox) -> [Vector3<f64>; 3] {
-    let [x, y, z] = [0, 1, 2].map(|k| b.axis(k));
+    let [x, y, z] = [0, 1, 2].each(|k| b.axis(k));
     let volume = x.dot(&y.cross(&z));
     [y.cross(&z) / volume, z.cross(&x) / volume, x.cross(&y) / volume]
 }
@@ -310,7 +311,7 @@ fn largest_triangle<I: AsRef<[u32]>>(
     vertices: &Vertices<I>,
 ) -> Option<([Vector3<f64>; 3], Vector3<f64>)> {
     let normal = |item: &I| {
-        let corners = item.as_ref().first_chunk::<3>()?.map(|v| vertices.places[v as usize]);
+        let corners = item.as_ref().first_chunk::<3>()?.each(|v| vertices.places[v as usize]);
         let [a, b, c] = corners;
         Some((corners, (b - a).cross(&(c - a))))
     };

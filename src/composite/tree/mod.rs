@@ -13,6 +13,7 @@ mod rebuild;
 mod refit;
 mod split;
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
@@ -50,12 +51,12 @@ impl OrientedBox {
     }
 
     pub(crate) fn centre(&self) -> Vector3<f64> {
-        let [_, x, y, z] = self.rows[2].map(f64::from);
+        let [_, x, y, z] = self.rows[2].each(f64::from);
         Vector3::new(x, y, z)
     }
 
     pub(crate) fn half(&self) -> Vector3<f64> {
-        let [x, y, z, _] = self.rows[3].map(f64::from);
+        let [x, y, z, _] = self.rows[3].each(f64::from);
         Vector3::new(x, y, z)
     }
 
@@ -64,7 +65,7 @@ impl OrientedBox {
     /// few have one. Lengths are times `scale`, a power of two.
     #[inline(always)]
     pub(crate) fn rod(&self, scale: f32) -> (f32, [f32; 3]) {
-        let [long, wide, deep, radius] = self.rows[3].map(|h| h * scale);
+        let [long, wide, deep, radius] = self.rows[3].each(|h| h * scale);
         let square = wide * wide + deep * deep;
         if 16.0 * square >= radius * radius {
             return (radius, [0.0; 3]);
@@ -266,12 +267,12 @@ pub(super) fn height(tree: &Tree, node: u32, n: &Vector3<f64>) -> f64 {
     let (unit, half) = (tree.unit(), b.half());
     let centre = tree.centre + b.centre() * unit;
     let of_box = |n: &Vector3<f64>| {
-        let [x, y, z] = [0, 1, 2].map(|k| (b.axis(k).dot(n) * half[k]).abs());
+        let [x, y, z] = [0, 1, 2].each(|k| (b.axis(k).dot(n) * half[k]).abs());
         n.dot(&centre) + (x + y + z) * unit
     };
     let Some(slab) = tree.slab(node) else { return of_box(n) };
     let part = |k: usize, along: f64| along * if along > 0.0 { slab.high[k] } else { slab.low[k] };
-    let [x, y, s] = slab.axes.map(|a| a.dot(n));
+    let [x, y, s] = slab.axes.each(|a| a.dot(n));
     // n = s m + rest with the normal m: the slab bounds what m contributes, the box the rest, which
     // is next to nothing if n is m. The slab alone is better for its own node.
     let top = part(2, s);

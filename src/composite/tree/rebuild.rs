@@ -12,6 +12,7 @@
 //! together that are near each other by chance and part again: of a sheet that is crumpled further
 //! it soon has five times the bounds.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -34,7 +35,7 @@ impl Tree {
         let (mut held, mut stack) = (0, vec![]);
         for sample in 0..samples {
             let item = (2 * sample + 1) * items.len() / (2 * samples);
-            let [a, b, c] = items[item].map(|v| points[v as usize] - self.centre);
+            let [a, b, c] = items[item].each(|v| points[v as usize] - self.centre);
             let middle = ((a + b + c) * (scale / 3.0)).map(|x| x as f32);
             stack.push(0);
             while let Some(node) = stack.pop() {

@@ -12,6 +12,7 @@
 //!
 //! Source: refitting of bounding volumes: van den Bergen 1997; the frame of three vertices is ours.
 
+use crate::base::num::each::Each;
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -194,8 +195,8 @@ fn node_at_rest(
     others.sort_unstable();
     others.dedup();
     let three = far_apart(points, below);
-    let axes = [0, 1].map(|k| tree.boxes[number as usize].axis(k));
-    let turned = frame_of(three.map(|v| points[v as usize])).and_then(|frame| rotation_of(&frame, axes));
+    let axes = [0, 1].each(|k| tree.boxes[number as usize].axis(k));
+    let turned = frame_of(three.each(|v| points[v as usize])).and_then(|frame| rotation_of(&frame, axes));
     let is_group = below.len() <= GROUP;
     NodeAtRest {
         number,
@@ -213,8 +214,8 @@ fn eight_at_rest(nodes: &[NodeAtRest], others: &mut Vec<u32>) -> EightAtRest {
     let node = |lane: usize| &nodes[lane.min(nodes.len() - 1)];
     EightAtRest {
         nodes: core::array::from_fn(|lane| node(lane).number),
-        three: [0, 1, 2].map(|k| core::array::from_fn(|lane| node(lane).three[k])),
-        rotation: [0, 1, 2, 3].map(|k| core::array::from_fn(|lane| node(lane).rotation[k])),
+        three: [0, 1, 2].each(|k| core::array::from_fn(|lane| node(lane).three[k])),
+        rotation: [0, 1, 2, 3].each(|k| core::array::from_fn(|lane| node(lane).rotation[k])),
         below: core::array::from_fn(|lane| {
             let from = others.len() as u32;
             others.extend(&node(lane).others);
@@ -309,7 +310,7 @@ fn rotation_of(frame: &Matrix3<f64>, [x, y]: [Vector3<f64>; 2]) -> Option<[f32; 
         q[3] = m[(k, j)] - m[(j, k)];
     }
     let length = sqrt(q.iter().map(|x| x * x).sum());
-    (length > 0.5).then(|| q.map(|x| (x / length) as f32))
+    (length > 0.5).then(|| q.each(|x| (x / length) as f32))
 }
 
 /// Nodes of up to so many items have the axes of the largest node above them that has no more.
@@ -330,7 +331,7 @@ impl GroupCorners {
                 Err(_) => v - own[0],
             };
             for (corners, item) in corners[first..last].iter_mut().zip(&items[first..last]) {
-                *corners = item.map(|v| number(v) as u8);
+                *corners = item.each(|v| number(v) as u8);
             }
         }
         Self(corners.into())
@@ -371,7 +372,7 @@ impl GroupFit<'_> {
         let (axes, mut reach) = (eight.stored_axes(self.places, boxes), 0.0f32);
         for (lane, (&node, below)) in eight.nodes.iter().zip(&eight.below).enumerate() {
             if lane == 0 || node != eight.nodes[lane - 1] {
-                let axes = BoxAxes::new(axes.map(|axis| axis.map(|x| x[lane])));
+                let axes = BoxAxes::new(axes.each(|axis| axis.each(|x| x[lane])));
                 self.fit_group((node, below), &axes, boxes, room);
                 reach = reach.larger(boxes[node as usize].reach());
             }
@@ -479,7 +480,7 @@ impl Places {
 
     /// Returns the least and greatest heights of consecutive vertices and of others.
     fn heights(&self, own: core::ops::Range<usize>, others: &[u32], axes: &BoxAxes) -> (f32x4, f32x4) {
-        let [xs, ys, zs] = [0, 1, 2].map(|k| self.columns[k][own.clone()].as_chunks::<LANES>());
+        let [xs, ys, zs] = [0, 1, 2].each(|k| self.columns[k][own.clone()].as_chunks::<LANES>());
         let rest = own.end - xs.1.len()..own.end;
         let start = (f32x4::splat(f32::MAX), f32x4::splat(-f32::MAX));
         let singly = rest.map(|v| v as u32).chain(others.iter().copied());
@@ -492,7 +493,7 @@ impl Places {
         }
         let (mut lows, mut highs) = ([f32x8::splat(f32::MAX); 3], [f32x8::splat(-f32::MAX); 3]);
         for ((x, y), z) in xs.0.iter().zip(ys.0).zip(zs.0) {
-            let [x, y, z] = [x, y, z].map(|c| f32x8::new(*c));
+            let [x, y, z] = [x, y, z].each(|c| f32x8::new(*c));
             for (k, axis) in axes.rows.iter().enumerate() {
                 let h = x * f32x8::splat(axis[0]) + y * f32x8::splat(axis[1]) + z * f32x8::splat(axis[2]);
                 (lows[k], highs[k]) = (lows[k].fast_min(h), highs[k].fast_max(h));
@@ -508,7 +509,7 @@ impl Places {
 /// Returns the least or the greatest of the lanes of each of three.
 #[inline(always)]
 fn across(of: Lanes, better: impl Fn(f32x4, f32x4) -> f32x4) -> f32x4 {
-    let halves = of.map(|v| {
+    let halves = of.each(|v| {
         let [a, b, c, d, e, f, g, h] = v.to_array();
         better(f32x4::new([a, b, c, d]), f32x4::new([e, f, g, h]))
     });
@@ -545,7 +546,7 @@ impl EightAtRest {
     fn fit(&self, places: &Places, others: &[u32], slack: f32, boxes: &mut [OrientedBox]) -> f32 {
         let (axes, mut reach) = (self.stored_axes(places, boxes), 0.0f32);
         for (lane, below) in self.below.iter().enumerate() {
-            let axes = BoxAxes::new(axes.map(|axis| axis.map(|x| x[lane])));
+            let axes = BoxAxes::new(axes.each(|axis| axis.each(|x| x[lane])));
             let own = below.own[0] as usize..below.own[1] as usize;
             let others = &others[below.others[0] as usize..below.others[1] as usize];
             let (low, high) = places.heights(own, others, &axes);
@@ -561,7 +562,7 @@ impl EightAtRest {
     #[inline(always)]
     fn stored_axes(&self, places: &Places, boxes: &[OrientedBox]) -> StoredAxes {
         let (axes, exists) = self.axes(places);
-        let mut stored = axes.map(|axis| axis.map(|x| x.to_array().map(|x| x as f32)));
+        let mut stored = axes.each(|axis| axis.each(|x| x.to_array().each(|x| x as f32)));
         for lane in (0..LANES).filter(|lane| !exists[*lane]) {
             let old = &boxes[self.nodes[lane] as usize].rows;
             for k in 0..9 {
@@ -574,11 +575,11 @@ impl EightAtRest {
     /// Returns the axes in double precision, and which of them exist.
     #[inline(always)]
     fn axes(&self, places: &Places) -> (Columns, [bool; LANES]) {
-        let at = |k: usize| places.gather(&self.three[k]).map(double);
+        let at = |k: usize| places.gather(&self.three[k]).each(double);
         let (a, b, c) = (at(0), at(1), at(2));
         let (side, other) = (minus(&b, &a), minus(&c, &a));
         let normal = cross(&side, &other);
-        let [x, y, z, w] = self.rotation.map(|q| double(f32x8::new(q)));
+        let [x, y, z, w] = self.rotation.each(|q| double(f32x8::new(q)));
         let norm = x * x + y * y + z * z + w * w;
         let (square, area) = (dot(&side, &side), dot(&normal, &normal));
         let narrow = (f64x8::splat(NARROW) * square * dot(&other, &other)).to_array();
@@ -587,7 +588,7 @@ impl EightAtRest {
         let exists = core::array::from_fn(|k| areas[k] > narrow[k] && areas[k] > f64::MIN_POSITIVE && norms[k] > 0.5);
         let one = f64x8::splat(1.0);
         let (per_side, per_area) = (one / square.sqrt(), one / area.sqrt());
-        let (e, n) = (side.map(|x| x * per_side), normal.map(|x| x * per_area));
+        let (e, n) = (side.each(|x| x * per_side), normal.each(|x| x * per_area));
         let f = cross(&n, &e);
         // The columns of the rotation in the frame of the three.
         let s = f64x8::splat(2.0) / norm;
@@ -597,14 +598,14 @@ impl EightAtRest {
             [x * ys - w * zs, one - (x * xs + z * zs), y * zs + w * xs],
             [x * zs + w * ys, y * zs - w * xs, one - (x * xs + y * ys)],
         ];
-        let axes = rotated.map(|[p, q, r]| core::array::from_fn(|k| e[k] * p + f[k] * q + n[k] * r));
+        let axes = rotated.each(|[p, q, r]| core::array::from_fn(|k| e[k] * p + f[k] * q + n[k] * r));
         (axes, exists)
     }
 }
 
 #[inline(always)]
 fn double(x: f32x8) -> f64x8 {
-    f64x8::new(x.to_array().map(f64::from))
+    f64x8::new(x.to_array().each(f64::from))
 }
 
 #[inline(always)]
@@ -635,14 +636,14 @@ struct BoxAxes {
 impl BoxAxes {
     #[inline(always)]
     fn new(rows: [[f32; 3]; 3]) -> Self {
-        let columns = [0, 1, 2].map(|k| f32x4::new([rows[0][k], rows[1][k], rows[2][k], 0.0]));
+        let columns = [0, 1, 2].each(|k| f32x4::new([rows[0][k], rows[1][k], rows[2][k], 0.0]));
         Self { rows, columns }
     }
 
     /// Returns the heights of a point along the axes.
     #[inline(always)]
     fn heights(&self, point: f32x4) -> f32x4 {
-        let [x, y, z, _] = point.to_array().map(f32x4::splat);
+        let [x, y, z, _] = point.to_array().each(f32x4::splat);
         self.columns[0] * x + self.columns[1] * y + self.columns[2] * z
     }
 
@@ -659,7 +660,7 @@ impl BoxAxes {
         let up = 1.0 + 8.0 * f32::EPSILON;
         let [p, q, r, _] = ((low + high) * f32x4::splat(0.5)).to_array();
         let rows = &self.rows;
-        let centre = [0, 1, 2].map(|k| rows[0][k] * p + rows[1][k] * q + rows[2][k] * r);
+        let centre = [0, 1, 2].each(|k| rows[0][k] * p + rows[1][k] * q + rows[2][k] * r);
         let at = self.heights(f32x4::new([centre[0], centre[1], centre[2], 0.0]));
         let reach = (high - at).fast_max(at - low) + f32x4::splat(slack);
         let [x, y, z, _] = reach.to_array();

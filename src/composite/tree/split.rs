@@ -5,6 +5,7 @@
 //!
 //! The axes of a spread are the eigenvectors of its matrix, at the end of the file.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
@@ -205,7 +206,7 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
     fn spread(&self, first: usize, count: usize) -> Spread {
         let (mut sum, mut heaviest) = (SplitMoments::default(), 0.0f32);
         for item in &self.items[first..first + count] {
-            let (weight, middle) = (f64::from(item.weight), Vector3::from(item.middle.map(f64::from)));
+            let (weight, middle) = (f64::from(item.weight), Vector3::from(item.middle.each(f64::from)));
             heaviest = heaviest.larger(item.weight);
             if count > FEW_CORNERS {
                 sum.add(weight, &middle);
@@ -235,7 +236,7 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
             |axis: [f32; 3]| move |i: &Item| axis[0] * i.middle[0] + axis[1] * i.middle[1] + axis[2] * i.middle[2];
         let height = along(single(axis));
         let by_height = |a: &&Item, b: &&Item| height(a).total_cmp(&height(b));
-        let ends = [items.iter().max_by(by_height), items.iter().min_by(by_height)].map(|e| e.copied());
+        let ends = [items.iter().max_by(by_height), items.iter().min_by(by_height)].each(|e| e.copied());
         for end in ends.into_iter().flatten() {
             // Of the item, not of the spread, which the way a plane is cut into triangles tilts a
             // little.
@@ -281,7 +282,7 @@ impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
                 (low[k], high[k]) = (low[k].at_most(h), high[k].at_least(h));
             }
         }
-        [0, 1, 2].map(|k| high[k] - low[k])
+        [0, 1, 2].each(|k| high[k] - low[k])
     }
 
     /// Cuts along the first axis, or, if that hardly shortens a part, along the axis that leaves
@@ -382,7 +383,7 @@ pub(super) fn axes(matrix: &Matrix3<f64>) -> ([Vector3<f64>; 3], [f64; 3]) {
     }
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| m[(j, j)].total_cmp(&m[(i, i)]));
-    (order.map(|k| v.column(k).into_owned()), order.map(|k| m[(k, k)]))
+    (order.each(|k| v.column(k).into_owned()), order.each(|k| m[(k, k)]))
 }
 
 /// One rotation in the plane of axes p and q that makes their entry zero.

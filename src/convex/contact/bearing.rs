@@ -4,6 +4,7 @@
 //! the surfaces ([`Facet`]): a face or an edge of a polyhedron, a flat round face, a generator of a
 //! curved side.
 
+use crate::base::num::each::Each;
 use core::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::Vector3;
@@ -264,7 +265,7 @@ impl ProjectedFacet {
         let stride = projected.count.div_ceil(LARGE).max(1);
         for k in (0..projected.count).step_by(stride) {
             let at = patch.count;
-            patch.points[at] = projected.vertex(k).map(|x| x * unit);
+            patch.points[at] = projected.vertex(k).each(|x| x * unit);
             patch.names[at] = projected.feature_at(Location::vertex(k));
             patch.edges[at] = projected.feature_at(Location::edge(k));
             patch.count += 1;
@@ -279,7 +280,7 @@ impl ProjectedFacet {
     /// Sets the plane through a local point from its normal in the frame of the shape.
     fn set_plane(&mut self, normal: &Vector3<f64>, axes: &Axes, through: &[f64; 3]) {
         let up = 1.0 / normal.dot(&axes.normal);
-        self.fall = axes.tangents.map(|e| normal.dot(&e) * up);
+        self.fall = axes.tangents.each(|e| normal.dot(&e) * up);
         self.level = through[2] + self.fall[0] * through[0] + self.fall[1] * through[1];
     }
 

@@ -5,6 +5,7 @@
 //! the shape, so contacts of a shape that rests and trembles stand still too, at the price of
 //! depth: the deepest contact may be shallower than the outcome by [`ROUND`] times the radius.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::bearing::{Facet, ProjectedFacet};
@@ -101,7 +102,7 @@ fn axes_of(query: &Query, outcome: &Outcome) -> ([Axes; 2], f64) {
             noise,
         },
         Axes {
-            tangents: tangents.map(|v| query.rotation.tr_mul(&v)),
+            tangents: tangents.each(|v| query.rotation.tr_mul(&v)),
             normal: query.rotation.tr_mul(&normal),
             witness: on_b - query.rotation.tr_mul(&(between - normal * distance)),
             noise,
@@ -260,7 +261,7 @@ fn overlap([a, b]: &[ProjectedFacet; 2], (sine, beside): (f64, f64), candidates:
             let [x, y, height] = of.points[k];
             let t = to.along([x, y]);
             let [p, q] = to.ends(0);
-            let off = [0, 1].map(|i| p[i] + t * (q[i] - p[i]) - of.points[k][i]);
+            let off = [0, 1].each(|i| p[i] + t * (q[i] - p[i]) - of.points[k][i]);
             if t > 0.0 && t < 1.0 && squared(off) <= beside {
                 let (mut heights, mut on) = ([height, to.height([x, y])], [Location::vertex(k), Location::WHOLE]);
                 if side == 1 {

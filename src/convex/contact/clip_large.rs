@@ -20,6 +20,7 @@
 //! far. So for two discs of `m` vertices each ray visits `log m` of them. Not all vertices of the
 //! overlap are found, but more than requested, spread over the overlap.
 
+use crate::base::num::each::Each;
 use core::cmp::Ordering;
 
 use super::MOST_POINTS;
@@ -59,8 +60,8 @@ fn dot(u: Point2, v: Point2) -> f64 {
 impl ProjectedFeature<'_> {
     /// Returns a point inside the face.
     pub(super) fn middle(&self) -> Point2 {
-        let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].map(|k| self.position(k));
-        [0, 1].map(|k| (p[k] + q[k] + r[k]) / 3.0)
+        let [p, q, r] = [0, self.count / 3, 2 * self.count / 3].each(|k| self.position(k));
+        [0, 1].each(|k| (p[k] + q[k] + r[k]) / 3.0)
     }
 
     /// Returns whether the face is no wider than rounding, so that rounding decides the exits of
@@ -177,7 +178,7 @@ impl ProjectedFeature<'_> {
     /// holds the witness, if the witness is on the boundary.
     fn vertices_at_witness(&self) -> [usize; 4] {
         let (k, _) = self.edge_at_witness(self.middle());
-        [self.count - 1, 0, 1, 2].map(|n| (k + n) % self.count)
+        [self.count - 1, 0, 1, 2].each(|n| (k + n) % self.count)
     }
 
     /// Returns whether a point is in the face, or off the face by no more than rounding.
@@ -185,7 +186,7 @@ impl ProjectedFeature<'_> {
         let middle = self.middle();
         let (far, k) = self.exit(middle, minus(at, middle), usize::MAX);
         let (p, q, t) = (self.position(k), self.position(self.next(k)), self.along(k, at));
-        let off = [0, 1].map(|i| p[i] + t * (q[i] - p[i]) - at[i]);
+        let off = [0, 1].each(|i| p[i] + t * (q[i] - p[i]) - at[i]);
         far >= 1.0 || dot(off, off) <= self.axes.noise * self.axes.noise
     }
 }
@@ -199,7 +200,7 @@ fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>
     if let Some(hint) = hint.filter(both) {
         return Some(hint);
     }
-    if let Some(p) = [of_a, of_b].map(|w| [w[0] * 0.5, w[1] * 0.5]).into_iter().find(both) {
+    if let Some(p) = [of_a, of_b].each(|w| [w[0] * 0.5, w[1] * 0.5]).into_iter().find(both) {
         return Some(p);
     }
     let ((_, m), (_, n)) = (a.edge_at_witness(of_a), b.edge_at_witness(of_b));
@@ -207,7 +208,7 @@ fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>
     let between = [(m[0] + n[0]) * reach, (m[1] + n[1]) * reach];
     let mut part = 1.0;
     for _ in 0..12 {
-        let ways = [between, of_a, of_b].map(|w| [w[0] * part, w[1] * part]);
+        let ways = [between, of_a, of_b].each(|w| [w[0] * part, w[1] * part]);
         if let Some(p) = ways.into_iter().find(both) {
             return Some(p);
         }
@@ -215,11 +216,11 @@ fn common_point(a: &ProjectedFeature, b: &ProjectedFeature, hint: Option<Point2>
     }
     // A strip: half the way across.
     let across = |way: Point2| {
-        let width = [a, b].map(|face| face.exit([0.0; 2], way, usize::MAX).0);
+        let width = [a, b].each(|face| face.exit([0.0; 2], way, usize::MAX).0);
         let half = 0.5 * width[0].smaller(width[1]);
         [way[0] * half, way[1] * half]
     };
-    [m, n].map(across).into_iter().find(both)
+    [m, n].each(across).into_iter().find(both)
 }
 
 /// Adds the ends of a line along which two faces meet: the vertices of each near the witnesses that

@@ -13,6 +13,7 @@
 //! nearly parallel to the plane bear the contact, as those of two polyhedra do
 //! ([`mod@crate::convex::contact`]).
 
+use crate::base::num::each::Each;
 use nalgebra::{Point3, Unit, Vector3};
 use thiserror::Error;
 
@@ -249,7 +250,7 @@ impl<'a> PlacedPlane<'a> {
         let mut candidates = Candidates::new(0.0, options.prediction);
         let mut add = |vertex: VertexId| {
             let (at, height) = self.place(vertex);
-            let at = axes.map(|axis| axis.dot(&at));
+            let at = axes.each(|axis| axis.dot(&at));
             candidates.push(at, [0.0, height], [Location::WHOLE, Location::vertex(vertex.index())]);
         };
         add(self.lowest);

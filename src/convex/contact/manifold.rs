@@ -1,5 +1,6 @@
 //! The contact manifold of a pair, persistent over frames.
 
+use crate::base::num::each::Each;
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::motion::BallAtPose;
@@ -363,7 +364,7 @@ impl Manifold {
         let new = &contacts.points[..contacts.count];
         let old = self.points().len();
         // Ids are read first: the old points are overwritten in order.
-        let ids = origin.map(|k| self.points[k.min(MOST_POINTS - 1)].id);
+        let ids = origin.each(|k| self.points[k.min(MOST_POINTS - 1)].id);
         self.count = 0;
         for k in 0..old {
             if let Some(i) = origin[..new.len()].iter().position(|&o| o == k) {

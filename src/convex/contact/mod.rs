@@ -33,6 +33,7 @@ mod query;
 mod reduce;
 mod refresh;
 
+use crate::base::num::each::Each;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use crate::base::num::extremes::Extremes;
@@ -217,7 +218,7 @@ impl PosedOutcome<'_> {
                 noise,
             },
             Axes {
-                tangents: tangents.map(|v| self.rotation.tr_mul(&v)),
+                tangents: tangents.each(|v| self.rotation.tr_mul(&v)),
                 normal: self.rotation.tr_mul(&normal),
                 witness: self.b.to_stored(&self.outcome.point_on_b),
                 noise,
@@ -327,7 +328,7 @@ impl ProjectedPair<'_> {
 
     /// Lower bound of a candidate vertex's distance to the boundary of the opposite face.
     fn margin(&self, candidate: &ContactCandidate, options: &ManifoldOptions) -> f64 {
-        let inside = match candidate.on.map(Location::as_vertex) {
+        let inside = match candidate.on.each(Location::as_vertex) {
             [Some(_), _] => self.b.inside_by(candidate.at),
             [_, Some(_)] => self.a.inside_by(candidate.at),
             _ => 0.0,

@@ -2,6 +2,7 @@
 //! heights. The local coordinates of a contact ([`Axes`]) are plane coordinates perpendicular to
 //! the normal, and heights along it.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 use wide::f64x4;
 
@@ -54,7 +55,7 @@ impl FacePlane2 {
         let up = 1.0 / m.dot(&axes.normal);
         Self {
             level: m.dot(&(vertex - axes.witness)) * up,
-            fall: axes.tangents.map(|e| m.dot(&e) * up),
+            fall: axes.tangents.each(|e| m.dot(&e) * up),
         }
     }
 
@@ -306,7 +307,7 @@ impl<'a> ProjectedFeature<'a> {
     #[inline(always)]
     pub(super) fn position_of(&self, p: &Vector3<f64>) -> [f64; 2] {
         let d = p - self.axes.witness;
-        self.axes.tangents.map(|e| e.dot(&d))
+        self.axes.tangents.each(|e| e.dot(&d))
     }
 
     /// Returns the least and greatest plane coordinates of a small face. Beyond the apex of a

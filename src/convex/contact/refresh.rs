@@ -4,6 +4,7 @@
 //! the vertex's distance from the boundary; two edges that crossed are tested again. So the cost of
 //! keeping a manifold of two faces does not depend on their numbers of vertices.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::clip::{self, LocalPoint, Location};
@@ -157,6 +158,6 @@ fn ends(body: &ConvexPolyhedron, edge: EdgeId, axes: &Axes) -> Option<([Vector3<
     if edge.index() >= t.half_edge_count() {
         return None;
     }
-    let ends = [t.from(edge.half_edge()), t.half_edge(edge.half_edge()).to].map(|v| body.points[v.index()]);
-    Some((ends, ends.map(|p| axes.to_local(&p))))
+    let ends = [t.from(edge.half_edge()), t.half_edge(edge.half_edge()).to].each(|v| body.points[v.index()]);
+    Some((ends, ends.each(|p| axes.to_local(&p))))
 }

@@ -9,6 +9,7 @@
 //! high by its height in double-double. The rest is decided in exact arithmetic. No surface is
 //! needed, so nothing can fold.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use crate::base::num::double_double::DoubleDouble;
@@ -107,7 +108,7 @@ fn has_flat_faces(body: &ConvexPolyhedron) -> bool {
         let vertex = |h: HalfEdgeId| body.points[body.topology.from(h).index()];
         let start = body.topology.rim_half_edge(f);
         let next = |h: HalfEdgeId| body.topology.half_edge(h).next;
-        let [p, q] = [start, next(start)].map(vertex);
+        let [p, q] = [start, next(start)].each(vertex);
         // Tests p and q with both ends of every edge: three collinear vertices prove nothing.
         body.topology
             .rim(f)
@@ -125,9 +126,9 @@ fn may_share_normal(posed: &PosedPair, frame: &Transform<DoubleDouble>, e: EdgeI
     let slopes = |body: &ConvexPolyhedron, e: EdgeId, n: &Vec3<DoubleDouble>| {
         let (t, h) = (&body.topology, e.half_edge());
         let from = body.points[t.from(h).index()];
-        let adjacent = [h, t.half_edge(h).twin].map(|h| {
+        let adjacent = [h, t.half_edge(h).twin].each(|h| {
             let vertex = body.points[t.half_edge(t.half_edge(h).next).to.index()];
-            let u = [0, 1, 2].map(|k| DoubleDouble::sum(vertex[k], -from[k]));
+            let u = [0, 1, 2].each(|k| DoubleDouble::sum(vertex[k], -from[k]));
             (dot(n, &u).value(), noise * (vertex - from).abs().sum())
         });
         let falls = adjacent.iter().any(|(x, noise)| *x < -noise);

@@ -35,6 +35,7 @@
 //! F, whose disc has the radius `rho`, and the projection of `x` along `n` down to height zero,
 //! nearer to the origin than any triangle; hence P contains `x`, between the two.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::{Bounded, Extremes};
@@ -152,7 +153,7 @@ fn face<T: Scalar>(body: &ConvexPolyhedron, f: FaceId) -> Vec3<T> {
 pub(super) fn edge<T: Scalar>(body: &ConvexPolyhedron, e: EdgeId) -> Vec3<T> {
     let (t, h) = (&body.topology, e.half_edge());
     let (from, to) = (body.points[t.from(h).index()], body.points[t.half_edge(h).to.index()]);
-    unit(&[0, 1, 2].map(|k| T::from(to[k]) - T::from(from[k])))
+    unit(&[0, 1, 2].each(|k| T::from(to[k]) - T::from(from[k])))
 }
 
 /// Exchanges of a vertex on the way to the facet over the axis, at most. Not measured.
@@ -248,10 +249,10 @@ pub(super) fn holds_disc(
         DifferenceFacet::Edges(e, g) => {
             let ends = |body: &ConvexPolyhedron, e: EdgeId| {
                 let (t, h) = (&body.topology, e.half_edge());
-                [t.from(h), t.half_edge(h).to].map(|v| body.points[v.index()])
+                [t.from(h), t.half_edge(h).to].each(|v| body.points[v.index()])
             };
             let ([p0, p1], of_b) = (ends(posed.a, e), ends(posed.b, g));
-            let ([q0, q1], q) = (of_b.map(|q| posed.point_in_a(&q)), posed.point_in_a(&q));
+            let ([q0, q1], q) = (of_b.each(|q| posed.point_in_a(&q)), posed.point_in_a(&q));
             let lowest = n.dot(&p0).smaller(n.dot(&p1)) - n.dot(&q0).larger(n.dot(&q1));
             let (perpendicular_a, perpendicular_b) = (n.cross(&(p1 - p0)), n.cross(&(q1 - q0)));
             // Distances from the sides of the parallelogram parallel to either edge.

@@ -3,6 +3,7 @@
 //! Points of A - B are vertex pairs and remain points of A - B at every pose, so a surface on such
 //! points can be resumed at any pose ([`resume`](mod@crate::convex::depth::resume)).
 
+use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::String;
@@ -107,7 +108,7 @@ impl From<RawMemory> for Memory {
         if !raw.is_closed() {
             return Self::default();
         }
-        let bytes = |t: &[u32; 6]| t.map(|k| k as u8);
+        let bytes = |t: &[u32; 6]| t.each(|k| k as u8);
         Self {
             triangles: raw.triangles.iter().map(bytes).collect(),
             points: raw.points,
@@ -208,7 +209,7 @@ impl Memory {
     /// Returns the first broken invariant of the cached surface: closed, and of few points. Its
     /// vertices may be of bodies other than those of the next query, which checks them.
     pub(crate) fn check(&self) -> Result<(), String> {
-        let triangles: Vec<[u32; 6]> = self.triangles.iter().map(|t| t.map(u32::from)).collect();
+        let triangles: Vec<[u32; 6]> = self.triangles.iter().map(|t| t.each(u32::from)).collect();
         match unmatched_edge(self.points.len(), &triangles) {
             Some(k) => Err(format!(
                 "triangle {k} of the cached surface is not joined to its neighbours"
@@ -243,7 +244,7 @@ impl Memory {
     /// Returns the three point indices of a triangle.
     pub(super) fn vertices(&self, t: u32) -> [usize; 3] {
         let [i, j, k, ..] = self.triangles[t as usize];
-        [i, j, k].map(usize::from)
+        [i, j, k].each(usize::from)
     }
 
     /// Loads the cached surface, with the points at `positions`, into the working memory.
@@ -255,7 +256,7 @@ impl Memory {
             .points
             .extend(points.map(|(&[a, b], &w)| MinkowskiPoint { a, b, w }));
         for &[p, q, r, x, y, z] in &self.triangles {
-            surface.push([p, q, r].map(u32::from), [x, y, z].map(u32::from));
+            surface.push([p, q, r].each(u32::from), [x, y, z].each(u32::from));
         }
         for &t in &scratch.below_target {
             surface.compute_bound(t);

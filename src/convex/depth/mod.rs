@@ -41,6 +41,7 @@ mod search;
 mod surface;
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{Scalar, dot};
 #[cfg(feature = "exact")]
@@ -190,7 +191,7 @@ fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, draft: &m
         (draft.point_on_a, draft.point_on_b) = witnesses;
     }
     draft.features = found.features.unwrap_or_else(|| {
-        let (a, b) = (found.vertices.map(|c| c.a), found.vertices.map(|c| c.b));
+        let (a, b) = (found.vertices.each(|c| c.a), found.vertices.each(|c| c.b));
         walk_state(posed, &a, &b)
     });
 }

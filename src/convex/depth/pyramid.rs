@@ -20,6 +20,7 @@
 //! The sides are judged as the triangles of a surface are
 //! ([`verify_surface`](super::surface::verify_surface)).
 
+use crate::base::num::each::Each;
 use crate::body::polyhedron::fans::LARGE;
 use nalgebra::Vector3;
 
@@ -213,7 +214,7 @@ impl FarSides<'_, '_, '_> {
     /// Returns whether the side over an edge of the facet is beyond the target.
     #[inline(always)]
     fn is_far(&mut self, from: PackedVec3, to: PackedVec3) -> bool {
-        let side = [to, from, self.pyramid.apex].map(|w| w.vector().into());
+        let side = [to, from, self.pyramid.apex].each(|w| w.vector().into());
         match self.target.judge(&side) {
             Some(false) => self.is_far_beyond(&side),
             judged => judged == Some(true),

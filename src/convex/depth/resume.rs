@@ -8,6 +8,7 @@
 //! is dropped, unless the nearest facet proves the depth alone ([`nearest`](super::nearest)).
 //! Whatever proved the last depth is asked first.
 
+use crate::base::num::each::Each;
 use crate::base::num::scalar::{Vec3, sub};
 use crate::base::tolerance::{AGREE_DEPTH, ORIGIN_SHIFTS};
 use crate::body::polyhedron::{FeaturePair, VertexId};
@@ -216,7 +217,7 @@ impl Memory {
     /// Tries the facets of the triangles below target if there are few.
     fn try_facets_of(&self, posed: &PosedPair, frame: &Transform<f64>, below_target: &[u32], best: &mut Best<f64>) {
         let vertices = below_target.iter().map(|t| self.vertices(*t));
-        let vertex_pairs = vertices.map(|at| [0, 1].map(|side| at.map(|k| self.points[k][side])));
+        let vertex_pairs = vertices.map(|at| [0, 1].each(|side| at.each(|k| self.points[k][side])));
         if below_target.len() <= FEW_TRIANGLES {
             best.try_facets(posed, frame, vertex_pairs);
         }
@@ -224,7 +225,7 @@ impl Memory {
 
     /// Returns the radius of the disc that covers for the triangles below target, if worth a try.
     fn disc(&self, below_target: &[u32], positions: &[Vec3<f64>], best: &Best<f64>, size: f64) -> Option<f64> {
-        let triangles = below_target.iter().map(|t| self.vertices(*t).map(|k| positions[k]));
+        let triangles = below_target.iter().map(|t| self.vertices(*t).each(|k| positions[k]));
         disc_radius(triangles, best, size)
     }
 
@@ -247,8 +248,8 @@ impl Memory {
         let axis = best.normal;
         let found = below_target
             .iter()
-            .find_map(|t| pierced_facet(posed, frame, &axis, known.clone(), self.vertices(*t).map(vertex)));
-        let vertex_pairs = found.map(|c| [c.map(|c| c.a), c.map(|c| c.b)]);
+            .find_map(|t| pierced_facet(posed, frame, &axis, known.clone(), self.vertices(*t).each(vertex)));
+        let vertex_pairs = found.map(|c| [c.each(|c| c.a), c.each(|c| c.b)]);
         best.try_facets(posed, frame, vertex_pairs.into_iter());
         let rho = self.disc(below_target, positions, best, posed.size())?;
         let (facet, at) = (best.facet?, best.rounded());

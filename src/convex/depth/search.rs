@@ -8,6 +8,7 @@
 //! bodies need not be known to overlap: the tetrahedron proves that they do.
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, scaled, sub};
 use crate::base::tolerance::{AGREE_DEPTH, AGREE_WITNESS, ALMOST_FLAT, CERTIFICATE, PLATEAU, SHIFT_DIRECTION, UNIT};
 use crate::body::polyhedron::{FeaturePair, VertexId};
@@ -88,7 +89,7 @@ pub(super) struct Best<T> {
 impl<T: Scalar> Best<T> {
     /// Returns normal and height rounded to f64.
     pub(super) fn rounded(&self) -> (Vec3<f64>, f64) {
-        (self.normal.map(Scalar::value), self.height.value())
+        (self.normal.each(Scalar::value), self.height.value())
     }
 }
 
@@ -368,7 +369,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
     fn probe_facets(&mut self, t: u32) -> bool {
         let vertices = self.surface.vertices(t);
         let mut improved = false;
-        let facets = DifferenceFacet::at(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
+        let facets = DifferenceFacet::at(self.posed, &vertices.each(|c| c.a), &vertices.each(|c| c.b));
         for facet in facets.into_iter().flatten() {
             let Some((normal, height)) = self.height_of(facet, &vertices[0]) else {
                 continue;
@@ -388,7 +389,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
     fn height_of(&self, facet: DifferenceFacet, on: &MinkowskiPoint<T>) -> Option<(Vec3<T>, T)> {
         if T::UNIT == UNIT && !self.is_shifted {
             let (n, height) = facet.height(self.posed, &Transform::of(self.posed))?;
-            return Some((n.map(T::from), T::from(height)));
+            return Some((n.each(T::from), T::from(height)));
         }
         let n = facet.normal(self.posed, &self.frame, on)?;
         Some((n, dot(&n, &support(self.posed, &self.frame, &n, on).w)))
@@ -398,7 +399,7 @@ impl<'a, T: Scalar> DepthSearch<'a, T> {
     /// the best direction up to rounding: of a facet the height is computed from its own features,
     /// whatever way a search took to the facet.
     fn facet_at(&self, vertices: &[MinkowskiPoint<T>; 3], best: &Best<T>) -> Option<Best<T>> {
-        let facets = DifferenceFacet::at(self.posed, &vertices.map(|c| c.a), &vertices.map(|c| c.b));
+        let facets = DifferenceFacet::at(self.posed, &vertices.each(|c| c.a), &vertices.each(|c| c.b));
         let heights = facets.into_iter().flatten().filter_map(|facet| {
             let (normal, height) = self.height_of(facet, &vertices[0])?;
             Some(Best {
@@ -491,7 +492,7 @@ fn pierced(
             let (t, u) = (&posed.a.topology, &posed.b.topology);
             let (e, g) = (e.half_edge(), g.half_edge());
             let ((p, q), (x, y)) = ((t.from(e), t.half_edge(e).to), (u.from(g), u.half_edge(g).to));
-            let c = [(p, x), (q, x), (q, y), (p, y)].map(point);
+            let c = [(p, x), (q, x), (q, y), (p, y)].each(point);
             let n = cross(&sub(&c[1].w, &c[0].w), &sub(&c[3].w, &c[0].w));
             let [p, q, r, s] = if dot(&n, normal) > 0.0 {
                 c
@@ -570,11 +571,11 @@ impl<T: Scalar> DepthSearch<'_, T> {
     ) -> (u32, f64, WitnessPoints) {
         // Converts both parts of a double-double.
         let as_s = |x: T| S::from(x.value()) + S::from((x - T::from(x.value())).value());
-        let fine = |v: &Vec3<T>| v.map(as_s);
+        let fine = |v: &Vec3<T>| v.each(as_s);
         let target = scaled(&fine(&best.normal), as_s(best.height));
         let mut found: Option<(u32, f64, Simplex<S>)> = None;
         for t in triangles {
-            let shifted = self.surface.vertices(t).map(|c| MinkowskiPoint {
+            let shifted = self.surface.vertices(t).each(|c| MinkowskiPoint {
                 a: c.a,
                 b: c.b,
                 w: sub(&fine(&c.w), &target),

@@ -25,6 +25,7 @@
 //!
 //! At the end of the file stand unit directions and triangle normals at every magnitude.
 
+use crate::base::num::each::Each;
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 
@@ -189,14 +190,14 @@ impl<T: Scalar> EnclosingSurface<T> {
     /// Returns the positions of a triangle's vertices.
     #[inline]
     fn positions(&self, vertices: &[u32; 3]) -> [Vec3<T>; 3] {
-        vertices.map(|c| self.points[c as usize].w)
+        vertices.each(|c| self.points[c as usize].w)
     }
 
     /// Returns the vertices of a triangle.
     pub(super) fn vertices(&self, triangle: u32) -> [MinkowskiPoint<T>; 3] {
         self.triangles[triangle as usize]
             .vertices
-            .map(|c| self.points[c as usize])
+            .each(|c| self.points[c as usize])
     }
 
     /// Returns whether a point of the given vertex pair was inserted before.
@@ -273,12 +274,12 @@ impl<T: Scalar> EnclosingSurface<T> {
             return false;
         }
         t.state = BoundState::Best;
-        let nearest = Simplex::triangle(t.vertices.map(|c| self.points[c as usize]));
+        let nearest = Simplex::triangle(t.vertices.each(|c| self.points[c as usize]));
         if nearest.len() == 3 && t.bound > T::from(0.0) {
             return false;
         }
         let direction = unit(&nearest.direction());
-        let bound = min_height(&direction, &t.vertices.map(|c| self.points[c as usize].w));
+        let bound = min_height(&direction, &t.vertices.each(|c| self.points[c as usize].w));
         let better = bound > t.bound;
         if better {
             (t.direction, t.bound) = (direction, bound);
@@ -607,7 +608,7 @@ pub(super) fn verify_surface(
             continue;
         }
         for (lane, t) in pair.iter().enumerate() {
-            match target.judge(&[t[0], t[1], t[2]].map(|c| positions[c as usize])) {
+            match target.judge(&[t[0], t[1], t[2]].each(|c| positions[c as usize])) {
                 None => return SurfaceState::Folded,
                 Some(true) => {}
                 Some(false) => below_target.push((2 * k + lane) as u32),
@@ -669,7 +670,7 @@ impl Target {
     /// Returns whether a triangle is beyond the facet though its plane is not: the triangle lies
     /// entirely beyond its nearest point.
     fn is_far(&self, w: &[Vec3<f64>; 3]) -> bool {
-        let nearest = Simplex::triangle(w.map(|w| MinkowskiPoint {
+        let nearest = Simplex::triangle(w.each(|w| MinkowskiPoint {
             w,
             ..MinkowskiPoint::default()
         }))
@@ -702,21 +703,21 @@ pub(super) fn unit<T: Scalar>(v: &Vec3<T>) -> Vec3<T> {
     let squared = dot(v, v);
     if squared.value() > SQUARE_MIN && squared.value() < 1.0 / SQUARE_MIN {
         let by = T::from(1.0) / root(squared);
-        return v.map(|x| x * by);
+        return v.each(|x| x * by);
     }
     let largest = v.iter().fold(0.0f64, |m, x| m.larger(x.value().abs()));
     if !(largest > 0.0 && largest < f64::INFINITY) {
         return [T::from(0.0); 3];
     }
-    let v = v.map(|x| x / T::from(largest));
+    let v = v.each(|x| x / T::from(largest));
     let norm = root(dot(&v, &v));
-    v.map(|x| x / norm)
+    v.each(|x| x / norm)
 }
 
 /// Returns the least height of three points along a direction.
 #[inline]
 pub(super) fn min_height<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
-    let h = w.map(|w| dot(n, &w));
+    let h = w.each(|w| dot(n, &w));
     let low = if h[1] < h[0] { h[1] } else { h[0] };
     if h[2] < low { h[2] } else { low }
 }
@@ -725,7 +726,7 @@ pub(super) fn min_height<T: Scalar>(n: &Vec3<T>, w: &[Vec3<T>; 3]) -> T {
 #[inline]
 pub(super) fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
     let edges = [sub(&w[1], &w[0]), sub(&w[2], &w[1]), sub(&w[0], &w[2])];
-    let length = edges.map(|e| dot(&e, &e).value());
+    let length = edges.each(|e| dot(&e, &e).value());
     let (u, v) = if length[0] >= length[1] && length[0] >= length[2] {
         (&edges[1], &edges[2])
     } else if length[1] >= length[2] {
@@ -740,7 +741,7 @@ pub(super) fn normal<T: Scalar>(w: &[Vec3<T>; 3]) -> Vec3<T> {
     }
     let by_size = |e: &Vec3<T>| {
         let m = e.iter().fold(0.0f64, |m, x| m.larger(x.value().abs()));
-        if m > 0.0 { e.map(|x| x / T::from(m)) } else { *e }
+        if m > 0.0 { e.each(|x| x / T::from(m)) } else { *e }
     };
     unit(&cross(&by_size(u), &by_size(v)))
 }

@@ -1,5 +1,6 @@
 //! Exact depth: the deepest facet of a list known to contain it.
 
+use crate::base::num::each::Each;
 use dashu_base::Signed;
 use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
@@ -114,7 +115,7 @@ fn write_facet(posed: &PosedPair, pair: &ScaledPair, facet: &ExactFacet, draft: 
     let ExactFacet { normal, height, hint } = facet;
     let squared = dot(normal, normal);
     let from_foot = |c: ExactPoint| ExactPoint {
-        w: [0, 1, 2].map(|k| &c.w[k] * &squared - &normal[k] * height),
+        w: [0, 1, 2].each(|k| &c.w[k] * &squared - &normal[k] * height),
         ..c
     };
     let lowest = |n: &Big3| from_foot(pair.support_exact(&neg(n), *hint));

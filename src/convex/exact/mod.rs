@@ -13,6 +13,7 @@ mod origin;
 pub(crate) mod place;
 mod simplex;
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use core::cmp::Ordering;
 
@@ -55,7 +56,7 @@ struct ScaledPair<'a> {
 /// Returns `R(q) |q|^2` and `|q|^2` for the integer quaternion proportional to `q`.
 fn turn(q: &[f64; 4]) -> ([Big3; 3], IBig) {
     let e = lowest_bit(*q).unwrap_or(0);
-    let [x, y, z, w] = q.map(|c| integer(c, e));
+    let [x, y, z, w] = q.each(|c| integer(c, e));
     let (xx, yy, zz, ww) = (&x * &x, &y * &y, &z * &z, &w * &w);
     let two = |x: IBig| x << 1;
     let rows = [
@@ -70,7 +71,7 @@ impl<'a> RotatedBody<'a> {
     fn new(body: &'a ConvexPolyhedron, q: &[f64; 4], rows: [Big3; 3], factor: &IBig) -> Self {
         let [x, y, z, w] = *q;
         let unit = nalgebra::UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z));
-        let matrix = rows.map(|row| row.map(|m| m * factor));
+        let matrix = rows.each(|row| row.each(|m| m * factor));
         Self {
             body,
             matrix,
@@ -88,7 +89,7 @@ impl<'a> RotatedBody<'a> {
 
     fn to_user(&self, v: VertexId, exponent: i32) -> Big3 {
         let p = self.body.to_user(&self.body.points[v.index()]);
-        [p.x, p.y, p.z].map(|c| integer(c, exponent))
+        [p.x, p.y, p.z].each(|c| integer(c, exponent))
     }
 
     /// Returns vertex `v`, rotated.
@@ -99,7 +100,7 @@ impl<'a> RotatedBody<'a> {
     /// Returns the world direction `n` in the body frame.
     fn along(&self, n: &Big3, exponent: i32) -> Along<'_> {
         let m = &self.matrix;
-        let n = [0, 1, 2].map(|k| &n[0] * &m[0][k] + &n[1] * &m[1][k] + &n[2] * &m[2][k]);
+        let n = [0, 1, 2].each(|k| &n[0] * &m[0][k] + &n[1] * &m[1][k] + &n[2] * &m[2][k]);
         Along {
             body: self,
             rounded: direction(&n),
@@ -167,7 +168,7 @@ impl Upward for Along<'_> {
             let lowest = lowest_bit(m.parts().iter().flatten().copied()).unwrap_or(0);
             let m = m
                 .parts()
-                .map(|parts| parts.map(|c| integer(c, lowest)).into_iter().sum::<IBig>());
+                .each(|parts| parts.each(|c| integer(c, lowest)).into_iter().sum::<IBig>());
             let (e, f) = (self.edge(p, q), self.edge(p, r));
             sign(&(dot(&self.n, &e) * dot(&m, &f) - dot(&self.n, &f) * dot(&m, &e)))
         })
@@ -182,7 +183,7 @@ impl<'a> ScaledPair<'a> {
         let exponent = lowest.unwrap_or(0);
         let denominator = &na * &nb;
         let offset =
-            [0, 1, 2].map(|k| (integer(pose.b.t()[k], exponent) - integer(pose.a.t()[k], exponent)) * &denominator);
+            [0, 1, 2].each(|k| (integer(pose.b.t()[k], exponent) - integer(pose.a.t()[k], exponent)) * &denominator);
         Self {
             a: RotatedBody::new(a, &pose.a.q(), rows_a, &nb),
             b: RotatedBody::new(b, &pose.b.q(), rows_b, &na),

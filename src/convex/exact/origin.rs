@@ -7,6 +7,7 @@
 //!   4 points:      interior
 //! ```
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use dashu_int::IBig;
@@ -87,7 +88,7 @@ fn on_line(highest: &dyn Fn(&Big3) -> ExactPoint, d: &Big3) -> Origin {
     unit[axis] = IBig::ONE;
     let e = cross(d, &unit);
     let f = cross(d, &e);
-    let space = |n: &[IBig; 2]| [0, 1, 2].map(|k| &n[0] * &e[k] + &n[1] * &f[k]);
+    let space = |n: &[IBig; 2]| [0, 1, 2].each(|k| &n[0] * &e[k] + &n[1] * &f[k]);
     let plane = |p: &Big3| [dot(&e, p), dot(&f, p)];
     let top = match supports(highest, &e) {
         Ok(()) => return Origin::Boundary(e),

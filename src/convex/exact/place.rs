@@ -1,6 +1,7 @@
 //! Exact places and directions in the frame of another body, and the signs of sums of integers over
 //! different powers of two.
 
+use crate::base::num::each::Each;
 use core::cmp::Ordering;
 
 use dashu_base::{BitTest, DivEuclid};
@@ -26,7 +27,7 @@ impl ExactVector {
     pub(crate) fn new(v: &Vector3<f64>) -> Self {
         let exponent = lowest_bit(v.iter().copied()).unwrap_or(0);
         Self {
-            at: [v.x, v.y, v.z].map(|x| integer(x, exponent)),
+            at: [v.x, v.y, v.z].each(|x| integer(x, exponent)),
             exponent,
             over: IBig::ONE,
         }
@@ -37,7 +38,7 @@ impl ExactVector {
         let [x, y, z, w] = *q;
         let (rows, norm) = turn(&[x, y, z, if is_back { -w } else { w }]);
         Self {
-            at: rows.each_ref().map(|row| dot(row, &self.at)),
+            at: rows.each_ref().each(|row| dot(row, &self.at)),
             exponent: self.exponent,
             over: self.over * norm,
         }

@@ -1,5 +1,6 @@
 //! The minimum-norm search with exact signs.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -59,7 +60,7 @@ fn inside(s: &[&ExactPoint]) -> Option<(Vec<IBig>, IBig, Big3)> {
             let d = sub(&q.w, &p.w);
             let w = vec![dot(&q.w, &d), -dot(&p.w, &d)];
             positive(&w).then(|| {
-                let n = [0, 1, 2].map(|k| &w[0] * &p.w[k] + &w[1] * &q.w[k]);
+                let n = [0, 1, 2].each(|k| &w[0] * &p.w[k] + &w[1] * &q.w[k]);
                 (w, dot(&d, &d), n)
             })
         }

@@ -5,6 +5,7 @@
 //! origin, which four signed volumes prove; if not, the solver starts from the points closest to
 //! the origin. Only for answers without a depth: an answer with a depth keeps a whole surface.
 
+use crate::base::num::each::Each;
 use crate::body::polyhedron::{FeaturePair, VertexId};
 use crate::convex::minimum::gjk::{Minimum, solve};
 use crate::convex::minimum::simplex::Simplex;
@@ -32,7 +33,7 @@ impl Default for OverlapProof {
 impl OverlapProof {
     fn from_simplex(simplex: &Simplex<f64>) -> Option<Self> {
         let kept: &[_; 4] = simplex.points().try_into().ok()?;
-        Some(Self(kept.map(|c| [c.a, c.b])))
+        Some(Self(kept.each(|c| [c.a, c.b])))
     }
 
     /// Returns a guess: four pairs of vertices, of A and of B, whose differences may contain the
@@ -53,7 +54,7 @@ impl OverlapProof {
         let is_valid = *self != Self::default() && self.0.iter().all(|[x, y]| x.index() < a && y.index() < b);
         let mut start = None;
         if is_valid {
-            let points = self.0.map(|[x, y]| difference_point(posed, &frame, x, y));
+            let points = self.0.each(|[x, y]| difference_point(posed, &frame, x, y));
             let simplex = Simplex::tetrahedron(points, posed.error_scale::<f64>());
             if simplex.len() < 4 {
                 start = Some(simplex);

@@ -4,6 +4,7 @@
 //! origin beyond more than one face, or rounding hides a sign, each such face is tried and the
 //! closest point of all is taken.
 
+use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::base::tolerance::VOLUME;
 use crate::body::polyhedron::VertexId;
@@ -58,7 +59,7 @@ impl<T: Scalar> ClosestPoint<T> {
             return Self::vertex(c, q);
         }
         let s = t / dd;
-        let v = [0, 1, 2].map(|k| pw[k] + d[k] * s);
+        let v = [0, 1, 2].each(|k| pw[k] + d[k] * s);
         let v = sub(&v, &scaled(&d, dot(&v, &d) / dd));
         let weights = [T::from(1.0) - s, s, zero, zero];
         Self {
@@ -71,7 +72,7 @@ impl<T: Scalar> ClosestPoint<T> {
     }
 
     fn triangle(c: &[MinkowskiPoint<T>; 4], ids: [u8; 3]) -> Self {
-        let [p, q, r] = ids.map(|k| &c[k as usize].w);
+        let [p, q, r] = ids.each(|k| &c[k as usize].w);
         let n = cross(&sub(q, p), &sub(r, p));
         let zero = T::from(0.0);
         // Weight of the point opposite to the edge x-y.
@@ -110,7 +111,7 @@ impl<T: Scalar> ClosestPoint<T> {
         let zero = T::from(0.0);
         let sum = volume[0] + volume[1] + volume[2] + volume[3];
         if sum < zero {
-            volume = volume.map(|v| -v);
+            volume = volume.each(|v| -v);
         }
         let all = scale.total();
         let certain = T::from(VOLUME * T::UNIT * all * all * all);
@@ -128,7 +129,7 @@ impl<T: Scalar> ClosestPoint<T> {
         }
         best.unwrap_or_else(|| {
             let sum = volume[0] + volume[1] + volume[2] + volume[3];
-            let weights = volume.map(|v| v / sum);
+            let weights = volume.each(|v| v / sum);
             Self {
                 ids: [0, 1, 2, 3],
                 len: 4,
@@ -144,9 +145,9 @@ impl<T: Scalar> ClosestPoint<T> {
 #[cold]
 fn rounding_bound<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], scale: ErrorScale) -> f64 {
     let sum = |v: Vec3<T>| v.iter().fold(0.0, |sum, x| sum + x.value().abs());
-    let [p, q, r] = face.map(|k| c[k as usize].w);
+    let [p, q, r] = face.each(|k| c[k as usize].w);
     let (u, v) = (sub(&q, &p), sub(&r, &p));
-    let [p, q, r] = [p, q, r].map(sum);
+    let [p, q, r] = [p, q, r].each(sum);
     let off = VOLUME * T::UNIT * scale.size;
     let own = off * (p * q + q * r + r * p) + off * off * scale.size;
     own + VOLUME * T::UNIT * scale.shared * (sum(cross(&u, &v)) + off * (sum(u) + sum(v) + off))
@@ -176,7 +177,7 @@ impl<T: Scalar> Simplex<T> {
     /// Keeps the points that span the closest point.
     fn reduced(points: [MinkowskiPoint<T>; 4], closest: ClosestPoint<T>) -> Self {
         Self {
-            points: closest.ids.map(|k| points[k as usize]),
+            points: closest.ids.each(|k| points[k as usize]),
             closest,
         }
     }

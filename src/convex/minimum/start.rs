@@ -10,6 +10,7 @@
 //!
 //! If the features of the proposal are the closest ones, one support more is the proof.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::scalar::Scalar;
@@ -31,10 +32,10 @@ pub(crate) fn about_witnesses<T: Scalar>(posed: &PosedPair, frame: &Transform<T>
     let point = |a, b| difference_point(posed, frame, a, b);
     let (x, y) = (&draft.point_on_a.coords, &draft.point_on_b.coords);
     match (draft.features.a, draft.features.b) {
-        (Feature::Edge(e), Feature::Vertex(b)) => Simplex::edge(ends(posed.a, e, x).map(|a| point(a, b))),
-        (Feature::Vertex(a), Feature::Edge(g)) => Simplex::edge(ends(posed.b, g, y).map(|b| point(a, b))),
-        (Feature::Face(f), Feature::Vertex(b)) => Simplex::triangle(triangle(posed.a, f, x).map(|a| point(a, b))),
-        (Feature::Vertex(a), Feature::Face(f)) => Simplex::triangle(triangle(posed.b, f, y).map(|b| point(a, b))),
+        (Feature::Edge(e), Feature::Vertex(b)) => Simplex::edge(ends(posed.a, e, x).each(|a| point(a, b))),
+        (Feature::Vertex(a), Feature::Edge(g)) => Simplex::edge(ends(posed.b, g, y).each(|b| point(a, b))),
+        (Feature::Face(f), Feature::Vertex(b)) => Simplex::triangle(triangle(posed.a, f, x).each(|a| point(a, b))),
+        (Feature::Vertex(a), Feature::Face(f)) => Simplex::triangle(triangle(posed.b, f, y).each(|b| point(a, b))),
         (Feature::Edge(e), Feature::Edge(g)) => {
             let ([a, far_a], [b, far_b]) = (ends(posed.a, e, x), ends(posed.b, g, y));
             Simplex::triangle([point(a, b), point(far_a, b), point(a, far_b)])

@@ -1,5 +1,6 @@
 //! Witnesses and features of a simplex of the Minkowski difference.
 
+use crate::base::num::each::Each;
 use nalgebra::Point3;
 
 use crate::base::num::scalar::Scalar;
@@ -19,8 +20,8 @@ pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> (
         }
     }
     (
-        Point3::from(on_a.map(|c| c.value())),
-        Point3::from(on_b.map(|c| c.value())),
+        Point3::from(on_a.each(|c| c.value())),
+        Point3::from(on_b.each(|c| c.value())),
     )
 }
 

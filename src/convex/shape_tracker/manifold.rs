@@ -1,5 +1,6 @@
 //! Contact manifolds of shapes.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::ShapeTracker;
@@ -147,7 +148,7 @@ impl Bearing {
         let flat = sqrt(n.x * n.x + n.y * n.y);
         let lower = u32::from(n.z < 0.0);
         let (face, side) = (Feature::Face(FaceId(lower)), Feature::Face(FaceId(2)));
-        let [upper_rim, lower_rim] = [0, 1].map(|k| Feature::Edge(EdgeId(k)));
+        let [upper_rim, lower_rim] = [0, 1].each(|k| Feature::Edge(EdgeId(k)));
         if self.accepts(face, flat) {
             let is_lower = lower == 1;
             return Facet::Round(RoundFace {
@@ -172,7 +173,7 @@ impl Bearing {
     fn of_cone(&self, core: &Cone, n: &Vector3<f64>) -> Facet<'static> {
         let (r, h, height) = (core.radius(), core.half_height(), 2.0 * core.half_height());
         let flat = sqrt(n.x * n.x + n.y * n.y);
-        let [face, side] = [0, 1].map(|k| Feature::Face(FaceId(k)));
+        let [face, side] = [0, 1].each(|k| Feature::Face(FaceId(k)));
         let rim = Feature::Edge(EdgeId(0));
         if n.z < 0.0 && self.accepts(face, flat) {
             return Facet::Round(RoundFace {

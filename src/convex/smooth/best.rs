@@ -1,6 +1,7 @@
 //! Best bounds of a solve so far, and the points and directions that attain them.
 
 use super::posed::{DifferencePoint, PosedCores, Toward, add};
+use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, dot, neg, root, scaled, sub};
 use crate::base::tolerance::{AGREE_CURVED, ASIDE, UNIT};
 use crate::body::polyhedron::VertexId;
@@ -45,7 +46,7 @@ impl BranchSet {
     fn about<A: Support, B: Support>(posed: &PosedCores<A, B, f64>, n: Vec3<f64>) -> Self {
         let toward = posed.toward(n);
         let first = posed.support(&toward, [0; 2]).of;
-        let mut parts = first.map(EqualBranches::only);
+        let mut parts = first.each(EqualBranches::only);
         for tilt in toward.tangents.iter().flat_map(|t| [*t, neg(t)]) {
             let near = posed.toward(add(&n, &scaled(&tilt, TILT)));
             let of = posed.support(&near, first).of;
@@ -173,7 +174,7 @@ impl EqualBranches {
 
     /// Removes one of three branches.
     pub(super) fn drop(&mut self, k: usize) {
-        let [first, second] = [1, 2].map(|by| self.of[(k + by) % KEPT]);
+        let [first, second] = [1, 2].each(|by| self.of[(k + by) % KEPT]);
         *self = Self {
             of: [first, second, second],
             len: 2,

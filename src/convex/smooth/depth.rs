@@ -47,6 +47,7 @@
 //! Points of balls or of facets that prove the depth are no witnesses: equally deep ones may lie
 //! on different sides of a core.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use crate::base::num::extremes::Extremes;
@@ -159,7 +160,7 @@ fn from_faces(posed: &PosedCores<Any, Any, f64>, corners: &[DifferencePoint<f64>
     }
     let mut starts = Vec::from([best.n]);
     for k in 0..corners.len() {
-        let [p, q, r] = [1, 2, 3].map(|by| corners[(k + by) % corners.len()].w);
+        let [p, q, r] = [1, 2, 3].each(|by| corners[(k + by) % corners.len()].w);
         let n = unit(&cross(&sub(&q, &p), &sub(&r, &p)));
         starts.extend(n.iter().flat_map(|n| [*n, neg(n)]));
     }
@@ -234,7 +235,7 @@ fn upper_at<A: Support, B: Support, T: Scalar>(
     let (n, m) = (values(&toward.n), values(&toward.m));
     let (ca, ra) = posed.a.inner_ball(&(*on_a).into(), &n.into());
     let (cb, rb) = posed.b.inner_ball(&(*on_b).into(), &m.into());
-    let lift = |v: [f64; 3]| v.map(T::from);
+    let lift = |v: [f64; 3]| v.each(T::from);
     let between = posed.piece([0; 2], lift(ca.into()), lift(cb.into())).w;
     root(dot(&between, &between)) - T::from(ra) - T::from(rb)
 }
@@ -249,9 +250,9 @@ fn middles<A: Support, B: Support, T: Scalar>(
 ) -> Option<[Vec3<f64>; 2]> {
     let (n, m) = (values(&toward.n).into(), values(&toward.m).into());
     let (of_a, of_b) = (posed.a.flat(&n), posed.b.flat(&m));
-    let to_a = |p: &Vec3<f64>| values(&posed.at(&p.map(T::from)));
+    let to_a = |p: &Vec3<f64>| values(&posed.at(&p.each(T::from)));
     let to_b = |p: &Vec3<f64>| {
-        let off = sub(&p.map(T::from), &posed.frame.translation);
+        let off = sub(&p.each(T::from), &posed.frame.translation);
         values(&posed.frame.direction(&off))
     };
     let b = match (&of_a, &of_b) {
@@ -327,7 +328,7 @@ fn prove_parallel(posed: &PosedCores<Any, Any, f64>, best: &mut ProvenBounds<f64
         [1.0, 0.0]
     };
     let side = if z < 0.0 { 1.0 } else { -1.0 };
-    let of_b = of_b.map(|[out, up]| [out, side * up]);
+    let of_b = of_b.each(|[out, up]| [out, side * up]);
     let (mut top, mut set) = (f64::NEG_INFINITY, BranchSet::default());
     for [out, up] in of_a.into_iter().chain(of_b) {
         let toward = posed.toward([out * aside[0], out * aside[1], up]);

@@ -8,6 +8,7 @@
 use super::bent::{RunEnd, SolverRun};
 use super::best::{BranchSet, ProvenBounds};
 use super::posed::{DifferencePoint, PosedCores, askew, tangents, unit};
+use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, neg};
 use crate::body::polyhedron::VertexId;
 use crate::body::shape::Support;
@@ -50,7 +51,7 @@ impl<T: Scalar> Around<T> {
 
     pub(super) fn map<U: Scalar>(&self, of: impl Fn(DifferencePoint<T>) -> DifferencePoint<U>) -> Around<U> {
         Around {
-            points: self.points.map(of),
+            points: self.points.each(of),
             len: self.len,
         }
     }
@@ -62,7 +63,7 @@ impl<T: Scalar> Around<T> {
         let [d, e] = tangents(&n);
         let at = |n: Vec3<T>| posed.support(&posed.toward(n), [0; 2]);
         Self {
-            points: [n, neg(&n), d, neg(&d), e, neg(&e)].map(at),
+            points: [n, neg(&n), d, neg(&d), e, neg(&e)].each(at),
             len: 6,
         }
     }

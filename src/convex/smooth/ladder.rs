@@ -1,5 +1,6 @@
 //! One pair of cores: solver after solver until the bounds agree ([`separate`]), and the outcome.
 
+use crate::base::num::each::Each;
 use nalgebra::{Unit, Vector3};
 
 use crate::base::num::double_double::DoubleDouble;
@@ -127,12 +128,12 @@ impl<'p> SolverSetting<'p> {
 
     /// Returns the radii of both cores, in the caller's unit.
     fn radii(&self) -> [f64; 2] {
-        self.cores.map(Core::radius)
+        self.cores.each(Core::radius)
     }
 
     /// Returns the origins about which the points of A and of B are stored.
     fn origins(&self) -> [Vector3<f64>; 2] {
-        self.cores.map(Core::origin)
+        self.cores.each(Core::origin)
     }
 
     #[inline(always)]
@@ -158,8 +159,8 @@ impl<'p> SolverSetting<'p> {
     fn rounded_frame(&self) -> Option<Transform<f64>> {
         let fine = self.fine_frame()?;
         Some(Transform {
-            matrix: fine.matrix.map(|row| row.map(Scalar::value)),
-            translation: fine.translation.map(Scalar::value),
+            matrix: fine.matrix.each(|row| row.each(Scalar::value)),
+            translation: fine.translation.each(Scalar::value),
         })
     }
 
@@ -277,13 +278,14 @@ fn finer<A: CoreKind, B: CoreKind>(
     };
     let mut found = ProvenBounds::<DoubleDouble>::new();
     let mut solver = Solver::DoubleDouble;
-    let start = best.n.map(DoubleDouble::from);
+    let start = best.n.each(DoubleDouble::from);
     let start = unit(&start).map(|n| (n, best.set));
     let ended = finest(&fine, start, &mut found, &mut solver, &mut |finest, corners| {
-        let (mut known, toward) = (known, posed.toward(finest.n.map(Scalar::value)));
+        let (mut known, toward) = (known, posed.toward(finest.n.each(Scalar::value)));
         known.prove(&toward, &posed.support(&toward, [0; 2]));
-        let rounded =
-            |p: DifferencePoint<DoubleDouble>| posed.piece(p.of, p.on_a.map(Scalar::value), p.on_b.map(Scalar::value));
+        let rounded = |p: DifferencePoint<DoubleDouble>| {
+            posed.piece(p.of, p.on_a.each(Scalar::value), p.on_b.each(Scalar::value))
+        };
         corners.is_some_and(|c| deepen(posed, &known, Some(c.map(rounded)), setting.until, outcome).is_some())
     });
     outcome.work.steps += found.evaluations;
@@ -304,7 +306,7 @@ fn finest(
     start: Option<(Vec3<DoubleDouble>, BranchSet)>,
     best: &mut ProvenBounds<DoubleDouble>,
     solver: &mut Solver,
-    deep: &mut dyn FnMut(&ProvenBounds<DoubleDouble>, Option<Around<DoubleDouble>>) -> bool,
+    deep: &mut ProveOverlap<DoubleDouble>,
 ) -> Ended {
     separate(posed, start, best, solver, deep)
 }
@@ -437,7 +439,7 @@ fn far(setting: &SolverSetting, t: &Vector3<f64>, apart: f64, offsets: f64) -> O
         Class::Undecided
     };
     outcome.solver = Solver::Far;
-    [outcome.point_on_a, outcome.point_on_b] = setting.origins().map(Into::into);
+    [outcome.point_on_a, outcome.point_on_b] = setting.origins().each(Into::into);
     outcome
 }
 
@@ -451,6 +453,10 @@ pub(super) enum Ended {
     Deep,
 }
 
+/// Proves an overlap from bounds, and from points of the difference around the origin if some are known; returns whether it
+/// has succeeded.
+type ProveOverlap<'f, T> = dyn FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool + 'f;
+
 /// Runs solver after solver until the bounds agree. `deep` proves an overlap: of cores that seem to
 /// overlap, or whose difference contains the origin between four points.
 #[inline(always)]
@@ -459,7 +465,7 @@ pub(super) fn separate<A: Support, B: Support, T: Scalar>(
     start: Option<(Vec3<T>, BranchSet)>,
     best: &mut ProvenBounds<T>,
     solver: &mut Solver,
-    deep: &mut dyn FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
+    deep: &mut ProveOverlap<T>,
 ) -> Ended {
     let (mut start, mut closed) = (start, None);
     loop {
@@ -495,7 +501,7 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
     is_warm: bool,
     best: &mut ProvenBounds<T>,
     solver: &mut Solver,
-    deep: &mut dyn FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
+    deep: &mut ProveOverlap<T>,
 ) -> Ended {
     if is_warm {
         if let Some(ended) = bend(posed, best.n, best, deep) {
@@ -527,7 +533,7 @@ fn bend<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
     n: Vec3<T>,
     best: &mut ProvenBounds<T>,
-    deep: &mut dyn FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool,
+    deep: &mut ProveOverlap<T>,
 ) -> Option<Ended> {
     let (set, is_deep) = (best.set, false);
     let mut run = SolverRun {

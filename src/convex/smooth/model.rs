@@ -8,6 +8,7 @@
 //! the plane, in which at most three weights are positive.
 
 use super::posed::PlaneStep;
+use crate::base::num::each::Each;
 use crate::base::num::scalar::Scalar;
 
 /// Most pieces of a model.
@@ -93,7 +94,7 @@ fn at_kink<T: Scalar>(planes: &[ModelPlane<T>], m: &[T; 3], kept: &[T; MOST]) ->
         Some(k) => between_three([&planes[i], &planes[j], &planes[k]], m),
         None => between_two([&planes[i], &planes[j]], m),
     };
-    let found = found.map(|x| if x > zero { x } else { zero });
+    let found = found.each(|x| if x > zero { x } else { zero });
     let (mut weights, sum) = ([zero; MOST], found[0] + found[1] + found[2]);
     for (at, weight) in [Some(i), Some(j), k].into_iter().zip(found) {
         if let Some(at) = at {

@@ -11,6 +11,7 @@
 //!    point with a triangle in doubt is not taken.
 //! 2. Both bounds are returned, whatever the end of the search.
 
+use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use super::best::ProvenBounds;
@@ -61,7 +62,7 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
 
     /// Returns the triangle if certainly counter-clockwise.
     fn facet(&self, corners: [u16; 3]) -> Option<SurfaceFacet> {
-        let [p, q, r] = corners.map(|k| self.place(k));
+        let [p, q, r] = corners.each(|k| self.place(k));
         let (u, v) = (sub(&q, &p), sub(&r, &p));
         let n = cross(&u, &v);
         let length = root(dot(&n, &n));
@@ -69,7 +70,7 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
         let height = dot(&n, &p).smaller(dot(&n, &q)).smaller(dot(&n, &r)) - doubt;
         (height > 0.0).then(|| SurfaceFacet {
             corners,
-            normal: n.map(|x| x / length),
+            normal: n.each(|x| x / length),
             distance: height / length,
             done: false,
         })
@@ -156,12 +157,12 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
         let Some(n) = unit(&cross(&u, &from_first(&third))) else {
             return false;
         };
-        let [up, down] = [n, neg(&n)].map(|n| self.posed.support(&self.posed.toward(n), all[0].of));
+        let [up, down] = [n, neg(&n)].each(|n| self.posed.support(&self.posed.toward(n), all[0].of));
         let height = |p: &DifferencePoint<f64>| dot(&n, &from_first(p)).abs();
         let fourth = if height(&up) > height(&down) { up } else { down };
         self.points = [all[0], second, third, fourth].to_vec();
         let sum = |sum: Vec3<f64>, p: &DifferencePoint<f64>| sub(&sum, &p.w);
-        self.about = self.points.iter().fold([0.0; 3], sum).map(|x| x / 4.0);
+        self.about = self.points.iter().fold([0.0; 3], sum).each(|x| x / 4.0);
         self.begin()
     }
 
@@ -197,7 +198,7 @@ impl<A: Support, B: Support> DifferenceSurface<'_, '_, A, B> {
         Depth {
             least: facet.distance,
             n: facet.normal,
-            of: facet.corners.map(|k| self.points[usize::from(k)].of),
+            of: facet.corners.each(|k| self.points[usize::from(k)].of),
         }
     }
 }

@@ -18,6 +18,7 @@
 //! the nearest point is beyond leaves its part. Steps are neither cut nor taken back. What this
 //! solver does not close is the work of `bent`.
 
+use crate::base::num::each::Each;
 use core::convert::Infallible;
 
 use super::bent::{RunEnd, far_behind};
@@ -424,7 +425,7 @@ impl<A: Support, B: Support, T: Scalar> Warm<'_, '_, A, B, T> {
         if self.best.closes(self.posed) {
             return Err(RunEnd::Closed);
         }
-        self.parts = found.of.map(EqualBranches::only);
+        self.parts = found.of.each(EqualBranches::only);
         Ok(scaled(&found.w, T::from(1.0) / root(dot(&found.w, &found.w))))
     }
 }

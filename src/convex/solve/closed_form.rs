@@ -15,6 +15,7 @@
 //! exactly planar. All signs allow for what rounding does to the direction and to the relative
 //! rotation; a pair with a sign in doubt is solved instead.
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::DoubleDouble;
@@ -98,7 +99,7 @@ fn vertex_face<P: OrderedPair>(
     let (e, f) = (side(body, v, q), side(body, v, r));
     let n = cross(&e, &f);
     let height = dot(&w, &n);
-    let [w_near, e_near, f_near, n_near] = [&w, &e, &f, &n].map(rounded);
+    let [w_near, e_near, f_near, n_near] = [&w, &e, &f, &n].each(rounded);
     let (lengths, normal) = (e_near.norm() * f_near.norm(), n_near.norm());
     let doubt = CLEAR_SIGN * normal * w_near.norm();
     let (beside_f, beside_e) = (n_near.dot(&w_near.cross(&f_near)), n_near.dot(&e_near.cross(&w_near)));
@@ -119,7 +120,7 @@ fn edges<P: OrderedPair>(posed: &PosedPair, pair: &P, first: EdgeId, second: Edg
     let g = turned.vector(&side(pair.first(), p, p_head));
     let n = cross(&u, &g);
     let height = dot(&w, &n);
-    let [w_near, u_near, g_near, n_near] = [&w, &u, &g, &n].map(rounded);
+    let [w_near, u_near, g_near, n_near] = [&w, &u, &g, &n].each(rounded);
     let (lengths, normal) = (u_near.norm() * g_near.norm(), n_near.norm());
     let doubt = CLEAR_SIGN * normal * w_near.norm();
     let (on_u, on_g) = (n_near.dot(&w_near.cross(&g_near)), n_near.dot(&w_near.cross(&u_near)));
@@ -156,7 +157,7 @@ fn at(body: &ConvexPolyhedron, v: VertexId) -> &Vector3<f64> {
 /// Returns the vector between two vertices.
 fn side(body: &ConvexPolyhedron, from: VertexId, to: VertexId) -> Vec3<DoubleDouble> {
     let (p, q) = (at(body, from), at(body, to));
-    [0, 1, 2].map(|k| DoubleDouble::sum(q[k], -p[k]))
+    [0, 1, 2].each(|k| DoubleDouble::sum(q[k], -p[k]))
 }
 
 fn ends(body: &ConvexPolyhedron, edge: EdgeId) -> [VertexId; 2] {

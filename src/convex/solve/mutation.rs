@@ -4,6 +4,7 @@
 #![cfg(test)]
 extern crate std;
 
+use crate::base::num::each::Each;
 use alloc::{format, vec, vec::Vec};
 use std::cell::Cell;
 
@@ -105,7 +106,7 @@ fn faults() -> Vec<Fault> {
     ] {
         all.push(Fault::ScaledDistance(by));
     }
-    all.extend([-1.0, -1e-3, -1e-9, 1e-12, 1e-9, 1e-3, 1.0, f64::INFINITY].map(Fault::ShiftedPlanes));
+    all.extend([-1.0, -1e-3, -1e-9, 1e-12, 1e-9, 1e-3, 1.0, f64::INFINITY].each(Fault::ShiftedPlanes));
     all.extend((1..20).flat_map(|seed| [Fault::RandomVertices(seed * 31), Fault::WrongNormal(seed * 17)]));
     all
 }

@@ -4,6 +4,7 @@
 //! 2012, "The Bernstein polynomial basis: a centennial retrospective", section 3). So it has no
 //! root before the hull of these points reaches zero.
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{BERNSTEIN, ROOT};
 
@@ -16,7 +17,7 @@ pub(super) const ROUNDS: u32 = 4;
 #[inline]
 pub(super) fn positive_until(coefficients: [f64; 4]) -> f64 {
     let largest = coefficients.iter().fold(0.0f64, |m, c| m.larger(c.abs()));
-    let mut c = coefficients.map(|c| c - BERNSTEIN * largest);
+    let mut c = coefficients.each(|c| c - BERNSTEIN * largest);
     // Written so that NaN ends at zero, of any of the coefficients.
     if !(coefficients.iter().all(|c| c.is_finite()) && c[0] > 0.0) {
         return 0.0;

@@ -1,5 +1,6 @@
 //! The pairs of convex bodies over time: two polyhedra, or two shapes, and their tracker.
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
@@ -135,7 +136,7 @@ impl<'a> BoundedHull<'a> {
     }
 
     fn direction(&self, edge: EdgeId) -> Vector3<f64> {
-        let [from, to] = self.edge(edge).map(|v| self.shape.points[v.index()]);
+        let [from, to] = self.edge(edge).each(|v| self.shape.points[v.index()]);
         to - from
     }
 
@@ -154,10 +155,10 @@ impl<'a> BoundedHull<'a> {
             if k > RIM {
                 return None;
             }
-            let [p, q, r] = [first, before, h].map(corner);
+            let [p, q, r] = [first, before, h].each(corner);
             let least = side(p, q).smaller(side(q, r)).smaller(side(r, p));
             if least > best.0 {
-                best = (least, Some([first, before, h].map(|h| t.from(h))));
+                best = (least, Some([first, before, h].each(|h| t.from(h))));
             }
             before = h;
         }
@@ -226,8 +227,8 @@ impl<'a> PolyhedronPair<'a> {
         let features = seen.features?;
         let (on_a, on_b) = (&seen.point_on_a.coords, &seen.point_on_b.coords);
         let facet = match (features.a, features.b) {
-            (Feature::Face(f), Feature::Vertex(v)) => self.a.triangle(f, on_a)?.map(|u| [u, v]),
-            (Feature::Vertex(u), Feature::Face(f)) => self.b.triangle(f, on_b)?.map(|v| [u, v]),
+            (Feature::Face(f), Feature::Vertex(v)) => self.a.triangle(f, on_a)?.each(|u| [u, v]),
+            (Feature::Vertex(u), Feature::Face(f)) => self.b.triangle(f, on_b)?.each(|v| [u, v]),
             (Feature::Edge(e), Feature::Edge(f)) => {
                 let ([p, q], [r, s]) = (self.a.edge(e), self.b.edge(f));
                 let along = |body: &BoundedHull, edge: EdgeId, from: VertexId, at: &Vector3<f64>| {
@@ -318,7 +319,7 @@ impl<'a> ShapePair<'a> {
     /// Computes both balls, once for all looks of a cast.
     pub(crate) fn with_balls(self) -> Self {
         Self {
-            balls: Some(self.shapes.map(Shape::bounding_ball)),
+            balls: Some(self.shapes.each(Shape::bounding_ball)),
             ..self
         }
     }

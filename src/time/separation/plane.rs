@@ -53,6 +53,7 @@
 //! 3. far from contact a plane that does not turn is tried, too; 4. rounding and the drift of
 //!    motions are part of the bound.
 
+use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use super::bernstein::positive_until;
@@ -220,7 +221,7 @@ impl PlaneSide {
     /// Bound of the third derivative of a direction, times the cube of an interval, for the angle
     /// by which the direction turns and the length of the way of its tip.
     fn remainder(&self, turn: &Turn, interval: f64, [angle, tilt]: [f64; 2]) -> f64 {
-        let [rate, off, pace] = [self.rate, turn.off, turn.pace].map(|x| x * interval);
+        let [rate, off, pace] = [self.rate, turn.off, turn.pace].each(|x| x * interval);
         rate * rate * off.smaller(pace + off * tilt) + off * tilt * (2.0 * rate + angle)
     }
 }
@@ -397,7 +398,7 @@ impl PlaneBetween<'_> {
     /// interval, so no cube of a rate leaves f64.
     fn remainder(&self, interval: f64) -> f64 {
         let set = self.setting;
-        let [angle, tilt] = [self.spin_rate, self.tilt].map(|x| x * interval);
+        let [angle, tilt] = [self.spin_rate, self.tilt].each(|x| x * interval);
         let push = length(&set.acceleration) * interval * interval;
         let pace = length(&set.velocity) * interval + push;
         let apart = length(&set.between) + pace;

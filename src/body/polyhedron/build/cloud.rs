@@ -22,6 +22,7 @@
 
 use crate::base::notice::Watch;
 use crate::base::num::double_double::two_sum;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Extremes, largest};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{CORE_CELL, CORE_ERROR, CORE_REACH, EXPONENT_FREE, EXTENT_MAX, FLUSH_EXPONENT, PLACE_MAX};
@@ -399,7 +400,7 @@ impl InnerHull {
         let grid = (cells - 1) as f64;
         let mut reach = vec![f64::INFINITY; 8 * cells * cells];
         for t in &surface.triangles {
-            let [a, b, c] = t.v.map(|v| place(&points[v as usize]));
+            let [a, b, c] = t.v.each(|v| place(&points[v as usize]));
             let (u, w) = (b - a, c - a);
             let n = u.cross(&w);
             let error = CORE_ERROR * (u.abs().sum() + w.abs().sum()) + 8.0 * f64::MIN_POSITIVE;
@@ -450,13 +451,13 @@ impl InnerHull {
         let mut number = [0u64; BLOCK];
         let mut far = [0.0; BLOCK];
         for k in 0..BLOCK {
-            let q = [0, 1, 2].map(|a| (block.at[a][k] - self.centre[a]) * self.scale[a]);
-            let [x, y, z] = q.map(f64::abs);
+            let q = [0, 1, 2].each(|a| (block.at[a][k] - self.centre[a]) * self.scale[a]);
+            let [x, y, z] = q.each(f64::abs);
             let sum = x + y + z;
             let by = grid / sum;
             let i = (x * by + ROUND).to_bits() & mask;
             let j = (y * by + ROUND).to_bits() & mask;
-            let [a, b, c] = q.map(|x| x.to_bits() >> 63);
+            let [a, b, c] = q.each(|x| x.to_bits() >> 63);
             number[k] = ((((c << 1 | b) << 1 | a) << row | i) << row) | j;
             far[k] = sum;
         }
@@ -469,7 +470,7 @@ impl InnerHull {
 /// Returns the distinct points extreme along `directions` directions and their opposites, in the
 /// order of the sample.
 fn extremes(sample: &[Vector3<f64>], low: &Vector3<f64>, scale: &Vector3<f64>, directions: usize) -> Vec<Vector3<f64>> {
-    let placed: [Vec<f64>; 3] = [0, 1, 2].map(|k| sample.iter().map(|p| (p[k] - low[k]) * scale[k]).collect());
+    let placed: [Vec<f64>; 3] = [0, 1, 2].each(|k| sample.iter().map(|p| (p[k] - low[k]) * scale[k]).collect());
     let mut heights = vec![0.0; sample.len()];
     let mut found: Vec<u32> = Vec::with_capacity(2 * directions);
     let mut turn = [1.0, 0.0];

@@ -8,6 +8,7 @@
 
 use crate::base::notice;
 use crate::base::notice::Watch;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::sign::side;
 use crate::base::tolerance::{EXTENT_MIN, PLANARITY, SIDE_ERROR};
@@ -249,7 +250,7 @@ impl FaceList {
     fn face_plane(&self, f: usize, cloud: &Cloud, bound: f64) -> Result<FacePlane, BuildError> {
         let rim = self.face(f);
         let corners = widest_corners(&cloud.points, rim);
-        let [a, b, c] = corners.map(|v| &cloud.points[v as usize]);
+        let [a, b, c] = corners.each(|v| &cloud.points[v as usize]);
         let mut normal = plane(a, b, c, 0.0).0.normal;
         if normal == Vector3::zeros() {
             return Err(BuildError::FaceWithoutArea { face: f });
@@ -412,8 +413,8 @@ pub(crate) fn source_faces(
 /// body.
 fn depth_below(corners: &[u32], body: &ConvexPolyhedron, face: FaceId, points: &[Vector3<f64>]) -> f64 {
     let plane = &body.planes[face.index()];
-    let spread = [0, 1, 2].map(|k| corners[k * corners.len() / 3]);
-    let depths = spread.map(|c| plane.offset - plane.normal.dot(&points[c as usize]));
+    let spread = [0, 1, 2].each(|k| corners[k * corners.len() / 3]);
+    let depths = spread.each(|c| plane.offset - plane.normal.dot(&points[c as usize]));
     depths.into_iter().fold(0.0, f64::larger)
 }
 

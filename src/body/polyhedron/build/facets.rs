@@ -1,6 +1,7 @@
 //! From the triangles of a hull to its faces: exactly coplanar adjacent triangles become one face,
 //! and only extreme points stay.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -115,7 +116,7 @@ fn is_on_rim(corners: usize, mut turn: impl FnMut(usize, usize) -> f64) -> bool 
 fn coplanar_groups(points: &[Vector3<f64>], triangles: &[HullTriangle]) -> (Vec<u32>, usize) {
     let mut parent: Vec<u32> = (0..triangles.len() as u32).collect();
     for (i, t) in triangles.iter().enumerate() {
-        let [a, b, c] = t.v.map(|v| &points[v as usize]);
+        let [a, b, c] = t.v.each(|v| &points[v as usize]);
         for &other in t.adjacent.iter().filter(|&&o| (o as usize) > i) {
             let across = triangles[other as usize].v.into_iter().find(|v| !t.v.contains(v));
             if across.is_some_and(|d| side(a, b, c, &points[d as usize]) == 0.0) {
@@ -153,7 +154,7 @@ fn faces_at(points: usize, triangles: &[HullTriangle], group: &[u32]) -> Vec<u8>
     let mut degree = vec![0u8; points];
     let mut met = vec![[NONE; 2]; points];
     for (t, &g) in triangles.iter().zip(group) {
-        for v in t.v.map(|v| v as usize) {
+        for v in t.v.each(|v| v as usize) {
             if degree[v] < 3 && !met[v][..degree[v] as usize].contains(&g) {
                 if degree[v] < 2 {
                     met[v][degree[v] as usize] = g;

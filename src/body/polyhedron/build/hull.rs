@@ -25,6 +25,7 @@
 //! triangles at a horizon edge sees the new triangle between them, whose plane is a positive
 //! combination of their planes; and the set of triangles that a point sees is connected.
 
+use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -177,7 +178,7 @@ impl<'a> Hull<'a> {
     }
 
     fn create(&mut self, v: [u32; 3], adjacent: [u32; 3]) -> u32 {
-        let [a, b, c] = v.map(|i| self.points[i as usize]);
+        let [a, b, c] = v.each(|i| self.points[i as usize]);
         let (u, w) = (b - a, c - a);
         let guard = guard(&u, &w, &self.sides);
         let facet = HullFacet {
@@ -222,7 +223,7 @@ impl<'a> Hull<'a> {
     #[cold]
     fn exact_height(&mut self, facet: u32, p: u32) -> f64 {
         let f = &self.facets[facet as usize];
-        let [a, b, c] = f.triangle.v.map(|i| &self.points[i as usize]);
+        let [a, b, c] = f.triangle.v.each(|i| &self.points[i as usize]);
         let p = &self.points[p as usize];
         // If every term vanishes by itself (axis-parallel planes), the sum needs no exact
         // arithmetic.
@@ -234,10 +235,10 @@ impl<'a> Hull<'a> {
         if self.fine.len() <= facet as usize {
             self.fine.resize(self.facets.len(), None);
         }
-        let difference = |q: &Vector3<f64>| [0, 1, 2].map(|k| DoubleDouble::sum(q[k], -a[k]));
+        let difference = |q: &Vector3<f64>| [0, 1, 2].each(|k| DoubleDouble::sum(q[k], -a[k]));
         let n = *self.fine[facet as usize].get_or_insert_with(|| {
             let (u, w) = (difference(b), difference(c));
-            [(1, 2), (2, 0), (0, 1)].map(|(i, j)| u[i] * w[j] - u[j] * w[i])
+            [(1, 2), (2, 0), (0, 1)].each(|(i, j)| u[i] * w[j] - u[j] * w[i])
         });
         let d = difference(p);
         let height = (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]).hi;
@@ -365,7 +366,7 @@ impl<'a> Hull<'a> {
         let alive = self.facets.iter().filter(|f| f.alive);
         let renumber = |t: &HullTriangle| HullTriangle {
             v: t.v,
-            adjacent: t.adjacent.map(|b| number[b as usize]),
+            adjacent: t.adjacent.each(|b| number[b as usize]),
         };
         let mut touching = vec![NONE; self.points.len()];
         for (f, triangle) in alive.clone().zip(0u32..) {

@@ -12,6 +12,7 @@ mod persist;
 use crate::base::notice;
 use crate::base::notice::{Progress, Watch};
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, largest, smallest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::{Scalar, sqrt};
@@ -163,7 +164,7 @@ impl ConvexPolyhedron {
         let mean = covariance3.trace() / 3.0;
         let has_coplanar_neighbours = HalfEdgeId::all(topology.half_edge_count()).any(|h| {
             let e = topology.half_edge(h);
-            let [m, n] = [e.face, topology.half_edge(e.twin).face].map(|f| planes[f.index()].normal);
+            let [m, n] = [e.face, topology.half_edge(e.twin).face].each(|f| planes[f.index()].normal);
             m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= COPLANAR * COPLANAR
         });
         let fans = Fans::new(&topology, &points, &planes);
@@ -231,7 +232,7 @@ impl ConvexPolyhedron {
         let h = self.topology.rim_half_edge(face);
         let e = self.topology.half_edge(h);
         let corners = [self.topology.from(h), e.to, self.topology.half_edge(e.next).to];
-        let [a, b, c] = corners.map(|v| &self.points[v.index()]);
+        let [a, b, c] = corners.each(|v| &self.points[v.index()]);
         side(a, b, c, p)
     }
 
@@ -267,7 +268,7 @@ fn planes_of(points: &[Vector3<f64>], loops: &[Vec<u32>], radius: f64) -> (Vec<P
         if rim.len() < 3 {
             return (null, 0.0);
         }
-        let [a, b, c] = widest_corners(points, rim).map(|v| &points[v as usize]);
+        let [a, b, c] = widest_corners(points, rim).each(|v| &points[v as usize]);
         plane(a, b, c, radius)
     };
     loops.iter().map(of_face).unzip()

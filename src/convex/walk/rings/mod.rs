@@ -28,6 +28,7 @@
 
 pub(crate) mod newton_jump;
 
+use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::Bounded;
@@ -251,7 +252,7 @@ impl<'a> RingCurve<'a> {
             k,
             if k + w >= m { k + w - m } else { k + w },
         ];
-        let [before, p, after] = indices.map(|k| self.at(k));
+        let [before, p, after] = indices.each(|k| self.at(k));
         let chord = after - before;
         let scale = chord * (1.0 / chord.norm_squared());
         let (x0, x1) = (scale.dot(&(before - p)), scale.dot(&(after - p)));
@@ -265,7 +266,7 @@ impl<'a> RingCurve<'a> {
             [p, left * x1 - right * x0, (right - left) * 2.0]
         };
         let spoke_ends = if spokes {
-            let [a, q, b] = indices.map(|k| self.spoke_end(k).map(|v| self.body.points[v.index()]));
+            let [a, q, b] = indices.each(|k| self.spoke_end(k).map(|v| self.body.points[v.index()]));
             parabola(a?, q?, b?)
         } else {
             [Vector3::zeros(); 3]
