@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use truth::arm::draw::{Picture, outline};
 use lin_canny::ConvexPolyhedron;
 use lin_canny_plan::ConfigurationSpace;
 use lin_canny_study::robot::Film;
 use lin_canny_study::{Study, StudyError};
+use truth::arm::draw::{Picture, outline};
 
 use super::tables::{Tables, WorstRow};
 
