@@ -18,7 +18,9 @@ use crate::pair::outcome::Until;
 #[non_exhaustive]
 pub struct ManifoldOptions {
     /// Largest separation of a contact, in the caller's unit. Zero: only touching or overlapping
-    /// contacts.
+    /// contacts. Between meshes, each pair of convex patches whose boxes are within it costs some
+    /// 12 µs: a value beyond the size of the bodies asks every pair, 0.2 s for two meshes of 128
+    /// patches each.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
     pub prediction: f64,
     /// Largest number of points, 1 to 8. Default 4. If a face has more than 24 vertices, not all
