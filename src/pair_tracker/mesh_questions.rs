@@ -1,5 +1,5 @@
 //! Questions that only meshes and surfaces answer: a mesh against itself, a mesh by the pieces that
-//! stand for it, and the fronts that are kept.
+//! stand for it.
 
 use crate::base::num::each::Each;
 use alloc::vec::Vec;
@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use super::engine::Engine;
 use super::lent_pair::LentPair;
 use super::of_parts::of_pieces;
-use super::tracker::{Followed, PairTracker};
+use super::tracker::PairTracker;
 use crate::base::pose::RelativePose;
 use crate::composite::decomposition::Decomposition;
 use crate::composite::mesh::Mesh;
@@ -18,8 +18,6 @@ use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::pair_tracker::geometry::{GeometryRef, ShapeKind};
-#[cfg(feature = "surfaces")]
-use crate::patch::{Surface, SurfacePart};
 
 impl PairTracker {
     /// Returns the closest two triangles of a mesh that share no vertex: how far the mesh is from a
@@ -108,34 +106,6 @@ impl PairTracker {
         }
     }
 
-    /// Returns the front that is kept of two meshes: pairs of nodes of the trees of A and of B that
-    /// are proven farther apart than the distance. [`Mesh::node_box`](crate::Mesh::node_box)
-    /// returns their boxes. Empty for other geometries.
-    pub fn mesh_front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
-        let tracker = match &self.followed {
-            Some(Followed {
-                engine: Engine::Meshes(engine),
-                ..
-            }) => Some(&engine.tracker),
-            _ => None,
-        };
-        tracker.into_iter().flat_map(MeshTracker::front)
-    }
-
-    /// Returns the front that is kept of two surfaces of patches: pairs of parts of A and of B that
-    /// are proven apart. Empty for surfaces other than those of the last query.
-    #[cfg(feature = "surfaces")]
-    #[must_use]
-    pub fn surface_front(&self, a: &Surface, b: &Surface) -> Vec<[SurfacePart; 2]> {
-        match &self.followed {
-            Some(Followed {
-                engine: Engine::Surfaces(engine),
-                ..
-            }) => engine.tracker.front(a, b).collect(),
-            _ => Vec::new(),
-        }
-    }
-
     /// Measures two bodies of parts, the first of which is a composite that stays one beside a
     /// mesh.
     fn distance_by_pieces(
@@ -174,5 +144,43 @@ impl Decomposition {
         tracker.distance_by_pieces([pieces, other], mesh_from_other, |found, other| {
             self.bounds(found, other, mesh_from_other)
         })
+    }
+}
+
+/// The fronts that are kept, to be drawn.
+#[cfg(feature = "__internals")]
+mod fronts {
+    use alloc::vec::Vec;
+
+    use crate::composite::mesh::tracker::MeshTracker;
+    use crate::pair_tracker::PairTracker;
+    use crate::pair_tracker::engine::Engine;
+    #[cfg(feature = "surfaces")]
+    use crate::patch::{Surface, SurfacePart};
+
+    #[doc(hidden)]
+    impl PairTracker {
+        /// Returns the front that is kept of two meshes: pairs of nodes of the trees of A and of B
+        /// that are proven farther apart than the distance.
+        /// [`Mesh::node_box`](crate::Mesh::node_box) returns their boxes. Empty for other
+        /// geometries.
+        pub fn mesh_front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+            let tracker = match self.followed.as_ref().map(|followed| &followed.engine) {
+                Some(Engine::Meshes(engine)) => Some(&engine.tracker),
+                _ => None,
+            };
+            tracker.into_iter().flat_map(MeshTracker::front)
+        }
+
+        /// Returns the front that is kept of two surfaces of patches: pairs of parts of A and of B
+        /// that are proven apart. Empty for surfaces other than those of the last query.
+        #[cfg(feature = "surfaces")]
+        #[must_use]
+        pub fn surface_front(&self, a: &Surface, b: &Surface) -> Vec<[SurfacePart; 2]> {
+            match self.followed.as_ref().map(|followed| &followed.engine) {
+                Some(Engine::Surfaces(engine)) => engine.tracker.front(a, b).collect(),
+                _ => Vec::new(),
+            }
+        }
     }
 }

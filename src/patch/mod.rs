@@ -99,6 +99,9 @@ mod two_surfaces;
 pub use error::PatchError;
 pub use net::Patch;
 pub use nurbs::{Nurbs, revolution};
-pub use surface::{Surface, SurfacePart, SurfaceWork};
+#[cfg(feature = "__internals")]
+#[doc(hidden)]
+pub use surface::SurfacePart;
+pub use surface::{Surface, SurfaceWork};
 pub(crate) use surface_and_solid::{SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceSolidPair};
 pub(crate) use two_surfaces::{SurfacePair, SurfaceTracker};

@@ -614,6 +614,7 @@ impl SurfaceMemory {
     }
 
     /// Returns the front of these bodies, empty for others.
+    #[cfg(feature = "__internals")]
     pub(super) fn entries(&self, fingerprints: [Fingerprint; 2]) -> &[NetEntry] {
         if self.fingerprints == fingerprints {
             &self.front.entries

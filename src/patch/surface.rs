@@ -7,7 +7,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use super::error::PatchError;
 use super::net::Patch;
 use super::nurbs::Nurbs;
-use super::tree::{NetTree, Node};
+use super::tree::NetTree;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::sum_of_counters;
@@ -240,6 +240,8 @@ fn is_closed(patches: &[Patch], reach: f64) -> bool {
 }
 
 /// A part of a surface: a node of its tree.
+#[cfg(feature = "__internals")]
+#[doc(hidden)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePart {
     /// The number of the patch; `None` for a group of whole patches.
@@ -250,8 +252,9 @@ pub struct SurfacePart {
     pub v: [f64; 2],
 }
 
+#[cfg(feature = "__internals")]
 impl SurfacePart {
-    pub(super) fn of(node: &Node) -> Self {
+    pub(super) fn of(node: &crate::patch::tree::Node) -> Self {
         let [u, v] = node.domain();
         let patch = (!node.is_group()).then_some(node.patch());
         Self { patch, u, v }

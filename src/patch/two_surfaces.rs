@@ -9,7 +9,7 @@ use nalgebra::{Point3, Unit, Vector3};
 use super::closest::{Patches, crosses};
 use super::gap::{NetFrame, SearchCounts, Trees};
 use super::search::{NetGoal, SPLITS, SurfaceMemory};
-use super::surface::{Surface, SurfacePart, SurfaceWork};
+use super::surface::{Surface, SurfaceWork};
 use super::surface_and_solid::{MEASURED, held, width_asked};
 use super::tree::{Grown, Nodes};
 use crate::base::num::extremes::Bounded;
@@ -71,9 +71,14 @@ impl SurfaceTracker {
     /// Returns the front that is kept for these surfaces: pairs of parts of A and of B that are
     /// proven apart, under which every pair of patches lies. Empty for surfaces other than those of
     /// the last query.
-    pub(crate) fn front<'t>(&'t self, a: &'t Surface, b: &'t Surface) -> impl Iterator<Item = [SurfacePart; 2]> + 't {
+    #[cfg(feature = "__internals")]
+    pub(crate) fn front<'t>(
+        &'t self,
+        a: &'t Surface,
+        b: &'t Surface,
+    ) -> impl Iterator<Item = [super::SurfacePart; 2]> + 't {
         let entries = self.state.entries([a.fingerprint, b.fingerprint]);
-        let part = |s: &Surface, grown: &Grown, id: u32| SurfacePart::of(grown.node(&s.tree, id));
+        let part = |s: &Surface, grown: &Grown, id: u32| super::SurfacePart::of(grown.node(&s.tree, id));
         entries.iter().map(move |e| {
             let [x, y] = e.pair;
             [part(a, &self.grown[0], x), part(b, &self.grown[1], y)]

@@ -315,6 +315,8 @@ impl Scene {
 
     /// Sets whether pairs sleep while the displacement budget answers for them; on by default. The
     /// answers do not depend on the setting.
+    #[cfg(feature = "__internals")]
+    #[doc(hidden)]
     pub fn set_budget(&mut self, on: bool) {
         self.budget = on;
     }

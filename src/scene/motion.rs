@@ -216,6 +216,8 @@ impl Scene {
     /// Sets whether pairs of bodies at constant velocities sleep until the proof of their
     /// separation ends, see [`schedule`](crate::schedule); on by default. The answers do not depend
     /// on the setting.
+    #[cfg(feature = "__internals")]
+    #[doc(hidden)]
     pub fn set_schedule(&mut self, on: bool) {
         self.schedule = on;
     }

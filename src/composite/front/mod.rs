@@ -114,6 +114,7 @@ impl Front {
         self.len() >= MOST_ENTRIES
     }
 
+    #[cfg(feature = "__internals")]
     pub(super) fn pairs(&self) -> impl Iterator<Item = NodePair> + '_ {
         self.halves.iter().flat_map(|h| h.pairs.iter().copied())
     }

@@ -152,6 +152,8 @@ impl Mesh {
     /// Returns the corners of the box of a node of the mesh's tree, to be drawn: corner k is at the
     /// far end of axis i if bit i of k is set. The box as it is compared is in single precision,
     /// right within a millionth of the mesh.
+    #[cfg(feature = "__internals")]
+    #[doc(hidden)]
     #[must_use]
     pub fn node_box(&self, node: u32) -> Option<[Point3<f64>; 8]> {
         let b = self.tree.boxes.get(node as usize)?;

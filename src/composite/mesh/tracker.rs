@@ -63,6 +63,7 @@ impl MeshTracker {
 
     /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther
     /// apart than the distance.
+    #[cfg(feature = "__internals")]
     pub(crate) fn front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         self.state.kept.front.pairs()
     }

@@ -11,7 +11,6 @@ mod counts;
 mod resume;
 
 use alloc::string::String;
-use alloc::vec::Vec;
 
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::LEAST_SQUARE;
@@ -26,9 +25,9 @@ use crate::convex::solve::out_of_range;
 use crate::convex::tracker::counts::Starts;
 use crate::convex::tracker::resume::{Resumed, enters_overlap};
 use crate::convex::walk::rings::predict;
-use crate::convex::walk::{seed, walk_observed};
+use crate::convex::walk::seed;
 use crate::pair::draft::Draft;
-use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until, Work};
+use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until};
 use crate::pair::posed::PosedPair;
 
 pub(crate) use crate::convex::depth::Workspace;
@@ -229,23 +228,6 @@ impl Tracker {
     #[must_use]
     pub fn features(&self) -> Option<FeaturePair> {
         self.last
-    }
-
-    /// Returns the pairs of features that the walk of the next query would test, in order, and
-    /// whether the walk ends on the last pair rather than handing over there. Nothing is changed or
-    /// counted. Empty for bodies on which no walk is tried: too far apart, or of sizes too
-    /// different.
-    #[must_use]
-    pub fn trace(
-        &self,
-        a: &ConvexPolyhedron,
-        b: &ConvexPolyhedron,
-        a_from_b: &RelativePose,
-    ) -> (Vec<FeaturePair>, bool) {
-        match PosedPair::new(a, b, a_from_b) {
-            Ok(posed) => trace(&posed, self.start(a, b)),
-            Err(_) => (Vec::new(), false),
-        }
     }
 
     /// Returns the query as a text that rebuilds the query bit for bit: call this before the query,
@@ -784,11 +766,36 @@ fn to_user_units(a: &ConvexPolyhedron, b: &ConvexPolyhedron, draft: &mut Draft) 
     draft.scale(unit, a, b);
 }
 
-/// Returns the feature pairs tested by the walk from `start` (from a cold start if `None`), and
-/// whether the walk accepted the last pair rather than giving up there.
-fn trace(posed: &PosedPair, start: Option<FeaturePair>) -> (Vec<FeaturePair>, bool) {
-    let mut path = Vec::new();
-    let mut draft = Draft::starting_at(start.unwrap_or_else(|| seed::cold(posed, &mut Work::default())));
-    let ended = posed.same_scale() && walk_observed::<true>(posed, &mut draft, |pair| path.push(pair));
-    (path, ended)
+/// The path of a walk, to be shown.
+#[cfg(feature = "__internals")]
+mod path {
+    use alloc::vec::Vec;
+
+    use super::{ConvexPolyhedron, Draft, FeaturePair, PosedPair, RelativePose, Tracker, seed};
+    use crate::convex::walk::walk_observed;
+    use crate::pair::outcome::Work;
+
+    #[doc(hidden)]
+    impl Tracker {
+        /// Returns the pairs of features that the walk of the next query would test, in order, and
+        /// whether the walk ends on the last pair rather than handing over there. Nothing is
+        /// changed or counted. Empty for bodies on which no walk is tried: too far apart, or of
+        /// sizes too different.
+        #[must_use]
+        pub fn trace(
+            &self,
+            a: &ConvexPolyhedron,
+            b: &ConvexPolyhedron,
+            a_from_b: &RelativePose,
+        ) -> (Vec<FeaturePair>, bool) {
+            let Ok(posed) = PosedPair::new(a, b, a_from_b) else {
+                return (Vec::new(), false);
+            };
+            let mut path = Vec::new();
+            let start = self.start(a, b);
+            let mut draft = Draft::starting_at(start.unwrap_or_else(|| seed::cold(&posed, &mut Work::default())));
+            let ended = posed.same_scale() && walk_observed::<true>(&posed, &mut draft, |pair| path.push(pair));
+            (path, ended)
+        }
+    }
 }

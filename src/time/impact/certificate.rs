@@ -135,6 +135,8 @@ where
 /// # Errors
 /// If the interval ends before its begin, the depth is negative or not finite, or a motion leaves
 /// the range of poses.
+#[cfg(feature = "__internals")]
+#[doc(hidden)]
 pub fn held_until<S, A, B>(
     pair: &S,
     motion_a: &A,

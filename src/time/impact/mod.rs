@@ -77,7 +77,10 @@ use crate::pair::outcome::Class;
 use crate::time::separation::{Measure, Separation};
 
 use cast::CastSearch;
-pub use certificate::{Certificate, free_until, held_until};
+#[cfg(feature = "__internals")]
+#[doc(hidden)]
+pub use certificate::held_until;
+pub use certificate::{Certificate, free_until};
 
 /// Greatest width of the bracket of a hit.
 #[derive(Clone, Copy, Debug, PartialEq)]
