@@ -12,16 +12,22 @@ use crate::pair::draft::Draft;
 use crate::pair::outcome::Class;
 use crate::pair::posed::PosedPair;
 
+/// Returns the unit vector along `v`; `None` if `v` has no direction.
+#[inline]
+pub(crate) fn direction(v: &Vector3<f64>) -> Option<Unit<Vector3<f64>>> {
+    let largest = v.amax();
+    if !(largest > 0.0 && largest < f64::INFINITY) {
+        return None;
+    }
+    // Twice, as a quotient of a subnormal number loses bits.
+    let scaled = v / largest;
+    Some(Unit::new_unchecked(scaled / sqrt(scaled.norm_squared())))
+}
+
 /// Returns the unit vector along `v`, or any unit vector if `v` has no direction.
 #[inline]
 pub(crate) fn unit(v: &Vector3<f64>) -> Unit<Vector3<f64>> {
-    let largest = v.amax();
-    if largest > 0.0 && largest < f64::INFINITY {
-        let scaled = v / largest;
-        Unit::new_unchecked(scaled / sqrt(scaled.norm_squared()))
-    } else {
-        Vector3::x_axis()
-    }
+    direction(v).unwrap_or_else(Vector3::x_axis)
 }
 
 /// Returns `x + by` in f64, rounded away from `x` by the last place.
@@ -30,15 +36,20 @@ pub(crate) fn round_outward<T: Scalar>(x: T, by: f64) -> f64 {
     if by < 0.0 { sum.next_down() } else { sum.next_up() }
 }
 
-/// Returns bounds of the distance by the origins alone, and the direction from A to B.
-pub(crate) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+/// Returns the distance of the origins of two frames, rounded, and the direction from A to B.
+pub(crate) fn origins_apart(pose: &RelativePose) -> (f64, Vector3<f64>) {
     let sixteenth = pose.translation_sixteenth();
     let length = sixteenth.amax();
     let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
     let norm = sqrt(n.norm_squared());
-    let distance = length * norm * 16.0;
+    (length * norm * 16.0, n / norm)
+}
+
+/// Returns bounds of the distance by the origins alone, and the direction from A to B.
+pub(crate) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+    let (distance, n) = origins_apart(pose);
     let slack = distance * (CERTIFICATE * UNIT) + 2.0 * (reach[0] + reach[1]);
-    ((distance - slack).at_least(0.0), distance + slack, n / norm)
+    ((distance - slack).at_least(0.0), distance + slack, n)
 }
 
 /// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of

@@ -1,5 +1,7 @@
 //! Scalar types of the solvers: f64 or double-double.
 
+use core::ops::{Add, Mul, Sub};
+
 use crate::base::num::extremes::Bounded;
 
 /// Returns the square root, correctly rounded with and without std.
@@ -63,11 +65,16 @@ pub(crate) fn root<T: Scalar>(x: T) -> T {
     (r + x / r) * T::from(0.5)
 }
 
+/// Numbers that are added, subtracted and multiplied: scalars, and lanes of them.
+pub(crate) trait Ring: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> {}
+
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<Output = T>> Ring for T {}
+
 /// Vector in the arithmetic of a solver.
 pub(crate) type Vec3<T> = [T; 3];
 
 #[inline]
-pub(crate) fn sub<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
+pub(crate) fn sub<T: Ring>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
@@ -81,13 +88,13 @@ pub(crate) fn scaled<T: Scalar>(a: &Vec3<T>, s: T) -> Vec3<T> {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
-#[inline]
-pub(crate) fn dot<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> T {
+#[inline(always)]
+pub(crate) fn dot<T: Ring>(a: &Vec3<T>, b: &Vec3<T>) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-#[inline]
-pub(crate) fn cross<T: Scalar>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
+#[inline(always)]
+pub(crate) fn cross<T: Ring>(a: &Vec3<T>, b: &Vec3<T>) -> Vec3<T> {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],

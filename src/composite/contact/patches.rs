@@ -26,6 +26,7 @@ use crate::base::tolerance::ACROSS;
 use crate::body::polyhedron::{ConvexPolyhedron, bounding_box};
 use crate::body::shape::Shape;
 use crate::composite::meet::frame::TreeSide;
+use crate::composite::meet::overlap::unit_normal;
 use crate::composite::meet::triangle;
 use crate::composite::mesh::Mesh;
 use crate::composite::tree::Tree;
@@ -253,7 +254,9 @@ pub(super) fn grow(mesh: &Mesh, tolerance: f64) -> Vec<PatchTriangles> {
     let surface = MeshSurface {
         mesh,
         tolerance,
-        normals: (0..count).map(|t| unit_normal(mesh, t)).collect(),
+        normals: (0..count)
+            .map(|t| unit_normal(&mesh.corners(t)).unwrap_or_default())
+            .collect(),
         edges: edges(mesh),
     };
     let mut free = alloc::vec![true; count as usize];
@@ -267,13 +270,6 @@ pub(super) fn grow(mesh: &Mesh, tolerance: f64) -> Vec<PatchTriangles> {
         }
     }
     patches
-}
-
-/// Zero for a triangle too small to have one.
-fn unit_normal(mesh: &Mesh, t: u32) -> Vector3<f64> {
-    let n = triangle::normal(&mesh.corners(t));
-    let length = sqrt(n.norm_squared());
-    if length > 0.0 { n / length } else { n }
 }
 
 /// Returns the edges of all triangles as they run, in order, each with its triangle.
@@ -390,7 +386,12 @@ pub(super) fn corners(mesh: &Mesh, patch: &PatchTriangles, tolerance: f64) -> Ve
         vertices.sort_unstable();
         vertices.dedup();
         if run.len() > 1 {
-            flat_corners(mesh, &unit_normal(mesh, run[0].0), tolerance, &mut vertices);
+            flat_corners(
+                mesh,
+                &unit_normal(&mesh.corners(run[0].0)).unwrap_or_default(),
+                tolerance,
+                &mut vertices,
+            );
         }
         all.extend(vertices);
     }

@@ -5,6 +5,7 @@
 //! falls with the square of the time ([`TrianglesOnArcs`]).
 
 use crate::base::num::each::Each;
+use crate::pair::answer::direction;
 use alloc::vec;
 use nalgebra::{Point3, Vector3};
 
@@ -217,7 +218,7 @@ impl<'a> FrameSearch<'a> {
             let (first, last) = (gap(from), gap(to));
             first > doubt && first * (1.0 - share) + last * share > doubt
         };
-        let along = |n: &Vector3<f64>| unit(n).is_some_and(|n| parts(&n));
+        let along = |n: &Vector3<f64>| direction(n).is_some_and(|n| parts(&n));
         let turned = |n: Vector3<f64>| if n.dot(&way) < 0.0 { -n } else { n };
         let mut all = [from, to]
             .into_iter()
@@ -325,17 +326,6 @@ impl<'a> FrameSearch<'a> {
             seen
         })
     }
-}
-
-/// Returns the unit vector of a direction; `None` for a zero direction and for NaN.
-fn unit(n: &Vector3<f64>) -> Option<Vector3<f64>> {
-    let largest = n.amax();
-    if !(largest > 0.0 && largest < f64::INFINITY) {
-        return None;
-    }
-    // Twice, as a quotient of a subnormal number loses bits.
-    let scaled = n / largest;
-    Some(scaled / sqrt(scaled.norm_squared()))
 }
 
 /// Most intervals of time tried for a pair of triangles of meshes that rotate. Not measured.

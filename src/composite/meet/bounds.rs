@@ -13,6 +13,7 @@
 //! [`BOXES`](crate::tolerance::BOXES).
 
 use crate::base::num::each::Each;
+use crate::base::num::scalar::{cross, dot};
 use wide::{f32x4, f32x8};
 
 use crate::base::tolerance::PARALLEL_SIDES;
@@ -97,20 +98,6 @@ fn joined(low: f32x4, high: f32x4) -> f32x8 {
 }
 
 #[inline(always)]
-fn dot(a: [f32x8; 3], b: [f32x8; 3]) -> f32x8 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn cross(a: [f32x8; 3], b: [f32x8; 3]) -> [f32x8; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-#[inline(always)]
 fn turned(r: &[f32x8; 9], v: [f32x8; 3]) -> [f32x8; 3] {
     [
         r[0] * v[0] + r[1] * v[1] + r[2] * v[2],
@@ -180,9 +167,9 @@ impl BestGaps {
     /// of the centres, `reaches` are half extents and axes of both boxes.
     #[inline(always)]
     fn offer(&mut self, c: [f32x8; 3], d: [f32x8; 3], reaches: (AxesOf<'_>, AxesOf<'_>)) {
-        let (square, height) = (dot(c, c), dot(c, d));
+        let (square, height) = (dot(&c, &c), dot(&c, &d));
         let reach = |(half, axes): AxesOf<'_>| {
-            half[0] * dot(axes[0], c).abs() + half[1] * dot(axes[1], c).abs() + half[2] * dot(axes[2], c).abs()
+            half[0] * dot(&axes[0], &c).abs() + half[1] * dot(&axes[1], &c).abs() + half[2] * dot(&axes[2], &c).abs()
         };
         let (a, b) = (reach(reaches.0), reach(reaches.1));
         let inverse = f32x8::splat(1.0) / square.sqrt().fast_max(f32x8::splat(f32::MIN_POSITIVE));
@@ -265,9 +252,9 @@ fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WI
     let EightPairs { a, b, axes, d } = EightPairs::new(frame, (a, b));
     let row = |k: usize| {
         [
-            dot(a.axes[k], axes[0]),
-            dot(a.axes[k], axes[1]),
-            dot(a.axes[k], axes[2]),
+            dot(&a.axes[k], &axes[0]),
+            dot(&a.axes[k], &axes[1]),
+            dot(&a.axes[k], &axes[2]),
         ]
     };
     let m = [row(0), row(1), row(2)];
@@ -276,10 +263,10 @@ fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WI
         [m[0][1], m[1][1], m[2][1]],
         [m[0][2], m[1][2], m[2][2]],
     ];
-    let da = [dot(a.axes[0], d), dot(a.axes[1], d), dot(a.axes[2], d)];
-    let db = [dot(axes[0], d), dot(axes[1], d), dot(axes[2], d)];
+    let da = [dot(&a.axes[0], &d), dot(&a.axes[1], &d), dot(&a.axes[2], &d)];
+    let db = [dot(&axes[0], &d), dot(&axes[1], &d), dot(&axes[2], &d)];
 
-    let square = dot(d, d);
+    let square = dot(&d, &d);
     let inverse = f32x8::splat(1.0) / square.sqrt().fast_max(f32x8::splat(f32::MIN_POSITIVE));
     let reach_a = a.half[0] * da[0].abs() + a.half[1] * da[1].abs() + a.half[2] * da[2].abs();
     let reach_b = b.half[0] * db[0].abs() + b.half[1] * db[1].abs() + b.half[2] * db[2].abs();
@@ -306,7 +293,7 @@ fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WI
     let level = f32x8::splat(aim.level);
     let is_any_open = |best: &BestGaps, long: f32x8| (best.gap.simd_lt(level) & long).to_bitmask() & 0xff != 0;
     if is_any_open(&best, long_a & long_b) {
-        best.offer(cross(a.axes[0], axes[0]), d, reaches);
+        best.offer(cross(&a.axes[0], &axes[0]), d, reaches);
     }
     if let Some([x, y, z]) = aim.known
         && is_any_open(&best, long_a | long_b)

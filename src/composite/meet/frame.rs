@@ -10,6 +10,7 @@ use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
 use crate::body::polyhedron::power_of_two;
 use crate::composite::front::NodePair;
 use crate::composite::tree::{Below, Paths, Tree, up};
+use crate::pair::answer::origins_apart;
 
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]
@@ -226,13 +227,9 @@ fn ratio(a: TreeSide, b: TreeSide) -> f64 {
 /// Returns the distance of two bodies' origins in the caller's unit, by how much the distance of
 /// the bodies may differ, and the direction.
 pub(super) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
-    let sixteenth = pose.translation_sixteenth();
-    let length = sixteenth.amax();
-    let n = if length > 0.0 { sixteenth / length } else { Vector3::x() };
-    let norm = sqrt(n.norm_squared());
-    let distance = length * norm * 16.0;
+    let (distance, n) = origins_apart(pose);
     let reach = a.radius * power_of_two(a.exponent) + b.radius * power_of_two(b.exponent);
-    (distance, distance * (CERTIFICATE * UNIT) + reach, n / norm)
+    (distance, distance * (CERTIFICATE * UNIT) + reach, n)
 }
 
 /// Returns the two halves of a pair: of the box with the larger surface, unless that is a leaf. Not

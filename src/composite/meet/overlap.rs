@@ -324,7 +324,7 @@ pub(super) enum CommonPart {
 }
 
 /// Returns the unit normal of a triangle; `None` for a triangle without area.
-pub(super) fn unit_normal(t: &Triangle) -> Option<Vector3<f64>> {
+pub(crate) fn unit_normal(t: &Triangle) -> Option<Vector3<f64>> {
     let n = triangle::normal(t);
     let length = sqrt(n.norm_squared());
     (length > 0.0 && length.is_finite()).then(|| n / length)

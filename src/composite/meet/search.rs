@@ -16,7 +16,7 @@ use crate::composite::front::{Front, NodePair};
 use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
 use crate::composite::meet::frame::{TreeFrame, split_pair};
 use crate::composite::meet::overlap::Touching;
-use crate::composite::tree::{Below, LEAF, Tree, height, unit};
+use crate::composite::tree::{Below, LEAF, Tree, height, near_unit};
 
 /// Pairs taken off the stack at once: both halves of each make eight, the width of the kernel.
 pub(crate) const AT_ONCE: usize = 4;
@@ -393,7 +393,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 
     /// Returns the direction along which two boxes are parted best.
     fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
-        let n = unit(&Vector3::from(normal.each(f64::from)))?;
+        let n = near_unit(&Vector3::from(normal.each(f64::from)))?;
         Some(TriedDirection::new(self.frame, &n))
     }
 

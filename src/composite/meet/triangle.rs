@@ -14,6 +14,7 @@
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
+use crate::base::num::scalar::dot;
 use nalgebra::Vector3;
 use wide::f64x4;
 
@@ -175,11 +176,6 @@ impl<'a> TriangleSides<'a> {
             }
         }
     }
-}
-
-#[inline(always)]
-fn dot(a: &[f64x4; 3], b: &[f64x4; 3]) -> f64x4 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn spot(edge: usize, s: f64) -> TriangleSpot {

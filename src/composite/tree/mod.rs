@@ -255,7 +255,7 @@ impl Tree {
 }
 
 /// Returns a vector divided by its length if the length is near one.
-pub(super) fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+pub(super) fn near_unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
     let square = v.norm_squared();
     (square > 0.5 && square < 2.0).then(|| v / sqrt(square))
 }

@@ -21,7 +21,7 @@ use wide::{f32x4, f32x8, f64x8};
 
 use super::{Below, OrientedBox, Tree, up};
 use crate::base::num::extremes::{Bounded, Extremes};
-use crate::base::num::scalar::sqrt;
+use crate::base::num::scalar::{cross, dot, sqrt, sub};
 use crate::base::tolerance::{BOX_EXTENT, BOX_SKEW, REFIT_HEIGHT, UNIT, UNIT_SINGLE};
 
 /// Triangles of a node among which three vertices far from each other are looked for. Not measured.
@@ -577,7 +577,7 @@ impl EightAtRest {
     fn axes(&self, places: &Places) -> (Columns, [bool; LANES]) {
         let at = |k: usize| places.gather(&self.three[k]).each(double);
         let (a, b, c) = (at(0), at(1), at(2));
-        let (side, other) = (minus(&b, &a), minus(&c, &a));
+        let (side, other) = (sub(&b, &a), sub(&c, &a));
         let normal = cross(&side, &other);
         let [x, y, z, w] = self.rotation.each(|q| double(f32x8::new(q)));
         let norm = x * x + y * y + z * z + w * w;
@@ -606,25 +606,6 @@ impl EightAtRest {
 #[inline(always)]
 fn double(x: f32x8) -> f64x8 {
     f64x8::new(x.to_array().each(f64::from))
-}
-
-#[inline(always)]
-fn minus(a: &[f64x8; 3], b: &[f64x8; 3]) -> [f64x8; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
-fn dot(a: &[f64x8; 3], b: &[f64x8; 3]) -> f64x8 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-#[inline(always)]
-fn cross(a: &[f64x8; 3], b: &[f64x8; 3]) -> [f64x8; 3] {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
 }
 
 /// Three axes in single precision: by axis, and the same by coordinate.
