@@ -313,7 +313,7 @@ impl PieceHull<'_> {
             return Some(found);
         }
         let at = Isometry3::translation(local.x, local.y, local.z);
-        let dot = ConvexPolyhedron::point(Point3::origin()).ok()?;
+        let dot = ConvexPolyhedron::origin();
         let at = RelativePose::from_isometry(&at).ok()?;
         let found = self.tracker.closest(self.body, &dot, &at);
         Some((found.lower.at_least(0.0), found.upper.at_least(0.0)))

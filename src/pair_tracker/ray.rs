@@ -201,14 +201,14 @@ pub struct RayHit {
 #[derive(Clone, Debug)]
 pub struct RayCaster {
     /// A point at the origin.
-    point: Option<ConvexPolyhedron>,
+    point: ConvexPolyhedron,
     tracker: PairTracker,
 }
 
 impl Default for RayCaster {
     fn default() -> Self {
         Self {
-            point: ConvexPolyhedron::point(Point3::origin()).ok(),
+            point: ConvexPolyhedron::origin(),
             tracker: PairTracker::new(),
         }
     }
@@ -247,10 +247,7 @@ impl RayCaster {
         {
             return Ok(found);
         }
-        let Some(point) = &self.point else {
-            return Ok(RayCast::Near { safe: 0.0 });
-        };
-        let mut pair = self.tracker.over(body, point);
+        let mut pair = self.tracker.over(body, &self.point);
         let found = cast(&mut pair, &still, &flight, (from, until), Tolerance::Distance(width))?;
         let found = match found.impact {
             Impact::Miss => RayCast::Miss,
@@ -291,10 +288,10 @@ impl RayCaster {
     /// the body, and its bounds of a point next to the body may contain zero.
     fn with_origin(&mut self, found: RayCast, body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray) -> RayCast {
         let is_near = found.safe().is_some_and(|safe| safe <= 0.0) && body.polyhedron().is_some();
-        let (Some(point), Some(at), true) = (&self.point, placed(pose, &ray.origin), is_near) else {
+        let (Some(at), true) = (placed(pose, &ray.origin), is_near) else {
             return found;
         };
-        match (self.tracker.intersects(body, point, &at).known(), found) {
+        match (self.tracker.intersects(body, &self.point, &at).known(), found) {
             (Some(true), _) => RayCast::Inside,
             (Some(false), RayCast::Inside) => RayCast::Near { safe: 0.0 },
             _ => found,
@@ -303,8 +300,7 @@ impl RayCaster {
 
     /// Returns the body's point closest to a point in the world.
     fn seen(&mut self, body: GeometryRef, pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<Measure> {
-        let point = self.point.as_ref()?;
-        Some(self.tracker.over(body, point).measure(&placed(pose, at)?))
+        Some(self.tracker.over(body, &self.point).measure(&placed(pose, at)?))
     }
 }
 

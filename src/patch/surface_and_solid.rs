@@ -208,7 +208,7 @@ pub(crate) struct SurfaceShapeTracker {
     /// Of a point of the surface and the shape.
     feet: ShapeTracker,
     /// A point at the origin.
-    point: Option<Shape>,
+    point: Shape,
 }
 
 impl Default for SurfaceShapeTracker {
@@ -217,7 +217,7 @@ impl Default for SurfaceShapeTracker {
             state: SurfaceMemory::default(),
             grown: Grown::default(),
             feet: ShapeTracker::new(),
-            point: ConvexPolyhedron::point(Point3::origin()).ok().map(Shape::from),
+            point: Shape::from(ConvexPolyhedron::origin()),
         }
     }
 }
@@ -262,7 +262,7 @@ impl SurfaceShapeTracker {
         }
         let reach = [a.reach, reach(b)];
         let points = reach[0] * SURFACE_POINT + reach[1] * SHAPE_POINT;
-        let (Some(frame), Some(point)) = (NetFrame::new(reach, points, a_from_b), &self.point) else {
+        let Some(frame) = NetFrame::new(reach, points, a_from_b) else {
             return far_apart(a, b, a_from_b);
         };
         let frame = frame.placed(placing);
@@ -272,7 +272,7 @@ impl SurfaceShapeTracker {
             frame: &frame,
             counts: SearchCounts::default(),
         };
-        let mut feet = Feet::new(a.patches(), [point, b], &mut self.feet, &frame, a_from_b);
+        let mut feet = Feet::new(a.patches(), [&self.point, b], &mut self.feet, &frame, a_from_b);
         match self.state.search(&mut trees, &mut feet, goal) {
             Some((lower, best)) => {
                 let on = [best.place(0), Spot::new(0, best.feature)];

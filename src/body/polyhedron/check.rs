@@ -142,4 +142,10 @@ mod tests {
         let point = ConvexPolyhedron::point(Vector3::new(1.0, 2.0, 3.0).into());
         assert_eq!(point.map(|p| p.check()), Ok(Ok(())));
     }
+
+    #[test]
+    fn the_origin_is_the_point_there() {
+        let built = ConvexPolyhedron::point(Vector3::zeros().into()).unwrap();
+        assert_eq!(format!("{built:?}"), format!("{:?}", ConvexPolyhedron::origin()));
+    }
 }

@@ -157,6 +157,18 @@ impl Topology {
         Some(topology)
     }
 
+    /// Returns the topology of one vertex without an edge.
+    pub(crate) fn of_vertex() -> Self {
+        Self {
+            first: vec![0; 2],
+            links: HalfEdges::new(Vec::new()),
+            rim: Vec::new(),
+            rings: Vec::new(),
+            ring: Vec::new(),
+            places: Vec::new(),
+        }
+    }
+
     fn keep_rings(&mut self) {
         for f in FaceId::all(self.rim.len()) {
             if self.rim(f).nth(LARGE).is_some() {

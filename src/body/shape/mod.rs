@@ -104,8 +104,7 @@ impl Shape {
     /// A radius that is not between 1e-100 and 1e100.
     #[doc(alias = "sphere")]
     pub fn ball(radius: f64) -> Result<Self, ShapeError> {
-        let core = ConvexPolyhedron::point(Point3::origin())?;
-        Self::from(core).rounded(length("radius", radius)?)
+        Self::from(ConvexPolyhedron::origin()).rounded(length("radius", radius)?)
     }
 
     /// Returns a capsule along z about the origin: every point at most `radius` from a segment of

@@ -337,7 +337,7 @@ pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
 
 /// Returns a point as a shape, and its pose.
 fn dot_at(point: &Point3<f64>) -> Option<(Shape, RelativePose)> {
-    let dot = ConvexPolyhedron::point(Point3::origin()).ok()?;
+    let dot = ConvexPolyhedron::origin();
     let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;
     Some((Shape::from(dot), at))
 }

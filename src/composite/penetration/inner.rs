@@ -255,7 +255,7 @@ fn in_pieces(outer: &Composite, mesh: &Mesh, inner: &InnerPoints) -> Option<Prov
 
 /// Returns how deep a point is in a shape, at least, and the way out.
 fn depth_in(tracker: &mut ShapeTracker, shape: &Shape, point: &Vector3<f64>) -> Option<ProvenDepth> {
-    let dot = Shape::from(ConvexPolyhedron::point(Point3::origin()).ok()?);
+    let dot = Shape::from(ConvexPolyhedron::origin());
     let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;
     overlap(&tracker.closest(shape, &dot, &at))
 }

@@ -90,6 +90,20 @@ pub(crate) fn lowest_bit(numbers: impl IntoIterator<Item = f64>) -> Option<i32> 
 }
 
 impl Cloud {
+    /// Makes a cloud of the origin alone.
+    pub(crate) fn origin() -> Self {
+        Self {
+            points: vec![Vector3::zeros()],
+            source: vec![0],
+            duplicates: Vec::new(),
+            origin: Vector3::zeros(),
+            exponent: 0,
+            flushed: 0,
+            inside: Vec::new(),
+            given: 1,
+        }
+    }
+
     /// Makes a cloud of the points named by `indices`. The indices must exist; `needed` is the
     /// least count accepted, `least` the least extent of different points.
     pub(crate) fn new(given: &[Point3<f64>], indices: Vec<u32>, needed: usize, least: f64) -> Result<Self, BuildError> {

@@ -128,8 +128,20 @@ impl ConvexPolyhedron {
     /// Assembles a body from the indices of its vertices in the cloud and its faces by vertex
     /// number.
     pub(crate) fn assemble(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>]) -> Result<Self, BuildError> {
+        let topology = Topology::from_loops(kept.len(), loops).ok_or(BuildError::Inconsistent)?;
+        if loops.len() > 1 && kept.len() + loops.len() != topology.half_edge_count() / 2 + 2 {
+            return Err(BuildError::Inconsistent);
+        }
+        Ok(Self::of_topology(cloud, kept, loops, topology))
+    }
+
+    /// Returns the origin as a body of one point.
+    pub(crate) fn origin() -> Self {
+        Self::of_topology(&Cloud::origin(), &[0], &[], Topology::of_vertex())
+    }
+
+    fn of_topology(cloud: &Cloud, kept: &[u32], loops: &[Vec<u32>], topology: Topology) -> Self {
         let points: Vec<Vector3<f64>> = kept.iter().map(|&i| cloud.points[i as usize]).collect();
-        let topology = Topology::from_loops(points.len(), loops).ok_or(BuildError::Inconsistent)?;
         let radius = points.iter().fold(0.0f64, |r, p| r.larger(p.norm_squared()));
         let radius = sqrt(radius) * ROUND_UP;
         let (planes, areas) = planes_of(&points, loops, radius);
@@ -148,9 +160,6 @@ impl ConvexPolyhedron {
             euler_characteristic: vertices as i64 - edges as i64 + faces as i64,
             ..BuildReport::default()
         };
-        if loops.len() > 1 && report.euler_characteristic != 2 {
-            return Err(BuildError::Inconsistent);
-        }
         // Summed in double-double: however many vertices, the mean is off the body by no more than
         // a few units of rounding, as the proof of a depth requires (`depth::pyramid`).
         let sum = |k: usize| {
@@ -170,7 +179,7 @@ impl ConvexPolyhedron {
         let fans = Fans::new(&topology, &points, &planes);
         #[cfg(feature = "exact")]
         let given = points.iter().flat_map(|p| cloud.given_place(p).data.0[0]);
-        Ok(Self {
+        Self {
             #[cfg(feature = "exact")]
             lowest_bit: lowest_bit(given),
             lookup: CubeMap::new(&topology, &points, &fans),
@@ -194,7 +203,7 @@ impl ConvexPolyhedron {
             has_coplanar_neighbours,
             fingerprint: fingerprint_of(cloud, kept, loops),
             report,
-        })
+        }
     }
 
     /// Enters the points that never became vertices of the hull's triangles into the report.
