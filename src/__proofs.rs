@@ -22,9 +22,9 @@ use crate::composite::continuous::paths;
 use crate::composite::front;
 use crate::composite::meet::bounds;
 use crate::convex::depth::pyramid::PyramidSide;
-use crate::convex::minimum::gjk::{self, Minimum};
 use crate::convex::minimum::simplex::Simplex;
-use crate::convex::minimum::start::vertex_of;
+use crate::convex::minimum::vertex_of;
+use crate::convex::minimum::{self, Minimum};
 use crate::convex::smooth;
 use crate::convex::solve::closed_form;
 use crate::convex::walk;
@@ -314,7 +314,7 @@ fn solved<T: Scalar>(posed: &PosedPair, frame: &Transform<T>) -> Option<MinimumE
         simplex,
         lower,
         direction,
-    } = gjk::solve(posed, frame, vertex_of(posed, frame, first))
+    } = minimum::solve(posed, frame, vertex_of(posed, frame, first))
     else {
         return None;
     };

@@ -234,7 +234,7 @@
 //!
 //! `ARCHITECTURE.md` in the repository has the layers, the data flow from points to a body and
 //! from a pose to an outcome, the invariants and a glossary. Start with `walk/mod.rs`: the loop
-//! is on one screen; then `pair/certificate.rs`, the proof, and `solve/ladder.rs`, the solvers
+//! is on one screen; then `pair/certificate.rs`, the proof, and `solve/mod.rs`, the solvers
 //! behind the walk.
 //!
 //! # From the thesis

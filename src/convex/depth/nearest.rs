@@ -14,7 +14,7 @@
 //! descent finds the facet ([`descent`](super::descent)). What is left to prove is the overlap: by
 //! the pyramid over the facet, whose apex is the difference of two points inside the bodies, else
 //! by four points around the origin
-//! ([`overlap_proof`](crate::convex::minimum::overlap_proof)), which are kept.
+//! ([`overlap_proof`](crate::convex::minimum::OverlapProof)), which are kept.
 //!
 //! The pyramid lies in P, so the distance of its nearest side is a lower bound of the depth, and
 //! the depth is the height if no side is nearer than the facet. [`pyramid`](super::pyramid) does
@@ -28,7 +28,7 @@ use crate::convex::depth::memory::Memory;
 use crate::convex::depth::pyramid::{Pyramid, proves};
 use crate::convex::depth::search::{Best, SearchResult, search_from};
 use crate::convex::depth::write_overlap;
-use crate::convex::minimum::overlap_proof::OverlapProof;
+use crate::convex::minimum::OverlapProof;
 use crate::pair::answer::unit;
 use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::draft::Draft;

@@ -14,10 +14,10 @@ use crate::base::tolerance::{AGREE_DEPTH, AGREE_WITNESS, ALMOST_FLAT, CERTIFICAT
 use crate::body::polyhedron::{FeaturePair, VertexId};
 use crate::convex::depth::descent::{WitnessPoints, foot, sample_rim};
 use crate::convex::depth::surface::{EnclosingSurface, Filter, unit};
-use crate::convex::minimum::gjk::{Minimum, solve};
 use crate::convex::minimum::simplex::Simplex;
-use crate::convex::minimum::start::vertex_of;
-use crate::convex::minimum::witnesses::witnesses;
+use crate::convex::minimum::vertex_of;
+use crate::convex::minimum::witnesses;
+use crate::convex::minimum::{Minimum, solve};
 use crate::pair::difference::{MinkowskiPoint, difference_point, support};
 use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::posed::PosedPair;

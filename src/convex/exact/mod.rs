@@ -9,7 +9,6 @@
 
 mod depth;
 pub(crate) mod integer;
-mod origin;
 pub(crate) mod place;
 mod simplex;
 
@@ -32,8 +31,8 @@ use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 pub(crate) use depth::deepest;
 use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sign, sub};
-use origin::{Origin, PointSet, locate};
 use simplex::{ExactPoint, NearestPoint, minimize};
+use simplex::{Origin, PointSet, locate};
 
 /// A body rotated exactly, over the common denominator.
 struct RotatedBody<'a> {

@@ -1,19 +1,21 @@
-//! The state that a caller keeps per pair of shapes.
+//! The state that a caller keeps per pair of shapes, and what an answer of two cores becomes: the
+//! outcome of the rounded shapes ([`grow`]), or the outcome along the normal of a face,
+//! whatever the closest features are ([`along_face`]); points in a shape. `manifold` makes contacts
+//! of the outcomes.
 
-mod contains;
-mod face;
 mod manifold;
-mod round;
 
-use nalgebra::Vector3;
-
+use crate::base::num::extremes::Bounded;
+use crate::base::num::packed::PackedVec3;
 use crate::base::pose::RelativePose;
-use crate::body::shape::{Core, Shape};
+use crate::body::polyhedron::{ConvexPolyhedron, FaceId, Feature, FeaturePair};
+use crate::body::shape::{Core, Curved, Shape, Support, match_core};
 use crate::convex::replay::Replay;
 use crate::convex::smooth;
 use crate::convex::tracker::{Totals, Tracker};
-use crate::pair::outcome::{Accuracy, Outcome, Until};
-pub(crate) use face::{along_face, swapped};
+use crate::pair::outcome::{Accuracy, Class, Outcome, Until};
+use crate::pair::rounding;
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 /// Closest features of the last answer of one pair of shapes, from which the next query starts.
 ///
@@ -60,7 +62,7 @@ impl ShapeTracker {
                 let mut outcome = self.polyhedral.checked(x, y, a_from_b, until);
                 let radii = [a.round(), b.round()];
                 if radii != [0.0; 2] {
-                    round::grow((x, y), a_from_b, radii, &mut outcome);
+                    self::grow((x, y), a_from_b, radii, &mut outcome);
                 }
                 outcome
             }
@@ -69,7 +71,7 @@ impl ShapeTracker {
                 self.count(&outcome);
                 let radii = [a.round(), b.round()];
                 if radii != [0.0; 2] {
-                    round::shift(a_from_b, radii, &mut outcome);
+                    self::shift(a_from_b, radii, &mut outcome);
                 }
                 outcome
             }
@@ -138,3 +140,146 @@ impl Replay {
         }
     }
 }
+
+impl Shape {
+    /// Returns whether the closed shape contains a point, up to rounding of `1e-14` times the size
+    /// of the shape; exact for polyhedra that are not rounded. `false` for a point that is not
+    /// finite.
+    #[must_use]
+    pub fn contains(&self, point: &Point3<f64>) -> bool {
+        if let Core::Polyhedron(body) = self.core() {
+            let near = || {
+                body.closest_point(point)
+                    .is_some_and(|p| (p - point).norm() <= self.round())
+            };
+            return body.contains(point) || self.round() > 0.0 && near();
+        }
+        if self.round() > 0.0 {
+            return self.is_near(point).unwrap_or(false);
+        }
+        match_core!(self.core(), _ => false, core => core.contains(&point.coords))
+    }
+
+    /// Returns whether a rounded shape contains a point, by the distance of the point.
+    fn is_near(&self, point: &Point3<f64>) -> Option<bool> {
+        let point = Self::from(ConvexPolyhedron::point(*point).ok()?);
+        let pose = RelativePose::from_isometry(&Isometry3::identity()).ok()?;
+        Some(ShapeTracker::new().within(self, &point, &pose, 0.0))
+    }
+}
+
+/// Returns the gap of the plane of a face of A and a core B along the outward normal of the face,
+/// as an outcome: a lower bound of the signed distance, right up to rounding, that says nothing
+/// about an upper one. `None` for a face that A does not have.
+pub(crate) fn along_face(a: &ConvexPolyhedron, face: FaceId, b: &Core, a_from_b: &RelativePose) -> Option<Outcome> {
+    let (normal, offset) = a.face_plane(face)?;
+    let rotation = a_from_b.rotation();
+    let (feature, lowest) = support(b, &-rotation.tr_mul(&normal))?;
+    let place = rotation * lowest + a_from_b.translation();
+    let gap = normal.dot(&place) - offset;
+    let features = FeaturePair {
+        a: Feature::Face(face),
+        b: feature,
+    };
+    Some(Outcome {
+        class: if gap > 0.0 {
+            Class::Separated
+        } else {
+            Class::Overlapping
+        },
+        distance: gap,
+        lower: gap,
+        upper: gap,
+        point_on_a: Point3::from(place - normal.into_inner() * gap),
+        point_on_b: Point3::from(lowest),
+        normal,
+        ..Outcome::starting_at(features)
+    })
+}
+
+/// Returns the outcome of the bodies in the other order.
+pub(crate) fn swapped(outcome: &Outcome, b_from_a: &RelativePose) -> Outcome {
+    let normal = -b_from_a.rotation().tr_mul(&outcome.normal);
+    Outcome {
+        features: outcome.features.swapped(),
+        point_on_a: outcome.point_on_b,
+        point_on_b: outcome.point_on_a,
+        normal: Unit::new_unchecked(normal),
+        ..*outcome
+    }
+}
+
+/// Returns a point of a core that is highest along a unit direction, and its feature.
+fn support(core: &Core, n: &Vector3<f64>) -> Option<(Feature, Vector3<f64>)> {
+    fn of<S: Support>(core: &S, n: &Vector3<f64>) -> (Feature, Vector3<f64>) {
+        let (branch, point) = core.support::<f64>(&[n.x, n.y, n.z], 0);
+        let point = Vector3::from(point);
+        (core.feature(&[branch], &point), point)
+    }
+    Some(match_core!(core, body => {
+        let v = body.extreme_vertex(n);
+        (Feature::Vertex(v), body.vertex(v)?.coords)
+    }, core => of(core, n)))
+}
+
+/// Moves distance, bounds and witnesses of cores out by both radii; returns whether the bounds
+/// leave the class open.
+#[inline]
+pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) -> bool {
+    outcome.distance = rounding::less(outcome.distance, radii);
+    [outcome.lower, outcome.upper] = rounding::bounds([outcome.lower, outcome.upper], radii);
+    let n = *outcome.normal;
+    outcome.point_on_a += n * radii[0];
+    if radii[1] > 0.0 {
+        outcome.point_on_b -= pose.vector_in_b(PackedVec3::new(&n)).vector() * radii[1];
+    }
+    outcome.class = match outcome.class {
+        _ if outcome.lower > 0.0 => Class::Separated,
+        _ if outcome.upper < 0.0 => Class::Overlapping,
+        Class::Undecided => Class::Undecided,
+        _ => Class::Touching,
+    };
+    outcome.lower <= 0.0 && 0.0 <= outcome.upper
+}
+
+/// Moves the outcome of two polyhedra out by both radii. If the bounds leave the class open, exact
+/// arithmetic decides the class.
+#[inline]
+pub(super) fn grow(
+    cores: (&ConvexPolyhedron, &ConvexPolyhedron),
+    pose: &RelativePose,
+    radii: [f64; 2],
+    outcome: &mut Outcome,
+) {
+    if shift(pose, radii, outcome) {
+        settle(cores, pose, radii, outcome);
+    }
+}
+
+#[cfg(feature = "exact")]
+#[cold]
+fn settle((a, b): (&ConvexPolyhedron, &ConvexPolyhedron), pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) {
+    use crate::pair::outcome::Solver;
+    use core::cmp::Ordering;
+    let hint = outcome.features.vertices_of(a, b);
+    outcome.work.exacts += 1;
+    outcome.solver = Solver::Exact;
+    match crate::convex::exact::compare(a, b, pose, hint, &radii) {
+        Ordering::Greater => {
+            outcome.class = Class::Separated;
+            outcome.lower = outcome.lower.at_least(0.0);
+        }
+        Ordering::Equal => {
+            outcome.class = Class::Touching;
+            (outcome.lower, outcome.upper) = (0.0, 0.0);
+        }
+        Ordering::Less => {
+            outcome.class = Class::Overlapping;
+            outcome.upper = outcome.upper.at_most(0.0);
+        }
+    }
+    outcome.distance = outcome.distance.clamped(outcome.lower, outcome.upper);
+}
+
+#[cfg(not(feature = "exact"))]
+fn settle(_: (&ConvexPolyhedron, &ConvexPolyhedron), _: &RelativePose, _: [f64; 2], _: &mut Outcome) {}

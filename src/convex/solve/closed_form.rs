@@ -23,7 +23,7 @@ use crate::base::num::scalar::{Scalar, Vec3, cross, dot, magnitude, root, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{CLEAR_SIGN, CLOSED_FORM, LEAST_RISE};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
-use crate::convex::minimum::start::triangle;
+use crate::convex::minimum::triangle;
 use crate::pair::draft::Draft;
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
 use crate::pair::transform::Turned;

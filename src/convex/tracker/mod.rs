@@ -18,7 +18,7 @@ use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
 use crate::convex::contact::{Manifold, ManifoldOptions, Query};
 use crate::convex::depth;
 use crate::convex::depth::Memory;
-use crate::convex::minimum::overlap_proof::OverlapProof;
+use crate::convex::minimum::OverlapProof;
 use crate::convex::replay::Replay;
 use crate::convex::solve;
 use crate::convex::solve::out_of_range;

@@ -8,7 +8,7 @@ use crate::base::tolerance::{HEIGHT, UNIT};
 use crate::body::polyhedron::support::Extreme;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, HalfEdgeId, VertexId};
 use crate::body::shape::Shape;
-use crate::convex::minimum::overlap_proof::OverlapProof;
+use crate::convex::minimum::OverlapProof;
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::convex::tracker::Tracker;
 use crate::pair::outcome::{Decision, Outcome, Until};

@@ -320,7 +320,7 @@ impl Frame {
             ["solver in double-double, lower", "solver in double-double, upper"]
         };
         [
-            self.row(low, "convex::minimum::gjk", lower),
+            self.row(low, "convex::minimum", lower),
             self.row(high, "convex::minimum::simplex", upper),
         ]
     }
