@@ -453,8 +453,8 @@ pub(super) enum Ended {
     Deep,
 }
 
-/// Proves an overlap from bounds, and from points of the difference around the origin if some are known; returns whether it
-/// has succeeded.
+/// Proves an overlap from bounds, and from points of the difference around the origin if some are
+/// known; returns whether the proof has succeeded.
 type ProveOverlap<'f, T> = dyn FnMut(&ProvenBounds<T>, Option<Around<T>>) -> bool + 'f;
 
 /// Runs solver after solver until the bounds agree. `deep` proves an overlap: of cores that seem to
