@@ -1,5 +1,5 @@
-//! The point of the Minkowski difference A - B closest to the origin: GJK, the solver that stands in
-//! for the walk ([`solve`]), and the proof of overlap that a tracker caches ([`OverlapProof`]).
+//! The point of the Minkowski difference A - B closest to the origin: GJK, the solver that stands
+//! in for the walk ([`solve`]), and the proof of overlap that a tracker caches ([`OverlapProof`]).
 //!
 //! Gilbert, Johnson and Keerthi 1988, in f64 and in double-double. Departures:
 //! 1. The solver starts from the features on which the walk ended ([`about_witnesses`]), so one
