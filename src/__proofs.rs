@@ -3,13 +3,13 @@
 
 #![allow(missing_docs)]
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
 
 use crate::base::motion::turn;
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::packed::{PackedRotation, PackedVec3};
 use crate::base::num::scalar::Scalar;
 use crate::base::num::{scalar, sign};

@@ -68,7 +68,6 @@
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
 //! | Is a motion of a robot free over its whole length, is there a path? | `Checker` of the crate `lin-canny-plan` | proven free, or the time and the pair that collide; a path |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
-//! | Which feature pairs would the walk test? | [`Tracker::trace`] | the walk, pair by pair |
 //! | A ball, capsule, cylinder, cone, ellipsoid, anything rounded? | [`Shape`] | a body for [`PairTracker`] |
 //! | Where does B stand? | [`RelativePose::new`] | a checked pose, or a [`PoseError`] |
 //! | A body of points, of faces? | [`ConvexPolyhedron::from_points`], [`from_faces`](ConvexPolyhedron::from_faces) | a body with its [`BuildReport`], or a [`BuildError`] |

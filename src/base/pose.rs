@@ -1,10 +1,10 @@
 //! The relative pose of two bodies: the only place a pose is refused.
 
-use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Matrix3, Quaternion, Vector3};
 use wide::f64x2;
 
 use crate::base::notice;
+use crate::base::num::each::Each;
 use crate::base::num::packed::{self, PackedRotation, PackedVec3};
 use crate::base::tolerance::{POSE_UNIT, REACH};
 

@@ -15,7 +15,6 @@
 //! each other: a tracker is kept for each piece, and the plane that a point was beyond, which is
 //! looked at first.
 
-use crate::base::num::each::Each;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt;
@@ -23,6 +22,7 @@ use core::ops::ControlFlow;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::base::notice::{Progress, Watch};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, smallest};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;

@@ -1,9 +1,9 @@
 //! Meshes and bodies of pieces as convex parts under a tree, and relative poses of parts that stand
 //! at poses of their own.
 
-use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;

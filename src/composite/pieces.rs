@@ -2,7 +2,6 @@
 //!
 //! At a pose, pairs of parts are asked by trackers that are kept ([`PartJudge`]).
 
-use crate::base::num::each::Each;
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -10,6 +9,7 @@ use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
 use crate::base::notice::Watch;
 use crate::base::num::Counter;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;

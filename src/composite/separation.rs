@@ -24,11 +24,11 @@
 //! pairs of nodes, Tang, Kim and Manocha 2009. Departures: 1. the direction of each pair is the
 //! one that separates its boxes; 2. the bound holds with acceleration and drift, second order kept.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::base::motion::{Course, Drift, length};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};

@@ -22,13 +22,13 @@
 //!
 //! Numbers are the bits of an f64 in hexadecimal. Text after `#` and empty lines are ignored.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use core::fmt;
 use core::str::FromStr;
 
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 
+use crate::base::num::each::Each;
 use crate::base::pose::{Operand, PoseError, RelativePose};
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId};
 use crate::body::shape::{Shape, is_rounding};

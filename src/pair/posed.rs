@@ -1,9 +1,9 @@
 //! Two bodies at one relative pose, and the maps between their stored frames.
 
-use crate::base::num::each::Each;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::packed::{PackedRotation, PackedVec3};
 use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::pose::{Operand, RelativePose};

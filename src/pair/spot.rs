@@ -1,11 +1,11 @@
 //! The answer of a query of two geometries of any kinds.
 
-use crate::base::num::each::Each;
 use core::ops::Deref;
 
 use nalgebra::Unit;
 
 use super::outcome::{Distance, Outcome};
+use crate::base::num::each::Each;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::{FaceId, Feature, FeaturePair};
 

@@ -1,9 +1,9 @@
 //! The relative pose in the arithmetic of a solver, and the lengths that scale rounding errors.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::scalar::Scalar;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::FAR;

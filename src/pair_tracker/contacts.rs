@@ -1,12 +1,12 @@
 //! Contacts of two geometries of any kinds, and bounds of the depth of two solids.
 
-use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
 use super::lent_pair::LentPair;
 use super::tracker::{Followed, PairTracker};
 use super::tracker::{PairError, refused};
+use crate::base::num::each::Each;
 use crate::base::pose::RelativePose;
 use crate::body::shape::Shape;
 use crate::composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};

@@ -1,11 +1,11 @@
 //! Two geometries beside a borrowed tracker: the questions that every pair answers, at one pose
 //! and over time.
 
-use crate::base::num::each::Each;
 use alloc::string::String;
 
 use nalgebra::{Point3, Unit, Vector3};
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};

@@ -1,13 +1,13 @@
 //! Questions that only meshes and surfaces answer: a mesh against itself, a mesh by the pieces that
 //! stand for it.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use super::engine::Engine;
 use super::lent_pair::LentPair;
 use super::of_parts::of_pieces;
 use super::tracker::PairTracker;
+use crate::base::num::each::Each;
 use crate::base::pose::RelativePose;
 use crate::composite::decomposition::Decomposition;
 use crate::composite::mesh::Mesh;

@@ -1,6 +1,5 @@
 //! Engines of pairs with a composite or a mesh.
 
-use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 
@@ -9,6 +8,7 @@ use super::engine::StoredEngine;
 use super::engine::{Engine, EngineReport, WithStandIns};
 use super::lent_pair::LentPair;
 use super::tracker::PairWork;
+use crate::base::num::each::Each;
 use crate::body::shape::Shape;
 use crate::composite::mesh::Mesh;
 use crate::composite::mesh::tracker::MeshTracker;

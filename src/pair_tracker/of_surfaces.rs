@@ -1,6 +1,5 @@
 //! Engines of pairs with a surface of patches.
 
-use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 
@@ -10,6 +9,7 @@ use super::engine::{Engine, EngineReport, WithStandIns};
 use super::lent_pair::LentPair;
 use super::of_parts::report_front;
 use super::tracker::PairWork;
+use crate::base::num::each::Each;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::Operand;
 use crate::body::shape::Shape;

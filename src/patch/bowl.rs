@@ -16,7 +16,6 @@
 //! points X lies below and Y above the graph of S if S is between their curvatures: at a border
 //! only along the border.
 
-use crate::base::num::each::Each;
 use nalgebra::{Matrix2, Vector2, Vector3};
 
 use super::bezier::{NET, ORDER};
@@ -24,6 +23,7 @@ use super::gap::NetFrame;
 use super::height::bounded;
 use super::net::SurfaceJet;
 use super::tree::{Net, Node};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BENT, ROUND_UP, SLOPE};

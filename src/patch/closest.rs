@@ -13,13 +13,13 @@
 //! since `I - C F'` is shorter than one; so F has a zero in B (Krawczyk 1969; Neumaier 1990,
 //! "Interval Methods for Systems of Equations", section 5.1). B must lie inside the patches.
 
-use crate::base::num::each::Each;
 use nalgebra::{Matrix3, Vector3};
 
 use super::bowl::Bowl;
 use super::gap::NetFrame;
 use super::net::{Patch, SurfaceJet};
 use super::tree::Cut;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, largest};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{AGREE, PARALLEL, PATCH_SLOPE, UNIT};

@@ -14,12 +14,12 @@
 //! point, whatever the size of the node. (Bernstein coefficients of derivatives: Farin 2002,
 //! section 5.3; the term for a lack of concavity: Adjiman and Floudas 1996, alpha-BB.)
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::bezier::{Jet, NET, jet};
 use super::bowl::BowlSide;
 use super::tree::{Net, Node, Nodes};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{COEFFICIENT, CURVATURE, TAYLOR, UNIT};
 

@@ -1,12 +1,12 @@
 //! One Bezier patch by its control points.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::bezier::{Jet, ORDER, jet, value};
 use super::error::PatchError;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};

@@ -6,7 +6,6 @@
 //! derivatives along the normal, or by a bowl. Pairs of nodes inside the boxes need no proof of
 //! their own, and pairs outside are so much farther that their planes last for some frames.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::bowl::Bowl;
@@ -16,6 +15,7 @@ use super::height::NetSide;
 use super::height::taylor;
 use super::tree::Cut;
 use super::tree::Node;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BENT_POSE, REGION};

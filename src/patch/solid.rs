@@ -2,7 +2,6 @@
 //! its exact height along every direction, and its closest point to a point of the surface.
 
 use super::closest::NEWTON;
-use crate::base::num::each::Each;
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
 use super::bowl::BowlSide;
@@ -12,6 +11,7 @@ use super::height::NetSide;
 use super::net::{Patch, SurfaceJet};
 use super::tree::Cut;
 use super::tree::Node;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::{RelativePose, normalize};
 use crate::base::tolerance::UNIT;

@@ -1,6 +1,5 @@
 //! A surface: many patches and the tree above them; parts of surfaces, and the work of queries.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -8,6 +7,7 @@ use super::error::PatchError;
 use super::net::Patch;
 use super::nurbs::Nurbs;
 use super::tree::NetTree;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::sum_of_counters;

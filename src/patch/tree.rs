@@ -8,13 +8,13 @@
 //! The part of a patch over any box of parameters is a node too ([`Cut`]), cut out by de
 //! Casteljau's algorithm at both ends.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::bezier::{NET, halves};
 use super::net::Patch;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{NET as NET_ERROR, NET_CUT, NET_STEP, ROUND_UP};

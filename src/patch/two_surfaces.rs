@@ -3,7 +3,6 @@
 //!
 //! One of both may stand for a mesh, whose inside counts if the mesh is a solid.
 
-use crate::base::num::each::Each;
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::closest::{Patches, crosses};
@@ -12,6 +11,7 @@ use super::search::{NetGoal, SPLITS, SurfaceMemory};
 use super::surface::{Surface, SurfaceWork};
 use super::surface_and_solid::{MEASURED, held, width_asked};
 use super::tree::{Grown, Nodes};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};

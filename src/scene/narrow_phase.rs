@@ -1,7 +1,6 @@
 //! Narrow phase of one pair in a step: tests from the cheapest on, and the tracker if no cheaper
 //! test answers.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use super::answers::StoredAnswer;
@@ -13,6 +12,7 @@ use super::effects::{Detail, NEVER, PairPlan, Table};
 use super::pair_engine::{ContactAsk, Contacted, PairEngine};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::report::Counts;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::convex::tracker::Workspace;

@@ -2,7 +2,6 @@
 //! interrupted. All input is checked, so that no text makes a scene that could panic; an answer
 //! that a text falsifies stays false until the pair is tested again.
 
-use crate::base::num::each::Each;
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -21,6 +20,7 @@ use super::pair_engine::{MixedPair, PairEngine};
 use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
 use super::report::Report;
 use super::{Event, PairImpact, Scene, Settings};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::slots::Slots;

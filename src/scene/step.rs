@@ -1,6 +1,5 @@
 //! A step: the stages of the pipeline, in order.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use super::Scene;
@@ -12,6 +11,7 @@ use super::narrow_phase::{StepContext, Tally, test_table};
 use super::pair_engine::{AnyPair, PairEngine};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
 use super::report::{Clock, Report};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::ROUND_UP;
 use crate::body::polyhedron::BoxHint;

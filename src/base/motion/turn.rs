@@ -1,9 +1,9 @@
 //! Rotation by a constant angular velocity over a time.
 
-use crate::base::num::each::Each;
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::base::num::double_double::{DoubleDouble, two_product};
+use crate::base::num::each::Each;
 use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::tolerance::SQUARE_MIN;
 

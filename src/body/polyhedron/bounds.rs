@@ -6,12 +6,12 @@
 //! bound of all rounding, so the box holds the posed body: at most `1e-6 r` too large on a side if
 //! scanned, `1e-14 (r + |t|)` if climbed.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 use wide::f32x4;
 
+use crate::base::num::each::Each;
 use crate::base::pose::rotation_matrix;
 use crate::base::tolerance::{BOX, BOX_SCANNED, POSE_UNIT};
 use crate::body::polyhedron::support::SCANNED;

@@ -1,10 +1,10 @@
 //! Supporting planes of faces: a unit normal right to the last bit or so, and an offset that
 //! provably bounds the body.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::{DoubleDouble, Expansion, two_sum};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::tolerance::{CROSS_CANCELLED, PLANE_OFFSET};

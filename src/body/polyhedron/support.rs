@@ -10,11 +10,11 @@
 //! lookup of Ehmann and Lin 2000, section 4.2, with cells on a cube instead of a sphere, so that no
 //! trigonometry is needed.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::packed::PackedVec3;
 use crate::base::num::sign::edge_sign;

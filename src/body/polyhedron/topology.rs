@@ -14,10 +14,10 @@
 //!            from
 //! ```
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 
+use crate::base::num::each::Each;
 use crate::body::polyhedron::fans::Fan;
 use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::feature::{EdgeId, FaceId, HalfEdgeId, VertexId};

@@ -1,12 +1,12 @@
 //! Circular cylinders.
 
-use crate::base::num::each::Each;
 use core::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3};
 
 use super::support::{Disc, Flat, Support};
 use super::{Curved, Mass};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, root, sqrt};

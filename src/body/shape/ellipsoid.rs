@@ -1,12 +1,12 @@
 //! Ellipsoids.
 
-use crate::base::num::each::Each;
 use core::f64::consts::PI;
 
 use nalgebra::{Point3, Vector3};
 
 use super::support::{Disc, Support};
 use super::{Curved, Mass};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{largest, smallest};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::{Scalar, Vec3, dot, root, scaled, sub};

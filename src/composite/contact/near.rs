@@ -8,12 +8,12 @@
 //!             v  ` foot            passes over its end.
 //! ```
 
-use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use super::body::{ContactPatches, Under, is_in};
 use super::patches::Borne;
 use super::{PatchContact, PatchQuery};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, Feature};

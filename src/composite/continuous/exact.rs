@@ -13,7 +13,6 @@
 //! Sources: Collins and Akritas 1976 (bisection by Descartes' rule of signs); Collins 1967
 //! (remainder sequences). Bernstein coefficients stand for the sign variations.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use dashu_base::{BitTest, Gcd};
@@ -21,6 +20,7 @@ use dashu_int::IBig;
 
 use super::paths::Path;
 use super::search::{FirstContact, LEAST_WIDTH};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::body::polyhedron::lowest_bit;
 use crate::composite::continuous::search::WideWork;

@@ -1,12 +1,12 @@
 //! A mesh over a frame: its vertices at both ends, and where it is at instants between.
 
-use crate::base::num::each::Each;
 use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
 use super::paths::{Path, place};
 use crate::base::motion::{Motion, MotionError, Steady, length};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::UNIT;

@@ -20,13 +20,13 @@
 //! it; two at the rim are at two places of it, which 2 excludes. So some point nearby would be
 //! covered twice.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::frame::MeshOverFrame;
 use super::paths::{Path, size};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{PATH_AREA, PATH_GAP, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};

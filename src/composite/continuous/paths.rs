@@ -1,10 +1,10 @@
 //! Two sets of vertices on straight paths, in numbers of their own size, and what a direction
 //! proves of them.
 
-use crate::base::num::each::Each;
 use core::array::from_fn;
 use nalgebra::{Point3, Vector3};
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{PATH_AREA, PATH_DIRECTION, PATH_GAP, PATH_VOLUME, UNIT};
 use crate::body::polyhedron::{exponent_of, power_of_two};

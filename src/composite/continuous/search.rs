@@ -4,10 +4,10 @@
 //! First comes the search for any two parts, then what floating point proves and exact arithmetic
 //! decides of a vertex and a face, two edges and two triangles.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::paths::{FourVertices, Parts, Path, VertexPaths, VertexPlaces, volume_sign, volumes};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::composite::meet::triangle::Triangle;
 

@@ -5,11 +5,11 @@
 //! to frame that a front costs more than a search anew. Such a front is dropped, and after some
 //! searches, twice as many each time, another one is tried.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::base::num::Counter;
+use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::composite::front::{EntryId, Front, NodePair};
 use crate::composite::meet::bounds::{WIDTH, along};

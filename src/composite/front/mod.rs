@@ -27,12 +27,12 @@
 pub(super) mod memory;
 pub(super) mod own;
 
-use crate::base::num::each::Each;
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 use wide::f32x8;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::composite::meet::bounds::WIDTH;

@@ -16,10 +16,10 @@
 //! Neighbours move together: near nodes lose what the body is stretched between them, not what they
 //! move. Nothing adds up over frames: a body that swings is where it was.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::composite::front::FrontFault;

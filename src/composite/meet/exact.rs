@@ -8,11 +8,11 @@
 //!
 //! Source: simulation of simplicity: Edelsbrunner and Muecke 1990.
 
-use crate::base::num::each::Each;
 use core::cmp::Ordering;
 use dashu_int::IBig;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::sign::{self, projection};
 use crate::base::pose::RelativePose;

@@ -11,11 +11,11 @@
 //!
 //! Bodies that a plane parts share no inner points: this is tried first, as most contacts are such.
 
-use crate::base::num::each::Each;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;

@@ -5,9 +5,9 @@
 //! distances come from floating point if rounding leaves no doubt, else from integers: the ray is
 //! the one that the caller gave, to the bit.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{RAY_PLANE, RAY_SIDE};

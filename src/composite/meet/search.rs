@@ -6,10 +6,10 @@
 //! ([`TreeSearch::judge_leaves`]): along directions first, as a gap along one costs far less than a
 //! distance.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::sum_of_counters;
 use crate::composite::front::{Front, NodePair};

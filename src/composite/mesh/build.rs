@@ -3,7 +3,6 @@
 //! The caller's points become stored ones: checked, scaled by a power of two, equal points made one
 //! ([`weld`]).
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use core::ops::ControlFlow;
@@ -14,6 +13,7 @@ use super::vertices::Stiff;
 use super::{Mesh, MeshError, MeshKind, MeshReport};
 use crate::base::notice;
 use crate::base::notice::{Progress, Stopped, Watch};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;

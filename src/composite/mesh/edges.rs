@@ -5,12 +5,12 @@
 //! the surface has one side. Of the two senses of a part, most of its triangles decide, and a part
 //! that lies in no other part then faces outward.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
 
 use super::{Mesh, MeshError, MeshPart};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::sign;
 use crate::base::tolerance::SLANT;

@@ -6,7 +6,6 @@
 //! distance from a convex set is a convex function. The greatest value of a function over triangles
 //! lies between such bounds, which halving the triangles brings together ([`greatest`]).
 
-use crate::base::num::each::Each;
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 use core::fmt;
@@ -15,6 +14,7 @@ use nalgebra::{Point3, Vector3};
 use super::Mesh;
 use crate::base::notice::Watch;
 use crate::base::num::Ranked;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::body::polyhedron::{BuildError, ConvexPolyhedron};

@@ -4,10 +4,10 @@
 //! The first are sums over tetrahedra between the box centre and each triangle (Tonon 2004). Points
 //! with winding number w count w times, as parts that overlap do in the sum of their masses.
 
-use crate::base::num::each::Each;
 use nalgebra::{Matrix3, Point3, Vector3};
 
 use super::{Mesh, tracker};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;

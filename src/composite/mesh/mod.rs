@@ -11,7 +11,6 @@ mod report;
 pub(crate) mod tracker;
 mod vertices;
 
-use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -20,6 +19,7 @@ use nalgebra::{Point3, Vector3};
 pub use hull::HullFit;
 pub use report::{MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::sign;

@@ -1,6 +1,5 @@
 //! A mesh against itself: pairs of triangles that share no vertex.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
@@ -8,6 +7,7 @@ use super::Mesh;
 use super::tracker::MeshTracker;
 use super::tracker::{TriangleJudge, spots};
 use crate::base::num::Counter;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;

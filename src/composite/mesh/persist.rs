@@ -3,7 +3,6 @@
 //! for bit. Of a mesh whose vertices were replaced, the vertices are written as built and as they
 //! are.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Point3;
 use serde::de::Error as _;
@@ -11,6 +10,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::vertices::by_source;
 use super::{Mesh, MeshError, MeshReport};
+use crate::base::num::each::Each;
 
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Mesh")]

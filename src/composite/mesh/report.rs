@@ -8,7 +8,6 @@
 //!     window (cavity)   --<--    |                 its end, in the same plane
 //! ```
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use core::fmt;
 use core::ops::ControlFlow;
@@ -16,6 +15,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::Mesh;
 use crate::base::notice::{Progress, Stopped, Watch};
+use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::pose::RelativePose;

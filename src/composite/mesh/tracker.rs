@@ -1,11 +1,11 @@
 //! Two meshes: the state of the pair, its queries, and the questions that a search asks about
 //! triangles at a pose ([`TriangleJudge`]).
 
-use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use nalgebra::Vector3;
 
 use crate::base::num::Counter;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;

@@ -5,7 +5,6 @@
 //! the boxes of a node are those of a history; a tracker recognises its own state of the mesh among
 //! the last ones, and knows by the paths of the nodes how far the points have moved since.
 
-use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Vector3};
@@ -14,6 +13,7 @@ use super::build::InTreeOrder;
 use super::build::Units;
 use super::{Mesh, VertexError};
 use crate::base::notice::Watch;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, largest};
 use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::sqrt;

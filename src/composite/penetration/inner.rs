@@ -30,11 +30,11 @@
 //! bodies hold. It is a proposal: crossings are found in rounded arithmetic, and the caller proves
 //! a depth by convex parts about the point.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, Vector3};
 
 use super::cell::cell;
+use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;

@@ -24,9 +24,9 @@
 mod cell;
 mod inner;
 
-use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;

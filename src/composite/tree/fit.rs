@@ -1,12 +1,12 @@
 //! Extents of the boxes, rounded outward.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::{Below, OrientedBox, Slab, Tree};
 use crate::base::notice::Watch;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};

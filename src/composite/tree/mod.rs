@@ -13,13 +13,13 @@ mod rebuild;
 mod refit;
 mod split;
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 pub(super) use fit::up;
 pub(super) use refit::{Paths, Refit};
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprinter;
 use crate::base::num::scalar::sqrt;

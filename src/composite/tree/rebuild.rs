@@ -12,7 +12,6 @@
 //! together that are near each other by chance and part again: of a sheet that is crumpled further
 //! it soon has five times the bounds.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
@@ -20,6 +19,7 @@ use nalgebra::Vector3;
 use super::split::Splitter;
 use super::{Below, COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::base::notice::Watch;
+use crate::base::num::each::Each;
 
 /// How far beyond a box a point is still held, in units of the tree, which is one or two in size.
 /// With 0.03 and 0.1 boxes of the size of the reach hide what is too many.

@@ -12,7 +12,6 @@
 //!
 //! Source: refitting of bounding volumes: van den Bergen 1997; the frame of three vertices is ours.
 
-use crate::base::num::each::Each;
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
@@ -20,6 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 use wide::{f32x4, f32x8, f64x8};
 
 use super::{Below, OrientedBox, Tree, up};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{cross, dot, sqrt, sub};
 use crate::base::tolerance::{BOX_EXTENT, BOX_SKEW, REFIT_HEIGHT, UNIT, UNIT_SINGLE};

@@ -5,13 +5,13 @@
 //!
 //! The axes of a spread are the eigenvectors of its matrix, at the end of the file.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Matrix3, Vector3};
 
 use super::{COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
 use crate::base::notice::Watch;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT;

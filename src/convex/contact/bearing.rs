@@ -4,11 +4,11 @@
 //! the surfaces ([`Facet`]): a face or an edge of a polyhedron, a flat round face, a generator of a
 //! curved side.
 
-use crate::base::num::each::Each;
 use core::f64::consts::FRAC_1_SQRT_2;
 
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{STAY, STEEP};

@@ -5,13 +5,13 @@
 //! the shape, so contacts of a shape that rests and trembles stand still too, at the price of
 //! depth: the deepest contact may be shallower than the outcome by [`ROUND`] times the radius.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::bearing::{Facet, ProjectedFacet};
 use super::clip::{Candidates, ContactCandidate, Location, crossing};
 use super::projection::Axes;
 use super::{Choice, ContactPoint, Contacts, Manifold, Query, tangents_of};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{ACROSS, AGREE};

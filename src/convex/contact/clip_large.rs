@@ -20,12 +20,12 @@
 //! far. So for two discs of `m` vertices each ray visits `log m` of them. Not all vertices of the
 //! overlap are found, but more than requested, spread over the overlap.
 
-use crate::base::num::each::Each;
 use core::cmp::Ordering;
 
 use super::MOST_POINTS;
 use super::clip::{Candidates, Location, push_crossing};
 use super::projection::ProjectedFeature;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 

@@ -13,13 +13,13 @@
 //! nearly parallel to the plane bear the contact, as those of two polyhedra do
 //! ([`mod@crate::convex::contact`]).
 
-use crate::base::num::each::Each;
 use nalgebra::{Point3, Unit, Vector3};
 use thiserror::Error;
 
 use super::clip::{Candidates, Location};
 use super::reduce::reduce;
 use super::{MOST_POINTS, ManifoldOptions, tangents_of};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;

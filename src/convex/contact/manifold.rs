@@ -1,9 +1,9 @@
 //! The contact manifold of a pair, persistent over frames.
 
-use crate::base::num::each::Each;
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::base::motion::BallAtPose;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::{Operand, RelativePose};

@@ -33,9 +33,9 @@ mod query;
 mod reduce;
 mod refresh;
 
-use crate::base::num::each::Each;
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{ACROSS, AGREE, STEEP};

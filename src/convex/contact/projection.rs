@@ -2,10 +2,10 @@
 //! heights. The local coordinates of a contact ([`Axes`]) are plane coordinates perpendicular to
 //! the normal, and heights along it.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 use wide::f64x4;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::COPLANAR;
 use crate::body::polyhedron::fans::LARGE;

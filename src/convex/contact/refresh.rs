@@ -4,12 +4,12 @@
 //! the vertex's distance from the boundary; two edges that crossed are tested again. So the cost of
 //! keeping a manifold of two faces does not depend on their numbers of vertices.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::clip::{self, LocalPoint, Location};
 use super::projection::{Axes, FacePlane2, LazyProjection};
 use super::{ContactPoint, Contacts, Manifold, ManifoldOptions, PosedOutcome};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{AGREE, STAY};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, Feature, FeaturePair};

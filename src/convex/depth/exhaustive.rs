@@ -9,10 +9,10 @@
 //! high by its height in double-double. The rest is decided in exact arithmetic. No surface is
 //! needed, so nothing can fold.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root};
 use crate::base::num::sign::side;

@@ -35,9 +35,9 @@
 //! F, whose disc has the radius `rho`, and the projection of `x` along `n` down to height zero,
 //! nearer to the origin than any triangle; hence P contains `x`, between the two.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::packed::PackedVec3;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, sqrt, sub};

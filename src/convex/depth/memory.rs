@@ -3,12 +3,12 @@
 //! Points of A - B are vertex pairs and remain points of A - B at every pose, so a surface on such
 //! points can be resumed at any pose ([`resume`](mod@crate::convex::depth::resume)).
 
-use crate::base::num::each::Each;
 use alloc::boxed::Box;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
+use crate::base::num::each::Each;
 use crate::base::num::scalar::Vec3;
 use crate::body::polyhedron::{FeaturePair, VertexId};
 use crate::pair::difference::MinkowskiPoint;

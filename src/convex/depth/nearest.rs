@@ -14,7 +14,7 @@
 //! descent finds the facet ([`descent`](super::descent)). What is left to prove is the overlap: by
 //! the pyramid over the facet, whose apex is the difference of two points inside the bodies, else
 //! by four points around the origin
-//! ([`overlap_proof`](crate::convex::minimum::OverlapProof)), which are kept.
+//! ([`OverlapProof`]), which are kept.
 //!
 //! The pyramid lies in P, so the distance of its nearest side is a lower bound of the depth, and
 //! the depth is the height if no side is nearer than the facet. [`pyramid`](super::pyramid) does

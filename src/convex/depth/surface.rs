@@ -25,13 +25,13 @@
 //!
 //! At the end of the file stand unit directions and triangle normals at every magnitude.
 
-use crate::base::num::each::Each;
 use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 
 use wide::f64x2;
 
 use crate::base::num::Ranked;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, sub};
 use crate::base::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIENTATION, SQUARE_MIN, UNIT};

@@ -1,10 +1,10 @@
 //! Exact depth: the deepest facet of a list known to contain it.
 
-use crate::base::num::each::Each;
 use dashu_base::Signed;
 use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::body::polyhedron::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::convex::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sign, sub};

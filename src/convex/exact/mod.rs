@@ -12,7 +12,6 @@ pub(crate) mod integer;
 pub(crate) mod place;
 mod simplex;
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use core::cmp::Ordering;
 
@@ -20,6 +19,7 @@ use dashu_base::UnsignedAbs;
 use dashu_int::IBig;
 use nalgebra::{Matrix3, Point3, Vector3};
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::num::sign::edge_sign;
 use crate::base::pose::RelativePose;

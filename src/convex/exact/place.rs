@@ -1,7 +1,6 @@
 //! Exact places and directions in the frame of another body, and the signs of sums of integers over
 //! different powers of two.
 
-use crate::base::num::each::Each;
 use core::cmp::Ordering;
 
 use dashu_base::{BitTest, DivEuclid};
@@ -10,6 +9,7 @@ use nalgebra::{Isometry3, Vector3};
 
 use super::integer::{Big3, dot, integer, sign};
 use super::turn;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::{PoseBits, RelativePose};
 use crate::body::polyhedron::{lowest_bit, power_of_two};

@@ -1,9 +1,9 @@
 //! Contact manifolds of shapes.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use super::ShapeTracker;
+use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::STAY;

@@ -47,9 +47,9 @@
 //! Points of balls or of facets that prove the depth are no witnesses: equally deep ones may lie
 //! on different sides of a core.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, DEPTH_GOAL, PARALLEL_AXES, UNIT};

@@ -1,9 +1,9 @@
 //! One pair of cores: solver after solver until the bounds agree ([`separate`]), and the outcome.
 
-use crate::base::num::each::Each;
 use nalgebra::{Unit, Vector3};
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{Scalar, Vec3, dot, sqrt, sub};
 use crate::base::pose::RelativePose;
@@ -280,7 +280,7 @@ fn finer<A: CoreKind, B: CoreKind>(
     let mut solver = Solver::DoubleDouble;
     let start = best.n.each(DoubleDouble::from);
     let start = unit(&start).map(|n| (n, best.set));
-    let ended = finest(&fine, start, &mut found, &mut solver, &mut |finest, corners| {
+    let ended = separate_in_double_double(&fine, start, &mut found, &mut solver, &mut |finest, corners| {
         let (mut known, toward) = (known, posed.toward(finest.n.each(Scalar::value)));
         known.prove(&toward, &posed.support(&toward, [0; 2]));
         let rounded = |p: DifferencePoint<DoubleDouble>| {
@@ -301,7 +301,7 @@ fn finer<A: CoreKind, B: CoreKind>(
 /// Runs [`separate`] in double-double, compiled once for all pairs.
 #[cold]
 #[inline(never)]
-fn finest(
+fn separate_in_double_double(
     posed: &PosedCores<Any, Any, DoubleDouble>,
     start: Option<(Vec3<DoubleDouble>, BranchSet)>,
     best: &mut ProvenBounds<DoubleDouble>,

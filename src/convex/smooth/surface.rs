@@ -11,11 +11,11 @@
 //!    point with a triangle in doubt is not taken.
 //! 2. Both bounds are returned, whatever the end of the search.
 
-use crate::base::num::each::Each;
 use alloc::vec::Vec;
 
 use super::best::ProvenBounds;
 use super::posed::{DifferencePoint, PosedCores, unit};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Vec3, cross, dot, neg, root, sub};
 use crate::base::tolerance::{DEPTH_GOAL, ORIENTATION};

@@ -18,7 +18,6 @@
 //! the nearest point is beyond leaves its part. Steps are neither cut nor taken back. What this
 //! solver does not close is the work of `bent`.
 
-use crate::base::num::each::Each;
 use core::convert::Infallible;
 
 use super::bent::{RunEnd, far_behind};
@@ -26,6 +25,7 @@ use super::best::{BranchSet, EqualBranches, ProvenBounds};
 use super::flush::{self, Flush};
 use super::model::{ModelPlane, newton};
 use super::posed::{DifferencePoint, PosedCores, Toward, add, tangent, tangents, unit};
+use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::base::tolerance::ASIDE;
 use crate::body::shape::Support;

@@ -15,10 +15,10 @@
 //! exactly planar. All signs allow for what rounding does to the direction and to the relative
 //! rotation; a pair with a sign in doubt is solved instead.
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, magnitude, root, sqrt};
 use crate::base::pose::Operand;
 use crate::base::tolerance::{CLEAR_SIGN, CLOSED_FORM, LEAST_RISE};

@@ -263,7 +263,7 @@ mod tests {
             simplex,
             lower,
             direction,
-        } = solve(&posed, &frame, start)
+        } = minimum::solve(&posed, &frame, start)
         else {
             panic!("the cubes are apart");
         };

@@ -4,10 +4,10 @@
 #![cfg(test)]
 extern crate std;
 
-use crate::base::num::each::Each;
 use alloc::{format, vec, vec::Vec};
 use std::cell::Cell;
 
+use crate::base::num::each::Each;
 use crate::rng::Rng;
 use nalgebra::{Isometry3, Unit, Vector3};
 

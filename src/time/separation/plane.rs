@@ -53,13 +53,13 @@
 //! 3. far from contact a plane that does not turn is tried, too; 4. rounding and the drift of
 //!    motions are part of the bound.
 
-use crate::base::num::each::Each;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use super::bernstein::positive_until;
 use super::fixed_normal::{FixedNormal, cut, one_norm, time_to, turns_neither};
 use super::{Flight, Free, Measure, Proof, Separation, Tangent};
 use crate::base::motion::{Course, Drift, length};
+use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::magnitude;
 use crate::base::pose::{Operand, rotation_matrix};

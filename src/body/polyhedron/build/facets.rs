@@ -1,11 +1,11 @@
 //! From the triangles of a hull to its faces: exactly coplanar adjacent triangles become one face,
 //! and only extreme points stay.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::sign::{projection, side, turn};
 use crate::body::polyhedron::build::hull::{HullSurface, HullTriangle};
 

@@ -25,13 +25,13 @@
 //! triangles at a horizon edge sees the new triangle between them, whose plane is a positive
 //! combination of their planes; and the set of triangles that a point sees is connected.
 
-use crate::base::num::each::Each;
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use crate::base::notice::Watch;
 use crate::base::num::double_double::DoubleDouble;
+use crate::base::num::each::Each;
 use crate::base::num::sign::{projection, side};
 use crate::base::tolerance::{SIDE_ERROR, SIDE_FINE};
 use crate::body::polyhedron::build::cloud::bounding_box;

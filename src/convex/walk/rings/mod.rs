@@ -28,9 +28,9 @@
 
 pub(crate) mod newton_jump;
 
-use crate::base::num::each::Each;
 use nalgebra::Vector3;
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::body::polyhedron::fans::{Cycle, Fan, LARGE};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, HalfEdgeId, VertexId};
