@@ -397,3 +397,37 @@ fn pieces_bear_contacts_as_they_are() {
     assert_eq!((found.len(), all(&found).count()), (1, 4));
     assert!(all(&found).all(|c| c.patches == [0, 0] && (c.point.separation + 1e-3).abs() < 1e-12));
 }
+
+/// Two sheets of 128 triangles that face each other, and a prediction beyond everything: each pair of triangles is asked, and
+/// the call ends at once.
+#[test]
+fn a_prediction_beyond_the_bodies_ends_in_time() {
+    let mut rng = Rng::new(29);
+    let sheet = |rng: &mut Rng| {
+        let points = (0..81).map(|k| [f64::from(k / 9), f64::from(k % 9), rng.range(0.0, 1.0)]);
+        let cells = (0..64).map(|k| k / 8 * 9 + k % 8);
+        Soup {
+            points: points.collect(),
+            triangles: cells
+                .flat_map(|k| [[k, k + 9, k + 1], [k + 1, k + 9, k + 10]])
+                .collect(),
+        }
+    };
+    let (a, b) = (mesh(&sheet(&mut rng)), mesh(&sheet(&mut rng)));
+    let turned = relative(&Pose {
+        q: quat([1.0, 0.0, 0.0], std::f64::consts::PI),
+        t: [0.1, 8.0, 3.0],
+    });
+    let mut tracker = PairTracker::new();
+    let nearest = tracker.closest(&a, &b, &turned);
+    for prediction in [1e3, 1e300] {
+        let began = cpu_time::ThreadTime::now();
+        let found = tracker.contacts(&a, &b, &turned, &within(prediction)).unwrap();
+        let spent = began.elapsed();
+        println!("{prediction:e}: {} groups in {spent:?}", found.len());
+        let deepest = deepest(found);
+        assert!((deepest - nearest.distance).abs() <= 1e-12, "{deepest} {nearest:?}");
+        // A fifth of a second in release, and room for a build with checks.
+        assert!(spent < std::time::Duration::from_secs(5), "{spent:?}");
+    }
+}
