@@ -339,10 +339,10 @@ pub use convex::contact::{
 pub use convex::replay::{Replay, ReplayError};
 pub use convex::tracker::{Totals, Tracker};
 pub use nalgebra;
+pub use pair::outcome::WorldWitnesses;
 pub use pair::outcome::{Accuracy, Class, Decision, Distance, Outcome, Proposal, Solver, Until, Work};
 pub use pair::question::Question;
 pub use pair::spot::{Answer, Spot};
-pub use pair::world::WorldWitnesses;
 pub use pair_tracker::geometry::{Geometry, GeometryRef, ShapeKind};
 pub use pair_tracker::ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use pair_tracker::{OverTime, PairError, PairTracker, PairWork};

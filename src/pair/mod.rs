@@ -3,12 +3,9 @@
 //!
 //! Every solver builds on this module; the module knows no solver.
 
-pub(crate) mod answer;
 pub(crate) mod certificate;
 pub(crate) mod difference;
-pub(crate) mod difference_facet;
 pub(crate) mod draft;
-pub(crate) mod edge;
 pub(crate) mod face;
 pub(crate) mod outcome;
 pub(crate) mod posed;
@@ -18,4 +15,3 @@ pub(crate) mod soundness;
 pub(crate) mod spot;
 pub(crate) mod star;
 pub(crate) mod transform;
-pub(crate) mod world;

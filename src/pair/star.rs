@@ -1,13 +1,14 @@
-//! Tests on the star of a feature: the fan of edges at a vertex, the two faces adjacent to an edge.
+//! The star of a feature: the edges around a vertex, the two faces adjacent to an edge.
+//!
+//! The tests here prove that a vertex or an edge of a polyhedron is extreme along a direction.
 
 use nalgebra::Vector3;
 
 use crate::base::num::extremes::Bounded;
 use crate::base::num::packed::PackedVec3;
 use crate::base::tolerance::{EDGE_BOUND, EDGE_SIGN, FLANK};
-use crate::body::polyhedron::fans::Axis;
-use crate::body::polyhedron::fans::steepest;
-use crate::body::polyhedron::{ConvexPolyhedron, HalfEdgeId, Plane, VertexId};
+use crate::body::polyhedron::fans::{Axis, steepest};
+use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, HalfEdgeId, Plane, VertexId};
 
 /// Returns the sum of absolute coordinates: a norm without a root.
 #[inline]
@@ -19,7 +20,7 @@ pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
 /// which proves the edge extreme along the direction.
 ///
 /// The first argument holds the weights of the direction over the planes of the faces
-/// ([`Edge::weights`](super::edge::EdgeSpan::weights)). The weights are as long as the opposite
+/// ([`Edge::weights`](super::star::EdgeSpan::weights)). The weights are as long as the opposite
 /// edge, whose squared length is `squared`.
 ///
 /// From a point of the edge, every point of the body is reached along the edge, then along the
@@ -141,4 +142,40 @@ pub(crate) fn two_planes_bound(
     let bound = s * (alpha * left.offset + beta * right.offset) + (rest.one_norm() + weights) * radius;
     // A zero m or a negative s proves nothing; the comparison is false for NaN.
     if s >= 0.0 { bound } else { f64::INFINITY }
+}
+
+/// Endpoints of an edge and the planes of the adjacent faces.
+#[derive(Clone, Copy)]
+pub(crate) struct EdgeSpan<'a> {
+    pub(crate) tail: VertexId,
+    pub(crate) head: VertexId,
+    pub(crate) p: Vector3<f64>,
+    pub(crate) q: Vector3<f64>,
+    pub(crate) left: &'a Plane,
+    pub(crate) right: &'a Plane,
+}
+
+impl<'a> EdgeSpan<'a> {
+    #[inline(always)]
+    pub(crate) fn new(body: &'a ConvexPolyhedron, edge: EdgeId) -> Self {
+        let e = body.topology.half_edge(edge.half_edge());
+        let twin = body.topology.half_edge(e.twin);
+        Self {
+            tail: twin.to,
+            head: e.to,
+            p: body.points[twin.to.index()],
+            q: body.points[e.to.index()],
+            left: &body.planes[e.face.index()],
+            right: &body.planes[twin.face.index()],
+        }
+    }
+
+    /// Returns the weights `(alpha, beta)` of a normal over the normals of the left and right face:
+    /// up to a positive factor, `sign (e x t)` is `alpha nL + beta nR`, with `e` the edge. Neither
+    /// weight is negative if the normal lies between the two face normals.
+    #[inline(always)]
+    pub(crate) fn weights(&self, t: PackedVec3, sign: f64) -> (f64, f64) {
+        let along = |plane: &Plane| t.dot(PackedVec3::new(&plane.normal));
+        (-sign * along(self.right), sign * along(self.left))
+    }
 }

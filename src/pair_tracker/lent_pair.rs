@@ -14,7 +14,7 @@ use crate::composite::separation::{CompositePair, MeshPair};
 use crate::convex::contact::{Manifold, ManifoldOptions};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::Tracker;
-use crate::pair::answer::far;
+use crate::pair::draft::far;
 use crate::pair::outcome::{Accuracy, Class, Decision, Outcome};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;

@@ -27,7 +27,7 @@ use crate::composite::parts::{Parted, Placed};
 use crate::composite::pieces::{Composite, Piece};
 use crate::composite::separation::ball_about;
 use crate::convex::shape_tracker::ShapeTracker;
-use crate::pair::answer::{far, unit};
+use crate::pair::draft::{far, unit};
 use crate::pair::outcome::{Class, Decision, Outcome};
 use crate::pair::question::Question;
 use crate::pair::spot::{Answer, Spot, features_on};

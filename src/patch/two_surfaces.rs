@@ -17,7 +17,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{CERTIFICATE, SURFACE_POINT, UNIT};
 use crate::composite::mesh::Mesh;
-use crate::pair::answer::far;
+use crate::pair::draft::far;
 use crate::pair::outcome::{Class, Decision, Outcome};
 use crate::pair::question::Question;
 use crate::pair::spot::{Answer, Spot, features_on};

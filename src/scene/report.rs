@@ -7,8 +7,8 @@ use core::time::Duration;
 use super::{Event, PairImpact, Scene};
 use crate::base::num::sum_of_counters;
 use crate::broad::{self};
+use crate::pair::outcome::AnsweredBy;
 use crate::pair::outcome::{Outcome, Solver};
-use crate::pair::world::AnsweredBy;
 
 /// Work done by a step, or summed over many, stage by stage. Equal calls give equal counts on every
 /// machine, with any number of threads.

@@ -5,7 +5,7 @@
 //! falls with the square of the time ([`TrianglesOnArcs`]).
 
 use crate::base::num::each::Each;
-use crate::pair::answer::direction;
+use crate::pair::draft::direction;
 use alloc::vec;
 use nalgebra::{Point3, Vector3};
 

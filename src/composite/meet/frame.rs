@@ -10,7 +10,7 @@ use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
 use crate::body::polyhedron::power_of_two;
 use crate::composite::front::NodePair;
 use crate::composite::tree::{Below, Paths, Tree, up};
-use crate::pair::answer::origins_apart;
+use crate::pair::draft::origins_apart;
 
 /// A body as its tree sees it.
 #[derive(Clone, Copy)]

@@ -35,10 +35,10 @@ use crate::base::tolerance::{AGREE_DEPTH, FOOT, NEARLY_PARALLEL, PARALLEL};
 use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, FeaturePair, HalfEdgeId, VertexId};
-use crate::pair::difference_facet::DifferenceFacet;
-use crate::pair::edge::EdgeSpan;
+use crate::pair::difference::DifferenceFacet;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
+use crate::pair::star::EdgeSpan;
 use crate::pair::star::falls_into_both_faces;
 
 /// Facets of a descent, at most: descents are short after small motions, and a surface is a better

@@ -21,13 +21,13 @@ use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, HalfEdgeId, VertexId};
 use crate::convex::exact;
 use crate::pair::difference::difference_point;
 use crate::pair::draft::Draft;
-use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
+use crate::pair::star::EdgeSpan;
 use crate::pair::transform::Transform;
 
 use crate::convex::depth::facet::edge;
+use crate::pair::difference::DifferenceFacet;
 use crate::pair::difference::support;
-use crate::pair::difference_facet::DifferenceFacet;
 
 /// Pairs of edges that the exact enumeration of all facets tests, at most: 2048 edges of each body.
 /// Beyond, bounds stay open.

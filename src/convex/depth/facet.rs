@@ -46,10 +46,10 @@ use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, HalfEdgeId};
 use crate::convex::depth::descent::{EdgeFacet, WitnessPoints, sample_rim};
 use crate::convex::depth::search::Best;
 use crate::convex::depth::surface::{min_height, unit};
+use crate::pair::difference::DifferenceFacet;
 use crate::pair::difference::{MinkowskiPoint, difference_point, support};
-use crate::pair::difference_facet::DifferenceFacet;
-use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::PosedPair;
+use crate::pair::star::EdgeSpan;
 use crate::pair::transform::Transform;
 
 impl DifferenceFacet {

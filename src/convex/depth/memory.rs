@@ -11,8 +11,8 @@ use alloc::vec::Vec;
 use crate::base::num::each::Each;
 use crate::base::num::scalar::Vec3;
 use crate::body::polyhedron::{FeaturePair, VertexId};
+use crate::pair::difference::DifferenceFacet;
 use crate::pair::difference::MinkowskiPoint;
-use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::posed::PosedPair;
 
 use crate::convex::depth::surface::EnclosingSurface;

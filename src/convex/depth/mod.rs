@@ -47,9 +47,9 @@ use crate::base::num::scalar::{Scalar, dot};
 #[cfg(feature = "exact")]
 use crate::base::tolerance::AGREE_WITNESS;
 use crate::base::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIGIN_SHIFTS, UNIT};
-use crate::pair::answer::{round_outward, unit, walk_state};
 use crate::pair::difference::{difference_point, support};
 use crate::pair::draft::Draft;
+use crate::pair::draft::{round_outward, unit, walk_state};
 use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;

@@ -31,9 +31,9 @@ use crate::base::tolerance::{AGREE_DEPTH, ALMOST_FLAT, CERTIFICATE, ORIENTATION,
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, HalfEdgeId};
 use crate::convex::depth::search::Best;
 use crate::convex::depth::surface::{Target, unit};
-use crate::pair::difference_facet::DifferenceFacet;
-use crate::pair::edge::EdgeSpan;
+use crate::pair::difference::DifferenceFacet;
 use crate::pair::posed::PosedPair;
+use crate::pair::star::EdgeSpan;
 
 /// Corners of a face over which a pyramid is tried first. Measured on a prism of 32 vertices that
 /// slides on another: 5 corners answer, in two thirds of the time of all 16.

@@ -24,7 +24,7 @@ use crate::convex::depth::nearest::{NearestFeature, nearest_facet};
 use crate::convex::depth::search::{Best, DepthSearch, SearchEnd, SearchResult, search, search_from};
 use crate::convex::depth::surface::{SurfaceState, verify_surface};
 use crate::convex::depth::write_overlap;
-use crate::pair::difference_facet::DifferenceFacet;
+use crate::pair::difference::DifferenceFacet;
 
 /// Points up to which a resumed surface works on a small array, which costs less to clear. Not
 /// measured.

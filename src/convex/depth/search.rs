@@ -16,8 +16,8 @@ use crate::convex::depth::descent::{WitnessPoints, foot, sample_rim};
 use crate::convex::depth::surface::{EnclosingSurface, Filter, unit};
 use crate::convex::minimum::simplex::Simplex;
 use crate::convex::minimum::{Minimum, solve, vertex_of, witnesses};
+use crate::pair::difference::DifferenceFacet;
 use crate::pair::difference::{MinkowskiPoint, difference_point, support};
-use crate::pair::difference_facet::DifferenceFacet;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 

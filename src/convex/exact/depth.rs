@@ -10,9 +10,9 @@ use crate::body::polyhedron::{EdgeId, FaceId, HalfEdgeId, VertexId};
 use crate::convex::exact::integer::{Big3, cross, direction, dot, is_zero, neg, root, sign, sub};
 use crate::convex::exact::simplex::{ExactPoint, minimize};
 use crate::convex::exact::{RotatedBody, ScaledPair, witnesses};
-use crate::pair::answer::{unit, walk_state};
-use crate::pair::difference_facet::DifferenceFacet;
+use crate::pair::difference::DifferenceFacet;
 use crate::pair::draft::Draft;
+use crate::pair::draft::{unit, walk_state};
 use crate::pair::outcome::{Class, Solver};
 use crate::pair::posed::PosedPair;
 

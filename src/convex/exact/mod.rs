@@ -247,16 +247,16 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
     let pair = ScaledPair::new(posed.a, posed.b, posed.pose);
     // One to four points always have a nearest point.
     let Some(at) = pair.nearest(hint) else {
-        return crate::pair::answer::set_undecided(posed, draft);
+        return crate::pair::draft::set_undecided(posed, draft);
     };
     let (mut a, mut b) = ([VertexId(0); 4], [VertexId(0); 4]);
     for (k, c) in at.kept.iter().enumerate().take(4) {
         (a[k], b[k]) = (c.a, c.b);
     }
     draft.solver = Solver::Exact;
-    draft.features = crate::pair::answer::walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
+    draft.features = crate::pair::draft::walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
     (draft.point_on_a, draft.point_on_b) = witnesses(&pair, &at);
-    let normal = |n: &Big3| crate::pair::answer::unit(&pair.a.rounded.tr_mul(&direction(n)));
+    let normal = |n: &Big3| crate::pair::draft::unit(&pair.a.rounded.tr_mul(&direction(n)));
     if !is_zero(&at.direction) {
         let d = distance(&pair, &at, posed.a.exponent);
         draft.class = Class::Separated;
@@ -275,7 +275,7 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
             draft.normal = normal(&n);
             (draft.lower, draft.upper) = (0.0, 0.0);
         }
-        Origin::Interior => crate::pair::answer::set_overlapping(draft),
+        Origin::Interior => crate::pair::draft::set_overlapping(draft),
     }
 }
 

@@ -16,7 +16,7 @@ use crate::convex::smooth::cores::{Any, CoreKind, PolyhedralCore};
 use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
 use crate::convex::smooth::posed::{DifferencePoint, PosedCores, add, askew, unit, values};
 use crate::convex::smooth::{depth, frozen, warm};
-use crate::pair::answer::round_outward;
+use crate::pair::draft::round_outward;
 use crate::pair::outcome::{Class, Outcome, Solver, Until};
 use crate::pair::transform::Transform;
 
@@ -432,7 +432,7 @@ fn far(setting: &SolverSetting, t: &Vector3<f64>, apart: f64, offsets: f64) -> O
     outcome.lower = distance - slack;
     outcome.upper = (distance + slack).at_most(f64::MAX);
     outcome.distance = distance.clamped(outcome.lower, outcome.upper);
-    outcome.normal = crate::pair::answer::unit(t);
+    outcome.normal = crate::pair::draft::unit(t);
     outcome.class = if outcome.lower > 0.0 {
         Class::Separated
     } else {

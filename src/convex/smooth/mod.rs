@@ -64,7 +64,7 @@ pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, until: Until, mem
     let mut outcome = ordered(b, a, &pose, until, memory);
     outcome.features = outcome.features.swapped();
     core::mem::swap(&mut outcome.point_on_a, &mut outcome.point_on_b);
-    outcome.normal = crate::pair::answer::unit(&-pose.rotation().tr_mul(&outcome.normal));
+    outcome.normal = crate::pair::draft::unit(&-pose.rotation().tr_mul(&outcome.normal));
     outcome
 }
 

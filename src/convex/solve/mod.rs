@@ -29,9 +29,9 @@ use crate::convex::minimum::{self, Minimum, about_witnesses, features, vertex_of
 use crate::convex::solve::closed_form::closed_form;
 use crate::convex::walk;
 use crate::convex::walk::seed;
-use crate::pair::answer::{is_proven, round_outward, set_overlapping, set_undecided, unit};
 use crate::pair::certificate;
 use crate::pair::draft::Draft;
+use crate::pair::draft::{is_proven, round_outward, set_overlapping, set_undecided, unit};
 use crate::pair::outcome::{Accuracy, Class, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
@@ -169,7 +169,7 @@ fn decide(posed: &PosedPair, draft: &mut Draft) {
 fn decide(posed: &PosedPair, draft: &mut Draft) {
     draft.class = match draft.class {
         Class::Overlapping => Class::Overlapping,
-        _ if crate::pair::answer::is_narrow(posed, draft) => Class::Touching,
+        _ if crate::pair::draft::is_narrow(posed, draft) => Class::Touching,
         _ => Class::Undecided,
     };
 }

@@ -18,9 +18,9 @@ use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair, VertexId, solids};
 use crate::convex::solve::solve;
 use crate::convex::walk::seed;
 use crate::pair::draft::Draft;
-use crate::pair::edge::EdgeSpan;
 use crate::pair::outcome::{Accuracy, Class, Solver, Work};
 use crate::pair::posed::PosedPair;
+use crate::pair::star::EdgeSpan;
 use crate::pair::star::falls_into_both_faces;
 
 /// Kinds of errors of a walk.

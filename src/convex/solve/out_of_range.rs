@@ -17,7 +17,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
     // In sixteenths, so that no intermediate result is infinite.
     let (rotation, translation) = (pose.rotation(), pose.translation_sixteenth());
     let t = translation + rotation * b.origin / 16.0 - a.origin / 16.0;
-    let n = crate::pair::answer::unit(&t);
+    let n = crate::pair::draft::unit(&t);
     let (va, vb) = (a.support_cold(&n), b.support_cold(&-rotation.tr_mul(&n)));
     let (point_on_a, point_on_b) = (a.to_user(&a.points[va.index()]), b.to_user(&b.points[vb.index()]));
     let between = translation + rotation * point_on_b.coords / 16.0 - point_on_a.coords / 16.0;

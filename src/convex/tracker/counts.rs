@@ -2,8 +2,8 @@
 
 use crate::base::notice;
 use crate::base::num::{Counter, sum_of_counters};
+use crate::pair::outcome::AnsweredBy;
 use crate::pair::outcome::{Solver, Work};
-use crate::pair::world::AnsweredBy;
 
 /// Cost of a cold start, two cube-map look-ups and climbs, in steps of the walk. Measured of the
 /// walks: some five steps from the support vertices of round bodies, and from the last features

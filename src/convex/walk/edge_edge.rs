@@ -29,8 +29,8 @@ use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, FeaturePair, Hal
 use crate::convex::walk::Step;
 use crate::convex::walk::slide::{Slide, slide};
 use crate::pair::draft::Draft;
-use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::{AFirst, BFirst, PosedPair};
+use crate::pair::star::EdgeSpan;
 use crate::pair::star::falls_into_both_faces;
 
 /// Squared sine of the angle of two edges below which their closest points are the best of four

@@ -17,8 +17,8 @@ use crate::base::tolerance::{DIFFERENCE, ON_BOUNDARY};
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FeaturePair, VertexId};
 use crate::convex::walk::Step;
 use crate::pair::draft::Draft;
-use crate::pair::edge::EdgeSpan;
 use crate::pair::posed::OrderedPair;
+use crate::pair::star::EdgeSpan;
 use crate::pair::star::one_norm;
 
 /// Tests a vertex of the first body against an edge of the second.
