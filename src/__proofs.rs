@@ -20,7 +20,7 @@ use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair, Plane, VertexId, hi
 use crate::body::shape::{Core, Shape};
 use crate::composite::continuous::paths;
 use crate::composite::front;
-use crate::composite::meet::bounds;
+use crate::composite::meet::box_gaps;
 use crate::convex::depth::pyramid::PyramidSide;
 use crate::convex::minimum::simplex::Simplex;
 use crate::convex::minimum::{self, Minimum, vertex_of};
@@ -214,7 +214,7 @@ pub fn patch_first(net: &[f64], degree: usize, at: f64) -> f64 {
 
 /// Returns the gap of two boxes, each of axes, centre and half extents, at a relative pose.
 pub fn box_gap(pose: ([f32; 9], [f32; 3]), boxes: [[[f32; 3]; 5]; 2], known: Option<[f32; 3]>) -> f32 {
-    bounds::gap_of(pose, boxes, known)
+    box_gaps::gap_of(pose, boxes, known)
 }
 
 /// Returns direction and base of an entry of a front, and the gap that it proves at another pose.

@@ -5,7 +5,7 @@
 //! max(cell(a), cell(b))`. Boxes beyond the grid are clamped into the border columns: just as
 //! correct there, only slower.
 
-use super::bounds::Bounds;
+use super::simd_box::Bounds;
 use crate::base::num::each::Each;
 use wide::f32x4;
 

@@ -52,7 +52,6 @@
 
 mod aabb;
 mod body;
-mod bounds;
 mod change;
 mod error;
 mod grid;
@@ -62,6 +61,7 @@ mod options;
 mod pairs;
 mod parallel;
 mod pencil;
+mod simd_box;
 pub(crate) mod slots;
 #[cfg(feature = "serde")]
 mod snapshot;

@@ -35,7 +35,7 @@ use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{BOX_TURNED, LEAST_SQUARE, ROOT};
 use crate::composite::front::NodePair;
 use crate::composite::front::memory::FrontMemory;
-use crate::composite::meet::bounds::{BoundAim, bounds};
+use crate::composite::meet::box_gaps::{BoundAim, bounds};
 use crate::composite::meet::frame::split_pair;
 use crate::composite::meet::state::PosedTrees;
 use crate::composite::mesh::Mesh;

@@ -1,7 +1,7 @@
 //! The Minkowski difference A - B: its points, support points and facets.
 //!
-//! A point is a pair of vertices, a facet a pair of features. No other module computes points of the
-//! difference, except exact arithmetic, which has integers of its own.
+//! A point is a pair of vertices, a facet a pair of features. No other module computes points of
+//! the difference; exact arithmetic has its own, on integers.
 
 use nalgebra::Vector3;
 

@@ -14,7 +14,7 @@
 //! bodies as accurate as all others: rounding is relative to the body's size, never to its
 //! position.
 
-mod bounds;
+mod aabb;
 pub(crate) mod build;
 mod check;
 pub(crate) mod fans;
@@ -31,7 +31,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::RADIUS_UP;
-pub use crate::body::polyhedron::bounds::BoxHint;
+pub use crate::body::polyhedron::aabb::BoxHint;
 pub use crate::body::polyhedron::build::BuildReport;
 pub(crate) use crate::body::polyhedron::build::cloud::{bounding_box, exponent_of, power_of_two};
 #[cfg(feature = "exact")]
@@ -80,7 +80,7 @@ pub struct ConvexPolyhedron {
     pub(crate) planes: Vec<Plane>,
     pub(crate) fans: Fans,
     pub(crate) lookup: CubeMap,
-    scan: bounds::Scan,
+    scan: aabb::Scan,
     /// The caller's index of each vertex.
     pub(crate) source: Vec<u32>,
     /// The caller's face that holds each face; empty for bodies from points.

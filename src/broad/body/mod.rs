@@ -15,10 +15,10 @@ pub(crate) use crate::broad::body::record::{FIXED, JUMPS, MIGRATES, Record, UNBO
 use crate::broad::body::record::{LOOSE, NOTED};
 #[cfg(feature = "serde")]
 pub(crate) use crate::broad::body::state::BodiesState;
-use crate::broad::bounds::{Bounds, any_above};
 use crate::broad::error::BroadPhaseError;
 use crate::broad::grid::{Grid, Range};
 use crate::broad::parallel::{Threads, ascends, join};
+use crate::broad::simd_box::{Bounds, any_above};
 use crate::broad::slots::{Slots, is_living};
 use crate::broad::tables::read_ahead;
 use crate::broad::tables::{push, trim};

@@ -2,8 +2,8 @@
 
 use crate::base::num::each::Each;
 use crate::broad::aabb::StoredBox;
-use crate::broad::bounds::Bounds;
 use crate::broad::grid::{Grid, Range};
+use crate::broad::simd_box::Bounds;
 use alloc::vec::Vec;
 use wide::f32x4;
 

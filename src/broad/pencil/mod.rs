@@ -12,7 +12,6 @@ use crate::base::num::extremes::Bounded;
 use crate::base::tolerance::COLUMN_SEARCH;
 use crate::broad::aabb::{StoredBox, order_key};
 use crate::broad::body::{Bodies, JUMPS, Record, UNBOUNDED};
-use crate::broad::bounds::Bounds;
 use crate::broad::change::note_unbounded;
 use crate::broad::grid::Grid;
 use crate::broad::parallel::{Threads, join};
@@ -20,6 +19,7 @@ use crate::broad::pencil::column::{Column, entry, index_of, who};
 use crate::broad::pencil::repair::Touch;
 use crate::broad::pencil::scan::Worker;
 use crate::broad::pencil::tune::{StepCounts, Tuning};
+use crate::broad::simd_box::Bounds;
 use crate::broad::state::{BroadPhaseState, nearest};
 use crate::broad::{
     Aabb, BatchError, BodyId, BodyOptions, BroadPhaseError, Events, Groups, Nearest, Pair, PairId, Settings,

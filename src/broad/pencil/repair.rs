@@ -6,8 +6,8 @@ use crate::base::num::extremes::Bounded;
 use crate::base::tolerance::{COLUMN_REACH, COLUMN_SEARCH};
 use crate::broad::aabb::order_key;
 use crate::broad::body::{Bodies, JUMPS, MIGRATES, Record};
-use crate::broad::bounds::{Bounds, largest};
 use crate::broad::change::overlap;
+use crate::broad::simd_box::{Bounds, largest};
 use alloc::vec::Vec;
 
 /// A column is swept whole if this many times its changed entries exceed its entries. Not measured.

@@ -14,8 +14,8 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{LEAST_MEAN, LEAST_START, LEAST_WIDTH};
 use crate::broad::body::{Bodies, UNBOUNDED};
-use crate::broad::bounds::Bounds;
 use crate::broad::grid::{Grid, MOST_COLUMNS_OF_AXIS};
+use crate::broad::simd_box::Bounds;
 use alloc::vec::Vec;
 
 /// Cost of an entry, of a window of eight tests, of a column that holds bodies and of an empty

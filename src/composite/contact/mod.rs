@@ -35,7 +35,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{ACROSS, CERTIFICATE, UNIT};
 use crate::composite::front::NodePair;
-use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
+use crate::composite::meet::box_gaps::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::{TreeFrame, split_pair};
 use crate::composite::parts::Parted;
 use crate::composite::parts::{Placed, relative};

@@ -12,7 +12,7 @@ use crate::base::num::Counter;
 use crate::base::num::each::Each;
 use crate::base::num::scalar::sqrt;
 use crate::composite::front::{EntryId, Front, NodePair};
-use crate::composite::meet::bounds::{WIDTH, along};
+use crate::composite::meet::box_gaps::{WIDTH, along};
 use crate::composite::meet::frame::{TreeFrame, TreeMoves};
 use crate::composite::meet::search::MeshWork;
 use crate::composite::meet::search::{Judge, TreeSearch};

@@ -35,7 +35,7 @@ use wide::f32x8;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
-use crate::composite::meet::bounds::WIDTH;
+use crate::composite::meet::box_gaps::WIDTH;
 use crate::composite::meet::frame::{Single, TreeFrame, TreeMoves, Way};
 use crate::composite::mesh::Mesh;
 use crate::composite::tree::{OrientedBox, Paths, Tree};

@@ -1,7 +1,7 @@
 //! Two bodies of parts at a pose: the search down both trees to the closest pair, and what it asks
 //! of boxes, leaves and triangles.
 
-pub(crate) mod bounds;
+pub(crate) mod box_gaps;
 #[cfg(feature = "exact")]
 pub(crate) mod exact;
 pub(crate) mod frame;

@@ -20,7 +20,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::Operand;
 use crate::composite::front::NodePair;
-use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
+use crate::composite::meet::box_gaps::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::split_pair;
 use crate::composite::meet::search::Measured;
 use crate::composite::meet::state::{Inside, PosedTrees};

@@ -13,7 +13,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::sum_of_counters;
 use crate::composite::front::{Front, NodePair};
-use crate::composite::meet::bounds::{BoundAim, BoxGaps, bounds};
+use crate::composite::meet::box_gaps::{BoundAim, BoxGaps, bounds};
 use crate::composite::meet::frame::{TreeFrame, split_pair};
 use crate::composite::meet::overlap::Touching;
 use crate::composite::tree::{Below, LEAF, Tree, height, near_unit};

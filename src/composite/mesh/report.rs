@@ -20,7 +20,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::num::sign;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::ONE_PLANE;
-use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
+use crate::composite::meet::box_gaps::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::{TreeFrame, split_pair};
 use crate::composite::meet::triangle::{self, Triangle};
 use crate::composite::parts::Parted;

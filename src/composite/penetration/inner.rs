@@ -40,7 +40,7 @@ use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 use crate::composite::front::NodePair;
-use crate::composite::meet::bounds::{BoundAim, WIDTH, bounds};
+use crate::composite::meet::box_gaps::{BoundAim, WIDTH, bounds};
 use crate::composite::meet::frame::split_pair;
 use crate::composite::meet::state::PosedTrees;
 use crate::composite::meet::triangle::{self, Triangle};

@@ -47,9 +47,17 @@ const FREE: u32 = 8;
 /// Newton jumps a walk may try. Not measured.
 const NEWTON_JUMPS: u32 = 12;
 
-/// Most steps of a walk on bodies with long face boundaries or large fans, which Newton jumps pass:
-/// a longer walk is lost and goes to the other solvers. Not measured.
-const LONGEST: u32 = 128;
+/// The most steps of a walk are this number and [`STEPS_PER_ROOT`] times the root of the number of
+/// vertices of both bodies, as steps grow with the diameter of a body. A longer walk is lost and
+/// goes to the other solvers. Not measured.
+const STEPS_AT_LEAST: u32 = 16;
+
+/// Most steps of a walk for each unit of the root of the number of vertices. Not measured.
+const STEPS_PER_ROOT: f64 = 4.0;
+
+/// Most steps of a walk on bodies with long face boundaries or large fans, which Newton jumps pass.
+/// Not measured.
+const MOST_STEPS_WITH_JUMPS: u32 = 128;
 
 /// Steps before the first Newton jump along a long face boundary or round a large fan: a jump costs
 /// several steps, and most walks have ended by then. Not measured.
@@ -177,10 +185,10 @@ impl Guard {
 #[cold]
 fn step_limit(posed: &PosedPair) -> u32 {
     let n = posed.a.topology.vertex_count() + posed.b.topology.vertex_count();
-    let round = (4.0 * sqrt(n as f64)) as u32 + 16;
+    let round = (STEPS_PER_ROOT * sqrt(n as f64)) as u32 + STEPS_AT_LEAST;
     // Newton jumps move a walk along large rings.
     if posed.a.has_large_rings | posed.b.has_large_rings {
-        round.min(LONGEST)
+        round.min(MOST_STEPS_WITH_JUMPS)
     } else {
         round
     }

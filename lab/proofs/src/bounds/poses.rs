@@ -50,7 +50,7 @@ pub(super) fn bounds() -> Vec<Bound> {
             exact(4.0) * units(2.51) + root(20) * unit() + turned() + unit(),
         ),
         whole("BOX_TURNED", "polyhedron::bounds", boxed() + units(24.0)),
-        Bound::single("BOX_SCANNED", "polyhedron::bounds::Scan", scanned()),
+        Bound::single("BOX_SCANNED", "polyhedron::aabb::Scan", scanned()),
         whole("DISPLACEMENT", "motion::way", displacement_by_radius()).case("per radius"),
         whole("DISPLACEMENT", "motion::way", displacement_by_middle()).case("per middle"),
         whole("DISPLACEMENT", "motion::way", displacement_by_distance()).case("per distance"),

@@ -26,7 +26,7 @@ pub struct Posed<V: Vectors> {
     pub products: V::Matrix,
 }
 
-/// `composite::meet::bounds::bound_eight`, one lane, up to the gaps.
+/// `composite::meet::box_gaps::bound_eight`, one lane, up to the gaps.
 pub fn posed<V: Vectors>(rotation: V::Matrix, shift: V::Vector, [a, b]: [&Oriented<V>; 2]) -> Posed<V> {
     let axes_b = V::products(b.axes, rotation);
     let at = V::product(rotation, b.centre);
@@ -45,7 +45,7 @@ pub fn by_centres<V: Vectors>(between: V::Vector, along: [V::Vector; 2], half: [
     V::dot(between, between) - a - b
 }
 
-/// `bounds::excess`: the gap along an excess vector `e` with the absolute coordinates `x`, times its length, from the
+/// `box_gaps::excess`: the gap along an excess vector `e` with the absolute coordinates `x`, times its length, from the
 /// amounts `over` by which the centres are farther apart along the axes of one box than it reaches, and half extents of
 /// the other box.
 pub fn excess<V: Vectors>(e: [V::Vector; 2], over: V::Vector, other: V::Vector, products: V::Matrix) -> V::Number {
@@ -54,7 +54,7 @@ pub fn excess<V: Vectors>(e: [V::Vector; 2], over: V::Vector, other: V::Vector, 
     V::dot(absolute, over) - V::dot(other, V::absolute(turned))
 }
 
-/// `bounds::excess`: by how much the centres are farther apart than both boxes reach.
+/// `box_gaps::excess`: by how much the centres are farther apart than both boxes reach.
 pub fn beyond<V: Vectors>(along: V::Vector, [own, other]: [V::Vector; 2], products: V::Matrix) -> [V::Vector; 2] {
     let over = V::sub(V::absolute(along), own);
     [over, V::sub(over, V::spread(products, other))]

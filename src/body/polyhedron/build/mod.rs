@@ -18,7 +18,7 @@ use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::num::sign::side;
 use crate::base::tolerance::{COPLANAR, EXTENT_MIN, ROUND_UP};
-use crate::body::polyhedron::bounds::Scan;
+use crate::body::polyhedron::aabb::Scan;
 #[cfg(feature = "exact")]
 use crate::body::polyhedron::build::cloud::lowest_bit;
 use crate::body::polyhedron::build::cloud::{Cloud, bounding_box, power_of_two};
