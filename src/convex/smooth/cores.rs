@@ -1,6 +1,7 @@
 //! The cores that the solvers of this module know besides those of [`shape`](crate::shape):
 //! polyhedra as cores of curved pairs ([`PolyhedralCore`]), and a core of any kind ([`Any`]), for
-//! slow paths where one match is free: finer arithmetic, extreme sizes, the global search of a depth.
+//! slow paths where one match is free (finer arithmetic, extreme sizes, the global search of a
+//! depth).
 
 use nalgebra::Vector3;
 

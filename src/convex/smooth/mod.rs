@@ -52,8 +52,9 @@ fn rank(core: &Core) -> u32 {
 /// Returns the closest points of two cores, at least one of them curved.
 ///
 /// The cores are solved in the order of kinds, so that A-B and B-A are one problem, and matched
-/// once. All further code knows both kinds, but for slow paths, which see [`Any`](cores::Any). A local depth is the height of a direction that is
-/// highest in its neighbourhood, of cores that are proven to overlap.
+/// once. All further code knows both kinds; slow paths alone see [`Any`](cores::Any). A local depth
+/// is the height of a direction that is highest in its neighbourhood, of cores that are proven to
+/// overlap.
 #[inline]
 pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, until: Until, memory: &mut WarmStart) -> Outcome {
     if rank(a) <= rank(b) {
