@@ -9,9 +9,7 @@ use super::tree::Nodes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{BENT_POSE, CERTIFICATE, FAR, NEAR, PATCH_LIMIT, UNIT};
-use crate::body::polyhedron::VertexId;
-use crate::convex::minimum::simplex::Simplex;
-use crate::pair::difference::MinkowskiPoint;
+use crate::convex::minimum::simplex::{Indexed, Simplex};
 use crate::pair::transform::ErrorScale;
 
 /// Steps of the minimum-norm solver on two nets before a pair is split instead. Not measured.
@@ -176,7 +174,7 @@ impl<B: NetSide> Trees<'_, B> {
             if gap > best.gap {
                 *best = Gap { n, gap, is_plane: true };
             }
-            let is_known = simplex.contains(point.a, point.b);
+            let is_known = simplex.points().iter().any(|c| c.index == point.index);
             if best.gap >= target || is_known || !simplex.add(point, scale) || simplex.len() == 4 {
                 return;
             }
@@ -184,15 +182,14 @@ impl<B: NetSide> Trees<'_, B> {
     }
 
     /// Returns the support point of the difference against `n`, and the gap along `n`.
-    fn support(&mut self, [x, y]: NetPair, n: &Vector3<f64>) -> (MinkowskiPoint<f64>, f64) {
+    fn support(&mut self, [x, y]: NetPair, n: &Vector3<f64>) -> (Indexed<f64, [u32; 2]>, f64) {
         self.counts.gaps += 1;
         let m = -self.frame.direction_in_b(n);
         let (i, p, high_a) = self.a.support(x, n);
         let (j, q, high_b) = self.b.support(y, &m);
         let w = p - self.frame.place(&q);
-        let point = MinkowskiPoint {
-            a: VertexId(i),
-            b: VertexId(j),
+        let point = Indexed {
+            index: [i, j],
             w: w.into(),
         };
         let gap = n.dot(&self.frame.translation) - high_b - high_a - self.error([x, y]);

@@ -11,10 +11,36 @@ use crate::body::polyhedron::VertexId;
 use crate::pair::difference::MinkowskiPoint;
 use crate::pair::transform::ErrorScale;
 
-/// Up to four Minkowski points, and the point of their convex hull closest to the origin.
+/// A point with what the solver knows the point by: vertices of two bodies, or an index.
+pub(crate) trait Corner<T>: Copy {
+    fn position(&self) -> &Vec3<T>;
+}
+
+impl<T: Scalar> Corner<T> for MinkowskiPoint<T> {
+    #[inline(always)]
+    fn position(&self) -> &Vec3<T> {
+        &self.w
+    }
+}
+
+/// A point with its index in a list of the solver, or a pair of indices.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Simplex<T> {
-    points: [MinkowskiPoint<T>; 4],
+pub(crate) struct Indexed<T, I> {
+    pub(crate) index: I,
+    pub(crate) w: Vec3<T>,
+}
+
+impl<T: Scalar, I: Copy> Corner<T> for Indexed<T, I> {
+    #[inline(always)]
+    fn position(&self) -> &Vec3<T> {
+        &self.w
+    }
+}
+
+/// Up to four points, and the point of their convex hull closest to the origin.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Simplex<T, P = MinkowskiPoint<T>> {
+    points: [P; 4],
     closest: ClosestPoint<T>,
 }
 
@@ -35,8 +61,8 @@ struct ClosestPoint<T> {
 
 impl<T: Scalar> ClosestPoint<T> {
     #[inline]
-    fn vertex(c: &[MinkowskiPoint<T>; 4], p: u8) -> Self {
-        let (one, w) = (T::from(1.0), c[p as usize].w);
+    fn vertex(c: &[impl Corner<T>; 4], p: u8) -> Self {
+        let (one, w) = (T::from(1.0), *c[p as usize].position());
         Self {
             ids: [p; 4],
             len: 1,
@@ -46,8 +72,8 @@ impl<T: Scalar> ClosestPoint<T> {
         }
     }
 
-    fn edge(c: &[MinkowskiPoint<T>; 4], p: u8, q: u8) -> Self {
-        let (pw, qw) = (&c[p as usize].w, &c[q as usize].w);
+    fn edge(c: &[impl Corner<T>; 4], p: u8, q: u8) -> Self {
+        let (pw, qw) = (c[p as usize].position(), c[q as usize].position());
         let d = sub(qw, pw);
         let (t, dd) = (-dot(pw, &d), dot(&d, &d));
         let zero = T::from(0.0);
@@ -71,8 +97,8 @@ impl<T: Scalar> ClosestPoint<T> {
         }
     }
 
-    fn triangle(c: &[MinkowskiPoint<T>; 4], ids: [u8; 3]) -> Self {
-        let [p, q, r] = ids.each(|k| &c[k as usize].w);
+    fn triangle(c: &[impl Corner<T>; 4], ids: [u8; 3]) -> Self {
+        let [p, q, r] = ids.each(|k| c[k as usize].position());
         let n = cross(&sub(q, p), &sub(r, p));
         let zero = T::from(0.0);
         // Weight of the point opposite to the edge x-y.
@@ -105,8 +131,8 @@ impl<T: Scalar> ClosestPoint<T> {
 
     /// Tests a tetrahedron: the origin inside (`len` 4, proven against rounding), or the closest
     /// point of the faces that may separate the origin.
-    fn tetrahedron(c: &[MinkowskiPoint<T>; 4], scale: ErrorScale) -> Self {
-        let det = |i: usize, j: usize, k: usize| dot(&c[i].w, &cross(&c[j].w, &c[k].w));
+    fn tetrahedron(c: &[impl Corner<T>; 4], scale: ErrorScale) -> Self {
+        let det = |i: usize, j: usize, k: usize| dot(c[i].position(), &cross(c[j].position(), c[k].position()));
         let mut volume = [det(1, 2, 3), -det(0, 2, 3), det(0, 1, 3), -det(0, 1, 2)];
         let zero = T::from(0.0);
         let sum = volume[0] + volume[1] + volume[2] + volume[3];
@@ -115,8 +141,7 @@ impl<T: Scalar> ClosestPoint<T> {
         }
         let all = scale.total();
         let certain = T::from(VOLUME * T::UNIT * all * all * all);
-        let is_certain =
-            |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding_bound::<T>(c, face, scale));
+        let is_certain = |v: T, face: &[u8; 3]| v > certain || (v > zero && v.value() > rounding_bound(c, face, scale));
         let faces = [[1, 2, 3], [0, 2, 3], [0, 1, 3], [0, 1, 2]];
         let mut best: Option<Self> = None;
         for k in 0..4 {
@@ -143,9 +168,9 @@ impl<T: Scalar> ClosestPoint<T> {
 
 /// Bound of the rounding in the volume of three points with the origin, see [`VOLUME`].
 #[cold]
-fn rounding_bound<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], scale: ErrorScale) -> f64 {
+fn rounding_bound<T: Scalar>(c: &[impl Corner<T>; 4], face: &[u8; 3], scale: ErrorScale) -> f64 {
     let sum = |v: Vec3<T>| v.iter().fold(0.0, |sum, x| sum + x.value().abs());
-    let [p, q, r] = face.each(|k| c[k as usize].w);
+    let [p, q, r] = face.each(|k| *c[k as usize].position());
     let (u, v) = (sub(&q, &p), sub(&r, &p));
     let [p, q, r] = [p, q, r].each(sum);
     let off = VOLUME * T::UNIT * scale.size;
@@ -153,9 +178,9 @@ fn rounding_bound<T: Scalar>(c: &[MinkowskiPoint<T>; 4], face: &[u8; 3], scale: 
     own + VOLUME * T::UNIT * scale.shared * (sum(cross(&u, &v)) + off * (sum(u) + sum(v) + off))
 }
 
-impl<T: Scalar> Simplex<T> {
+impl<T: Scalar, P: Corner<T>> Simplex<T, P> {
     /// Returns the simplex of one point.
-    pub(crate) fn vertex(c: MinkowskiPoint<T>) -> Self {
+    pub(crate) fn vertex(c: P) -> Self {
         let points = [c; 4];
         Self {
             points,
@@ -164,18 +189,18 @@ impl<T: Scalar> Simplex<T> {
     }
 
     /// Returns the simplex of two points.
-    pub(crate) fn edge([p, q]: [MinkowskiPoint<T>; 2]) -> Self {
+    pub(crate) fn edge([p, q]: [P; 2]) -> Self {
         Self::reduced([p, q, q, q], ClosestPoint::edge(&[p, q, q, q], 0, 1))
     }
 
     /// Returns the simplex of a triangle.
-    pub(crate) fn triangle([p, q, r]: [MinkowskiPoint<T>; 3]) -> Self {
+    pub(crate) fn triangle([p, q, r]: [P; 3]) -> Self {
         let points = [p, q, r, r];
         Self::reduced(points, ClosestPoint::triangle(&points, [0, 1, 2]))
     }
 
     /// Keeps the points that span the closest point.
-    fn reduced(points: [MinkowskiPoint<T>; 4], closest: ClosestPoint<T>) -> Self {
+    fn reduced(points: [P; 4], closest: ClosestPoint<T>) -> Self {
         Self {
             points: closest.ids.each(|k| points[k as usize]),
             closest,
@@ -184,13 +209,13 @@ impl<T: Scalar> Simplex<T> {
 
     /// Returns the simplex of a tetrahedron: four points if the origin is inside, proven against
     /// rounding.
-    pub(crate) fn tetrahedron(points: [MinkowskiPoint<T>; 4], scale: ErrorScale) -> Self {
+    pub(crate) fn tetrahedron(points: [P; 4], scale: ErrorScale) -> Self {
         Self::reduced(points, ClosestPoint::tetrahedron(&points, scale))
     }
 
     /// Adds a point, and returns whether the hull comes closer to the origin or contains the
     /// origin. If not, nothing changes.
-    pub(crate) fn add(&mut self, c: MinkowskiPoint<T>, scale: ErrorScale) -> bool {
+    pub(crate) fn add(&mut self, c: P, scale: ErrorScale) -> bool {
         let mut points = self.points;
         points[self.len()] = c;
         let closest = match self.len() {
@@ -213,7 +238,7 @@ impl<T: Scalar> Simplex<T> {
 
     /// Returns the points that span the closest point.
     #[inline]
-    pub(crate) fn points(&self) -> &[MinkowskiPoint<T>] {
+    pub(crate) fn points(&self) -> &[P] {
         &self.points[..self.len()]
     }
 
@@ -239,12 +264,14 @@ impl<T: Scalar> Simplex<T> {
     pub(crate) fn witness_distance(&self) -> T {
         let at = |k: usize| {
             let parts = self.points().iter().zip(self.weights());
-            parts.fold(T::from(0.0), |sum, (c, &weight)| sum + c.w[k] * weight)
+            parts.fold(T::from(0.0), |sum, (c, &weight)| sum + c.position()[k] * weight)
         };
         let v = [at(0), at(1), at(2)];
         root(dot(&v, &v))
     }
+}
 
+impl<T: Scalar> Simplex<T> {
     /// Returns whether the simplex contains the point of two vertices.
     pub(crate) fn contains(&self, a: VertexId, b: VertexId) -> bool {
         self.points().iter().any(|c| (c.a, c.b) == (a, b))

@@ -4,10 +4,8 @@ use super::posed::{DifferencePoint, PosedCores, Toward, add};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, dot, neg, root, scaled, sub};
 use crate::base::tolerance::{AGREE_CURVED, ASIDE, UNIT};
-use crate::body::polyhedron::VertexId;
 use crate::body::shape::Support;
-use crate::convex::minimum::simplex::Simplex;
-use crate::pair::difference::MinkowskiPoint;
+use crate::convex::minimum::simplex::{Indexed, Simplex};
 use crate::pair::transform::ErrorScale;
 #[cfg(feature = "__proofs")]
 use crate::pair::transform::Transform;
@@ -286,9 +284,8 @@ impl<T: Scalar> ProvenBounds<T> {
             size: posed.size,
             shared: 0.0,
         };
-        let corner = |k: usize| MinkowskiPoint {
-            a: VertexId(k as u32),
-            b: VertexId(0),
+        let corner = |k: usize| Indexed {
+            index: k,
             w: pieces[k].w,
         };
         if pieces.is_empty() {
@@ -300,7 +297,7 @@ impl<T: Scalar> ProvenBounds<T> {
         }
         let mut weights = [T::from(0.0); KEPT];
         for (c, &weight) in simplex.points().iter().zip(simplex.weights()) {
-            weights[c.a.index() % KEPT] = weight;
+            weights[c.index % KEPT] = weight;
         }
         self.mixture(posed, pieces, &weights);
     }

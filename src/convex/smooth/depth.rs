@@ -53,9 +53,8 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::{Scalar, Vec3, cross, dot, neg, root, scaled, sub};
 use crate::base::tolerance::{AGREE_CURVED, CERTIFICATE, DEPTH_GOAL, PARALLEL_AXES, UNIT};
-use crate::body::polyhedron::VertexId;
 use crate::body::shape::Support;
-use crate::convex::minimum::simplex::Simplex;
+use crate::convex::minimum::simplex::{Indexed, Simplex};
 use crate::convex::smooth::bent::SolverRun;
 use crate::convex::smooth::best::{BranchSet, ProvenBounds};
 use crate::convex::smooth::cores::{Any, CoreKind};
@@ -63,7 +62,6 @@ use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
 use crate::convex::smooth::ladder::search;
 use crate::convex::smooth::posed::{DifferencePoint, PosedCores, Toward, add, unit, values};
 use crate::convex::smooth::{frozen, surface};
-use crate::pair::difference::MinkowskiPoint;
 use crate::pair::outcome::{Solver, Until};
 use crate::pair::transform::{ErrorScale, Transform};
 
@@ -279,13 +277,12 @@ fn nearest<T: Scalar>(
     place: &Vec3<f64>,
 ) -> Option<Vec3<f64>> {
     let mut list = [[0.0; 3]; 3];
-    let mut simplex: Option<Simplex<f64>> = None;
+    let mut simplex: Option<Simplex<f64, Indexed<f64, usize>>> = None;
     for (k, piece) in pieces.iter().take(3).enumerate() {
         let point = values(point(piece));
         list[k] = point;
-        let corner = MinkowskiPoint {
-            a: VertexId(k as u32),
-            b: VertexId(0),
+        let corner = Indexed {
+            index: k,
             w: sub(&point, place),
         };
         match &mut simplex {
@@ -300,7 +297,7 @@ fn nearest<T: Scalar>(
     let mut sum = [0.0; 3];
     for (corner, weight) in simplex.points().iter().zip(simplex.weights()) {
         for k in 0..3 {
-            sum[k] += list[corner.a.index() % 3][k] * weight;
+            sum[k] += list[corner.index % 3][k] * weight;
         }
     }
     Some(sum)

@@ -10,10 +10,8 @@ use super::best::{BranchSet, ProvenBounds};
 use super::posed::{DifferencePoint, PosedCores, askew, tangents, unit};
 use crate::base::num::each::Each;
 use crate::base::num::scalar::{Scalar, Vec3, neg};
-use crate::body::polyhedron::VertexId;
 use crate::body::shape::Support;
-use crate::convex::minimum::simplex::Simplex;
-use crate::pair::difference::MinkowskiPoint;
+use crate::convex::minimum::simplex::{Indexed, Simplex};
 use crate::pair::transform::ErrorScale;
 
 /// Support points one solve may take.
@@ -93,9 +91,8 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
     best.prove(&toward, &first);
     best.point(&first);
     let mut points = [first; POINTS];
-    let corner = |k: usize, piece: &DifferencePoint<T>| MinkowskiPoint {
-        a: VertexId(k as u32),
-        b: VertexId(0),
+    let corner = |k: usize, piece: &DifferencePoint<T>| Indexed {
+        index: k,
         w: neg(&piece.w),
     };
     let mut simplex = Simplex::vertex(corner(0, &first));
@@ -111,13 +108,13 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
         if simplex.len() == 4 {
             let mut held = [piece; 6];
             for (held, c) in held.iter_mut().zip(simplex.points()) {
-                *held = points[c.a.index()];
+                *held = points[c.index];
             }
             return Frozen::Inside(Around { points: held, len: 4 });
         }
         let mut kept = [piece; 4];
         for (kept, c) in kept.iter_mut().zip(simplex.points()) {
-            *kept = points[c.a.index()];
+            *kept = points[c.index];
         }
         best.mixture(posed, &kept[..simplex.len().min(4)], simplex.weights());
         if best.closes(posed) {
@@ -126,7 +123,7 @@ pub(super) fn solve<A: Support, B: Support, T: Scalar>(
         let near = goal == SolveGoal::Approach && height + height > simplex.witness_distance();
         if near || !gains || goal == SolveGoal::Close && k >= ATTEMPT && k.is_power_of_two() {
             let mut set = BranchSet::default();
-            simplex.points().iter().for_each(|c| set.add(points[c.a.index()].of));
+            simplex.points().iter().for_each(|c| set.add(points[c.index].of));
             if goal == SolveGoal::Approach {
                 best.set = set;
                 return Frozen::Open;
