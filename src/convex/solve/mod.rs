@@ -37,8 +37,8 @@ use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use nalgebra::Vector3;
 
-/// Walks from the features of `outcome` and tests the certificate. Returns whether the answer is
-/// proven; if not, `outcome` holds the state at the refusal.
+/// Walks from the features of `draft` and tests the certificate. Returns whether the answer is
+/// proven; if not, `draft` holds the state at the refusal.
 #[inline(always)]
 pub(crate) fn certified_walk(posed: &PosedPair, draft: &mut Draft) -> bool {
     draft.work.certificates += 1;
@@ -77,7 +77,7 @@ fn proves_separated(posed: &PosedPair, draft: &mut Draft) -> bool {
     is_apart
 }
 
-/// Answers from the features of `outcome`; `warm` if the features come from the cache. `overlap` is
+/// Answers from the features of `draft`; `warm` if the features come from the cache. `overlap` is
 /// asked first if the walk is refused, and returns whether the bodies overlap, proven.
 #[inline(always)]
 pub(crate) fn solve(

@@ -63,7 +63,7 @@ const MOST_STEPS_WITH_JUMPS: u32 = 128;
 /// several steps, and most walks have ended by then. Not measured.
 const FIRST_NEWTON_JUMP: u32 = 4;
 
-/// Tests the current feature pair of `outcome` and moves to the next pair or accepts the pair.
+/// Tests the current feature pair of `draft` and moves to the next pair or accepts the pair.
 #[inline(always)]
 fn test_pair<const CERTIFY: bool>(posed: &PosedPair, draft: &mut Draft) -> Step {
     use Feature::{Edge, Face, Vertex};
@@ -79,7 +79,7 @@ fn test_pair<const CERTIFY: bool>(posed: &PosedPair, draft: &mut Draft) -> Step 
     }
 }
 
-/// Walks from the features of `outcome` and returns whether the Voronoi tests accepted a pair. With
+/// Walks from the features of `draft` and returns whether the Voronoi tests accepted a pair. With
 /// `CERTIFY`, an accepted pair has a lower bound of the distance, if the tests prove one. A walk
 /// takes at most `4 sqrt(nA + nB) + 16` steps, and at most 128 on bodies with large rings.
 #[inline(always)]
