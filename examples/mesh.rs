@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let found = pair.closest(&bracket, &block, &pose);
         print!(
             "at {position:.2}: {:?}, distance {:.4} in [{:.4}, {:.4}]",
-            found.class, found.distance, found.lower, found.upper
+            found.state, found.distance, found.lower, found.upper
         );
         println!(", on triangle {}", found.on[0].part);
         for group in pair.contacts(&bracket, &block, &pose, &ManifoldOptions::within(1e-3))? {

@@ -84,16 +84,17 @@
 //!   has its derivation, by the rules of the page [`tolerance`].
 //! * **One decision through contact.** Separated, touching and overlapping are one continuous
 //!   quantity with one normal and the same features; no second algorithm can disagree at contact.
-//! * **State changes time, never the answer.** Class and predicates are the same warm and cold, A
-//!   to B and B to A, and distances agree within their bounds. Only among exact ties may features
-//!   follow the history. A tracker last used with other bodies costs time and nothing else. Meshes
-//!   and bodies of pieces keep bounds and predicates so; within `1e-13 L` of contact their class
-//!   may be one of two neighbours. For curved shapes, [`within`](PairTracker::within) may follow
-//!   the history if `d` lies between the bounds.
+//! * **State changes time, never the answer.** Contact state and predicates are the same warm and
+//!   cold, A to B and B to A, and distances agree within their bounds. Only among exact ties may
+//!   features follow the history. A tracker last used with other bodies costs time and nothing
+//!   else. Meshes and bodies of pieces keep bounds and predicates so; within `1e-13 L` of contact
+//!   their contact state may be one of two neighbours. For curved shapes,
+//!   [`within`](PairTracker::within) may follow the history if `d` lies between the bounds.
 //! * **No absolute tolerance.** A scene scaled by a power of two gives the answer scaled bit for
 //!   bit, unless the scale puts the sizes of two bodies on both sides of 2^105, 2^-105 or another
-//!   border between units of storage: then class and bounds agree. Curved shapes and composites
-//!   keep their bits for sizes from 2^-90 to 2^90, and the agreement of their bounds beyond.
+//!   border between units of storage: then contact state and bounds agree. Curved shapes and
+//!   composites keep their bits for sizes from 2^-90 to 2^90, and the agreement of their bounds
+//!   beyond.
 //! * **Bad input is refused when a body or a pose is made** ([`BuildError`], [`PoseError`]), with
 //!   its index or value. After that no query panics, loops without bound or returns NaN. (Debug
 //!   builds check every answer and panic, with a text that replays the query, on a defect of the
@@ -106,7 +107,7 @@
 //! | [`Tracker::propose`] | the result of the walk: no bounds in its type |
 //! | [`Tracker::closest`], [`Tracker::distance`] | bounds no wider than `1e-13 L` |
 //! | [`Tracker::closest_with_local_depth`] | as `closest`; the depth of an overlap is bounded from above by a translation that parts the bodies, perhaps not the shortest |
-//! | `Tracker::closest_exact` | the class is exact, the distance of separated bodies within one unit in the last place; depths as by `closest` |
+//! | `Tracker::closest_exact` | the contact state is exact, the distance of separated bodies within one unit in the last place; depths as by `closest` |
 //! | [`Tracker::intersects`], [`Tracker::within`] | exact with the feature `exact`; without the feature, ties count as within |
 //! | [`impact::cast`] | a bracket of the first contact of two motions, or a miss, proven for every instant |
 //!
@@ -136,7 +137,7 @@
 //!   are.
 //! * Contacts of meshes and bodies of pieces ([`PairTracker::contacts`]) are those of shallow
 //!   overlap. Their depth is an interval ([`PairTracker::penetration`]) that may stay wide.
-//! * Curved shapes ([`shape`]) have the same bounds, superquadrics twice as wide. Class and
+//! * Curved shapes ([`shape`]) have the same bounds, superquadrics twice as wide. Contact state and
 //!   predicates are exact for polyhedra, rounded or not; other shapes within `3e-14 L` of contact,
 //!   superquadrics within `1e-13 L`, count as touching or are undecided, and `intersects` and
 //!   `within` return true unless a search of their own proves the shapes apart. Depths of curved
@@ -222,7 +223,7 @@
 //! | feature | default | adds |
 //! |---|---|---|
 //! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
-//! | `exact` | yes | exact integers behind the filters: every class and predicate decided, distances of separated bodies to the last bit |
+//! | `exact` | yes | exact integers behind the filters: every contact state and predicate decided, distances of separated bodies to the last bit |
 //! | `meshes` | yes | composites and meshes, their contacts, bounds of penetration depths |
 //! | `surfaces` | yes | Bezier and NURBS surfaces; needs `meshes` |
 //! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files; bodies are checked again when read; `serde_json` keeps every bit with its feature `float_roundtrip` |
@@ -340,7 +341,7 @@ pub use convex::replay::{Replay, ReplayError};
 pub use convex::tracker::{Totals, Tracker};
 pub use nalgebra;
 pub use pair::outcome::WorldWitnesses;
-pub use pair::outcome::{Accuracy, Class, Decision, Distance, Outcome, Proposal, Solver, Until, Work};
+pub use pair::outcome::{Accuracy, ContactState, Decision, Distance, Outcome, Proposal, Solver, Until, Work};
 pub use pair::question::Question;
 pub use pair::spot::{Answer, Spot};
 pub use pair_tracker::geometry::{Geometry, GeometryRef, ShapeKind};

@@ -4,7 +4,7 @@
 use std::alloc::System;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::{Class, Manifold, ManifoldOptions, RelativePose, Solver, Tracker};
+use lin_canny::{ContactState, Manifold, ManifoldOptions, RelativePose, Solver, Tracker};
 use stats_alloc::{INSTRUMENTED_SYSTEM, Region, StatsAlloc};
 use truth::rng::Rng;
 use truth::shapes;
@@ -89,7 +89,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
             points += manifolds[0].points().len();
             pair.closest(a, b, &pose);
             // The first surface has four triangles, each point adds two; what is kept of it grows from query to query.
-            let is_plain = o.work.exacts == 0 && (o.class != Class::Overlapping || o.work.double_doubles == 0);
+            let is_plain = o.work.exacts == 0 && (o.state != ContactState::Overlapping || o.work.double_doubles == 0);
             let is_small = kept_points + o.work.points_added <= (256 - 4) / 2;
             kept_points = match o.solver {
                 Solver::Surface => kept_points + o.work.points_added,
@@ -100,8 +100,8 @@ fn queries_below_the_exact_rung_allocate_nothing() {
                 assert_eq!(made, answered, "{o:?}");
                 // Beyond the prediction every query asks anew.
                 assert!(manifolds[0].points().is_empty() || kept == 0, "{o:?}");
-                separated += u32::from(o.class == Class::Separated);
-                overlapping += u32::from(o.class == Class::Overlapping);
+                separated += u32::from(o.state == ContactState::Separated);
+                overlapping += u32::from(o.state == ContactState::Overlapping);
                 tracked += u32::from(o.solver == Solver::Surface);
                 fallbacks += o.work.fallbacks;
             }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
-use lin_canny::{Class, Mesh, PairTracker, RelativePose};
+use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
 
 use crate::Trouble;
 
@@ -38,7 +38,7 @@ pub(crate) fn answer(meshes: [&Path; 2], poses: &Path, csv: &Path) -> Result<(),
         let words: Vec<String> = numbers.iter().map(|x| format!("{x:.16e}")).collect();
         writeln!(rows, "{}", words.join(","))?;
         frames += 1;
-        shared += usize::from(found.class != Class::Separated);
+        shared += usize::from(found.state != ContactState::Separated);
     }
     if frames == 0 {
         return Err(format!("{}: no pose", poses.display()).into());

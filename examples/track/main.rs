@@ -17,7 +17,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::{Class, ConvexPolyhedron, Geometry, Outcome, PairTracker, RelativePose, Solver, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Geometry, Outcome, PairTracker, RelativePose, Solver, Tracker};
 use lin_canny_record::Recorder;
 use load::Loaded;
 use options::Options;
@@ -168,11 +168,11 @@ fn table(a: &Loaded, b: &Loaded, run: &Run) {
     }
 }
 
-/// The class where it is not the ordinary one, else the layer that answered.
+/// The contact state where it is not the ordinary one, else the layer that answered.
 fn word(outcome: &Outcome) -> String {
-    match outcome.class {
-        Class::Separated => format!("{:?}", outcome.solver).to_lowercase(),
-        class => format!("{class:?}").to_lowercase(),
+    match outcome.state {
+        ContactState::Separated => format!("{:?}", outcome.solver).to_lowercase(),
+        state => format!("{state:?}").to_lowercase(),
     }
 }
 

@@ -36,7 +36,7 @@ use crate::composite::mesh::{Mesh, MeshError};
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::{Composite, Piece};
 use crate::convex::tracker::Tracker;
-use crate::pair::outcome::{Class, Distance};
+use crate::pair::outcome::{ContactState, Distance};
 use crate::pair::spot::Answer;
 
 /// How far convex pieces and a mesh are apart, in the caller's unit.
@@ -169,7 +169,7 @@ impl Decomposition {
     /// and that body.
     pub(crate) fn bounds(&self, found: &Answer, other: &PartsRef, mesh_from_other: &RelativePose) -> Distance {
         let fit = &self.fit;
-        if found.class != Class::Separated {
+        if found.state != ContactState::Separated {
             // A point of the body is in a piece, or next to one: at most the depth of the piece
             // from the piece's surface.
             return open(found.upper.at_least(0.0) + fit.excess_upper + fit.depth);
@@ -188,16 +188,16 @@ impl Decomposition {
         }
         match posed.inside(lower / unit).0 {
             Inside::No => Distance {
-                class: Class::Separated,
+                state: ContactState::Separated,
                 value: found.distance.clamped(lower, upper),
                 lower,
                 upper,
             },
             Inside::At(..) => Distance {
-                class: if Parted::is_solid(&*self.mesh) && other.is_solid() {
-                    Class::Overlapping
+                state: if Parted::is_solid(&*self.mesh) && other.is_solid() {
+                    ContactState::Overlapping
                 } else {
-                    Class::Touching
+                    ContactState::Touching
                 },
                 value: 0.0,
                 lower: 0.0,
@@ -211,7 +211,7 @@ impl Decomposition {
 /// Bodies that may share a point, at most `upper` apart.
 fn open(upper: f64) -> Distance {
     Distance {
-        class: Class::Undecided,
+        state: ContactState::Undecided,
         value: 0.0,
         lower: 0.0,
         upper,

@@ -33,7 +33,7 @@ use crate::composite::tree::Tree;
 #[cfg(feature = "exact")]
 use crate::convex::exact::place::ExactVector;
 use crate::convex::shape_tracker::ShapeTracker;
-use crate::pair::outcome::{Class, Outcome};
+use crate::pair::outcome::{ContactState, Outcome};
 use crate::pair::spot::{Answer, Spot};
 
 /// A convex piece of a [`Composite`]: a shape of any kind, its pose in the body's frame, and a
@@ -676,14 +676,14 @@ impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
         let [(p, at_p), (q, at_q)] = parts;
         let (pose, exact) = self.placed.between(at_p, at_q);
         let mut o: Outcome = tracker.closest_or_class(p, q, &pose);
-        if !exact && o.class == Class::Overlapping {
+        if !exact && o.state == ContactState::Overlapping {
             // Only a depth beyond the rounding of composed poses proves an overlap.
             o = tracker.closest(p, q, &pose);
         }
         let unit = 1.0 / a.stored_unit();
         // The rounding of composed poses: two products of rotations and two sums.
         let error = if exact { 0.0 } else { 2.0 * frame.error };
-        let meets = o.class == Class::Overlapping;
+        let meets = o.state == ContactState::Overlapping;
         let distance = if meets { 0.0 } else { (o.distance * unit).at_least(0.0) };
         let mut m = Measured {
             pair,

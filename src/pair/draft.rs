@@ -10,7 +10,7 @@ use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{AGREE, CERTIFICATE, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, FeaturePair, VertexId};
-use crate::pair::outcome::{Class, Outcome};
+use crate::pair::outcome::{ContactState, Outcome};
 use crate::pair::posed::PosedPair;
 
 /// Answer that one solver passes to the next: the fields of an [`Outcome`], in stored units and
@@ -131,7 +131,7 @@ pub(crate) fn far(reach: [f64; 2], pose: &RelativePose) -> (f64, f64, Vector3<f6
 /// Marks an outcome as overlapping. Depth and normal are unknown here (they are the work of
 /// `depth`); the normal has no meaning yet, but is a unit vector.
 pub(crate) fn set_overlapping(draft: &mut Draft) {
-    draft.class = Class::Overlapping;
+    draft.state = ContactState::Overlapping;
     draft.distance = 0.0;
     draft.normal = Vector3::x_axis();
     (draft.lower, draft.upper) = (f64::NEG_INFINITY, 0.0);
@@ -148,7 +148,7 @@ pub(crate) fn set_undecided(posed: &PosedPair, draft: &mut Draft) {
     draft.distance = sqrt(between.norm_squared());
     draft.upper = draft.distance + CERTIFICATE * UNIT * posed.size();
     draft.lower = f64::NEG_INFINITY;
-    draft.class = Class::Undecided;
+    draft.state = ContactState::Undecided;
 }
 
 /// Returns the smallest features that contain one to four vertices of each body, as a state of the
@@ -168,18 +168,18 @@ pub(crate) fn walk_state(posed: &PosedPair, a: &[VertexId], b: &[VertexId]) -> F
     }
 }
 
-/// Returns whether class and distance are settled: separated with bounds no wider than they should
-/// be, or overlapping with witnesses that coincide up to rounding (the weights of a flat
+/// Returns whether contact state and distance are settled: separated with bounds no wider than they
+/// should be, or overlapping with witnesses that coincide up to rounding (the weights of a flat
 /// tetrahedron around the origin may be wrong in every digit while the signs of the volumes are
 /// certain).
 pub(crate) fn is_proven(posed: &PosedPair, draft: &Draft) -> bool {
-    match draft.class {
-        Class::Overlapping => {
+    match draft.state {
+        ContactState::Overlapping => {
             let between = posed.point_in_a(&draft.point_on_b.coords) - draft.point_on_a.coords;
             sqrt(between.norm_squared()) <= AGREE * posed.size()
         }
-        Class::Separated => is_narrow(posed, draft),
-        Class::Touching | Class::Undecided => false,
+        ContactState::Separated => is_narrow(posed, draft),
+        ContactState::Touching | ContactState::Undecided => false,
     }
 }
 

@@ -15,7 +15,7 @@ use crate::body::polyhedron::FeaturePair;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub enum Class {
+pub enum ContactState {
     /// Proven apart: the lower bound is positive (or zero if exact arithmetic finds a distance too
     /// small for f64).
     Separated,
@@ -30,7 +30,7 @@ pub enum Class {
     Undecided,
 }
 
-impl core::fmt::Display for Class {
+impl core::fmt::Display for ContactState {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.pad(match self {
             Self::Separated => "separated",
@@ -79,7 +79,7 @@ impl Ask {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Until {
     /// An overlap is proven; the penetration depth stays open.
-    Class,
+    ContactState,
     /// The penetration depth of an overlap of two polyhedra, rounded or not, is bounded from above,
     /// by the height of a facet that is nearest in its neighbourhood, at about three times the
     /// price of a walk
@@ -96,7 +96,7 @@ impl Until {
     /// whether a local depth is enough.
     pub(crate) fn of_depth(depth: bool, local: bool) -> Self {
         match (depth, local) {
-            (false, _) => Self::Class,
+            (false, _) => Self::ContactState,
             (true, true) => Self::LocalDepth,
             (true, false) => Self::Depth,
         }
@@ -105,7 +105,7 @@ impl Until {
     /// Returns whether overlaps get a depth.
     #[inline(always)]
     pub(crate) fn has_depth(self) -> bool {
-        self != Self::Class
+        self != Self::ContactState
     }
 }
 
@@ -123,10 +123,10 @@ pub enum Solver {
     Fallback,
     /// The minimum-norm solver in double-double.
     DoubleDouble,
-    /// Exact integers (feature `exact`). The class is exact, and the distance is right to one unit
-    /// in the last place. So is the depth of an overlap if at most 65,536 pairs of features may be
-    /// the deepest; if more, the depth keeps the bounds of double-double, which may be farther
-    /// apart than `1e-13 L`, as of two prisms of 100 sides thinner than rounding.
+    /// Exact integers (feature `exact`). The contact state is exact, and the distance is right to
+    /// one unit in the last place. So is the depth of an overlap if at most 65,536 pairs of
+    /// features may be the deepest; if more, the depth keeps the bounds of double-double, which may
+    /// be farther apart than `1e-13 L`, as of two prisms of 100 sides thinner than rounding.
     Exact,
     /// Bodies so far apart that only their separation counts.
     Far,
@@ -241,7 +241,7 @@ sum_of_counters!(Work {
 #[non_exhaustive]
 pub struct Outcome {
     /// Whether the bodies are apart, touch or overlap.
-    pub class: Class,
+    pub state: ContactState,
     /// Best estimate of the signed distance, between the bounds; for an overlap, minus the depth.
     pub distance: f64,
     /// Lower bound of the signed distance; minus infinity if nothing is known.
@@ -288,7 +288,7 @@ impl Outcome {
     #[inline(always)]
     pub(crate) fn starting_at(pair: FeaturePair) -> Self {
         Self {
-            class: Class::Undecided,
+            state: ContactState::Undecided,
             distance: 0.0,
             lower: f64::NEG_INFINITY,
             upper: f64::INFINITY,
@@ -303,7 +303,7 @@ impl Outcome {
 
     /// Returns the outcome with an overlap of unknown depth.
     pub(crate) fn without_depth(self) -> Self {
-        if self.class == Class::Overlapping {
+        if self.state == ContactState::Overlapping {
             let (distance, lower, upper) = (0.0, f64::NEG_INFINITY, 0.0);
             Self {
                 distance,
@@ -345,7 +345,7 @@ pub struct Proposal {
 #[non_exhaustive]
 pub struct Distance {
     /// Whether the bodies are apart, touch or overlap.
-    pub class: Class,
+    pub state: ContactState,
     /// Best estimate of the signed distance; for an overlap, minus the depth.
     pub value: f64,
     /// Lower bound of the signed distance.
@@ -425,7 +425,7 @@ impl Outcome {
 impl From<&Outcome> for Distance {
     fn from(outcome: &Outcome) -> Self {
         Self {
-            class: outcome.class,
+            state: outcome.state,
             value: outcome.distance,
             lower: outcome.lower,
             upper: outcome.upper,
@@ -492,7 +492,7 @@ impl Outcome {
 /// Class, distance and bounds: `separated, 1.5 in [1.4999999999999993, 1.5000000000000007]`.
 impl fmt::Display for Distance {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}, {} in [{}, {}]", self.class, self.value, self.lower, self.upper)
+        write!(f, "{}, {} in [{}, {}]", self.state, self.value, self.lower, self.upper)
     }
 }
 

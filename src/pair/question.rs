@@ -9,7 +9,7 @@ use super::outcome::Until;
 /// use lin_canny::{Question, Until};
 ///
 /// let narrow = Question::new().width(1e-9).splits(100_000);
-/// let quick = Question::new().until(Until::Class);
+/// let quick = Question::new().until(Until::ContactState);
 /// assert_ne!(narrow, quick);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{UNIT_LENGTH, WITNESS_CHECK};
 use crate::body::polyhedron::ConvexPolyhedron;
-use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::outcome::{ContactState, Outcome, Solver};
 
 /// Returns a description of the first violated invariant: bounds, normal, or witnesses; `None` if
 /// the outcome is sound.
@@ -22,15 +22,15 @@ pub(crate) fn fault(
     if !(o.distance.is_finite() && o.upper.is_finite()) {
         return Some("the distance or its upper bound is not finite");
     }
-    let classed = match o.class {
+    let classed = match o.state {
         // If the distance underflows, exact arithmetic may know more than a bound can express.
-        Class::Separated => o.lower > 0.0 || o.lower == 0.0 && o.solver >= Solver::Exact,
-        Class::Overlapping => o.upper <= 0.0,
-        Class::Touching => o.lower <= 0.0 && o.upper >= 0.0,
-        Class::Undecided => true,
+        ContactState::Separated => o.lower > 0.0 || o.lower == 0.0 && o.solver >= Solver::Exact,
+        ContactState::Overlapping => o.upper <= 0.0,
+        ContactState::Touching => o.lower <= 0.0 && o.upper >= 0.0,
+        ContactState::Undecided => true,
     };
     if !classed {
-        return Some("the bounds contradict the class");
+        return Some("the bounds contradict the contact state");
     }
     if !((o.normal.norm() - 1.0).abs() <= UNIT_LENGTH) {
         return Some("the normal is not of unit length");
@@ -53,14 +53,16 @@ fn witnesses_agree(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePo
     let origins = length(&a.origin) + length(&b.origin);
     let size = a.radius * a.unit() + b.radius * b.unit() + length(&pose.translation()) + 2.0 * origins;
     let slack = WITNESS_CHECK * size;
-    if o.class == Class::Undecided {
+    if o.state == ContactState::Undecided {
         return apart.is_finite();
     }
     let along = o.normal.dot(&between);
-    match o.class {
+    match o.state {
         // The witness on B lies behind the witness on A by the depth.
-        Class::Overlapping => apart <= -o.lower + slack && apart >= -o.upper - slack && -along >= -o.upper - slack,
-        Class::Separated => apart <= o.upper + slack && apart >= o.lower - slack && along >= o.lower - slack,
+        ContactState::Overlapping => {
+            apart <= -o.lower + slack && apart >= -o.upper - slack && -along >= -o.upper - slack
+        }
+        ContactState::Separated => apart <= o.upper + slack && apart >= o.lower - slack && along >= o.lower - slack,
         _ => apart <= o.upper + slack,
     }
 }

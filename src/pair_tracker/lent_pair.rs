@@ -15,7 +15,7 @@ use crate::convex::contact::{Manifold, ManifoldOptions};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::Tracker;
 use crate::pair::draft::far;
-use crate::pair::outcome::{Accuracy, Class, Decision, Outcome};
+use crate::pair::outcome::{Accuracy, ContactState, Decision, Outcome};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::pair_tracker::geometry::GeometryRef;
@@ -80,7 +80,7 @@ impl<'p> LentPair<'p> {
     /// Returns whether the geometries are at most `d` apart, from the outcome of the last question;
     /// true if that is undecided.
     pub(crate) fn decides_within(&mut self, pose: &RelativePose, outcome: &Outcome, d: f64) -> bool {
-        if outcome.class == Class::Overlapping || outcome.upper <= d {
+        if outcome.state == ContactState::Overlapping || outcome.upper <= d {
             true
         } else if outcome.lower > d {
             false
@@ -229,10 +229,10 @@ impl BallPair {
         Answer {
             is_reached: false,
             ..Answer::of_convex(Outcome {
-                class: if lower > 0.0 {
-                    Class::Separated
+                state: if lower > 0.0 {
+                    ContactState::Separated
                 } else {
-                    Class::Undecided
+                    ContactState::Undecided
                 },
                 distance: 0.5 * lower + 0.5 * upper,
                 lower,

@@ -26,9 +26,9 @@ impl PairTracker {
     /// Triangles that share a vertex always touch there, and are left out. Vertices are those of
     /// the mesh: welded points are one, and vertices that
     /// [`set_vertices`](Mesh::set_vertices) moves to one place remain two, so that triangles about
-    /// them touch. A mesh in contact with itself is [`Touching`](crate::Class::Touching), whether
-    /// or not its triangles cross. The points and the normal are in the frame of the mesh, and the
-    /// bounds are as close as those of two meshes.
+    /// them touch. A mesh in contact with itself is [`Touching`](crate::ContactState::Touching),
+    /// whether or not its triangles cross. The points and the normal are in the frame of the mesh,
+    /// and the bounds are as close as those of two meshes.
     ///
     /// The tracker keeps what the search has proven while the vertices move; the claims of a mesh
     /// of 20,000 triangles take some megabytes. A mesh whose triangles are of one size has many
@@ -37,7 +37,7 @@ impl PairTracker {
     ///
     /// ```
     /// use lin_canny::nalgebra::Point3;
-    /// use lin_canny::{Class, Mesh, PairTracker};
+    /// use lin_canny::{ContactState, Mesh, PairTracker};
     ///
     /// // A strip of ten squares along x.
     /// let at = |k: i32| Point3::new(f64::from(k / 2), f64::from(k % 2), 0.0);
@@ -56,7 +56,7 @@ impl PairTracker {
     /// };
     /// strip.set_vertices(&points.iter().map(fold).collect::<Vec<_>>())?;
     /// let folded = tracker.self_closest(&strip).expect("ten squares");
-    /// assert!(folded.class == Class::Separated && folded.distance <= 0.125);
+    /// assert!(folded.state == ContactState::Separated && folded.distance <= 0.125);
     /// // Triangles that lie over each other, by the indices of the caller.
     /// assert!(tracker.self_pairs(&strip, 0.2).iter().all(|pair| {
     ///     let [p, q] = pair.on.map(|spot| spot.part);
@@ -127,9 +127,9 @@ impl Decomposition {
     /// Returns bounds of the distance of the mesh from another geometry, by the distance of the
     /// pieces.
     ///
-    /// If the bounds leave open whether the bodies meet, the class is
-    /// [`Class::Undecided`](crate::Class::Undecided); no depth is told. A surface of patches is
-    /// measured against the mesh.
+    /// If the bounds leave open whether the bodies meet, the contact state is
+    /// [`ContactState::Undecided`](crate::ContactState::Undecided); no depth is told. A surface of
+    /// patches is measured against the mesh.
     pub fn distance<'g>(
         &'g self,
         tracker: &mut PairTracker,

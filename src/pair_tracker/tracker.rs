@@ -44,11 +44,11 @@ use nalgebra::{Unit, Vector3};
 /// | composites with placed pieces | `1.5e-13 L` | ties count as within |
 /// | a surface of patches | as asked for, else `2^-30 L` | may be undecided |
 ///
-/// The class of curved shapes may be [`Undecided`](crate::Class::Undecided), with the feature
-/// `exact` too, if the bounds straddle zero and are farther apart than a contact leaves them: a few
-/// in a hundred poses of superquadrics close to contact. Superquadrics with exponents near 0 or 2
-/// may also take some hundred times as long as usual, in about one pose of a hundred at any
-/// distance: they are answered in double-double arithmetic, by up to some 450 directions, and
+/// The contact state of curved shapes may be [`Undecided`](crate::ContactState::Undecided), with
+/// the feature `exact` too, if the bounds straddle zero and are farther apart than a contact leaves
+/// them: a few in a hundred poses of superquadrics close to contact. Superquadrics with exponents
+/// near 0 or 2 may also take some hundred times as long as usual, in about one pose of a hundred at
+/// any distance: they are answered in double-double arithmetic, by up to some 450 directions, and
 /// within `1e-10 L` of contact by up to some 1,300; the median is 14. Depths of curved shapes are
 /// as close as distances if balls inside the cores prove them, and for cylinders and cones about
 /// parallel axes; about a common centre, if many directions are nearly as deep, the interval may
@@ -59,8 +59,8 @@ use nalgebra::{Unit, Vector3};
 ///
 /// Whether a point, or a body smaller than rounding, is inside a closed mesh is exact too (feature
 /// `exact`), however near the surface is. Without the feature, within `1e-13 L` of the surface the
-/// class is [`Undecided`](crate::Class::Undecided), and `intersects` and `within` count the body as
-/// met.
+/// contact state is [`Undecided`](crate::ContactState::Undecided), and `intersects` and `within`
+/// count the body as met.
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -205,11 +205,12 @@ impl PairTracker {
     /// Two solid meshes whose surfaces touch and do not certainly cross overlap if a point inside
     /// both is found. The search looks at all pairs of triangles in contact and at points of each
     /// connected part, up to 16,384 pairs of boxes and about 1,024 points. If more are needed, an
-    /// overlap may be missed; the class is [`Class::Touching`](crate::Class::Touching) then.
-    /// The bounds of meshes are those of the distance without a sign, which is zero for bodies that
-    /// touch and for bodies that overlap: they hold in both cases, and bound no depth.
-    /// Within `1e-13 L` of contact the class of such a pair may differ between warm and cold
-    /// trackers, and between A to B and B to A.
+    /// overlap may be missed; the contact state is
+    /// [`ContactState::Touching`](crate::ContactState::Touching) then. The bounds of meshes are
+    /// those of the distance without a sign, which is zero for bodies that touch and for bodies
+    /// that overlap: they hold in both cases, and bound no depth. Within `1e-13 L` of contact the
+    /// contact state of such a pair may differ between warm and cold trackers, and between A to B
+    /// and B to A.
     ///
     /// A query of meshes takes time in proportion to the pairs of triangles that are as close as
     /// the closest ones, up to rounding: a few for most bodies, six for each triangle of a dome

@@ -28,7 +28,7 @@ use crate::composite::pieces::{Composite, Piece};
 use crate::composite::separation::ball_about;
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::pair::draft::{far, unit};
-use crate::pair::outcome::{Class, Decision, Outcome};
+use crate::pair::outcome::{ContactState, Decision, Outcome};
 use crate::pair::question::Question;
 use crate::pair::spot::{Answer, Spot, features_on};
 use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
@@ -277,7 +277,7 @@ impl SurfaceShapeTracker {
             Some((lower, best)) => {
                 let on = [best.place(0), Spot::new(0, best.feature)];
                 let outcome = Outcome {
-                    class: class(lower, best.upper),
+                    state: state(lower, best.upper),
                     distance: best.distance.clamped(lower, best.upper),
                     lower,
                     upper: best.upper,
@@ -315,13 +315,13 @@ impl BesideSurface for SurfaceShapeTracker {
 }
 
 /// An upper bound of zero is proven by a point of the surface within the shape.
-pub(super) fn class(lower: f64, upper: f64) -> Class {
+pub(super) fn state(lower: f64, upper: f64) -> ContactState {
     if lower > 0.0 {
-        Class::Separated
+        ContactState::Separated
     } else if upper == 0.0 {
-        Class::Overlapping
+        ContactState::Overlapping
     } else {
-        Class::Undecided
+        ContactState::Undecided
     }
 }
 
@@ -338,7 +338,7 @@ pub(super) fn far_apart(a: &Surface, b: &Shape, a_from_b: &RelativePose) -> Answ
     let facing = -a_from_b.rotation().tr_mul(&n);
     let on = [Spot::on_patch(0, [0.0; 2]), Spot::new(0, Feature::Vertex(VertexId(0)))];
     let outcome = Outcome {
-        class: class(lower, upper),
+        state: state(lower, upper),
         distance: 0.5 * lower + 0.5 * upper,
         lower,
         upper,
@@ -359,7 +359,7 @@ fn lower_to(answer: &mut Answer, lower: f64, goal: NetGoal) {
     let o = &mut answer.outcome;
     o.lower = o.lower.smaller(lower);
     o.distance = o.distance.larger(o.lower);
-    o.class = class(o.lower, o.upper);
+    o.state = state(o.lower, o.upper);
     answer.is_reached = goal.is_reached(o.lower, o.upper);
 }
 

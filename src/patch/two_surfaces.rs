@@ -18,7 +18,7 @@ use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{CERTIFICATE, SURFACE_POINT, UNIT};
 use crate::composite::mesh::Mesh;
 use crate::pair::draft::far;
-use crate::pair::outcome::{Class, Decision, Outcome};
+use crate::pair::outcome::{ContactState, Decision, Outcome};
 use crate::pair::question::Question;
 use crate::pair::spot::{Answer, Spot, features_on};
 use crate::time::separation::{Flight, Free, Measure, Separation};
@@ -94,15 +94,15 @@ impl SurfaceTracker {
     /// Returns the closest points with bounds as close as a goal asks for.
     pub(super) fn answer(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
         let found = self.search(a, b, a_from_b, goal);
-        let class = if found.lower > 0.0 {
-            Class::Separated
+        let state = if found.lower > 0.0 {
+            ContactState::Separated
         } else if found.shares {
-            Class::Touching
+            ContactState::Touching
         } else {
-            Class::Undecided
+            ContactState::Undecided
         };
         let outcome = Outcome {
-            class,
+            state,
             distance: found.distance.clamped(found.lower, found.upper),
             lower: found.lower,
             upper: found.upper,
@@ -242,13 +242,13 @@ impl SurfacePair<'_> {
 
     fn answer(&mut self, pose: &RelativePose, goal: NetGoal) -> Answer {
         let found = self.tracker.answer(self.a, self.b, pose, goal);
-        match found.class {
-            Class::Separated => match self.side(pose) {
+        match found.state {
+            ContactState::Separated => match self.side(pose) {
                 Side::Outside => found,
                 Side::Inside(spot, point) => self.inside(found, (spot, point), pose),
                 Side::Unclear => Answer {
                     outcome: Outcome {
-                        class: Class::Undecided,
+                        state: ContactState::Undecided,
                         lower: 0.0,
                         ..found.outcome
                     },
@@ -264,7 +264,7 @@ impl SurfacePair<'_> {
     fn inside(&self, found: Answer, (spot, point): (Spot, Point3<f64>), pose: &RelativePose) -> Answer {
         let mut answer = found;
         let o = &mut answer.outcome;
-        (o.class, o.distance, o.lower, o.upper) = (Class::Overlapping, 0.0, 0.0, 0.0);
+        (o.state, o.distance, o.lower, o.upper) = (ContactState::Overlapping, 0.0, 0.0, 0.0);
         let is_mesh_a = matches!(self.mesh, Some((Operand::A, _)));
         let [from, to] = if is_mesh_a { [1, 0] } else { [0, 1] };
         answer.on[from] = spot;

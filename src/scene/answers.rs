@@ -115,7 +115,7 @@ impl Scene {
             contacts: None,
         };
         if let Some(seen) = self.pair_tables.get(pair.id.slot) {
-            let plan = self.table.plan(seen.header.class);
+            let plan = self.table.plan(seen.header.groups);
             answer.overlaps = (plan.overlap && seen.header.state.known).then_some(seen.header.state.overlaps);
             answer.within = (plan.within != NEVER && seen.header.state.known).then_some(seen.header.state.within);
             (answer.distance, answer.outcome, answer.manifold) = (seen.distance, seen.outcome, seen.manifold);

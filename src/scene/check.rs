@@ -108,7 +108,7 @@ impl Scene {
             if pair.map(|pair| bodies_of(&self.bodies, &pair)) != Some((header.a, header.b)) || header.a == header.b {
                 return Err("a seat of the scene is taken by no pair".into());
             }
-            if usize::from(header.class) >= GROUPS * GROUPS || !self.may_sleep(header) {
+            if usize::from(header.groups) >= GROUPS * GROUPS || !self.may_sleep(header) {
                 return Err(format!("{} sleeps, or has a group, as no pair does", header.pair));
             }
         }
@@ -117,15 +117,15 @@ impl Scene {
             let (Some(g), Some(h)) = (self.bodies.group(a), self.bodies.group(b)) else {
                 return Err(format!("{} is of a body that is gone", pair.id));
             };
-            let class = group_pair_of(g, h);
-            let plan = self.table.plan(class);
+            let groups = group_pair_of(g, h);
+            let plan = self.table.plan(groups);
             let table = || plan.detail as u32 - Detail::Predicates as u32;
             let detail = (plan.detail > Detail::Boxes).then(table);
             if self.pair_tables.place(pair.id.slot) != (detail, plan.boxes) {
                 return Err(format!("{} is in another table than its effects call for", pair.id));
             }
             let header = self.pair_tables.get(pair.id.slot).map(|seen| *seen.header);
-            if header.is_some_and(|header| header.class != class || !is_called(&header.state, plan)) {
+            if header.is_some_and(|header| header.groups != groups || !is_called(&header.state, plan)) {
                 return Err(format!("{} has an answer that is not called for", pair.id));
             }
         }

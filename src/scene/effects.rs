@@ -344,9 +344,9 @@ impl Default for Table {
 impl Table {
     pub(super) fn call_for(&mut self, g: Group, h: Group, effects: Effects) -> Result<(), SceneError> {
         effects.check()?;
-        let class = usize::from(group_pair_of(g, h));
-        self.effects[class] = effects;
-        self.plans[class] = effects.resolved();
+        let groups = usize::from(group_pair_of(g, h));
+        self.effects[groups] = effects;
+        self.plans[groups] = effects.resolved();
         self.impacts = self.groups(|effects| effects.impact.is_some());
         self.manifolds = self.groups(|effects| effects.manifold.is_some());
         Ok(())
@@ -373,8 +373,8 @@ impl Table {
     }
 
     #[inline]
-    pub(super) fn plan(&self, class: GroupPair) -> &PairPlan {
-        &self.plans[usize::from(class)]
+    pub(super) fn plan(&self, groups: GroupPair) -> &PairPlan {
+        &self.plans[usize::from(groups)]
     }
 
     /// Returns the groups with which any effect is called for, as bits.

@@ -16,7 +16,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
 use crate::convex::tracker::Workspace;
-use crate::pair::outcome::{Class, Outcome};
+use crate::pair::outcome::{ContactState, Outcome};
 
 /// The parts of a scene that the narrow phase reads.
 pub(super) struct StepContext<'a> {
@@ -130,7 +130,7 @@ impl StepContext<'_> {
         answer: &mut A,
         tally: &mut Tally,
     ) {
-        let plan = self.table.plan(header.class);
+        let plan = self.table.plan(header.groups);
         // Balls before shapes: a far pair then reads no shape. A sweep must come before its balls.
         if plan.impact.is_none() && self.is_clear(header, plan.reach, &mut tally.counts) {
             return drop_contacts(tracker, answer);
@@ -206,7 +206,7 @@ fn drop_contacts<T: PairEngine, A: StoredAnswer>(tracker: &mut T, answer: &mut A
 /// changes.
 fn slack_of(plan: &PairPlan, outcome: &Outcome) -> f64 {
     // The upper bound of an overlap without depth is 0.
-    let upper = if outcome.class == Class::Overlapping {
+    let upper = if outcome.state == ContactState::Overlapping {
         0.0
     } else {
         outcome.upper

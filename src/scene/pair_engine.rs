@@ -50,7 +50,7 @@ pub(super) trait PairEngine: Clone + Send + Sync {
     fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>>;
 
     /// Returns the signed distance with bounds and features; an overlap without a depth if `until`
-    /// is [`Until::Class`].
+    /// is [`Until::ContactState`].
     fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome;
 
     /// Exchanges the working memory of measurements, which holds nothing between two, for another.

@@ -35,7 +35,7 @@ pub(super) struct PairHeader {
     pub(super) b: u32,
     /// Id of the pair in the broad phase.
     pub(super) pair: PairId,
-    pub(super) class: GroupPair,
+    pub(super) groups: GroupPair,
     pub(super) state: PairFlags,
     /// Sum of the odometers from which on the pair is tested again; for a pair that sleeps, the
     /// number of the tick.
@@ -208,7 +208,7 @@ impl<T> Default for DetailTables<T> {
 impl<T: PairEngine> DetailTables<T> {
     /// Inserts a pair; returns the number of its table and the row.
     fn push(&mut self, plan: &PairPlan, header: PairHeader, mut tracker: T) -> Option<(u32, u32)> {
-        if plan.until == Until::Class {
+        if plan.until == Until::ContactState {
             tracker.shed();
         }
         if plan.detail != Detail::Manifold {

@@ -202,7 +202,7 @@ impl Scene {
             return None;
         }
         let mut query = self.query(a, b)?;
-        let answer = query.measure(Until::Class);
+        let answer = query.measure(Until::ContactState);
         query.decides_within(&answer, d).then(|| ClosestPair {
             a: self.bodies.id(a),
             b: self.bodies.id(b),

@@ -312,8 +312,8 @@ fn begin(
     let (Some(g), Some(h)) = (bodies.group(a), bodies.group(b)) else {
         return;
     };
-    let class = group_pair_of(g, h);
-    let plan = table.plan(class);
+    let groups = group_pair_of(g, h);
+    let plan = table.plan(groups);
     if plan.boxes && !pair_state.box_event_sent {
         changes.push(PairChange {
             id,
@@ -325,7 +325,7 @@ fn begin(
         a,
         b,
         pair: id,
-        class,
+        groups,
         state: PairFlags::default(),
         wake: 0.0,
     };

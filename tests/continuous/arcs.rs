@@ -4,7 +4,7 @@
 use super::meshes::{ends, moved, sheet, vertices};
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::{Cast, Impact, Tolerance};
-use lin_canny::{Class, Mesh, PairTracker, RelativePose};
+use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
 use truth::exact_meshes::apart;
 use truth::forms::mesh;
 use truth::pose::{add, quat, scale};
@@ -119,7 +119,10 @@ fn a_turning_blade_hits_a_sheet_at_the_known_angle() {
                     let doubt = 1e-12;
                     assert!(safe <= instant + doubt && instant - doubt <= hit, "{what} {instant}");
                     assert!(hit - safe <= tolerance + 100.0 * doubt, "{what} {instant}");
-                    assert!(seen.class == Class::Separated && seen.lower <= seen.upper, "{what}");
+                    assert!(
+                        seen.state == ContactState::Separated && seen.lower <= seen.upper,
+                        "{what}"
+                    );
                     hits += 1;
                 }
                 (Impact::Miss, _) => assert!(!crosses, "{what}"),
@@ -261,8 +264,8 @@ fn run(rounds: usize, seed: u64) -> Tally {
                 let pose = RelativePose::from_isometry(&turning.at(t).isometry()).unwrap();
                 let seen = PairTracker::new().closest(&at, &n, &pose);
                 assert!(
-                    seen.class == Class::Separated
-                        || seen.class == Class::Overlapping && seen.distance < 0.0 && is_apart(t).0,
+                    seen.state == ContactState::Separated
+                        || seen.state == ContactState::Overlapping && seen.distance < 0.0 && is_apart(t).0,
                     "{what} {t} {seen:?}"
                 );
             }

@@ -4,7 +4,7 @@ use super::given;
 use lin_canny::continuous::{self, MeshOverFrame};
 use lin_canny::impact::{Impact, ImpactError, Tolerance};
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{Class, Mesh};
+use lin_canny::{ContactState, Mesh};
 use truth::Point;
 use truth::forms::mesh;
 use truth::paths::{self, Truth};
@@ -87,7 +87,7 @@ pub(crate) fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool
                 "{what}: {impact:?} {low} {high}"
             );
             assert!(
-                seen.class == Class::Separated && seen.lower <= seen.upper,
+                seen.state == ContactState::Separated && seen.lower <= seen.upper,
                 "{what}: {impact:?}"
             );
             // The triangles named meet in the bracket, or after it begins and before it ends.

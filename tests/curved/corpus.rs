@@ -3,7 +3,7 @@
 use super::Mix;
 use super::suites::sampled;
 use lin_canny::shape::Core;
-use lin_canny::{Class, Outcome, PairTracker, RelativePose, Shape};
+use lin_canny::{ContactState, Outcome, PairTracker, RelativePose, Shape};
 use truth::curved::{Kind, Place, parse};
 use truth::rng::Rng;
 
@@ -48,17 +48,17 @@ fn every_line_is_answered() {
         let at = place(&pair.pose);
         let o = PairTracker::new().closest(&a, &b, &pair.pose);
         let size = at.size(&first, &second);
-        assert_ne!(o.class, Class::Undecided, "{line} {o:?}");
+        assert_ne!(o.state, ContactState::Undecided, "{line} {o:?}");
         if matches!((a.core(), b.core()), (Core::Polyhedron(_), Core::Polyhedron(_))) {
             // The judge of two polyhedra is elsewhere.
-        } else if o.class == Class::Separated {
+        } else if o.state == ContactState::Separated {
             mix.judge(&first, &second, &at, &o);
         } else {
             let s = sampled(&first, &second, &at, &mut rng);
             assert!(s <= o.upper + 1e-14 * size, "{line}: {s} {o:?}");
             assert!(o.upper - o.lower <= 3e-6 * size, "{line}: {o:?}");
         }
-        classes[o.class as usize] += 1;
+        classes[o.state as usize] += 1;
         // Rounded: both radii less; warm, swapped, and after another pair.
         let mut tracker = PairTracker::new();
         let rounded = tracker.closest(&pair.a, &pair.b, &pair.pose);
@@ -71,7 +71,7 @@ fn every_line_is_answered() {
         let again = tracker.closest(&pair.a, &pair.b, &pair.pose);
         let swapped = tracker.closest(&pair.b, &pair.a, &pair.pose.swapped());
         for other in [again, swapped] {
-            assert_eq!(other.class, rounded.class, "{line} {rounded:?} {other:?}");
+            assert_eq!(other.state, rounded.state, "{line} {rounded:?} {other:?}");
             meet(&other, &rounded, line);
         }
     }
@@ -79,7 +79,7 @@ fn every_line_is_answered() {
     println!("classes {classes:?}");
     assert!(mix.widest <= 1e-13, "{}", mix.widest);
     assert!(
-        classes[Class::Separated as usize] > 30 && classes[Class::Overlapping as usize] > 3,
+        classes[ContactState::Separated as usize] > 30 && classes[ContactState::Overlapping as usize] > 3,
         "{classes:?}"
     );
 }

@@ -11,7 +11,7 @@ mod starts;
 mod suites;
 
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Outcome, PairTracker, Solver};
+use lin_canny::{ContactState, Outcome, PairTracker, Solver};
 use truth::curved::{KINDS, Kind, Place, Wide};
 use truth::rng::Rng;
 
@@ -50,7 +50,7 @@ impl Mix {
             told()
         );
         assert!((o.normal.norm() - 1.0).abs() < 1e-15, "{}", told());
-        self.classes[o.class as usize] += 1;
+        self.classes[o.state as usize] += 1;
         self.layers[o.solver as usize] += 1;
         self.widest = self.widest.max((o.upper - o.lower) / size);
         self.evaluations += u64::from(o.work.steps);
@@ -140,9 +140,9 @@ fn random_poses_of_all_pairs_of_kinds() {
             let (x, y, pose) = (a.shape(), b.shape(), place.pose());
             let o = PairTracker::new().closest(&x, &y, &pose);
             cold.judge(&a, &b, &place, &o);
-            assert_eq!(o.class, Class::Separated, "{a:?} {b:?} {place:?} {o:?}");
+            assert_eq!(o.state, ContactState::Separated, "{a:?} {b:?} {place:?} {o:?}");
             let swapped = PairTracker::new().closest(&y, &x, &pose.swapped());
-            assert_eq!(swapped.class, o.class);
+            assert_eq!(swapped.state, o.state);
             assert!(
                 swapped.lower <= o.upper && o.lower <= swapped.upper,
                 "{o:?} {swapped:?}"

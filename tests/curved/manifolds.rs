@@ -3,7 +3,7 @@
 
 use super::at_gap;
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{Class, ContactPoint, Manifold, ManifoldOptions, PairTracker, Shape, Tracker};
+use lin_canny::{ContactPoint, ContactState, Manifold, ManifoldOptions, PairTracker, Shape, Tracker};
 use truth::curved::{KINDS, Kind, Place, wide};
 use truth::rng::Rng;
 
@@ -206,7 +206,7 @@ fn contacts_of_all_pairs_are_sound() {
                 assert_eq!(manifold.points().is_empty(), o.lower > options.prediction, "{told}");
             }
             counts[manifold.points().len()] += 1;
-            overlapping += u32::from(o.class == Class::Overlapping);
+            overlapping += u32::from(o.state == ContactState::Overlapping);
             place = trembled(&place, 1e-3, &mut rng);
         }
     }

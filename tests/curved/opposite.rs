@@ -3,7 +3,7 @@
 
 use super::{at_gap, pairs};
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Outcome, PairTracker};
+use lin_canny::{ContactState, Outcome, PairTracker};
 use truth::curved::special::{about_parallel_axes, flush_over_edge};
 use truth::curved::{Kind, Place, matrix, turned_back, wide};
 use truth::rng::Rng;
@@ -54,17 +54,17 @@ impl Worst {
             }
         };
         let o = pair.closest(&shape(0), &shape(1), &place.pose());
-        self.classes[o.class as usize] += 1;
+        self.classes[o.state as usize] += 1;
         let off = off(kinds, radii, place, &o);
         let width = (o.upper - o.lower) / place.size(kinds[0], kinds[1]);
         let is_rough = kinds.iter().any(|k| matches!(k, Kind::Superquadric(..)));
         let most = if is_rough { ROUGH } else { OFF };
-        let (list, most) = match o.class {
-            Class::Separated => (&mut self.apart, most),
+        let (list, most) = match o.state {
+            ContactState::Separated => (&mut self.apart, most),
             _ if width <= 1e-13 => (&mut self.closed, most),
             _ => (&mut self.open, most + width.min(WIDE)),
         };
-        if off.iter().any(|&x| !(x <= most)) || o.class == Class::Undecided {
+        if off.iter().any(|&x| !(x <= most)) || o.state == ContactState::Undecided {
             self.bad += 1;
             if self.bad <= 1 || off.iter().any(|&x| x > 1e-5) {
                 println!("{off:?} {radii:?} {kinds:?}\n{place:?}\n{o:?}");
@@ -161,7 +161,7 @@ fn witnesses_of_a_capsule_along_the_axis_of_a_cylinder_are_opposite() {
     }
     println!("{worst:?}");
     assert!(
-        worst.bad == 0 && worst.classes[Class::Overlapping as usize] > 3000,
+        worst.bad == 0 && worst.classes[ContactState::Overlapping as usize] > 3000,
         "{worst:?}"
     );
 }

@@ -3,7 +3,7 @@
 
 use super::Mix;
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
+use lin_canny::{ContactState, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
 use truth::curved::special::{about_parallel_axes, flush_over_edge, near_limits};
 use truth::curved::{KINDS, Kind, Place};
 use truth::rng::Rng;
@@ -98,7 +98,7 @@ fn superquadrics_near_the_limits_are_bounded_close_to_contact() {
             assert!(p.coords.iter().all(|x| x.is_finite()), "{}", told());
         }
         assert!(o.distance.is_finite() && o.upper.is_finite(), "{}", told());
-        if o.class == Class::Separated {
+        if o.state == ContactState::Separated {
             mix.judge(&a, &b, &place, &o);
         }
         let round = rng.range(0.1, 1.0);
@@ -122,11 +122,11 @@ fn depths_about_parallel_axes_are_closed() {
         let (x, y, size) = (a.shape(), b.shape(), place.size(&a, &b));
         for (x, y, pose) in [(&x, &y, place.pose()), (&y, &x, place.pose().swapped())] {
             let o = PairTracker::new().closest(x, y, &pose);
-            if o.class == Class::Separated {
+            if o.state == ContactState::Separated {
                 continue;
             }
             deep += 1;
-            if o.class != Class::Overlapping || o.upper - o.lower > 1e-13 * size {
+            if o.state != ContactState::Overlapping || o.upper - o.lower > 1e-13 * size {
                 bad += 1;
                 if bad < 4 {
                     told += &format!("{:e} {a:?} {b:?} {place:?}\n{o:?}\n", (o.upper - o.lower) / size);

@@ -1,7 +1,7 @@
 //! Promise: a start along a normal changes the work of a query and never its bounds.
 
 use lin_canny::nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
-use lin_canny::{Class, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
+use lin_canny::{ContactState, Manifold, ManifoldOptions, Outcome, PairTracker, Shape};
 use truth::curved::{Kind, Place, wide};
 use truth::rng::Rng;
 
@@ -43,7 +43,7 @@ fn draw(first: &str, second: &str, rng: &mut Rng) -> ([Kind; 2], [Place; 2]) {
 
 fn agree(told: &Outcome, cold: &Outcome) {
     let is_open = told.lower <= 0.0 && told.upper >= 0.0 || cold.lower <= 0.0 && cold.upper >= 0.0;
-    assert!(told.class == cold.class || is_open, "{told:?}\n{cold:?}");
+    assert!(told.state == cold.state || is_open, "{told:?}\n{cold:?}");
     assert!(
         told.lower <= cold.upper && cold.lower <= told.upper,
         "{told:?}\n{cold:?}"
@@ -78,7 +78,7 @@ fn starts_along_normals_change_the_work_alone() {
             let wrong = PairTracker::starting_along(&wrong, &x, &y).closest(&x, &y, &pose);
             agree(&wrong, &cold);
             wrong_work.add(&wrong);
-            if cold.class == Class::Separated {
+            if cold.state == ContactState::Separated {
                 mix.judge(&a, &b, &next, &told);
                 apart += 1;
                 cold_work.add(&cold);
@@ -136,7 +136,7 @@ fn local_depths_of_curved_shapes_part_them() {
                 .expect("convex shapes");
             let size = next.size(&a, &b);
             assert!(manifold.lower() <= full.upper, "{} {full:?}", manifold.lower());
-            if full.class != Class::Overlapping || full.upper > -1e-6 * size {
+            if full.state != ContactState::Overlapping || full.upper > -1e-6 * size {
                 assert!(
                     manifold.lower() >= full.lower - 1e-6 * size,
                     "{} {full:?}",
@@ -186,10 +186,10 @@ fn normals_of_tracked_overlaps_prove_their_bounds() {
                 assert!((o.normal.norm() - 1.0).abs() <= 1e-15, "{kinds:?} {o:?}");
                 let proof = place.height(&kinds[0], &kinds[1], &wide((*o.normal).into())).0;
                 assert!(
-                    o.class != Class::Overlapping || o.lower <= proof + 1e-14 * size,
+                    o.state != ContactState::Overlapping || o.lower <= proof + 1e-14 * size,
                     "{proof} {kinds:?} {o:?}"
                 );
-                overlaps += u32::from(o.class == Class::Overlapping);
+                overlaps += u32::from(o.state == ContactState::Overlapping);
             }
         }
     }

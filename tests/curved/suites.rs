@@ -3,7 +3,7 @@
 use super::{Mix, at_gap, count, pairs};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Outcome, PairTracker, Shape, Solver};
+use lin_canny::{ContactState, Outcome, PairTracker, Shape, Solver};
 use truth::curved::{KINDS, Kind, Place, wide};
 use truth::rng::Rng;
 
@@ -60,14 +60,14 @@ fn overlaps_have_sound_depths() {
             assert!(s - o.upper.max(o.lower) <= 1e-15 * size, "{}", told());
             // Pushed along the normal by `push`: no deeper than that.
             assert!(o.upper >= -push - 1e-14 * size, "{}", told());
-            match o.class {
+            match o.state {
                 // Pushed past an acute rim, along a normal that does not lead inside.
-                Class::Separated => continue,
-                Class::Overlapping if o.upper - o.lower <= 1e-13 * size => closed += 1,
-                Class::Overlapping => wide_ones += 1,
+                ContactState::Separated => continue,
+                ContactState::Overlapping if o.upper - o.lower <= 1e-13 * size => closed += 1,
+                ContactState::Overlapping => wide_ones += 1,
                 _ => open += 1,
             }
-            if o.class == Class::Overlapping && o.upper - o.lower > 4e-6 * size {
+            if o.state == ContactState::Overlapping && o.upper - o.lower > 4e-6 * size {
                 println!(
                     "wide: {:.1e} {first} {second} push {push:.1e}",
                     (o.upper - o.lower) / size
@@ -173,7 +173,7 @@ fn flush_and_extreme_pairs_close() {
                 };
                 let o = closest(&a.shape(), &b.shape(), &place);
                 mix.judge(a, b, &place, &o);
-                assert_eq!(o.class, Class::Separated, "{a:?} {b:?} {place:?} {o:?}");
+                assert_eq!(o.state, ContactState::Separated, "{a:?} {b:?} {place:?} {o:?}");
             }
         }
     }
@@ -191,7 +191,7 @@ fn flush_and_extreme_pairs_close() {
     assert!(extreme.widest <= 1e-13, "{}", extreme.widest);
 }
 
-/// One tracker for all pairs, jumping from one to the next: the class is the same, the bounds meet; and so along a motion.
+/// One tracker for all pairs, jumping from one to the next: the contact state is the same, the bounds meet; and so along a motion.
 #[test]
 fn stale_and_warm_trackers_agree_with_cold_ones() {
     let (mut rng, mut pair) = (Rng::new(2194), PairTracker::new());
@@ -204,9 +204,9 @@ fn stale_and_warm_trackers_agree_with_cold_ones() {
         for _ in 0..20 {
             let o = pair.closest(&x, &y, &place.pose());
             let cold = closest(&x, &y, &place);
-            assert_eq!(o.class, cold.class, "{a:?} {b:?} {place:?} {o:?} {cold:?}");
+            assert_eq!(o.state, cold.state, "{a:?} {b:?} {place:?} {o:?} {cold:?}");
             meet(&o, &cold, "warm and cold");
-            if o.class == Class::Separated {
+            if o.state == ContactState::Separated {
                 warm.judge(&a, &b, &place, &o);
             }
             frames += u32::from(o.solver == Solver::Walk);
@@ -258,7 +258,7 @@ fn scales_are_no_matter() {
             let p = closest(&shape(s), &solid(s), &far);
             let off = (p.distance / s - o.distance).abs();
             assert!(
-                off < 1e-13 && p.class == o.class && p.upper - p.lower <= 1e-12 * s,
+                off < 1e-13 && p.state == o.state && p.upper - p.lower <= 1e-12 * s,
                 "{s} {o:?} {p:?}"
             );
             // A speck beside a shape of ordinary size, and shapes far from each other.
@@ -269,8 +269,12 @@ fn scales_are_no_matter() {
                     "{s} {q:?}"
                 );
                 assert_eq!(
-                    q.class,
-                    if s < 1.0 { Class::Separated } else { Class::Overlapping },
+                    q.state,
+                    if s < 1.0 {
+                        ContactState::Separated
+                    } else {
+                        ContactState::Overlapping
+                    },
                     "{s} {q:?}"
                 );
             }
@@ -305,10 +309,10 @@ fn affine_images_of_a_ball_are_ellipsoids() {
         let back = Vector3::from([0, 1, 2].map(|k| p.normal[k] / axes[k]));
         let there = Vector3::from([0, 1, 2].map(|k| o.normal[k] * axes[k]));
         let slack = 1e-13 * (1.0 / axes.iter().fold(1.0f64, |m, x| m.min(*x)));
-        if p.class == Class::Separated || o.class == Class::Separated {
+        if p.state == ContactState::Separated || o.state == ContactState::Separated {
             assert!(p.lower / back.norm() <= o.upper + slack, "{axes:?} {o:?} {p:?}");
             assert!(o.lower / there.norm() <= p.upper + slack, "{axes:?} {o:?} {p:?}");
-            assert_eq!(o.class, p.class, "{axes:?} {o:?} {p:?}");
+            assert_eq!(o.state, p.state, "{axes:?} {o:?} {p:?}");
             apart += 1;
         } else {
             together += 1;

@@ -3,7 +3,7 @@
 use crate::{both, closest, pushed};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Replay, Solver, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Replay, Solver, Tracker};
 use truth::contacts::widest_face;
 use truth::motion::{self, Frame};
 use truth::pose::{norm, radius, scale, sub};
@@ -33,7 +33,7 @@ fn motions_through_contact_are_continuous() {
         for frame in frames {
             let o = pair.closest(&a, &b, &support::relative(&frame));
             assert_eq!(pair.check(), Ok(()));
-            classes[o.class as usize] += 1;
+            classes[o.state as usize] += 1;
             if let Some((before, old)) = last {
                 let moved = |p: &Pose, q: &Pose, r: f64| {
                     let turn = [0, 1, 2].map(|k| {
@@ -76,8 +76,8 @@ fn warm_and_cold_agree_and_come_back() {
             let pose = support::relative(&frame);
             let replay = pair.replay(&a, &b, &pose, lin_canny::Accuracy::Certified);
             let (warm, cold) = (pair.closest(&a, &b, &pose), closest(&a, &b, &frame));
-            assert_eq!(warm.class, cold.class, "{warm:?} {cold:?}");
-            if warm.class != Class::Overlapping {
+            assert_eq!(warm.state, cold.state, "{warm:?} {cold:?}");
+            if warm.state != ContactState::Overlapping {
                 continue;
             }
             frames += 1;
@@ -127,8 +127,8 @@ fn faces_that_tremble_on_faces() {
             let warm = pair.closest(&a, &b, &support::relative(&frame));
             let cold = closest(&a, &b, &frame);
             let (size, told) = (support::size(&a, &b, &frame), format!("{warm:?} {cold:?}"));
-            assert_eq!(warm.class, cold.class, "{told}");
-            if warm.class != Class::Overlapping {
+            assert_eq!(warm.state, cold.state, "{told}");
+            if warm.state != ContactState::Overlapping {
                 continue;
             }
             assert!((warm.distance - cold.distance).abs() <= 1e-14 * size, "{told}");
@@ -162,7 +162,7 @@ fn a_foreign_surface_does_no_harm() {
         };
         let frame = both(Pose::IDENTITY, at);
         let (o, cold) = (pair.closest(a, b, &support::relative(&frame)), closest(a, b, &frame));
-        assert_eq!(o.class, cold.class);
+        assert_eq!(o.state, cold.state);
         assert!((o.distance - cold.distance).abs() <= 1e-14 * support::size(a, b, &frame));
     }
 }

@@ -3,7 +3,7 @@
 use crate::{both, closest, judge, judge_both};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Replay, Solver};
+use lin_canny::{ContactState, ConvexPolyhedron, Replay, Solver};
 use truth::Pose;
 use truth::pose::{scale, sub};
 use truth::rng::Rng;
@@ -81,7 +81,7 @@ fn bodies_thinner_than_rounding_have_a_depth() {
         let t = Pose { q, t: [0.0; 3] }.rotate([rng.range(-0.9, 0.9), 0.0, 0.0]);
         let frame = both(Pose { q, t: [0.0; 3] }, Pose { q, t });
         let o = closest(&a, &b, &frame);
-        if o.class == Class::Overlapping {
+        if o.state == ContactState::Overlapping {
             judge_both(&a, &b, &frame, "needles");
             exact += usize::from(o.solver == Solver::Exact);
         }
@@ -106,7 +106,7 @@ fn an_overlap_below_the_least_number() {
         closest(&segment, &triangle, &frame),
         closest(&triangle, &segment, &frame.swapped()),
     ] {
-        assert_eq!(o.class, Class::Overlapping, "{o:?}");
+        assert_eq!(o.state, ContactState::Overlapping, "{o:?}");
         assert!(
             o.lower < 0.0 && o.lower <= o.distance && o.distance <= o.upper && o.upper <= 0.0,
             "{o:?}"
@@ -132,7 +132,7 @@ fn a_point_in_the_skin_of_a_needle_has_its_witnesses() {
             let at = *rng.pick(&corners) * t + Vector3::new(0.0, 0.0, 1e6) * (1.0 - t);
             let frame = both(Pose::IDENTITY, Pose::shift(at.into()));
             let o = closest(&needle, &speck, &frame);
-            if o.class != Class::Overlapping {
+            if o.state != ContactState::Overlapping {
                 continue;
             }
             inside += 1;
@@ -169,7 +169,7 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
             frame.b.t = truth::pose::add(frame.b.t, scale(o.normal.into_inner().into(), by));
         }
         let o = closest(&a, &b, &frame);
-        if o.class != Class::Overlapping {
+        if o.state != ContactState::Overlapping {
             continue;
         }
         deep += 1;
@@ -187,7 +187,7 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
 fn witnesses_among_needles_are_behind_each_other() {
     let replay: Replay = include_str!("../replays/needles.txt").parse().expect("a replay");
     let o = replay.tracker().closest(&replay.a, &replay.b, &replay.pose);
-    assert_eq!((o.class, o.solver), (Class::Overlapping, Solver::Surface));
+    assert_eq!((o.state, o.solver), (ContactState::Overlapping, Solver::Surface));
     let (pa, pb) = replay.pose.poses();
     let (n, between) = (pa * o.normal.into_inner(), pb * o.point_on_b - pa * o.point_on_a);
     let aside = (between - n * n.dot(&between)).norm();

@@ -1,6 +1,6 @@
 //! The depth of an overlap is a function of the bodies and the pose: what a tracker was asked before shows in no bit.
 
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Tracker};
 use truth::Pose;
 use truth::motion::Frame;
 use truth::pose::{quat, quat_mul, scale};
@@ -20,7 +20,7 @@ struct Compared {
 
 impl Compared {
     fn add(&mut self, warm: &Outcome, cold: &Outcome, swapped: &Outcome) {
-        if cold.class != Class::Overlapping {
+        if cold.state != ContactState::Overlapping {
             return;
         }
         self.overlaps += 1;

@@ -2,7 +2,9 @@
 //! tracker of a proven depth, and with the letters exchanged. Bodies apart are answered as ever.
 
 use crate::nearest::{nudged, pose, shape};
-use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, PairTracker, Question, Tracker, Until};
+use lin_canny::{
+    ContactState, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, PairTracker, Question, Tracker, Until,
+};
 use truth::exact::{self, Exact};
 use truth::motion::{self, Frame};
 use truth::pose::{dot, radius, scale, sub};
@@ -47,7 +49,7 @@ impl Pair<'_> {
         let normal = frame.a.rotate(o.normal.into_inner().into());
         let gap = bound::support_gap(x, &frame.a, y, &frame.b, normal);
         assert!((gap - o.distance).abs() <= 1e-13 * size, "{gap:e} {}", told());
-        if o.class != Class::Overlapping {
+        if o.state != ContactState::Overlapping {
             assert!(o.upper - o.lower <= 1e-13 * size, "{}", told());
             count.apart += 1;
             return;
@@ -92,7 +94,7 @@ fn local_depths_bound_the_exact_depth() {
             if k % 2 == 0 {
                 mixed.closest(&a, &b, &pose);
             }
-            let mut hint = last.map_or_else(Tracker::new, |o| Tracker::resuming(o.features, o.class, &a, &b));
+            let mut hint = last.map_or_else(Tracker::new, |o| Tracker::resuming(o.features, o.state, &a, &b));
             for tracker in [warm, mixed, &mut hint] {
                 let o = tracker.closest_with_local_depth(&a, &b, &pose);
                 there.judge(&frame, &o, &truth, &mut count);
@@ -110,7 +112,7 @@ fn local_depths_bound_the_exact_depth() {
     assert!(least.iter().all(|&n| n > 400) && deeper > 50 && open > 100, "{count:?}");
 }
 
-/// Through contact and back: the class is that of the proven answer, the bounds hold its depth, and a proven answer of the
+/// Through contact and back: the contact state is that of the proven answer, the bounds hold its depth, and a proven answer of the
 /// same tracker is not misled.
 #[test]
 fn motions_through_contact_keep_class_and_bounds() {
@@ -133,12 +135,12 @@ fn motions_through_contact_keep_class_and_bounds() {
             let truth = proven.closest(&a, &b, &pose);
             let o = pair.closest_with_local_depth(&a, &b, &pose);
             let slack = 1e-13 * support::size(&a, &b, &frame);
-            assert_eq!(o.class, truth.class, "{o:?} {truth:?}");
+            assert_eq!(o.state, truth.state, "{o:?} {truth:?}");
             assert!(
                 o.lower <= truth.upper && truth.lower <= o.upper && o.lower <= o.distance && o.distance <= o.upper,
                 "{o:?} {truth:?}"
             );
-            classes[o.class as usize] += 1;
+            classes[o.state as usize] += 1;
             deeper += usize::from(truth.distance - o.distance > slack);
             if f % 10 == 0 {
                 let again = pair.closest(&a, &b, &pose);
@@ -194,7 +196,7 @@ fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
                 &pose,
                 &Question::new().until(Until::LocalDepth),
             );
-            assert_eq!(o.class, truth.class, "{o:?} {truth:?}");
+            assert_eq!(o.state, truth.state, "{o:?} {truth:?}");
             assert!(o.lower <= truth.upper && truth.lower <= o.upper, "{o:?} {truth:?}");
         }
     }
@@ -216,6 +218,6 @@ fn bodies_of_different_scales_are_answered() {
     for _ in 0..3 {
         let o = pair.closest_with_local_depth(&large, &small, &inside);
         let p = Tracker::new().closest(&large, &small, &inside);
-        assert_eq!((o.class, o.distance), (p.class, p.distance));
+        assert_eq!((o.state, o.distance), (p.state, p.distance));
     }
 }

@@ -6,7 +6,7 @@ mod history;
 mod local;
 mod nearest;
 
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Tracker};
 use truth::exact;
 use truth::motion::Frame;
 use truth::pose::{norm, radius, scale, sub};
@@ -29,7 +29,7 @@ fn judge(a: &ConvexPolyhedron, b: &ConvexPolyhedron, frame: &Frame, what: &str) 
     let o = closest(a, b, frame);
     let size = support::size(a, b, frame);
     let told = format!("{what}: {o:?} {frame:?}");
-    assert_eq!(o.class, Class::Overlapping, "{told}");
+    assert_eq!(o.state, ContactState::Overlapping, "{told}");
     assert!(
         o.lower <= o.distance && o.distance <= o.upper && o.upper <= 0.0,
         "{told}"
@@ -114,7 +114,7 @@ fn hard_poses_of_small_bodies_are_exact() {
         let (body_a, body_b) = (support::body(&a), support::body(&b));
         for frame in hard_poses(&mut rng, (radius(&a.points), radius(&b.points))) {
             let truth = exact::solve(Body::from(&a), &frame.a, Body::from(&b), &frame.b);
-            if truth.class != truth::Class::Overlapping {
+            if truth.state != truth::ContactState::Overlapping {
                 continue;
             }
             let d = judge_both(&body_a, &body_b, &frame, &a.name);
@@ -150,7 +150,7 @@ fn larger_bodies_are_certified() {
     for (sa, a) in &bodies {
         for (sb, b) in &bodies {
             for frame in hard_poses(&mut rng, (radius(&sa.points), radius(&sb.points))) {
-                if closest(a, b, &frame).class == Class::Overlapping {
+                if closest(a, b, &frame).state == ContactState::Overlapping {
                     judge_both(a, b, &frame, &format!("{} {}", sa.name, sb.name));
                     judged += 1;
                 }

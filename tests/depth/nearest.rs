@@ -2,7 +2,7 @@
 //! ordinary bodies, warm, cold, from a hint, and with the letters exchanged.
 
 use crate::both;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Solver, Tracker};
 use truth::contacts::widest_face;
 use truth::motion::Frame;
 use truth::pose::{add, quat, quat_mul, radius, scale, unit_quat};
@@ -96,7 +96,7 @@ fn nearest_facets_are_the_exact_depth() {
         for _ in 0..4 {
             let truth = exact::solve(Body::from(&sa), &frame.a, Body::from(&sb), &frame.b);
             let (there, swapped) = (support::relative(&frame), support::relative(&frame.swapped()));
-            let hint = last.map_or_else(Tracker::new, |o| Tracker::resuming(o.features, o.class, &a, &b));
+            let hint = last.map_or_else(Tracker::new, |o| Tracker::resuming(o.features, o.state, &a, &b));
             let answers = [
                 pair.closest(&a, &b, &there),
                 Tracker::new().closest(&a, &b, &there),
@@ -113,7 +113,7 @@ fn nearest_facets_are_the_exact_depth() {
                     truth.distance
                 );
                 assert!(o.upper - o.lower <= 1e-13 * size, "{k} {o:?}");
-                if o.class == Class::Overlapping {
+                if o.state == ContactState::Overlapping {
                     let is_surface = o.solver == Solver::Surface;
                     // No point but those of the pyramid, or of a surface kept.
                     count.facets += usize::from(is_surface && o.work.facets > 0 && o.work.points_added == 0);

@@ -37,7 +37,7 @@ fn any_bytes_are_answered_or_refused() {
         add(&mut sum, tally.unwrap_or_default());
     }
     println!("{sum:?}");
-    // All ways are met: built and refused, posed and refused, and every class that exact arithmetic knows.
+    // All ways are met: built and refused, posed and refused, and every contact state that exact arithmetic knows.
     let [separated, touching, overlapping, undecided] = sum.classes;
     assert!(
         sum.bodies.iter().all(|&n| n > 5000) && sum.poses.iter().all(|&n| n > 1000),

@@ -3,7 +3,7 @@
 
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Class, ConvexPolyhedron, Distance, Manifold, ManifoldOptions, Outcome, PairTracker, Proposal, Question,
+    ContactState, ConvexPolyhedron, Distance, Manifold, ManifoldOptions, Outcome, PairTracker, Proposal, Question,
     RelativePose, Shape, Solver, Tracker,
 };
 use serde::Serialize;
@@ -32,7 +32,7 @@ fn answers_come_back() {
     let mut t = Tracker::new();
     let outcome: Outcome = t.closest(&a, &b, &pose);
     let (distance, proposal): (Distance, Proposal) = (t.distance(&a, &b, &pose), t.propose(&a, &b, &pose));
-    assert_eq!(outcome.class, Class::Separated);
+    assert_eq!(outcome.state, ContactState::Separated);
     round_trip(&outcome);
     round_trip(&outcome.features);
     round_trip(&outcome.work);
@@ -48,8 +48,13 @@ fn answers_come_back() {
     ] {
         round_trip(&layer);
     }
-    for class in [Class::Separated, Class::Touching, Class::Overlapping, Class::Undecided] {
-        round_trip(&class);
+    for state in [
+        ContactState::Separated,
+        ContactState::Touching,
+        ContactState::Overlapping,
+        ContactState::Undecided,
+    ] {
+        round_trip(&state);
     }
 }
 
@@ -183,7 +188,7 @@ fn damaged_files_are_refused() {
         text["last"] = serde_json::from_str(features).expect("is JSON");
         let mut strange: Tracker = serde_json::from_value(text).expect("a hint, whatever it says");
         let o = strange.closest(&a, &b, &pose);
-        assert_eq!((o.class, o.features), (wanted.class, wanted.features), "{features}");
+        assert_eq!((o.state, o.features), (wanted.state, wanted.features), "{features}");
         assert!(o.lower <= wanted.upper && wanted.lower <= o.upper, "{features}: {o:?}");
     }
 }
@@ -196,7 +201,7 @@ fn a_damaged_surface_does_no_harm() {
         RelativePose::from_isometry(&lin_canny::nalgebra::Isometry3::translation(0.01, 0.02, 0.03)).expect("a pose");
     let mut t = Tracker::new();
     let wanted = t.closest(&a, &b, &pose);
-    assert_eq!(wanted.class, Class::Overlapping);
+    assert_eq!(wanted.state, ContactState::Overlapping);
     let known = round_trip(&t);
     let known = serde_json::to_value(&known).expect("serialises");
     let triangles = known["memory"]["triangles"].as_array().expect("a list").len();
@@ -209,7 +214,7 @@ fn a_damaged_surface_does_no_harm() {
                 text["memory"]["points"][k % 4][i % 2] = (x / 2).into();
                 let mut strange: Tracker = serde_json::from_value(text).expect("numbers");
                 let o = strange.closest(&a, &b, &pose);
-                assert_eq!(o.class, wanted.class);
+                assert_eq!(o.state, wanted.state);
                 assert!(o.lower <= wanted.upper && wanted.lower <= o.upper, "{o:?}");
             }
         }
@@ -267,7 +272,7 @@ fn a_tracker_of_any_pair_comes_back() {
         let mut back: PairTracker =
             serde_json::from_str(&serde_json::to_string(&pair).expect("serialises")).expect("a tracker");
         let p = back.closest(&a, &b, &pose);
-        assert_eq!(p.class, o.class);
+        assert_eq!(p.state, o.state);
         assert!(p.lower <= o.upper && o.lower <= p.upper, "{o:?} {p:?}");
         assert_eq!(back.work().convex.queries, pair.work().convex.queries + 1);
         round_trip(&o);

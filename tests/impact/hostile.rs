@@ -5,7 +5,7 @@ use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance, cast, cast_within,
 use lin_canny::motion::{Course, Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::separation::{Flight, Free, Measure, Proof, Separation, Tangent};
-use lin_canny::{Class, Operand, RelativePose, Velocity};
+use lin_canny::{ContactState, Operand, RelativePose, Velocity};
 use truth::rng::Rng;
 
 const FINE: Tolerance = Tolerance::Distance(1e-6);
@@ -342,7 +342,7 @@ impl Separation for Stubborn {
         self.is_near = !self.is_near;
         let gap = if self.is_near { 1e-10 } else { 1e305 };
         Measure {
-            class: Class::Separated,
+            state: ContactState::Separated,
             distance: gap,
             lower: gap,
             upper: gap,

@@ -57,7 +57,7 @@ fn hard_bodies_get_sound_manifolds_whichever_is_named_first() {
                 let what = format!("{} {}", sa.name, sb.name);
                 let m = manifold(a, b, &frame, &options);
                 let o = judge(a, b, &frame, &m, &options, &what);
-                classes[o.class as usize] += 1;
+                classes[o.state as usize] += 1;
                 counts[m.points().len()] += 1;
                 let back = manifold(b, a, &frame.swapped(), &options);
                 judge(b, a, &frame.swapped(), &back, &options, &what);

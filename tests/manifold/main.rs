@@ -9,7 +9,7 @@ mod planar;
 mod rims;
 
 use judge::judge;
-use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Manifold, ManifoldOptions, Tracker};
 use truth::motion::Frame;
 use truth::pose::unit;
 use truth::shapes;
@@ -107,7 +107,7 @@ fn edges_and_corners_make_contacts() {
     let corner = turned(axis, (1.0 / 3f64.sqrt()).acos(), [0.2, 0.1, 1.0 + 3f64.sqrt() - 0.01]);
     let m = manifold(&cube, &cube, &corner, &options);
     let o = judge(&cube, &cube, &corner, &m, &options, "corner on face");
-    assert_eq!((m.points().len(), o.class), (1, Class::Overlapping));
+    assert_eq!((m.points().len(), o.state), (1, ContactState::Overlapping));
 }
 
 /// The contacts of an outcome are those of a tracker that has seen nothing before, and a foreign outcome makes none.

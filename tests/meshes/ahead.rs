@@ -5,7 +5,7 @@ use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::separation::Separation;
-use lin_canny::{Class, Composite, GeometryRef, PairTracker, Piece, RelativePose, Shape, Velocity};
+use lin_canny::{Composite, ContactState, GeometryRef, PairTracker, Piece, RelativePose, Shape, Velocity};
 use truth::Pose;
 use truth::pose::{add, scale};
 use truth::rng::Rng;
@@ -27,7 +27,7 @@ fn steady(pose: Pose, linear: [f64; 3], angular: [f64; 3]) -> Steady {
 /// Casts two moving bodies over a unit of time and compares with dense samples.
 fn judge<S: Separation>(
     pair: &mut S,
-    class: &mut dyn FnMut(&RelativePose) -> Class,
+    state: &mut dyn FnMut(&RelativePose) -> ContactState,
     (a, b): (&Steady, &Steady),
     tally: &mut Tally,
 ) {
@@ -41,11 +41,11 @@ fn judge<S: Separation>(
         }
         Impact::Hit { safe, hit, .. } => {
             tally.hits += 1;
-            assert_ne!(class(&at(hit)), Class::Separated, "{found:?}");
+            assert_ne!(state(&at(hit)), ContactState::Separated, "{found:?}");
             safe
         }
         Impact::Start { .. } => {
-            assert_ne!(class(&at(0.0)), Class::Separated);
+            assert_ne!(state(&at(0.0)), ContactState::Separated);
             return;
         }
         Impact::Near { safe, .. } | Impact::Unknown { safe } => {
@@ -56,7 +56,7 @@ fn judge<S: Separation>(
     };
     for k in 0..=60 {
         let t = safe * f64::from(k) / 60.0;
-        assert_eq!(class(&at(t)), Class::Separated, "late: {t} {found:?}");
+        assert_eq!(state(&at(t)), ContactState::Separated, "late: {t} {found:?}");
     }
 }
 
@@ -80,10 +80,13 @@ fn bodies() -> (Composite, Composite) {
     (cross, round)
 }
 
-fn of_parts<'g>(a: impl Into<GeometryRef<'g>>, b: impl Into<GeometryRef<'g>>) -> impl FnMut(&RelativePose) -> Class {
+fn of_parts<'g>(
+    a: impl Into<GeometryRef<'g>>,
+    b: impl Into<GeometryRef<'g>>,
+) -> impl FnMut(&RelativePose) -> ContactState {
     let (a, b): (GeometryRef, GeometryRef) = (a.into(), b.into());
     let mut tracker = PairTracker::new();
-    move |pose| tracker.closest(a, b, pose).class
+    move |pose| tracker.closest(a, b, pose).state
 }
 
 #[test]
@@ -98,8 +101,8 @@ fn casts_are_never_late() {
         let (a, b) = courses(&mut rng, spin);
         let (m, n) = (&meshes[rng.below(7)], &meshes[rng.below(7)]);
         let mut tracker = PairTracker::new();
-        let mut class = |pose: &RelativePose| tracker.closest(m, n, pose).class;
-        judge(&mut PairTracker::new().over(m, n), &mut class, (&a, &b), &mut of_meshes);
+        let mut state = |pose: &RelativePose| tracker.closest(m, n, pose).state;
+        judge(&mut PairTracker::new().over(m, n), &mut state, (&a, &b), &mut of_meshes);
         judge(
             &mut PairTracker::new().over(&cross, &round),
             &mut of_parts(&cross, &round),

@@ -4,7 +4,8 @@ use super::{judge_by_surfaces, mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Class, Composite, ConvexPolyhedron, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape, VertexError,
+    Composite, ContactState, ConvexPolyhedron, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape,
+    VertexError,
 };
 use truth::pose::{norm, quat, quat_mul, scale, sub, unit_quat};
 use truth::rng::Rng;
@@ -118,17 +119,17 @@ fn bent_meshes_equal_brute_force_and_meshes_built_anew() {
                     },
                     ..*pose
                 };
-                let (class, truth) = judge_by_surfaces(&mut warm, (&now, other), (&m, &n), &pose);
-                tally[class as usize % 3] += 1;
+                let (state, truth) = judge_by_surfaces(&mut warm, (&now, other), (&m, &n), &pose);
+                tally[state as usize % 3] += 1;
                 warm.check(&m, &n, &relative(&pose)).unwrap();
                 let turned = back.closest(&n, &m, &relative(&pose).swapped());
                 let cold = PairTracker::new().closest(&m, &n, &relative(&pose));
-                assert_eq!((turned.class, cold.class), (class, class), "{name} {k} {frame} {truth}");
+                assert_eq!((turned.state, cold.state), (state, state), "{name} {k} {frame} {truth}");
                 if let Some(fresh) = anew(&now)
                     && fresh.kind() == m.kind()
                 {
                     let found = PairTracker::new().closest(&fresh, &n, &relative(&pose));
-                    assert_eq!(found.class, class, "{name} {k} {frame} {truth}");
+                    assert_eq!(found.state, state, "{name} {k} {frame} {truth}");
                 }
             }
             let work = warm.work().trees;
@@ -266,14 +267,14 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
                     let ask = |body: &Geometry| PairTracker::new().closest(body, other, &pose);
                     let each = left.iter().chain([&fresh_body]).map(ask);
                     let truth = each.min_by(|p, q| p.distance.total_cmp(&q.distance)).unwrap();
-                    let is_apart = truth.class == Class::Separated;
+                    let is_apart = truth.state == ContactState::Separated;
                     assert_eq!(
-                        found.class == Class::Separated,
+                        found.state == ContactState::Separated,
                         is_apart,
                         "{name} {k} {frame} {found:?} {truth:?}"
                     );
                     assert!(
-                        !left.is_empty() || found.class == truth.class,
+                        !left.is_empty() || found.state == truth.state,
                         "{name} {k} {frame} {found:?} {truth:?}"
                     );
                     tally[usize::from(is_apart)] += 1;
@@ -352,7 +353,7 @@ fn meshes_that_change_their_size_are_right() {
             PairTracker::new().closest(&fresh, &fresh, &relative(&pose)),
         );
         assert!(
-            p.class == Class::Separated && (p.distance - q.distance).abs() < 1e-13 * size,
+            p.state == ContactState::Separated && (p.distance - q.distance).abs() < 1e-13 * size,
             "{exponent}"
         );
         assert!(norm(sub(p.point_on_a.into(), q.point_on_a.into())) < 1e-9 * size);
@@ -471,10 +472,10 @@ fn what_is_inside_a_body_with_points_for_triangles_is_inside() {
             // Below the point, where the segments to the outside pass.
             let t = [0, 1, 2].map(|i| 0.9 * middle[i] + 0.04 * rng.range(-1.0, 1.0));
             let pose = Pose::shift(t);
-            let class = PairTracker::new().closest(&m, &small, &relative(&pose)).class;
-            let truth = anew(&now).map(|fresh| PairTracker::new().closest(&fresh, &small, &relative(&pose)).class);
-            assert_eq!(Some(class), truth, "{k}");
-            inside += usize::from(class == Class::Overlapping);
+            let state = PairTracker::new().closest(&m, &small, &relative(&pose)).state;
+            let truth = anew(&now).map(|fresh| PairTracker::new().closest(&fresh, &small, &relative(&pose)).state);
+            assert_eq!(Some(state), truth, "{k}");
+            inside += usize::from(state == ContactState::Overlapping);
         }
     }
     assert!(inside > 1000, "{inside}");

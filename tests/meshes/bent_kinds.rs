@@ -8,7 +8,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Answer, Class, Composite, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairTracker, Piece, Ray,
+    Answer, Composite, ContactState, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairTracker, Piece, Ray,
     RayCast, RayCaster, RelativePose, Shape,
 };
 use truth::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
@@ -95,7 +95,7 @@ impl Kept {
         ];
         for (tracker, a, b, at) in orders {
             let found: Answer = tracker.closest(a, b, &at);
-            let is_apart = found.class == Class::Separated;
+            let is_apart = found.state == ContactState::Separated;
             assert!(
                 is_apart != meets || found.distance.abs() < 1e-9,
                 "{what} {found:?} {distance}"
@@ -318,9 +318,9 @@ fn a_surface_is_as_far_from_a_bent_mesh_as_from_one_built_anew() {
                     answer.lower <= fresh.upper + 1e-12 && fresh.lower <= answer.upper + 1e-12,
                     "{k} {frame} {answer:?} {fresh:?}"
                 );
-                assert_eq!(answer.class, fresh.class, "{k} {frame} {answer:?} {fresh:?}");
+                assert_eq!(answer.state, fresh.state, "{k} {frame} {answer:?} {fresh:?}");
             }
-            apart += usize::from(fresh.class == Class::Separated);
+            apart += usize::from(fresh.state == ContactState::Separated);
             let d = fresh.upper.max(0.0) + 1e-9;
             assert!(
                 there.within(&m, &surface, &at, d).is_yes() && back.within(&surface, &m, &at.swapped(), d).is_yes()

@@ -1,7 +1,7 @@
 //! Inside and outside: nested, linked, hollow and multi-part meshes, jumps through walls, flush boxes that overlap.
 
 use super::{mesh, relative};
-use lin_canny::{Class, MeshKind, PairTracker};
+use lin_canny::{ContactState, MeshKind, PairTracker};
 use truth::pose::{quat, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
@@ -37,14 +37,14 @@ fn windings_decide_over_jumps() {
                 continue;
             }
             let contained = brute::winding(solid, pose.apply(pebble.points[0])).abs() > 0.5;
-            let class = if contained {
-                Class::Overlapping
+            let state = if contained {
+                ContactState::Overlapping
             } else {
-                Class::Separated
+                ContactState::Separated
             };
             let found = forward.closest(&m, &small, &relative(&pose));
-            assert_eq!(found.class, class, "{k} {i} {found:?} {truth}");
-            assert_eq!(backward.closest(&small, &m, &relative(&pose).swapped()).class, class);
+            assert_eq!(found.state, state, "{k} {i} {found:?} {truth}");
+            assert_eq!(backward.closest(&small, &m, &relative(&pose).swapped()).state, state);
             assert_eq!(forward.intersects(&m, &small, &relative(&pose)).is_yes(), contained);
             *if contained { &mut inside } else { &mut outside } += 1;
         }
@@ -60,11 +60,11 @@ fn an_open_mesh_holds_nothing_and_may_be_held() {
     assert_eq!(bowl.kind(), MeshKind::Surface);
     let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.05)));
     let found = PairTracker::new().closest(&bowl, &pebble, &relative(&Pose::IDENTITY));
-    assert_eq!(found.class, Class::Separated);
+    assert_eq!(found.state, ContactState::Separated);
     // A surface in a solid shares points with it.
     let ball = mesh(&soups::sphere(2).map(|p| scale(p, 3.0)));
     let found = PairTracker::new().closest(&ball, &bowl, &relative(&Pose::IDENTITY));
-    assert_eq!((found.class, found.distance), (Class::Touching, 0.0));
+    assert_eq!((found.state, found.distance), (ContactState::Touching, 0.0));
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn linked_rings_are_apart() {
         };
         assert_eq!(
             super::judge(&mut tracker, (&ring, &ring), (&m, &m), &pose),
-            Class::Separated
+            ContactState::Separated
         );
     }
 }
@@ -94,12 +94,16 @@ fn boxes_with_coplanar_faces_overlap() {
         let (m, k) = (mesh(&a), mesh(&b));
         for t in [[0.5, 0.0, 0.0], [0.25, 0.25, 0.0], [0.0, 0.0, 0.75]] {
             let found = PairTracker::new().closest(&m, &k, &relative(&Pose::shift(t)));
-            assert_eq!(found.class, Class::Overlapping, "{n} {t:?}");
+            assert_eq!(found.state, ContactState::Overlapping, "{n} {t:?}");
         }
         for t in [[1.0, 0.0, 0.0], [1.0, 0.5, 0.0], [1.0, 1.0, 0.25], [1.0, 1.0, 1.0]] {
             let mut tracker = PairTracker::new();
             let found = tracker.closest(&m, &k, &relative(&Pose::shift(t)));
-            assert_eq!((found.class, found.distance), (Class::Touching, 0.0), "{n} {t:?}");
+            assert_eq!(
+                (found.state, found.distance),
+                (ContactState::Touching, 0.0),
+                "{n} {t:?}"
+            );
             assert!(tracker.intersects(&m, &k, &relative(&Pose::shift(t))).is_yes());
             let beyond = t.map(|x| if x == 1.0 { 1.0 + 1e-15 } else { x });
             assert!(

@@ -3,7 +3,9 @@
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
+use lin_canny::{
+    Composite, ContactState, ConvexPolyhedron, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape,
+};
 use truth::Pose;
 use truth::pose::{add, quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
@@ -38,20 +40,24 @@ fn of_meshes(a: &Mesh, b: &Mesh, at: &RelativePose) -> PenetrationBounds {
 }
 
 /// No shift shorter than the lower bound parts the bodies: of a few.
-fn check(o: &PenetrationBounds, pose: &Pose, rng: &mut Rng, mut class: impl FnMut(&RelativePose) -> Class) {
+fn check(o: &PenetrationBounds, pose: &Pose, rng: &mut Rng, mut state: impl FnMut(&RelativePose) -> ContactState) {
     let moved = |by: Vector3<f64>| {
         relative(&Pose {
             t: add(pose.t, by.into()),
             ..*pose
         })
     };
-    assert_eq!(class(&moved(o.shift)), Class::Separated, "{o:?}");
+    assert_eq!(state(&moved(o.shift)), ContactState::Separated, "{o:?}");
     for by in [
         o.shift.normalize(),
         Vector3::from(rng.unit()),
         Vector3::from(rng.unit()),
     ] {
-        assert_eq!(class(&moved(by * (o.lower * 0.999))), Class::Overlapping, "{o:?} {by}");
+        assert_eq!(
+            state(&moved(by * (o.lower * 0.999))),
+            ContactState::Overlapping,
+            "{o:?} {by}"
+        );
     }
 }
 
@@ -84,7 +90,7 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
         pose.t[2] -= apart + [1e-4, 3e-3, 0.03][k % 3];
         let at = relative(&pose);
         let truth = PairTracker::new().closest(&shapes[0], &shapes[1], &at);
-        if truth.class != Class::Overlapping {
+        if truth.state != ContactState::Overlapping {
             continue;
         }
         let (a, b) = (mesh(&turned), mesh(&bars[1]));
@@ -102,7 +108,7 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
             ratios.push(o);
         }
         check(&found[0], &pose, &mut rng, |p| {
-            PairTracker::new().closest(&a, &b, p).class
+            PairTracker::new().closest(&a, &b, p).state
         });
     }
     let all = [
@@ -134,7 +140,7 @@ fn family(name: &str, a: &Soup, b: &Soup, seed: u64) -> f64 {
             continue;
         }
         ratios.push(&found);
-        check(&found, &pose, &mut rng, |p| PairTracker::new().closest(&m, &n, p).class);
+        check(&found, &pose, &mut rng, |p| PairTracker::new().closest(&m, &n, p).state);
     }
     ratios.median(name)
 }

@@ -1,7 +1,7 @@
 //! Work of queries of bodies that are in contact nearly everywhere: in one place, or in one another's.
 
 use super::{mesh, relative, shapes};
-use lin_canny::{Class, Mesh, MeshKind, MeshWork, PairTracker};
+use lin_canny::{ContactState, Mesh, MeshKind, MeshWork, PairTracker};
 use truth::Pose;
 use truth::pose::{quat, scale};
 use truth::rng::Rng;
@@ -48,13 +48,13 @@ fn nearly_nothing(rng: &mut Rng, k: usize) -> Pose {
     }
 }
 
-/// The work and the class of `closest`: cold, again, after another pose, and turned round.
-fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (MeshWork, Class) {
+/// The work and the contact state of `closest`: cold, again, after another pose, and turned round.
+fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (MeshWork, ContactState) {
     let (at, mut tracker) = (relative(pose), PairTracker::new());
     let found = tracker.closest(a, b, &at);
     let work = tracker.work();
     assert!(found.lower <= 0.0 && found.upper >= 0.0, "{found:?}");
-    let mut classes = vec![tracker.closest(a, b, &at).class];
+    let mut classes = vec![tracker.closest(a, b, &at).state];
     let _ = tracker.closest(
         a,
         b,
@@ -63,10 +63,10 @@ fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (MeshWork, Class) {
             ..*pose
         }),
     );
-    classes.push(tracker.closest(a, b, &at).class);
-    classes.push(PairTracker::new().closest(b, a, &at.swapped()).class);
-    assert_eq!(classes, [found.class; 3], "{found:?}");
-    (work.trees, found.class)
+    classes.push(tracker.closest(a, b, &at).state);
+    classes.push(PairTracker::new().closest(b, a, &at.swapped()).state);
+    assert_eq!(classes, [found.state; 3], "{found:?}");
+    (work.trees, found.state)
 }
 
 #[test]
@@ -79,9 +79,9 @@ fn bodies_in_one_place_take_few_pairs() {
         for i in 0..12 {
             let pose = nearly_nothing(&mut rng, i);
             let n = [&m, &m, &grown[0], &grown[1]][i / 3];
-            let (work, class) = closest(&m, n, &pose);
+            let (work, state) = closest(&m, n, &pose);
             let is_solid = m.kind() == MeshKind::Solid;
-            assert_eq!(class == Class::Overlapping, is_solid, "{k} {i}");
+            assert_eq!(state == ContactState::Overlapping, is_solid, "{k} {i}");
             measured.push((work.measured, k, i));
             if is_solid {
                 let mut tracker = PairTracker::new();
@@ -103,10 +103,14 @@ fn surfaces_on_each_other_keep_their_class() {
     let mut tracker = PairTracker::new();
     for gap in [0.0, 1e-17, 1e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-9, 1e-4] {
         for (pose, flip) in [(lifted(gap), false), (lifted(gap).swapped(), true)] {
-            let class = if gap < 5e-13 { Class::Touching } else { Class::Separated };
+            let state = if gap < 5e-13 {
+                ContactState::Touching
+            } else {
+                ContactState::Separated
+            };
             let mut cold = PairTracker::new();
             for found in [cold.closest(&m, &m, &pose), tracker.closest(&m, &m, &pose)] {
-                assert_eq!(found.class, class, "{gap:e} {flip} {found:?}");
+                assert_eq!(found.state, state, "{gap:e} {flip} {found:?}");
                 // The slope of the rim is the greatest.
                 assert!(found.lower <= gap && gap <= 1.3 * found.upper, "{gap:e} {found:?}");
             }

@@ -2,7 +2,7 @@
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{Class, Composite, ConvexPolyhedron, Decomposition, Mesh, MeshError, PairTracker, Piece, Shape};
+use lin_canny::{Composite, ContactState, ConvexPolyhedron, Decomposition, Mesh, MeshError, PairTracker, Piece, Shape};
 use truth::Pose;
 use truth::pose::scale;
 use truth::rng::Rng;
@@ -96,8 +96,8 @@ fn gaps_are_bracketed() {
         assert_eq!(
             speck
                 .distance(&m, d.mesh(), &relative(&Pose::shift([9.0, 0.0, 0.0])))
-                .class,
-            Class::Separated
+                .state,
+            ContactState::Separated
         );
     }
 }
@@ -128,9 +128,9 @@ fn distances_are_intervals_that_hold_for_the_mesh() {
                     "{k} {found:?} {truth:?}"
                 );
                 assert!((found.lower..=found.upper).contains(&found.value), "{k} {found:?}");
-                match found.class {
-                    Class::Separated => apart += 1,
-                    Class::Overlapping => panic!("{k}: no body is held here {found:?}"),
+                match found.state {
+                    ContactState::Separated => apart += 1,
+                    ContactState::Overlapping => panic!("{k}: no body is held here {found:?}"),
                     _ => open += 1,
                 }
             }
@@ -159,7 +159,10 @@ fn a_body_that_the_mesh_holds_and_the_pieces_do_not_is_found() {
     );
     let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.2)));
     let found = d.distance(&mut PairTracker::new(), &pebble, &relative(&Pose::IDENTITY));
-    assert_eq!((found.class, found.lower, found.upper), (Class::Overlapping, 0.0, 0.0));
+    assert_eq!(
+        (found.state, found.lower, found.upper),
+        (ContactState::Overlapping, 0.0, 0.0)
+    );
     // The other way round: another body holds both.
     let big = mesh(&soups::sphere(2).map(|p| scale(p, 9.0)));
     let found = d.distance(&mut PairTracker::new(), &big, &relative(&Pose::IDENTITY));

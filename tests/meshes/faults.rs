@@ -1,7 +1,7 @@
 //! Faults that files of real meshes have, made on purpose: none of them opens a closed surface.
 
 use super::{mesh, relative};
-use lin_canny::{Class, MeshKind, PairTracker};
+use lin_canny::{ContactState, MeshKind, PairTracker};
 use truth::faults::{faulty, on_grid, slit};
 use truth::pose::scale;
 use truth::rng::Rng;
@@ -39,13 +39,13 @@ fn no_fault_opens_a_closed_surface() {
                 continue;
             }
             let contained = brute::winding(clean, pose.apply(pebble.points[0])).abs() > 0.5;
-            let class = if contained {
-                Class::Overlapping
+            let state = if contained {
+                ContactState::Overlapping
             } else {
-                Class::Separated
+                ContactState::Separated
             };
             let found = tracker.closest(&m, &small, &relative(&pose));
-            assert_eq!(found.class, class, "{k}: {} {pose:?}", m.report());
+            assert_eq!(found.state, state, "{k}: {} {pose:?}", m.report());
             assert_eq!(tracker.intersects(&m, &small, &relative(&pose)).is_yes(), contained);
             inside += usize::from(contained);
         }
@@ -63,13 +63,13 @@ fn layers_that_share_a_face_count_twice() {
     assert_eq!(m.kind(), MeshKind::Solid, "{}", m.report());
     assert!((m.volume() - 12.0).abs() < 1e-12, "{}", m.volume());
     let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.05)));
-    for (z, class) in [
-        (0.0, Class::Overlapping),
-        (1.0, Class::Overlapping),
-        (1.6, Class::Separated),
+    for (z, state) in [
+        (0.0, ContactState::Overlapping),
+        (1.0, ContactState::Overlapping),
+        (1.6, ContactState::Separated),
     ] {
         let at = relative(&Pose::shift([0.1, 0.2, z]));
-        assert_eq!(PairTracker::new().closest(&m, &pebble, &at).class, class, "{z}");
+        assert_eq!(PairTracker::new().closest(&m, &pebble, &at).state, state, "{z}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! Tracked over frames: slow motion, teleports, long rotation, skipped frames.
 
 use super::{judge, mesh, relative, shapes};
-use lin_canny::{Class, PairTracker};
+use lin_canny::{ContactState, PairTracker};
 use truth::Pose;
 use truth::pose::{quat, quat_mul, unit_quat};
 use truth::rng::Rng;
@@ -35,7 +35,7 @@ fn tracked_frames_equal_brute_force() {
             let (mut tracker, pair) = (PairTracker::new(), (&meshes[k], &meshes[other]));
             for pose in motion(120, degrees, 50, k as u64) {
                 match judge(&mut tracker, (&shapes[k], &shapes[other]), pair, &pose) {
-                    Class::Separated => apart += 1,
+                    ContactState::Separated => apart += 1,
                     _ => meeting += 1,
                 }
             }
@@ -64,7 +64,7 @@ fn warm_equals_cold_over_many_frames() {
         let warm = tracker.closest(&a, &b, &relative(pose));
         if k % 20 == 0 {
             let cold = PairTracker::new().closest(&a, &b, &relative(pose));
-            assert_eq!(warm.class, cold.class, "{k}");
+            assert_eq!(warm.state, cold.state, "{k}");
             assert!((warm.distance - cold.distance).abs() < 1e-14, "{k}: {warm:?} {cold:?}");
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{judge, mesh, relative, size};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshError, PairTracker};
+use lin_canny::{ContactState, Mesh, MeshError, PairTracker};
 use truth::pose::{add, quat, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
@@ -61,10 +61,10 @@ fn gaps_down_to_nothing_equal_brute_force() {
             let n = found.normal.into_inner();
             pose.t = add(pose.t, scale([n.x, n.y, n.z], target - found.distance));
         }
-        let class = judge(&mut PairTracker::new(), (&a, &b), (&m, &n), &pose);
-        kinds[match class {
-            Class::Separated => 0,
-            Class::Touching => 1,
+        let state = judge(&mut PairTracker::new(), (&a, &b), (&m, &n), &pose);
+        kinds[match state {
+            ContactState::Separated => 0,
+            ContactState::Touching => 1,
             _ => 2,
         }] += 1;
     }
@@ -94,9 +94,9 @@ fn soups_and_slivers_are_surfaces_and_equal_brute_force() {
         let truth = brute::distance(&a, &b, &pose).0;
         let found = PairTracker::new().closest(&m, &n, &relative(&pose));
         let noise = 2e-14 * size(&a, &b, &pose);
-        assert_ne!(found.class, Class::Overlapping);
+        assert_ne!(found.state, ContactState::Overlapping);
         assert!((found.distance - truth).abs() < noise, "{k}: {found:?} {truth}");
-        apart += usize::from(found.class == Class::Separated);
+        apart += usize::from(found.state == ContactState::Separated);
     }
     assert!(apart > 100, "{apart}");
 }
@@ -114,7 +114,7 @@ fn plates_that_slide_flush_need_no_finer_arithmetic_and_a_short_front() {
             t: [0.3 * angle.sin(), 0.2 * angle.cos(), 0.1],
         };
         let found = tracker.closest(&m, &m, &relative(&pose));
-        assert_eq!((found.class, found.lower), (Class::Touching, 0.0), "{k}");
+        assert_eq!((found.state, found.lower), (ContactState::Touching, 0.0), "{k}");
     }
     let w = tracker.work();
     assert_eq!(w.trees.settled, 0, "{w:?}");
@@ -135,7 +135,7 @@ fn solids_on_two_sides_of_a_plane_take_no_winding_numbers() {
             };
             let mut tracker = PairTracker::new();
             let found = tracker.closest(&m, &m, &relative(&pose));
-            assert_eq!(found.class, Class::Touching, "{n} {k}");
+            assert_eq!(found.state, ContactState::Touching, "{n} {k}");
             assert_eq!(tracker.work().trees.windings, 0, "{n} {k}");
         }
     }
@@ -159,7 +159,7 @@ fn powers_of_two_scale_the_answer() {
             };
             let o = PairTracker::new().closest(&grown(&a), &grown(&b), &relative(&at));
             (
-                o.class,
+                o.state,
                 o.distance / s,
                 o.lower / s,
                 o.upper / s,
@@ -202,7 +202,7 @@ fn far_and_unequal_bodies_are_answered() {
                     "{grow} {far} {found:?} {truth}"
                 );
             }
-            assert_eq!(found.class, Class::Separated);
+            assert_eq!(found.state, ContactState::Separated);
         }
         let w = tracker.work();
         assert!(w.trees.measured < 200 * w.trees.queries, "{grow} {far} {w:?}");

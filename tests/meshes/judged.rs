@@ -6,7 +6,7 @@ use super::own::judge_answer;
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::patch::{Patch, Surface};
-use lin_canny::{Class, Geometry, Mesh, MeshKind, PairTracker, Ray, RayCast, RayCaster};
+use lin_canny::{ContactState, Geometry, Mesh, MeshKind, PairTracker, Ray, RayCast, RayCaster};
 use lin_canny_plan::{Checker, RigidSpace, World};
 use truth::exact_meshes::{apart, itself};
 use truth::pose::{quat, quat_mul, unit_quat};
@@ -20,7 +20,7 @@ const CLIP: usize = 20;
 
 #[derive(Debug, Default)]
 struct Tally {
-    /// By class: separated, touching, overlapping.
+    /// By contact state: separated, touching, overlapping.
     classes: [usize; 3],
     within: usize,
     selves: [usize; 2],
@@ -50,8 +50,8 @@ impl Tally {
         let found = tracker.closest(m, n, &at);
         let size = super::size(a, b, pose);
         let is_held = square > RBig::ZERO && is_held((a, m), (b, n), pose);
-        match found.class {
-            Class::Overlapping => {
+        match found.state {
+            ContactState::Overlapping => {
                 assert!(
                     m.kind() == MeshKind::Solid && n.kind() == MeshKind::Solid,
                     "{what}: {found:?}"
@@ -62,7 +62,7 @@ impl Tally {
             _ => {
                 assert!(!is_held, "{what}: {found:?}");
                 judge_answer(&found, &square, size, what);
-                self.classes[usize::from(found.class == Class::Touching)] += 1;
+                self.classes[usize::from(found.state == ContactState::Touching)] += 1;
             }
         }
         let meets = square == RBig::ZERO || is_held;

@@ -79,8 +79,8 @@ fn work_does_not_grow_with_the_number_of_sides() {
                 let mut cold = PairTracker::new();
                 let at = relative(&crossing(k, degrees, 0.05));
                 assert_eq!(
-                    cold.closest(&shaft, &shaft, &at).class,
-                    tracker.closest(&shaft, &shaft, &at).class
+                    cold.closest(&shaft, &shaft, &at).state,
+                    tracker.closest(&shaft, &shaft, &at).state
                 );
                 worst = worst.max(cold.work().trees.bounds);
             }

@@ -31,7 +31,7 @@ mod solids;
 mod stand_ins;
 mod valleys;
 
-use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
+use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, RelativePose};
 pub(crate) use truth::forms::mesh;
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
@@ -59,23 +59,28 @@ pub(crate) fn shapes() -> Vec<Soup> {
     ]
 }
 
-/// Compares a query with brute force; returns its class.
-pub(crate) fn judge(tracker: &mut PairTracker, soups: (&Soup, &Soup), meshes: (&Mesh, &Mesh), pose: &Pose) -> Class {
+/// Compares a query with brute force; returns its contact state.
+pub(crate) fn judge(
+    tracker: &mut PairTracker,
+    soups: (&Soup, &Soup),
+    meshes: (&Mesh, &Mesh),
+    pose: &Pose,
+) -> ContactState {
     judge_by_surfaces(tracker, soups, meshes, pose).0
 }
 
-/// Compares a query with brute force; returns its class and the distance of the surfaces.
+/// Compares a query with brute force; returns its contact state and the distance of the surfaces.
 pub(crate) fn judge_by_surfaces(
     tracker: &mut PairTracker,
     (a, b): (&Soup, &Soup),
     (m, n): (&Mesh, &Mesh),
     pose: &Pose,
-) -> (Class, f64) {
+) -> (ContactState, f64) {
     let truth = brute::distance(a, b, pose).0;
     let found = tracker.closest(m, n, &relative(pose));
     let noise = 1e-14 * size(a, b, pose);
-    match found.class {
-        Class::Separated => {
+    match found.state {
+        ContactState::Separated => {
             assert!((found.distance - truth).abs() < noise, "{found:?} {truth}");
             assert!(
                 found.lower <= truth + noise && truth <= found.upper + noise,
@@ -86,8 +91,8 @@ pub(crate) fn judge_by_surfaces(
             let apart = truth::pose::norm(truth::pose::sub(on_b, found.point_on_a.into()));
             assert!((apart - truth).abs() < noise, "{found:?} {apart}");
         }
-        Class::Touching => assert!(found.lower == 0.0 && truth < noise, "{found:?} {truth}"),
-        Class::Overlapping => {
+        ContactState::Touching => assert!(found.lower == 0.0 && truth < noise, "{found:?} {truth}"),
+        ContactState::Overlapping => {
             let inside = |s: &Soup, p| brute::winding(s, p).abs() > 0.5;
             let contained = inside(a, pose.apply(b.points[0])) || inside(b, pose.apply_inverse(a.points[0]));
             assert!(
@@ -98,7 +103,7 @@ pub(crate) fn judge_by_surfaces(
         _ => panic!("{found:?}"),
     }
     if truth > noise {
-        let separated = found.class == Class::Separated;
+        let separated = found.state == ContactState::Separated;
         assert_eq!(tracker.intersects(m, n, &relative(pose)).is_yes(), !separated);
         if separated {
             assert!(tracker.within(m, n, &relative(pose), found.upper).is_yes());
@@ -111,7 +116,7 @@ pub(crate) fn judge_by_surfaces(
             assert!(bound <= truth + noise, "{bound} {truth}");
         }
     }
-    (found.class, truth)
+    (found.state, truth)
 }
 
 #[test]
@@ -137,17 +142,17 @@ fn random_poses_equal_brute_force() {
             q: rng.quat(),
             t: rng.unit().map(|x| x * rng.range(0.1, 3.0)),
         };
-        let class = judge(
+        let state = judge(
             &mut PairTracker::new(),
             (&shapes[i], &shapes[j]),
             (&meshes[i], &meshes[j]),
             &pose,
         );
-        tally[usize::from(class == Class::Separated)] += 1;
+        tally[usize::from(state == ContactState::Separated)] += 1;
         if k % 4 == 0 {
-            // B to A: the same class, and the same distance within the bounds.
+            // B to A: the same contact state, and the same distance within the bounds.
             let back = PairTracker::new().closest(&meshes[j], &meshes[i], &relative(&pose).swapped());
-            assert_eq!(back.class, class);
+            assert_eq!(back.state, state);
         }
     }
     assert!(tally.iter().all(|t| *t > 400), "{tally:?}");

@@ -1,7 +1,7 @@
 //! Families of poses against brute force: a few hundred each by default, ten thousand with `--ignored`.
 
 use super::{judge_by_surfaces, mesh, relative};
-use lin_canny::{Class, PairTracker};
+use lin_canny::{ContactState, PairTracker};
 use truth::Pose;
 use truth::pose::{add, quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
@@ -88,8 +88,8 @@ fn family(a: &Soup, b: &Soup, motion: Motion, count: usize, seed: u64) -> [usize
             }
         }
         tally[match judge_by_surfaces(&mut tracker, (a, b), (&m, &n), &pose) {
-            (Class::Separated, _) => 0,
-            (Class::Touching, _) => 1,
+            (ContactState::Separated, _) => 0,
+            (ContactState::Touching, _) => 1,
             (_, 0.0) => 2,
             _ => 3,
         }] += 1;

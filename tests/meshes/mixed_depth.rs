@@ -5,7 +5,9 @@ use super::pieces::soup;
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape};
+use lin_canny::{
+    Composite, ContactState, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape,
+};
 use truth::pose::{add, norm, scale};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
@@ -60,7 +62,7 @@ fn convex_meshes_and_shapes_of_every_kind_have_their_depth_between_the_bounds() 
             penetration(GeometryRef::from(&pieces), GeometryRef::from(&m), &back),
         ];
         for found in both {
-            if truth.class == Class::Separated {
+            if truth.state == ContactState::Separated {
                 assert_eq!((found.lower, found.upper), (0.0, 0.0), "{k} {truth:?}");
                 continue;
             }

@@ -3,7 +3,9 @@
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, ConvexPolyhedron, GeometryRef, Mesh, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{
+    Composite, ContactState, ConvexPolyhedron, GeometryRef, Mesh, PairTracker, Piece, RelativePose, Shape,
+};
 use truth::Pose;
 use truth::pose::{quat, scale};
 use truth::rng::Rng;
@@ -120,13 +122,13 @@ fn solids_that_fill_the_height_of_a_hole_do_not_meet() {
     }
 }
 
-fn classes(a: &Mesh, b: &Mesh, pose: &RelativePose) -> [Class; 4] {
+fn classes(a: &Mesh, b: &Mesh, pose: &RelativePose) -> [ContactState; 4] {
     let mut tracker = PairTracker::new();
     [
-        tracker.closest(a, b, pose).class,
-        tracker.closest(a, b, pose).class,
-        PairTracker::new().closest(b, a, &pose.swapped()).class,
-        PairTracker::new().closest(a, b, pose).class,
+        tracker.closest(a, b, pose).state,
+        tracker.closest(a, b, pose).state,
+        PairTracker::new().closest(b, a, &pose.swapped()).state,
+        PairTracker::new().closest(a, b, pose).state,
     ]
 }
 
@@ -137,18 +139,26 @@ fn bodies_in_one_place_overlap() {
     for (k, soup) in shapes.iter().enumerate() {
         let m = mesh(soup);
         for t in [[0.0; 3], [5e-324, 0.0, 1e-16]] {
-            assert_eq!(classes(&m, &m, &at(t)), [Class::Overlapping; 4], "{k} {t:?}");
+            assert_eq!(classes(&m, &m, &at(t)), [ContactState::Overlapping; 4], "{k} {t:?}");
         }
         // Turned by no more than rounding.
         let turned = Pose {
             q: quat([0.6, 0.0, 0.8], 1e-15),
             t: [0.0; 3],
         };
-        assert_eq!(classes(&m, &m, &relative(&turned)), [Class::Overlapping; 4], "{k}");
+        assert_eq!(
+            classes(&m, &m, &relative(&turned)),
+            [ContactState::Overlapping; 4],
+            "{k}"
+        );
         // A fine part of the body on the body.
         let inner = mesh(&soup.clone().map(|p| scale(p, 0.5)));
         let found = PairTracker::new().closest(&m, &inner, &at([0.0; 3]));
-        assert_eq!(found.upper > 0.0, found.class == Class::Separated, "{k} {found:?}");
+        assert_eq!(
+            found.upper > 0.0,
+            found.state == ContactState::Separated,
+            "{k} {found:?}"
+        );
     }
 }
 
@@ -166,9 +176,13 @@ fn a_part_deep_inside_decides_while_another_touches() {
         } else {
             deep.with(&on)
         });
-        assert_eq!(classes(&block, &both, &at([0.0; 3])), [Class::Overlapping; 4], "{k}");
+        assert_eq!(
+            classes(&block, &both, &at([0.0; 3])),
+            [ContactState::Overlapping; 4],
+            "{k}"
+        );
         // Without it the bodies touch.
-        assert_eq!(classes(&block, &mesh(&on), &at([0.0; 3])), [Class::Touching; 4]);
+        assert_eq!(classes(&block, &mesh(&on), &at([0.0; 3])), [ContactState::Touching; 4]);
     }
     // Two pins that fill two holes touch all over and share nothing; pushed to the side they do.
     let slab = soups::plate(1, [2.0, 1.0, 0.5]);
@@ -179,8 +193,11 @@ fn a_part_deep_inside_decides_while_another_touches() {
     };
     let caves = mesh(&slab.with(&hole(-1.0)).with(&hole(1.0)));
     let pins = mesh(&hole(-1.0).flipped().with(&hole(1.0).flipped()));
-    assert_eq!(classes(&caves, &pins, &at([0.0; 3])), [Class::Touching; 4]);
-    assert_eq!(classes(&caves, &pins, &at([0.125, 0.0, 0.0])), [Class::Overlapping; 4]);
+    assert_eq!(classes(&caves, &pins, &at([0.0; 3])), [ContactState::Touching; 4]);
+    assert_eq!(
+        classes(&caves, &pins, &at([0.125, 0.0, 0.0])),
+        [ContactState::Overlapping; 4]
+    );
 }
 
 #[test]
@@ -247,7 +264,7 @@ fn points_at_their_own_origin_are_measured_in_both_orders() {
                 for (x, y, pose) in [(&this, &other, pose), (&other, &this, pose.swapped())] {
                     let found = tracker.closest(x, y, &pose);
                     let truth = 0.1 * size;
-                    assert_eq!(found.class, Class::Separated, "{size:e} {found:?}");
+                    assert_eq!(found.state, ContactState::Separated, "{size:e} {found:?}");
                     assert!(found.lower <= truth * (1.0 + 1e-12) && truth <= found.upper * (1.0 + 1e-12));
                     assert!(found.upper - found.lower < 1e-12 * size, "{size:e} {found:?}");
                     assert!(
@@ -276,7 +293,7 @@ fn tiny_bodies_beside_huge_ones_are_measured_in_both_orders() {
     ];
     for (a, b, pose, place) in ways {
         let found = tracker.closest(a, b, &pose);
-        assert!(found.class == Class::Separated && found.lower < 2e40 && found.upper > 2e40 * (1.0 - 1e-15));
+        assert!(found.state == ContactState::Separated && found.lower < 2e40 && found.upper > 2e40 * (1.0 - 1e-15));
         assert!(found.upper - found.lower < 1e28, "{found:?}");
         let apart = place * found.point_on_b - found.point_on_a;
         assert!((apart.norm() / 2e40 - 1.0).abs() < 1e-9 && apart.normalize().dot(&found.normal) > 0.999_999);
@@ -296,7 +313,7 @@ fn bodies_a_universe_away_are_apart() {
     for far in [1e100, 1e150, 1e200, 1e300, 1e307, 1.6e308] {
         let pose = at([0.0, far, 0.0]);
         let found = PairTracker::new().closest(&m, &m, &pose);
-        assert_eq!(found.class, Class::Separated, "{far:e} {found:?}");
+        assert_eq!(found.state, ContactState::Separated, "{far:e} {found:?}");
         assert!(
             found.lower <= far && far <= found.upper && found.upper.is_finite(),
             "{found:?}"

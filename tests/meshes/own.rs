@@ -3,7 +3,7 @@
 use super::bending::{WAYS, bent, sheet, vertices};
 use super::mesh;
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Answer, Class, Mesh, PairTracker, RelativePose};
+use lin_canny::{Answer, ContactState, Mesh, PairTracker, RelativePose};
 use truth::exact_meshes::{itself, pairs_within};
 use truth::rational::{RBig, exact, rounded, sqrt};
 use truth::rng::Rng;
@@ -18,15 +18,15 @@ pub(crate) fn judge_answer(found: &Answer, square: &RBig, size: f64, what: &str)
     assert!(&lower * &lower <= *square && *square <= &upper * &upper, "{}", what());
     assert!(found.upper - found.lower < 2e-13 * size, "{}", what());
     assert!((found.distance - root).abs() < 1e-13 * size, "{}", what());
-    match found.class {
-        Class::Separated => assert!(*square > RBig::ZERO && found.lower > 0.0, "{}", what()),
-        Class::Touching => assert!(found.lower == 0.0 && root < 1e-13 * size, "{}", what()),
+    match found.state {
+        ContactState::Separated => assert!(*square > RBig::ZERO && found.lower > 0.0, "{}", what()),
+        ContactState::Touching => assert!(found.lower == 0.0 && root < 1e-13 * size, "{}", what()),
         _ => panic!("{}", what()),
     }
 }
 
-/// Asks a mesh against itself, and judges all answers; returns the class.
-fn judge(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, what: &str) -> Class {
+/// Asks a mesh against itself, and judges all answers; returns the contact state.
+fn judge(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, what: &str) -> ContactState {
     let size = 2.0 * soup.radius();
     let (square, _) = itself(soup).expect("triangles that share no vertex");
     let found = tracker.self_closest(m).expect("triangles that share no vertex");
@@ -38,7 +38,7 @@ fn judge(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, what: &str) -> Class 
     );
     let apart = (found.point_on_a - found.point_on_b).norm();
     assert!(
-        (apart - found.distance).abs() < 1e-13 * size || found.class == Class::Touching,
+        (apart - found.distance).abs() < 1e-13 * size || found.state == ContactState::Touching,
         "{what}: {apart} {found:?}"
     );
     assert_eq!(tracker.self_within(m, 0.0).is_yes(), square == RBig::ZERO, "{what}");
@@ -46,7 +46,7 @@ fn judge(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, what: &str) -> Class 
         let is_within = d >= 0.0 && square <= exact(d) * exact(d);
         assert_eq!(tracker.self_within(m, d).is_yes(), is_within, "{what}: {d} {found:?}");
     }
-    found.class
+    found.state
 }
 
 /// Compares the pairs within a distance.
@@ -89,8 +89,8 @@ fn a_mesh_against_itself_is_as_exact_arithmetic_says() {
                 let what = format!("{name} {k} {frame}");
                 let now = rest.clone().map(|p| bent(name, f64::from(frame) / 9.0, p));
                 m.set_vertices(&vertices(&now)).unwrap();
-                let class = judge(&mut warm, &now, &m, &what);
-                tally[usize::from(class == Class::Separated)] += 1;
+                let state = judge(&mut warm, &now, &m, &what);
+                tally[usize::from(state == ContactState::Separated)] += 1;
                 warm.check(&m, &m, &RelativePose::from_isometry(&Default::default()).unwrap())
                     .unwrap();
                 if frame % 4 == 0 {
@@ -179,7 +179,7 @@ fn scales_of_powers_of_two_are_bit_for_bit() {
             m.set_vertices(&vertices(&now)).unwrap();
             let answer = tracker.self_closest(&m).unwrap();
             found.push((
-                answer.class,
+                answer.state,
                 answer.distance / size,
                 tracker.self_pairs(&m, 0.05 * size).len(),
             ));

@@ -3,7 +3,7 @@
 use super::{mesh, relative, shapes};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker};
+use lin_canny::{Composite, ContactState, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker};
 use truth::Pose;
 use truth::pose::{add, scale, unit_quat};
 use truth::rng::Rng;
@@ -37,7 +37,7 @@ fn convex_meshes_have_the_depth_of_their_bodies_between_the_bounds() {
         let truth = Tracker::new().closest(&bodies[i], &bodies[j], &at);
         let found = PairTracker::new().penetration(&meshes[i], &meshes[j], &at).unwrap();
         let whole = PairTracker::new().penetration(&pieces[i], &pieces[j], &at).unwrap();
-        if truth.class != Class::Overlapping {
+        if truth.state != ContactState::Overlapping {
             assert_eq!((found.lower, found.upper), (0.0, 0.0));
             continue;
         }
@@ -62,16 +62,16 @@ fn convex_meshes_have_the_depth_of_their_bodies_between_the_bounds() {
 }
 
 /// The shift parts the bodies, and shifts shorter than the lower bound never do.
-fn check(found: &PenetrationBounds, pose: &Pose, rng: &mut Rng, mut class: impl FnMut(&RelativePose) -> Class) {
+fn check(found: &PenetrationBounds, pose: &Pose, rng: &mut Rng, mut state: impl FnMut(&RelativePose) -> ContactState) {
     assert!(0.0 <= found.lower && found.lower <= found.upper, "{found:?}");
     assert!(
         (found.shift.norm() - found.upper).abs() <= 1e-12 * found.upper,
         "{found:?}"
     );
-    assert_eq!(class(&shifted(pose, found.shift)), Class::Separated, "{found:?}");
+    assert_eq!(state(&shifted(pose, found.shift)), ContactState::Separated, "{found:?}");
     for _ in 0..20 {
         let by = Vector3::from(rng.unit()) * (found.lower * 0.999);
-        assert_eq!(class(&shifted(pose, by)), Class::Overlapping, "{found:?} {by}");
+        assert_eq!(state(&shifted(pose, by)), ContactState::Overlapping, "{found:?} {by}");
     }
 }
 
@@ -100,7 +100,7 @@ fn bounds_of_meshes_hold_and_meet_for_shallow_overlaps() {
         }
         met += 1;
         tight += usize::from(found.lower > 0.5 * found.upper);
-        check(&found, &pose, &mut rng, |p| PairTracker::new().closest(m, n, p).class);
+        check(&found, &pose, &mut rng, |p| PairTracker::new().closest(m, n, p).state);
         let back = PairTracker::new()
             .penetration(n, m, &relative(&pose).swapped())
             .unwrap();
@@ -132,7 +132,7 @@ fn bounds_of_pieces_hold_and_surfaces_have_none() {
         if found.upper > 0.0 {
             met += 1;
             check(&found, &pose, &mut rng, |p| {
-                PairTracker::new().closest(&cross, body, p).class
+                PairTracker::new().closest(&cross, body, p).state
             });
         }
     }

@@ -3,7 +3,7 @@
 use super::{mesh, relative};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, CompositeError, PairTracker, Piece};
+use lin_canny::{Composite, CompositeError, ContactState, PairTracker, Piece};
 use truth::pose::{quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::Soup;
@@ -61,9 +61,9 @@ fn pieces_equal_brute_force() {
             let truth = brute::distance(&s, &t, &pose).0;
             let found = tracker.closest(&a, &b, &relative(&pose));
             let other = meshes.closest(&m, &n, &relative(&pose));
-            assert_eq!(found.class, other.class, "{k} {frame} {found:?} {other:?}");
-            assert_eq!(back.closest(&b, &a, &relative(&pose).swapped()).class, found.class);
-            if found.class == Class::Separated {
+            assert_eq!(found.state, other.state, "{k} {frame} {found:?} {other:?}");
+            assert_eq!(back.closest(&b, &a, &relative(&pose).swapped()).state, found.state);
+            if found.state == ContactState::Separated {
                 assert!((found.distance - truth).abs() < 1e-13, "{k} {frame} {found:?} {truth}");
                 assert!(
                     found.lower <= truth + 1e-15 && truth <= found.upper + 1e-15,
@@ -77,9 +77,9 @@ fn pieces_equal_brute_force() {
             }
             assert_eq!(
                 tracker.intersects(&a, &b, &relative(&pose)).is_yes(),
-                found.class != Class::Separated
+                found.state != ContactState::Separated
             );
-            tally[usize::from(found.class == Class::Separated)] += 1;
+            tally[usize::from(found.state == ContactState::Separated)] += 1;
         }
         let w = tracker.work();
         assert!(w.trees.measured < 40 * w.trees.queries, "{w:?}");

@@ -4,7 +4,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Change, Effects, Scene};
 use lin_canny::{
-    Class, Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
+    Composite, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
 };
 use truth::driven::points::{self, Mix};
 use truth::rng::Rng;
@@ -34,12 +34,12 @@ fn ask(mesh: &Geometry, body: &Geometry, pose: &RelativePose, place: Place, told
         assert_eq!(tracker.intersects(a, b, &pose).is_yes(), met, "{told}: intersects");
         assert_eq!(tracker.within(a, b, &pose, 0.0).is_yes(), met, "{told}: within");
         let found = tracker.closest(a, b, &pose);
-        let allowed: &[Class] = match place {
-            Place::Outside => &[Class::Separated, Class::Touching],
-            Place::On => &[Class::Touching],
-            Place::Inside => &[Class::Touching, Class::Overlapping],
+        let allowed: &[ContactState] = match place {
+            Place::Outside => &[ContactState::Separated, ContactState::Touching],
+            Place::On => &[ContactState::Touching],
+            Place::Inside => &[ContactState::Touching, ContactState::Overlapping],
         };
-        assert!(allowed.contains(&found.class), "{told}: {found:?}");
+        assert!(allowed.contains(&found.state), "{told}: {found:?}");
         assert!(!met || found.lower <= 0.0, "{told}: {found:?}");
         let bound = tracker.lower_bound(a, b, &pose);
         assert!(!met || bound <= 0.0, "{told}: {bound:e}");

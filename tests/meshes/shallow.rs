@@ -2,7 +2,7 @@
 
 use super::contacts::{exact, is_normal, patches};
 use super::{mesh, relative};
-use lin_canny::{Class, ContactPatches, Mesh, PairTracker};
+use lin_canny::{ContactPatches, ContactState, Mesh, PairTracker};
 use truth::Pose;
 use truth::pose::{add, scale, sub};
 use truth::rng::Rng;
@@ -51,7 +51,7 @@ fn thin_bodies_a_little_way_in_have_a_contact() {
         let (a, b) = (&meshes[i], &meshes[j]);
         let pose = entered(a, b, shapes[i].radius() + shapes[j].radius(), &mut rng);
         let at = relative(&pose);
-        if PairTracker::new().closest(a, b, &at).class != Class::Overlapping {
+        if PairTracker::new().closest(a, b, &at).state != ContactState::Overlapping {
             continue;
         }
         met += 1;

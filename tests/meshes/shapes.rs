@@ -3,7 +3,7 @@
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, ConvexPolyhedron, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{Composite, ContactState, ConvexPolyhedron, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
 use truth::pose::{quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
@@ -51,10 +51,10 @@ fn tumble((soup, m): (&Soup, &Mesh), body: &Composite, seed: u64, tally: &mut [u
         let found = warm.closest(m, body, &at);
         let cold = PairTracker::new().closest(m, body, &at);
         let other = back.closest(body, m, &at.swapped());
-        assert_eq!((cold.class, other.class), (found.class, found.class), "{seed} {frame}");
+        assert_eq!((cold.state, other.state), (found.state, found.state), "{seed} {frame}");
         let truth = all_pairs(soup, body, &pose);
         let inside = brute::winding(soup, t).abs() > 0.5;
-        if found.class == Class::Separated {
+        if found.state == ContactState::Separated {
             for o in [&found, &cold, &other] {
                 assert!((o.distance - truth).abs() < 1e-9, "{seed} {frame} {o:?} {truth}");
                 assert!(o.lower <= truth + 1e-12 && truth <= o.upper + 1e-9, "{o:?} {truth}");
@@ -71,7 +71,7 @@ fn tumble((soup, m): (&Soup, &Mesh), body: &Composite, seed: u64, tally: &mut [u
             assert!(inside || truth < 1e-9, "{seed} {frame} {found:?} {truth}");
             assert!(warm.intersects(m, body, &at).is_yes());
         }
-        tally[usize::from(found.class == Class::Separated)] += 1;
+        tally[usize::from(found.state == ContactState::Separated)] += 1;
     }
 }
 
@@ -125,10 +125,10 @@ fn a_shape_inside_a_solid_overlaps_and_inside_a_surface_does_not() {
         let body = Composite::from(shape);
         let at = relative(&Pose::shift([0.1, 0.0, 0.2]));
         let found = PairTracker::new().closest(&solid, &body, &at);
-        assert_eq!((found.class, found.distance), (Class::Overlapping, 0.0));
+        assert_eq!((found.state, found.distance), (ContactState::Overlapping, 0.0));
         assert!(PairTracker::new().intersects(&body, &solid, &at.swapped()).is_yes());
         let found = PairTracker::new().closest(&surface, &body, &at);
-        assert_eq!(found.class, Class::Separated);
+        assert_eq!(found.state, ContactState::Separated);
     }
 }
 
@@ -139,14 +139,14 @@ fn a_box_in_a_box_of_the_same_size_overlaps_and_beside_it_touches() {
         mesh(&cube),
         Composite::from(Shape::cuboid(Vector3::repeat(0.5)).unwrap()),
     );
-    for (t, class) in [
-        ([0.0, 0.0, 0.0], Class::Overlapping),
-        ([0.5, 0.0, 0.0], Class::Overlapping),
-        ([1.0, 0.0, 0.0], Class::Touching),
-        ([1.0, 0.5, 0.0], Class::Touching),
-        ([1.0, 1.0, 1.0], Class::Touching),
+    for (t, state) in [
+        ([0.0, 0.0, 0.0], ContactState::Overlapping),
+        ([0.5, 0.0, 0.0], ContactState::Overlapping),
+        ([1.0, 0.0, 0.0], ContactState::Touching),
+        ([1.0, 0.5, 0.0], ContactState::Touching),
+        ([1.0, 1.0, 1.0], ContactState::Touching),
     ] {
         let found = PairTracker::new().closest(&m, &body, &relative(&Pose::shift(t)));
-        assert_eq!((found.class, found.distance), (class, 0.0), "{t:?}");
+        assert_eq!((found.state, found.distance), (state, 0.0), "{t:?}");
     }
 }

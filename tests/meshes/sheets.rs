@@ -2,7 +2,7 @@
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshKind, PairTracker};
+use lin_canny::{ContactState, Mesh, MeshKind, PairTracker};
 use truth::Pose;
 use truth::driven::slots::union_of;
 use truth::rng::Rng;
@@ -34,7 +34,7 @@ fn a_bar_that_also_meets_the_wall_overlaps_it() {
         let bar = mesh(&bar(low, high));
         for (a, b) in [(&wall, &bar), (&bar, &wall)] {
             let found = PairTracker::new().closest(a, b, &relative(&Pose::IDENTITY));
-            assert_eq!(found.class, Class::Overlapping, "{low:?} {found:?}");
+            assert_eq!(found.state, ContactState::Overlapping, "{low:?} {found:?}");
         }
     }
 }

@@ -1,7 +1,7 @@
-//! Promise: solids with faces in common have the class of whole numbers, wherever their origin lies.
+//! Promise: solids with faces in common have the contact state of whole numbers, wherever their origin lies.
 
 use super::{mesh, relative};
-use lin_canny::{Class, ManifoldOptions, Mesh, PairTracker};
+use lin_canny::{ContactState, ManifoldOptions, Mesh, PairTracker};
 use truth::Pose;
 use truth::driven::solids::{Mix, PLACES, play};
 use truth::soups::Soup;
@@ -65,8 +65,8 @@ fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
     })
 }
 
-fn class(a: &Mesh, b: &Mesh) -> Class {
-    PairTracker::new().closest(a, b, &relative(&Pose::IDENTITY)).class
+fn state(a: &Mesh, b: &Mesh) -> ContactState {
+    PairTracker::new().closest(a, b, &relative(&Pose::IDENTITY)).state
 }
 
 /// A column in metres of a survey, entered twice; a bolt, a sheet of foil.
@@ -81,7 +81,7 @@ fn duplicates_overlap_wherever_they_stand() {
                 continue;
             }
             let m = cuboid(low, high);
-            assert_eq!(class(&m, &m), Class::Overlapping, "{far} {size:?}");
+            assert_eq!(state(&m, &m), ContactState::Overlapping, "{far} {size:?}");
         }
     }
 }
@@ -91,12 +91,12 @@ fn an_insert_flush_with_a_wall_overlaps_in_both_orders() {
     for far in [0.0, 3e5, 1e6, 1e7, 1e9] {
         let wall = cuboid([far, 0.0, 0.0], [far + 40.0, 10.0, 30.0]);
         let insert = cuboid([far + 10.0, 0.0, 10.0], [far + 16.0, 6.0, 16.0]);
-        assert_eq!(class(&wall, &insert), Class::Overlapping, "{far}");
-        assert_eq!(class(&insert, &wall), Class::Overlapping, "{far}");
+        assert_eq!(state(&wall, &insert), ContactState::Overlapping, "{far}");
+        assert_eq!(state(&insert, &wall), ContactState::Overlapping, "{far}");
         // Beside the wall, in one plane with its front.
         let beside = cuboid([far + 40.0, 0.0, 10.0], [far + 46.0, 6.0, 16.0]);
-        assert_eq!(class(&wall, &beside), Class::Touching, "{far}");
-        assert_eq!(class(&beside, &wall), Class::Touching, "{far}");
+        assert_eq!(state(&wall, &beside), ContactState::Touching, "{far}");
+        assert_eq!(state(&beside, &wall), ContactState::Touching, "{far}");
     }
 }
 

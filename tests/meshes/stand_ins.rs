@@ -76,9 +76,9 @@ fn pieces_without_triangles_stay_in_the_body() {
                 found.lower <= truth + 1e-15 && truth <= found.upper + 1e-15,
                 "{name} {x}: {found:?}"
             );
-            assert_eq!(found.class, other.class, "{name} {x}");
+            assert_eq!(found.state, other.state, "{name} {x}");
             let back = PairTracker::new().closest(&mesh, &body, &along_x(x).swapped());
-            assert_eq!(found.class, back.class, "{name} {x}");
+            assert_eq!(found.state, back.state, "{name} {x}");
             for tracker in [&mut warm, &mut PairTracker::new()] {
                 assert!(
                     tracker.within(&body, &mesh, &along_x(x), truth + 1e-9).is_yes(),
@@ -139,7 +139,7 @@ fn ask_in_turn(first: &Mesh, second: &Mesh, calls: usize) {
             tracker.closest(second, &probe, &pose(k)),
             PairTracker::new().closest(second, &probe, &pose(k)),
         );
-        assert_eq!(found.class, fresh.class, "{k}");
+        assert_eq!(found.state, fresh.state, "{k}");
         assert!(
             found.lower <= fresh.upper && fresh.lower <= found.upper,
             "{k}: {found:?} {fresh:?}"

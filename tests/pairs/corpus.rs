@@ -6,7 +6,7 @@ use lin_canny::{ConvexPolyhedron, FeaturePair, Outcome, Tracker};
 use truth::corpus::{self, Case};
 use truth::rng::Rng;
 use truth::shapes::Shape;
-use truth::support::{between, body, class, pairs};
+use truth::support::{between, body, pairs, state};
 use truth::{Pose, bound};
 
 fn cases() -> Vec<Case> {
@@ -24,9 +24,9 @@ fn is_small(c: &Case) -> bool {
 /// `moved`: the disguise moves the bodies by rounding.
 fn judge(c: &Case, o: &Outcome, unit: f64, exactly: bool, what: &str) {
     let what = format!("{} {what}: {o:?}", c.name);
-    assert_eq!(o.class, class(c.class), "{what}");
+    assert_eq!(o.state, state(c.state), "{what}");
     assert!(o.lower <= o.distance && o.distance <= o.upper, "{what}");
-    if let (truth::Class::Separated, Some(d)) = (c.class, c.distance) {
+    if let (truth::ContactState::Separated, Some(d)) = (c.state, c.distance) {
         let d = d * unit;
         // The file holds the distance rounded to nearest: the truth is within half a unit of it.
         assert!(
@@ -40,7 +40,7 @@ fn judge(c: &Case, o: &Outcome, unit: f64, exactly: bool, what: &str) {
         };
         assert!((o.distance - d).abs() <= slack, "{what} is not {d:e}");
     }
-    if let (truth::Class::Overlapping, Some(d)) = (c.class, c.distance) {
+    if let (truth::ContactState::Overlapping, Some(d)) = (c.state, c.distance) {
         let (d, slack) = (d * unit, 1e-14 * c.size() * unit);
         assert!((o.distance - d).abs() <= slack, "{what} is not {d:e}");
         assert!(
@@ -66,7 +66,7 @@ fn ask(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron, poses: (&Pose, &Pos
     let mut pair = Tracker::new();
     assert_eq!(
         pair.intersects(a, b, &pose),
-        c.class != truth::Class::Separated,
+        c.state != truth::ContactState::Separated,
         "{} {what}",
         c.name
     );
@@ -120,13 +120,13 @@ fn moved(c: &Case, a: &ConvexPolyhedron, b: &ConvexPolyhedron) {
     let (pa, pb) = (common.after(&c.pose_a), common.after(&c.pose_b));
     let o = Tracker::new().closest(a, b, &between(&pa, &pb));
     let slack = 1e-14 * (c.size() + 10.0 + truth::pose::norm(c.pose_a.t) + truth::pose::norm(c.pose_b.t));
-    let truth = if c.class == truth::Class::Touching {
+    let truth = if c.state == truth::ContactState::Touching {
         Some(0.0)
     } else {
         c.distance
     };
     if let Some(d) = truth.filter(|d| d.abs() > slack) {
-        assert_eq!(o.class, class(c.class), "{} moved: {o:?}", c.name);
+        assert_eq!(o.state, state(c.state), "{} moved: {o:?}", c.name);
         assert!((o.distance - d).abs() <= slack, "{} moved: {o:?}, not {d:e}", c.name);
     }
 }
@@ -151,7 +151,7 @@ fn motions_are_tracked() {
             false,
             "tracked, letters exchanged",
         );
-        classes[o.class as usize] += 1;
+        classes[o.state as usize] += 1;
     }
     let [apart, touching, overlapping, _] = classes;
     assert!(apart > 40 && touching > 20 && overlapping > 20, "{classes:?}");
@@ -170,16 +170,16 @@ fn the_oracle_agrees_with_the_corpus() {
     for c in cases().iter().filter(|c| is_small(c)) {
         let truth = c.truth();
         assert_eq!(
-            truth.class, c.class,
+            truth.state, c.state,
             "{}: the truth is {} {:e}",
-            c.name, truth.class, truth.distance
+            c.name, truth.state, truth.distance
         );
         if let Some(d) = c.distance {
             assert_eq!(d, truth.distance, "{}", c.name);
         } else {
             assert_ne!(
-                c.class,
-                truth::Class::Separated,
+                c.state,
+                truth::ContactState::Separated,
                 "{}: the distance is {:e}",
                 c.name,
                 truth.distance
@@ -197,7 +197,7 @@ fn exact_bounds_agree_with_the_corpus() {
     let mut judged = 0;
     for c in cases()
         .iter()
-        .filter(|c| !is_small(c) && c.class == truth::Class::Separated)
+        .filter(|c| !is_small(c) && c.state == truth::ContactState::Separated)
     {
         let (a, b) = (body(&c.a), body(&c.b));
         let o = Tracker::new().closest(&a, &b, &between(&c.pose_a, &c.pose_b));

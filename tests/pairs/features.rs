@@ -5,7 +5,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
 use truth::motion::{orbit_and_spin, random_poses};
 use truth::pose::radius;
 use truth::rng::Rng;
@@ -157,7 +157,7 @@ fn check(case: &Case, world: &Isometry3<f64>, swap: bool) {
     let o = Tracker::new().closest(a, b, &RelativePose::new(&pose_a, &pose_b).expect("a pose"));
     let distance = (Point3::from(at_a) - Point3::from(at_b)).norm();
     let name = case.name;
-    assert_eq!(o.class, Class::Separated, "{name}");
+    assert_eq!(o.state, ContactState::Separated, "{name}");
     assert_eq!(kinds(o.features), wanted, "{name}, swapped {swap}: {}", o.features);
     assert!(
         (o.distance - distance).abs() < 1e-14 && o.lower <= distance && distance <= o.upper,
@@ -211,7 +211,7 @@ fn every_start_leads_to_the_answer() {
             for b in features(&case.b) {
                 let start = lin_canny::FeaturePair { a, b };
                 let o = Tracker::starting_from(start, &case.a, &case.b).closest(&case.a, &case.b, &pose);
-                let close = (o.distance - wanted.distance).abs() <= 1e-14 && o.class == wanted.class;
+                let close = (o.distance - wanted.distance).abs() <= 1e-14 && o.state == wanted.state;
                 assert!(close, "{} from {start}: {o:?}", case.name);
             }
         }
@@ -231,7 +231,7 @@ fn all_kinds_are_met() {
             let mut tracker = Tracker::new();
             for f in frames {
                 let o = tracker.closest(a, b, &support::relative(&f));
-                if o.class == Class::Separated {
+                if o.state == ContactState::Separated {
                     let (i, j) = kinds(o.features);
                     mix[i][j] += 1;
                 }

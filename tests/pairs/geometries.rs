@@ -7,8 +7,8 @@ use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Separation;
 use lin_canny::{
-    Answer, Class, Composite, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh, PairTracker,
-    PairWork, PatchContact, Question, RelativePose, Shape, Velocity,
+    Answer, Composite, ContactState, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh,
+    PairTracker, PairWork, PatchContact, Question, RelativePose, Shape, Velocity,
 };
 use truth::Pose;
 use truth::forms;
@@ -23,13 +23,13 @@ fn meet(x: &Distance, y: &Distance, slack: f64) -> bool {
 }
 
 /// One pair at one pose: fresh and kept trackers, both orders, predicates, and the form over time.
-fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTracker; 2]) -> Class {
+fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTracker; 2]) -> ContactState {
     let truth = forms::distance(a, b, pose);
     let found = PairTracker::new().closest(x, y, pose);
     let distance = Distance::from(&found);
-    let is_deep = found.class == Class::Overlapping && !(a.is_convex() && b.is_convex());
+    let is_deep = found.state == ContactState::Overlapping && !(a.is_convex() && b.is_convex());
     assert!(is_deep || meet(&distance, &truth, 1e-8), "{found:?} {truth:?}");
-    if found.class == Class::Separated {
+    if found.state == ContactState::Separated {
         let (pose_a, pose_b) = pose.poses();
         let apart = (pose_b * found.point_on_b - pose_a * found.point_on_a).norm();
         assert!((apart - found.distance).abs() < 1e-8, "{found:?} {apart}");
@@ -49,7 +49,7 @@ fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTrac
             "{seen:?} {found:?}"
         );
     }
-    found.class
+    found.state
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn a_tracker_of_other_geometries_begins_anew() {
             let pose = RelativePose::from_isometry(&pose.isometry()).unwrap();
             let fresh = PairTracker::new().closest(&a.0, &b.0, &pose);
             let other = wandering.closest(&a.0, &b.0, &pose);
-            assert_eq!(other.class, fresh.class);
+            assert_eq!(other.state, fresh.state);
             assert!(
                 other.lower <= fresh.upper && fresh.lower <= other.upper,
                 "{other:?} {fresh:?}"
@@ -151,8 +151,8 @@ fn a_mesh_beside_a_surface_is_a_solid() {
         let found = PairTracker::new().ask(&mesh, surface, &pose, &narrow);
         let back = kept.ask(surface, &mesh, &pose.swapped(), &narrow);
         for o in [&found, &back] {
-            let is_close = truth.upper < 1e-6 && truth.class != Class::Overlapping;
-            let shares = |o: &Answer| matches!(o.class, Class::Overlapping | Class::Touching);
+            let is_close = truth.upper < 1e-6 && truth.state != ContactState::Overlapping;
+            let shares = |o: &Answer| matches!(o.state, ContactState::Overlapping | ContactState::Touching);
             assert!(is_close || shares(o) == shares(&truth), "{o:?} {truth:?}");
             let (lower, upper) = (truth.lower.max(0.0), truth.upper);
             assert!(o.lower <= upper + 1e-12 && lower <= o.upper + 1e-12, "{o:?} {truth:?}");
@@ -169,8 +169,8 @@ fn a_mesh_beside_a_surface_is_a_solid() {
         if truth.lower > 1e-6 {
             assert!(kept.within(surface, &mesh, &pose.swapped(), truth.lower - 1e-9).is_no());
         }
-        classes[found.class as usize] += 1;
-        inside += u32::from(found.class == Class::Overlapping && k % 3 == 1);
+        classes[found.state as usize] += 1;
+        inside += u32::from(found.state == ContactState::Overlapping && k % 3 == 1);
     }
     assert!(
         classes[0] > 150 && classes[1] > 30 && inside > 30,
@@ -185,7 +185,10 @@ fn meshes_that_no_surface_stands_for_have_bounds() {
     let sheet = Mesh::new(&corners, &[[0, 1, 2]]).unwrap();
     let at = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, 1.0)).unwrap();
     let d = PairTracker::new().distance(&sheet, &sphere(0.5), &at);
-    assert!(d.class == Class::Separated && (d.value - 1.5).abs() < 1e-8, "{d:?}");
+    assert!(
+        d.state == ContactState::Separated && (d.value - 1.5).abs() < 1e-8,
+        "{d:?}"
+    );
     let far = corners.map(|p| p * 1e70);
     let huge = Mesh::new(&far, &[[0, 1, 2]]).unwrap();
     let mut tracker = PairTracker::new();

@@ -1,7 +1,7 @@
 //! Promise: the gradient is the derivative of the exact signed distance by either pose, apart and overlapping, and one-sided at ties.
 
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Class, Manifold, ManifoldOptions, Tracker};
+use lin_canny::{ContactState, Manifold, ManifoldOptions, Tracker};
 use truth::exact::{self, Body};
 use truth::motion::Frame;
 use truth::pose::{add, quat, quat_mul, scale, unit_quat};
@@ -96,10 +96,10 @@ fn gradients_are_derivatives() {
             (rate - (ahead + behind) / 2.0).abs() < 1e-4,
             "{rate} {ahead} {behind} {o:?}"
         );
-        compared[o.class as usize] += 1;
+        compared[o.state as usize] += 1;
     }
     assert!(
-        compared[Class::Separated as usize] > 100 && compared[Class::Overlapping as usize] > 100,
+        compared[ContactState::Separated as usize] > 100 && compared[ContactState::Overlapping as usize] > 100,
         "{compared:?}"
     );
     assert!(kinks < 30, "{kinks}");

@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, HalfSpace, HalfSpaceError, ManifoldOptions, RelativePose};
+use lin_canny::{ContactState, ConvexPolyhedron, HalfSpace, HalfSpaceError, ManifoldOptions, RelativePose};
 use truth::pose::{dot, norm, scale, sub};
 use truth::rng::Rng;
 use truth::shapes;
@@ -63,12 +63,12 @@ fn heights_and_contacts_are_those_of_a_scan() {
             "{told}"
         );
         let expected = match d {
-            d if d.lower > 0.0 => Class::Separated,
-            d if d.upper < 0.0 => Class::Overlapping,
-            _ => Class::Touching,
+            d if d.lower > 0.0 => ContactState::Separated,
+            d if d.upper < 0.0 => ContactState::Overlapping,
+            _ => ContactState::Touching,
         };
-        assert_eq!(d.class, expected, "{told}");
-        classes[d.class as usize] += 1;
+        assert_eq!(d.state, expected, "{told}");
+        classes[d.state as usize] += 1;
         counts[contacts.points().len()] += 1;
         assert_eq!(contacts.points().is_empty(), d.value > options.prediction, "{told}");
         assert!(contacts.points().len() <= options.max_points);

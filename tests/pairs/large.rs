@@ -1,7 +1,7 @@
 //! Faces and vertices of thousands of edges: no query looks at all of them, and the answers are right.
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Class, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, RelativePose, Solver, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, RelativePose, Solver, Tracker};
 use std::f64::consts::TAU;
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -166,7 +166,7 @@ fn assert_proven(a: &ConvexPolyhedron, b: &ConvexPolyhedron, f: &Frame, o: &Outc
     );
     assert!((between - o.distance).abs() <= noise, "{o:?}: {between}");
     assert!(o.upper - o.lower <= 1e-13 * size, "{o:?}");
-    assert_eq!(Tracker::new().closest(a, b, &pose).class, o.class);
+    assert_eq!(Tracker::new().closest(a, b, &pose).state, o.state);
 }
 
 #[test]
@@ -182,7 +182,7 @@ fn answers_on_large_features_are_right_warm_and_cold() {
                         pair.closest(&a, &b, &relative(&f)),
                         Tracker::new().closest(&a, &b, &relative(&f)),
                     );
-                    assert_eq!(warm.class, Class::Separated, "{x} and {y}");
+                    assert_eq!(warm.state, ContactState::Separated, "{x} and {y}");
                     assert_proven(&a, &b, &f, &warm);
                     assert_proven(&a, &b, &f, &cold);
                 }
@@ -212,7 +212,7 @@ fn answers_on_large_features_agree_with_exact_ones() {
                     Tracker::new().closest(&a, &b, &relative(&f)),
                     Tracker::new().closest_exact(&a, &b, &relative(&f)),
                 );
-                assert_eq!(o.class, truth.class, "{x} and {y} at {gap}");
+                assert_eq!(o.state, truth.state, "{x} and {y} at {gap}");
                 assert!(
                     (o.distance - truth.distance).abs() <= 5e-14,
                     "{x} and {y}: {o:?} {truth:?}"
@@ -368,8 +368,8 @@ fn nearly_parallel_rims_do_not_need_the_exact_rung() {
             let pose = RelativePose::new(&a, &b).expect("a pose");
             let o = Tracker::new().closest(&body, &body, &pose);
             assert_eq!(
-                (o.class, o.work.exacts),
-                (Class::Separated, 0),
+                (o.state, o.work.exacts),
+                (ContactState::Separated, 0),
                 "{n}, {direction}: {o:?}"
             );
         }

@@ -1,7 +1,7 @@
 //! What may change about a query without changing its answer: letters, unit, place, order of the points, the way the
 //! pose is given, the tracker.
 
-use lin_canny::{Class, Outcome, RelativePose, Tracker};
+use lin_canny::{ContactState, Outcome, RelativePose, Tracker};
 use proptest::prelude::*;
 use truth::motion::Frame;
 use truth::rng::Rng;
@@ -44,9 +44,9 @@ fn ask(a: &Shape, b: &Shape, pose: &RelativePose) -> [Outcome; 2] {
 
 /// Two answers to the same question: neither proves the other wrong, and both are as near as rounding allows.
 fn agree(x: &Outcome, y: &Outcome, size: f64) -> Result<(), TestCaseError> {
-    prop_assert_eq!(x.class, y.class, "{:?} {:?}", x, y);
+    prop_assert_eq!(x.state, y.state, "{:?} {:?}", x, y);
     prop_assert!(x.lower <= y.upper && y.lower <= x.upper, "{:?} {:?}", x, y);
-    if x.class == Class::Separated {
+    if x.state == ContactState::Separated {
         prop_assert!((x.distance - y.distance).abs() <= 1e-14 * size, "{:?} {:?}", x, y);
     }
     Ok(())
@@ -79,7 +79,7 @@ proptest! {
         for (x, y) in x.iter().zip(&y) {
             agree(x, y, size(&frame))?;
         }
-        if x[1].class == Class::Separated {
+        if x[1].state == ContactState::Separated {
             prop_assert!(neighbours(x[1].distance, y[1].distance), "{:?} {:?}", x[1], y[1]);
         }
     }
@@ -94,7 +94,7 @@ proptest! {
         let (x, y) = (ask(&a, &b, &relative(&frame)), ask(&a.clone().scaled(unit), &b.clone().scaled(unit), &relative(&big)));
         for (x, y) in x.iter().zip(&y) {
             prop_assert_eq!(bits(x, unit), bits(y, 1.0), "{:?} {:?}", x, y);
-            prop_assert_eq!((x.class, x.solver, x.features), (y.class, y.solver, y.features));
+            prop_assert_eq!((x.state, x.solver, x.features), (y.state, y.solver, y.features));
         }
     }
 
@@ -133,7 +133,7 @@ proptest! {
         let slack = 1e-12;
         for (x, y) in ask(&a, &b, &relative(&frame)).iter().zip(&ask(&a, &b, &relative(&moved))) {
             if x.distance > slack {
-                prop_assert_eq!(x.class, y.class);
+                prop_assert_eq!(x.state, y.state);
                 prop_assert!((x.distance - y.distance).abs() <= slack, "{:?} {:?}", x, y);
             }
         }
@@ -151,7 +151,7 @@ proptest! {
         for (x, y) in warm.iter().zip(&cold) {
             agree(x, y, size(&frame))?;
         }
-        if cold[1].class == Class::Separated {
+        if cold[1].state == ContactState::Separated {
             prop_assert!(neighbours(warm[1].distance, cold[1].distance), "{:?} {:?}", warm[1], cold[1]);
         }
         for d in [0.0, warm[0].lower, warm[0].distance, warm[0].upper, 1.0] {
@@ -176,9 +176,9 @@ proptest! {
         let (p, q, pose) = (body(&a), body(&b), relative(&frame));
         let o = Tracker::new().closest_exact(&p, &q, &pose);
         let mut pair = Tracker::new();
-        prop_assert_eq!(pair.intersects(&p, &q, &pose), o.class != Class::Separated);
-        prop_assert_eq!(pair.distance(&p, &q, &pose).class, o.class);
-        if o.class == Class::Separated {
+        prop_assert_eq!(pair.intersects(&p, &q, &pose), o.state != ContactState::Separated);
+        prop_assert_eq!(pair.distance(&p, &q, &pose).state, o.state);
+        if o.state == ContactState::Separated {
             prop_assert!(!pair.within(&p, &q, &pose, o.distance.next_down().next_down()));
             prop_assert!(pair.within(&p, &q, &pose, o.distance.next_up().next_up()));
         }
@@ -191,9 +191,9 @@ fn the_scenes_are_a_mix() {
     let mut seen = [0; 3];
     for seed in 0..300 {
         let (a, b, frame) = scene(seed);
-        match ask(&a, &b, &relative(&frame))[0].class {
-            Class::Separated => seen[0] += 1,
-            Class::Overlapping => seen[1] += 1,
+        match ask(&a, &b, &relative(&frame))[0].state {
+            ContactState::Separated => seen[0] += 1,
+            ContactState::Overlapping => seen[1] += 1,
             _ => seen[2] += 1,
         }
     }

@@ -3,7 +3,7 @@
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Solver, Tracker};
 use truth::bound;
 use truth::motion::{self, Frame};
 use truth::pose::{radius, unit};
@@ -12,12 +12,12 @@ use truth::shapes::Shape;
 use truth::support;
 use truth::support::{plain, relative};
 
-/// Two answers to one question: the same class, and bounds and distances that agree.
+/// Two answers to one question: the same contact state, and bounds and distances that agree.
 fn same(x: &Outcome, y: &Outcome, what: impl std::fmt::Display) {
-    assert_eq!(x.class, y.class, "{what}:\n{x:?}\n{y:?}");
+    assert_eq!(x.state, y.state, "{what}:\n{x:?}\n{y:?}");
     let agree = x.lower <= y.upper && y.lower <= x.upper;
     assert!(agree, "{what}: bounds exclude each other\n{x:?}\n{y:?}");
-    if x.class == Class::Separated {
+    if x.state == ContactState::Separated {
         let width = (x.upper - x.lower) + (y.upper - y.lower);
         assert!((x.distance - y.distance).abs() <= width, "{what}:\n{x:?}\n{y:?}");
     }
@@ -86,8 +86,8 @@ fn warm_equals_cold_in_every_frame() {
                 same(&warm, &Tracker::new().closest(a, b, &pose), format!("{name} {k}"));
                 let turned = back.closest(b, a, &relative(&f.swapped()));
                 same(&warm, &turned, format!("{name} {k} swapped"));
-                classes[usize::from(warm.class == Class::Overlapping)] += 1;
-                if k % 50 == 25 && warm.class == Class::Separated {
+                classes[usize::from(warm.state == ContactState::Overlapping)] += 1;
+                if k % 50 == 25 && warm.state == ContactState::Separated {
                     proved(&plain_a, &plain_b, f, &warm);
                     judged += 1;
                 }
@@ -111,7 +111,7 @@ fn steps_are_few_along_smooth_motions() {
         let frames = motion::orbit_and_spin(&mut rng, 4000, 0.5, (1.0, 1.0), (0.02, 0.3), 500);
         frames
             .iter()
-            .for_each(|f| assert_eq!(t.closest(&a, &b, &relative(f)).class, Class::Separated));
+            .for_each(|f| assert_eq!(t.closest(&a, &b, &relative(f)).state, ContactState::Separated));
         let totals = t.work();
         let steps = totals.steps as f64 / totals.queries as f64;
         // Measured in the prototype of the walk: 1 + 0.085 sqrt(n) for half a degree.
@@ -141,7 +141,10 @@ fn a_foreign_tracker_costs_time_only() {
         let strange = t.closest(a, b, &relative(&f));
         assert!(support::are_of(strange.features, a, b), "{strange:?}");
         same(&strange, &Tracker::new().closest(a, b, &relative(&f)), "foreign");
-        assert_eq!(t.intersects(a, b, &relative(&f)), strange.class != Class::Separated);
+        assert_eq!(
+            t.intersects(a, b, &relative(&f)),
+            strange.state != ContactState::Separated
+        );
     }
     assert!(t.work().warm > 100, "{:?}", t.work());
 }
@@ -202,8 +205,8 @@ fn flat_bodies_are_bodies() {
                 same(&warm, &back.closest(b, a, &relative(&f.swapped())), "flat, swapped");
                 assert!(support::are_of(warm.features, a, b));
                 // Two bodies without volume share no interior point; they may still cross.
-                crossing += usize::from(warm.class != Class::Separated);
-                if warm.class == Class::Separated {
+                crossing += usize::from(warm.state != ContactState::Separated);
+                if warm.state == ContactState::Separated {
                     flat_proved(&plain_a, &plain_b, &f, &warm);
                     seen += 1;
                 }
@@ -257,7 +260,7 @@ fn flat_bodies_by_hand() {
     ];
     for (a, b, at, d) in apart {
         for o in [ask(a, b, at), ask(b, a, at.map(|x: f64| -x))] {
-            assert_eq!(o.class, Class::Separated, "{at:?} {o:?}");
+            assert_eq!(o.state, ContactState::Separated, "{at:?} {o:?}");
             assert!(
                 (o.distance - d).abs() < 1e-15 * 8.0 && o.lower <= d && d <= o.upper,
                 "{at:?} {o:?}"
@@ -274,7 +277,7 @@ fn flat_bodies_by_hand() {
     ];
     for (a, b, at) in meeting {
         for o in [ask(a, b, at), ask(b, a, at.map(|x: f64| -x))] {
-            assert_eq!((o.class, o.distance), (Class::Touching, 0.0), "{at:?} {o:?}");
+            assert_eq!((o.state, o.distance), (ContactState::Touching, 0.0), "{at:?} {o:?}");
         }
     }
 }

@@ -49,10 +49,10 @@ impl Pair {
         let told = || {
             format!(
                 "{what}: {o:?}\ntruth {} {s}\n{:?}\n{:?} {frame:?}",
-                truth.class, self.shapes[0], self.shapes[1]
+                truth.state, self.shapes[0], self.shapes[1]
             )
         };
-        assert_eq!(format!("{:?}", o.class), format!("{:?}", truth.class), "{}", told());
+        assert_eq!(format!("{:?}", o.state), format!("{:?}", truth.state), "{}", told());
         assert!(o.lower <= s && s <= o.upper, "{}", told());
         assert!(support::are_of(o.features, a, b), "{}", told());
         let (on_a, on_b) = (o.point_on_a.coords.into(), o.point_on_b.coords.into());
@@ -82,7 +82,7 @@ impl Pair {
     }
 
     /// Asks in every way; `warm` has seen this pair at other poses.
-    fn ask(&self, frame: &Frame, warm: &mut Tracker) -> truth::Class {
+    fn ask(&self, frame: &Frame, warm: &mut Tracker) -> truth::ContactState {
         let truth = self.truth(frame);
         let ([a, b], pose) = (&self.bodies, support::relative(frame));
         self.judge(frame, &Tracker::new().closest(a, b, &pose), &truth, "cold");
@@ -92,7 +92,7 @@ impl Pair {
         back.judge(&frame.swapped(), &turned, &truth, "swapped");
         let exact = Tracker::new().closest_exact(a, b, &pose);
         self.judge(frame, &exact, &truth, "exact");
-        if truth.class == truth::Class::Separated {
+        if truth.state == truth::ContactState::Separated {
             let (d, s) = (exact.distance, truth.distance);
             assert!(
                 s.next_down() <= d && d <= s.next_up(),
@@ -100,9 +100,9 @@ impl Pair {
             );
         }
         let short = Tracker::new().distance(a, b, &pose);
-        assert_eq!(format!("{:?}", short.class), format!("{:?}", truth.class));
+        assert_eq!(format!("{:?}", short.state), format!("{:?}", truth.state));
         assert!(short.lower <= truth.distance && truth.distance <= short.upper);
-        truth.class
+        truth.state
     }
 }
 
@@ -116,7 +116,7 @@ fn stream(seed: u64, make: impl Fn(&mut Rng) -> Shape) {
         let mut warm = Tracker::new();
         for frame in motion::random_poses(&mut rng, 10, radii, (0.3, 1.3), 1.0) {
             match pair.ask(&frame, &mut warm) {
-                truth::Class::Separated => separated += 1,
+                truth::ContactState::Separated => separated += 1,
                 _ => overlapping += 1,
             }
         }

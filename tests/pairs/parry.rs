@@ -5,7 +5,7 @@
 
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Tracker};
 use truth::motion::{Frame, random_poses};
 use truth::parry::{self, Climber, GjkCached, tolerance};
 use truth::pose::{add, radius, scale};
@@ -66,7 +66,7 @@ fn compare(a: &Engines, b: &Engines, rng: &mut Rng, seen: &mut Seen) {
         let first = random_poses(rng, 1, radii, (0.3, 1.5), 1.0)[0];
         let o = tracker.closest(&a.ours, &b.ours, &support::relative(&first));
         let mut frames = vec![first];
-        if o.class == Class::Separated {
+        if o.state == ContactState::Separated {
             frames.push(closed_in(&first, &o, rng));
         }
         for f in frames {
@@ -74,7 +74,7 @@ fn compare(a: &Engines, b: &Engines, rng: &mut Rng, seen: &mut Seen) {
             let gjk = cache
                 .closest(&a.climber, &f.a, &b.climber, &f.b)
                 .map_or(0.0, |w| w.distance);
-            if o.class != Class::Separated {
+            if o.state != ContactState::Separated {
                 seen.overlapping += 1;
                 assert!(gjk < 1e-7, "parry: {gjk:e} apart, ours {o:?} {f:?}");
                 continue;

@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Tracker};
 use truth::exact;
 use truth::motion::{self, random_poses};
 use truth::pose::radius;
@@ -29,7 +29,7 @@ fn touching_is_within_zero() {
         let pose = shifted(at);
         assert!(t.intersects(&a, &b, &pose) && t.within(&a, &b, &pose, 0.0), "{at:?}");
         let o = t.closest(&a, &b, &pose);
-        assert_eq!((o.class, o.distance), (Class::Touching, 0.0), "{at:?}");
+        assert_eq!((o.state, o.distance), (ContactState::Touching, 0.0), "{at:?}");
         // One bit further they are apart.
         let off = at.map(|x: f64| {
             if x.abs() == 1.0 {
@@ -39,7 +39,11 @@ fn touching_is_within_zero() {
             }
         });
         assert!(!t.intersects(&a, &b, &shifted(off)), "{off:?}");
-        assert_eq!(t.closest(&a, &b, &shifted(off)).class, Class::Separated, "{off:?}");
+        assert_eq!(
+            t.closest(&a, &b, &shifted(off)).state,
+            ContactState::Separated,
+            "{off:?}"
+        );
         let into = at.map(|x: f64| {
             if x.abs() == 1.0 {
                 x.signum() * 1.0f64.next_down()
@@ -48,7 +52,11 @@ fn touching_is_within_zero() {
             }
         });
         assert!(t.intersects(&a, &b, &shifted(into)), "{into:?}");
-        assert_eq!(t.closest(&a, &b, &shifted(into)).class, Class::Overlapping, "{into:?}");
+        assert_eq!(
+            t.closest(&a, &b, &shifted(into)).state,
+            ContactState::Overlapping,
+            "{into:?}"
+        );
     }
 }
 
@@ -93,8 +101,8 @@ fn predicates_are_those_of_the_oracle() {
         for f in random_poses(&mut rng, 5, radii, (0.2, 1.2), 1.0) {
             let truth = exact::solve((&a).into(), &f.a, (&b).into(), &f.b);
             let (pose, back) = (support::relative(&f), support::relative(&f.swapped()));
-            let apart = truth.class == truth::Class::Separated;
-            seen[truth.class as usize] += 1;
+            let apart = truth.state == truth::ContactState::Separated;
+            seen[truth.state as usize] += 1;
             for t in [&mut warm, &mut Tracker::new()] {
                 assert_eq!(t.intersects(&body_a, &body_b, &pose), !apart, "{a:?} {b:?} {f:?}");
                 assert_eq!(t.intersects(&body_b, &body_a, &back), !apart, "{a:?} {b:?} {f:?}");
@@ -126,7 +134,7 @@ fn predicates_agree_with_the_distance() {
         let pose = support::relative(&f);
         let (d, hit) = (Tracker::new().distance(&a, &b, &pose), t.intersects(&a, &b, &pose));
         hits += usize::from(hit);
-        assert_eq!(hit, d.class != Class::Separated);
+        assert_eq!(hit, d.state != ContactState::Separated);
         for x in [0.01, 0.1, 0.5, 2.0] {
             let within = t.within(&a, &b, &pose, x);
             assert!(within || d.upper > x, "{d:?} {x}");
@@ -199,7 +207,7 @@ fn a_tip_barely_inside_is_seen() {
             );
             assert_eq!(told, (is_in, is_in), "{thin:e} {y:e} {z:e}");
             assert_eq!(
-                Tracker::new().closest_exact(a, b, &pose).class != Class::Separated,
+                Tracker::new().closest_exact(a, b, &pose).state != ContactState::Separated,
                 is_in
             );
         }

@@ -6,7 +6,7 @@
 //!
 //! Coherence (Mirtich 1998, section 7): one body on a sinusoidal path turns by a fixed angle a frame.
 
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Solver, Totals, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Solver, Totals, Tracker};
 use truth::pose::{quat, unit};
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
@@ -18,7 +18,7 @@ const WIDTH: f64 = 1e-13;
 
 /// Fails unless an answer is separated and as narrow as promised; counts pairs the fallback had to answer.
 fn certified(o: &Outcome, size: f64, what: &str) {
-    assert_eq!(o.class, Class::Separated, "{what}: {o:?}");
+    assert_eq!(o.state, ContactState::Separated, "{what}: {o:?}");
     assert!(o.upper - o.lower <= WIDTH * size, "{what}: {o:?}");
 }
 

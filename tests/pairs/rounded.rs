@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use lin_canny::nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, PairTracker, RelativePose, Shape};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, PairTracker, RelativePose, Shape};
 use truth::exact;
 use truth::rng::Rng;
 use truth::shapes::Shape as Plain;
@@ -59,9 +59,9 @@ fn signed_distances_are_those_of_the_cores_less_the_radii() {
             let slack = 4.0 * f64::EPSILON * (truth.distance.abs() + radii[0] + radii[1]);
             assert!(o.lower <= s + slack && s - slack <= o.upper, "{s} {o:?}");
             let swapped = PairTracker::new().closest(&b, &a, &pose.swapped());
-            assert_eq!(swapped.class, o.class);
+            assert_eq!(swapped.state, o.state);
             assert!(swapped.lower <= o.upper && o.lower <= swapped.upper);
-            classes[o.class as usize] += 1;
+            classes[o.state as usize] += 1;
             for d in [0.0, 0.5 * s.abs(), 2.0 * s.abs()] {
                 assert_eq!(pair.within(&a, &b, &pose, d).is_yes(), s <= d, "{s} {d}");
             }
@@ -77,21 +77,21 @@ fn classes_and_predicates_are_exact() {
     let pose = RelativePose::from_isometry(&Isometry3::translation(3.0, 4.0, 0.0)).expect("a pose");
     let ball = |r: f64| Shape::ball(r).expect("a ball");
     let mut pair = PairTracker::new();
-    for (a, b, class) in [
-        (2.0, 3.0, Class::Touching),
-        (2.0, 3.0f64.next_up(), Class::Overlapping),
-        (2.0, 3.0f64.next_down(), Class::Separated),
+    for (a, b, state) in [
+        (2.0, 3.0, ContactState::Touching),
+        (2.0, 3.0f64.next_up(), ContactState::Overlapping),
+        (2.0, 3.0f64.next_down(), ContactState::Separated),
         // 5 +- 2^-54, which f64 rounds to 5.
-        (tiny, 5.0, Class::Overlapping),
-        (tiny, 5.0f64.next_down(), Class::Separated),
+        (tiny, 5.0, ContactState::Overlapping),
+        (tiny, 5.0f64.next_down(), ContactState::Separated),
     ] {
         let (x, y) = (ball(a), ball(b));
         for (x, y, pose) in [(&x, &y, pose), (&y, &x, pose.swapped())] {
             let o = pair.closest(x, y, &pose);
-            assert_eq!(o.class, class, "{a} {b} {o:?}");
+            assert_eq!(o.state, state, "{a} {b} {o:?}");
             assert_eq!(
                 pair.intersects(x, y, &pose).is_yes(),
-                class != Class::Separated,
+                state != ContactState::Separated,
                 "{a} {b}"
             );
             judge(&o, &pose, 10.0);
@@ -108,16 +108,16 @@ fn classes_and_predicates_are_exact() {
         .and_then(|s| s.rounded(0.5))
         .expect("a box");
     let beside = |x: f64| RelativePose::from_isometry(&Isometry3::translation(x, 0.0, 0.0)).expect("a pose");
-    assert_eq!(pair.closest(&die, &pill, &beside(1.75)).class, Class::Touching);
+    assert_eq!(pair.closest(&die, &pill, &beside(1.75)).state, ContactState::Touching);
     assert_eq!(
-        pair.closest(&die, &pill, &beside(1.75f64.next_up())).class,
-        Class::Separated
+        pair.closest(&die, &pill, &beside(1.75f64.next_up())).state,
+        ContactState::Separated
     );
     assert_eq!(
-        pair.closest(&die, &pill, &beside(1.75f64.next_down())).class,
-        Class::Overlapping
+        pair.closest(&die, &pill, &beside(1.75f64.next_down())).state,
+        ContactState::Overlapping
     );
-    assert_eq!(pair.closest(&die, &pill, &beside(0.0)).class, Class::Overlapping);
+    assert_eq!(pair.closest(&die, &pill, &beside(0.0)).state, ContactState::Overlapping);
 }
 
 #[test]

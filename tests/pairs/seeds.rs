@@ -1,6 +1,6 @@
-//! Every pair of features as the start of a walk leads to the same class, and to bounds of the same distance.
+//! Every pair of features as the start of a walk leads to the same contact state, and to bounds of the same distance.
 
-use lin_canny::{Class, Solver, Tracker};
+use lin_canny::{ContactState, Solver, Tracker};
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
 use truth::support::{assert_right, between, body, pairs};
@@ -62,7 +62,7 @@ fn every_pair_of_features_leads_to_the_same_answer() {
             let (a, b) = (body(sa), body(sb));
             for (k, (pa, pb)) in poses(&mut rng).into_iter().enumerate() {
                 let truth = exact::solve(sa.into(), &pa, sb.into(), &pb);
-                classes[truth.class as usize] += 1;
+                classes[truth.state as usize] += 1;
                 let pose = between(&pa, &pb);
                 for pair in pairs(&a, &b) {
                     let o = Tracker::starting_from(pair, &a, &b).closest(&a, &b, &pose);
@@ -71,8 +71,8 @@ fn every_pair_of_features_leads_to_the_same_answer() {
                         &truth,
                         &format!("{} beside {}, pose {k}, from {pair}", sa.name, sb.name),
                     );
-                    walked += u64::from(matches!(o.solver, Solver::Walk) && o.class == Class::Separated);
-                    asked += u64::from(o.class == Class::Separated);
+                    walked += u64::from(matches!(o.solver, Solver::Walk) && o.state == ContactState::Separated);
+                    asked += u64::from(o.state == ContactState::Separated);
                 }
             }
         }

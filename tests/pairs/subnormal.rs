@@ -4,7 +4,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
 use lin_canny::scene::{Body, Effects, Group, Scene};
-use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
 use std::cmp::Ordering;
 use std::sync::Arc;
 use truth::rng::Rng;
@@ -51,7 +51,7 @@ fn a_distance_of_a_few_least_numbers_is_bounded() {
                     .into_iter()
                     .enumerate()
                 {
-                    assert_eq!(o.class == Class::Separated, n > 0, "{told} {o:?}");
+                    assert_eq!(o.state == ContactState::Separated, n > 0, "{told} {o:?}");
                     assert_ne!(against_root(o.lower, n), Ordering::Greater, "{told} {o:?}");
                     // The root of a sum of squares below 2^53 that is no square is off a whole number.
                     if o.upper.to_bits() < 1 << 31 {
@@ -92,7 +92,7 @@ fn bodies_apart_by_less_than_the_least_number_do_not_intersect() {
         ];
         for o in outcomes {
             assert!(
-                o.class == Class::Separated && o.lower <= 0.0 && o.upper > 0.0,
+                o.state == ContactState::Separated && o.lower <= 0.0 && o.upper > 0.0,
                 "{side:e} {o:?}"
             );
         }
@@ -143,7 +143,7 @@ fn a_shallow_depth_is_bounded_in_the_callers_unit() {
         for depth in [f64::from_bits(1), f64::from_bits(7), 1e-310, 1e-200] {
             let pose = RelativePose::from_isometry(&Isometry3::translation(0.0, 0.0, -depth)).unwrap();
             let o = Tracker::new().closest(&below, &block, &pose);
-            assert_eq!(o.class, Class::Overlapping, "{e:e} {o:?}");
+            assert_eq!(o.state, ContactState::Overlapping, "{e:e} {o:?}");
             assert!(
                 o.lower <= -depth && -depth <= o.upper && o.upper <= 0.0,
                 "{e:e} {depth:e} {o:?}"

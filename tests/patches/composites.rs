@@ -4,7 +4,7 @@ use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::patch::Surface;
-use lin_canny::{Class, Composite, Decision, PairTracker, Piece, Question, RelativePose, Velocity};
+use lin_canny::{Composite, ContactState, Decision, PairTracker, Piece, Question, RelativePose, Velocity};
 use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose};
@@ -57,7 +57,7 @@ fn the_closest_piece_is_found() {
                 "{lower} {upper} {found:?}"
             );
             let between = (at * o.point_on_b - o.point_on_a).norm();
-            let is_overlap = o.class == Class::Overlapping;
+            let is_overlap = o.state == ContactState::Overlapping;
             assert!(
                 is_overlap || (between - o.distance).abs() < 1e-12,
                 "{between} {found:?}"

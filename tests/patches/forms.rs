@@ -3,7 +3,7 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Answer, Class, PairTracker, Question, Shape, Tracker};
+use lin_canny::{Answer, ContactState, PairTracker, Question, Shape, Tracker};
 use truth::rng::Rng;
 
 use crate::bodies::{place, pose, sphere, tube};
@@ -85,7 +85,7 @@ fn flat_patches_are_polyhedra() {
         let at = place(&mut rng, apart);
         let truth = Tracker::new().closest(&die, &gem, &pose(&at));
         let o = warm.ask(&a, &b, &pose(&at), &Question::new().width(1e-9));
-        if truth.class == Class::Separated {
+        if truth.state == ContactState::Separated {
             assert!(
                 o.is_reached && o.lower <= truth.upper && truth.lower <= o.upper,
                 "{truth:?} {o:?}"
@@ -93,7 +93,7 @@ fn flat_patches_are_polyhedra() {
         }
         let truth = PairTracker::new().closest(&die_shape, &round, &pose(&at));
         let o = warm_ball.ask(&a, &ball, &pose(&at), &Question::new().width(1e-9));
-        if truth.class == Class::Separated {
+        if truth.state == ContactState::Separated {
             let slack = ROUND;
             assert!(
                 o.is_reached && o.lower <= truth.upper + slack && truth.lower <= o.upper + slack,

@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::patch::{Nurbs, Patch, PatchError, Surface, revolution};
-use lin_canny::{Class, Decision, Mesh, PairTracker, Question, RelativePose};
+use lin_canny::{ContactState, Decision, Mesh, PairTracker, Question, RelativePose};
 use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose, sphere, torus, tube, vase};
@@ -97,7 +97,7 @@ fn a_border_that_stops_short_is_no_crossing() {
                 assert_eq!(found == Decision::Yes, meets, "{side} {gap:e}: {found:?}");
             }
             assert_eq!(
-                tracker.ask(&floor, &wall, &at, &Question::new().width(1e-9)).class == Class::Touching,
+                tracker.ask(&floor, &wall, &at, &Question::new().width(1e-9)).state == ContactState::Touching,
                 meets,
                 "{side} {gap:e}"
             );
@@ -159,7 +159,7 @@ fn cusps_and_points() {
         &pose(&Isometry3::identity()),
         &Question::new().width(1e-9),
     );
-    assert!(share.is_reached && share.lower == 0.0 && share.class == Class::Undecided);
+    assert!(share.is_reached && share.lower == 0.0 && share.state == ContactState::Undecided);
 }
 
 #[test]
@@ -169,7 +169,7 @@ fn tangent_and_crossing_surfaces() {
     let at = |x: f64| pose(&Isometry3::translation(0.6 * x, 0.8 * x, 0.0));
     let touching = tracker.ask(&a, &a, &at(2.0), &Question::new().width(1e-9));
     assert!(
-        touching.is_reached && touching.upper < 1e-9 && touching.class != Class::Separated,
+        touching.is_reached && touching.upper < 1e-9 && touching.state != ContactState::Separated,
         "{touching:?}"
     );
     assert!(tracker.intersects(&a, &a, &at(2.0)).known() != Some(false));

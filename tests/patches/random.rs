@@ -220,7 +220,7 @@ fn print<const N: usize>(rows: &Rows<N>, names: [&str; N]) -> [u64; 5] {
     sums
 }
 
-fn class(lower: f64) -> [bool; 3] {
+fn state(lower: f64) -> [bool; 3] {
     [lower > 0.01, lower > 0.0 && lower <= 0.01, lower <= 0.0]
 }
 
@@ -269,7 +269,7 @@ fn surfaces(seed: u64, cases: u64) -> [u64; 5] {
         if wide || sentence == Sentence::Open {
             println!("{} {again:?} {back:?}", what());
         }
-        let [x, y, z] = class(o.lower);
+        let [x, y, z] = state(o.lower);
         let row = [x, y, z, wide, sentence == Sentence::Open];
         add(&kinds, i, row);
         add(&kinds, j, row);
@@ -325,7 +325,7 @@ fn shapes(seed: u64, cases: u64) -> [u64; 5] {
         if wide || sentence == Sentence::Open {
             println!("{} {:?}", what(), tracker.work());
         }
-        let [x, y, z] = class(o.lower);
+        let [x, y, z] = state(o.lower);
         let row = [x, y, z, wide, sentence == Sentence::Open];
         add(&kinds, i, row);
         add(&solids, j, row);

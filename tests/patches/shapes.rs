@@ -3,7 +3,7 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Answer, Class, ConvexPolyhedron, Decision, PairTracker, Question, RelativePose, Shape};
+use lin_canny::{Answer, ContactState, ConvexPolyhedron, Decision, PairTracker, Question, RelativePose, Shape};
 use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose, sphere, tube, vase};
@@ -86,8 +86,8 @@ fn a_surface_through_or_within_a_shape_shares_points() {
             let at = place(&mut rng, 0.02 * f64::from(k));
             let o = tracker.ask(&shell, &shape, &pose(&at), &Question::new().width(1e-9));
             assert_eq!(
-                (o.class, o.lower, o.upper, o.distance),
-                (Class::Overlapping, f64::NEG_INFINITY, 0.0, 0.0),
+                (o.state, o.lower, o.upper, o.distance),
+                (ContactState::Overlapping, f64::NEG_INFINITY, 0.0, 0.0),
                 "{o:?}"
             );
             assert_eq!(tracker.intersects(&shell, &shape, &pose(&at)), Decision::Yes);
@@ -123,7 +123,7 @@ fn flat_patches_are_polyhedra() {
             let at = place(&mut rng, far);
             let truth = PairTracker::new().closest(&solid, &shape, &pose(&at));
             let o = tracker.ask(&surface, &shape, &pose(&at), &Question::new().width(1e-9));
-            if truth.class == Class::Separated {
+            if truth.state == ContactState::Separated {
                 apart += 1;
                 assert!(
                     o.is_reached && o.lower <= truth.upper && truth.lower <= o.upper,
@@ -179,9 +179,9 @@ fn no_sample_is_closer_than_the_lower_bound() {
                     assert!(o.upper <= least.max(0.0) + 1e-9, "{k}: {least} {o:?}");
                 }
                 if least < -1e-9 {
-                    assert_eq!(o.class, Class::Overlapping, "{k}: {least} {o:?}");
+                    assert_eq!(o.state, ContactState::Overlapping, "{k}: {least} {o:?}");
                 }
-                overlaps += usize::from(o.class == Class::Overlapping);
+                overlaps += usize::from(o.state == ContactState::Overlapping);
                 wide += usize::from(!o.is_reached);
             }
         }
@@ -204,7 +204,7 @@ fn a_ball_of_patches_is_a_ball() {
         let p = tracker.ask(&a, &ball, &at, &Question::new().width(1e-9));
         assert!(o.is_reached && p.is_reached, "{o:?} {p:?}");
         assert!(
-            o.class != Class::Separated || o.lower <= p.upper + 1e-15 && p.lower <= o.upper + 1e-15,
+            o.state != ContactState::Separated || o.lower <= p.upper + 1e-15 && p.lower <= o.upper + 1e-15,
             "{o:?} {p:?}"
         );
         splits += tracker.work().surfaces.splits;

@@ -333,7 +333,7 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
             let o = tracker.closest(&a, &b, &pose);
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
-            scene.plain("closest", (o.class, o.on, o.normal));
+            scene.plain("closest", (o.state, o.on, o.normal));
             let d = tracker.distance(&a, &b, &pose);
             scene.distance("distance", &d);
             scene.plain("intersects", tracker.intersects(&a, &b, &pose));
@@ -426,7 +426,7 @@ fn pieces<'g>(scene: &mut Scene, rng: &mut Rng, a: impl Into<GeometryRef<'g>>, b
             let o = tracker.closest(a, b, &pose);
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
-            scene.plain("closest", (o.class, o.on, o.normal));
+            scene.plain("closest", (o.state, o.on, o.normal));
             scene.plain("intersects", tracker.intersects(a, b, &pose));
             for d in WITHIN {
                 scene.plain("within", tracker.within(a, b, &pose, d * scene.unit));
@@ -454,7 +454,7 @@ fn surfaces(scene: &mut Scene, rng: &mut Rng) {
         let o = warm.ask(&a, &b, &pose, &Question::new().width(width));
         let witnesses = [&o.point_on_a, &o.point_on_b];
         scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
-        scene.plain("closest", (o.class, o.is_reached, o.on, o.normal));
+        scene.plain("closest", (o.state, o.is_reached, o.on, o.normal));
         scene.decision("intersects", warm.intersects(&a, &b, &pose));
         scene.decision("within", warm.within(&a, &b, &pose, 0.3 * scene.unit));
     }
@@ -470,7 +470,7 @@ fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
             let o = tracker.ask(&a, shape, &pose, &Question::new().width(width));
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("shape", [o.lower, o.upper], o.distance, witnesses);
-            scene.plain("shape", (o.class, o.is_reached, o.on, o.normal));
+            scene.plain("shape", (o.state, o.is_reached, o.on, o.normal));
             scene.decision("within", tracker.within(&a, shape, &pose, 0.3 * scene.unit));
         }
         let mut tracker = PairTracker::new();

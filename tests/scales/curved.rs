@@ -2,7 +2,7 @@
 //! solved in their own.
 
 use lin_canny::nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
-use lin_canny::{Class, Geometry, PairTracker, RelativePose, Shape};
+use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, Shape};
 use truth::rng::Rng;
 
 /// A pair as drawn: kinds, measures, a rotation and a translation.
@@ -29,7 +29,7 @@ impl Pair {
     }
 
     /// Class, distance and both bounds at a scale, in the unit of the pair as drawn.
-    fn answer(&self, exponent: i32) -> (Class, [f64; 3]) {
+    fn answer(&self, exponent: i32) -> (ContactState, [f64; 3]) {
         let (unit, back) = (2f64.powi(exponent), 2f64.powi(-exponent));
         let shape = |k: usize| {
             let [x, y, z] = self.measures[k].map(|x| x * unit);
@@ -43,7 +43,7 @@ impl Pair {
         let place = Vector3::from(self.translation.map(|x| x * unit));
         let pose = RelativePose::from_isometry(&Isometry3::from_parts(place.into(), self.rotation)).expect("a pose");
         let told = PairTracker::new().closest(&shape(0), &shape(1), &pose).outcome;
-        (told.class, [told.distance, told.lower, told.upper].map(|x| x * back))
+        (told.state, [told.distance, told.lower, told.upper].map(|x| x * back))
     }
 }
 

@@ -7,7 +7,7 @@ mod curved;
 use std::cmp::Ordering;
 use truth::support;
 
-use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 use truth::bound;
 use truth::motion::{Frame, random_poses};
 use truth::pose::{add, norm, radius, scale, sub};
@@ -35,7 +35,7 @@ fn is_scaled(x: &Outcome, y: &Outcome, by: f64) {
             .map(|c| c * s)
             .collect::<Vec<_>>();
         (
-            o.class,
+            o.state,
             o.distance * s,
             o.lower * s,
             o.upper * s,
@@ -55,7 +55,7 @@ fn window(body: &ConvexPolyhedron) -> i32 {
 }
 
 /// Bit for bit where both bodies are stored in one unit; where a scale puts them on both sides of a border between two
-/// units, another solver may answer, and only class and bounds are the same.
+/// units, another solver may answer, and only contact state and bounds are the same.
 #[test]
 fn powers_of_two_change_no_bit() {
     let (mut separated, mut bordering) = (0, 0);
@@ -70,10 +70,10 @@ fn powers_of_two_change_no_bit() {
                 let two = Tracker::new().closest(&large.0, &large.1, &relative(&f.scaled(by)));
                 if one_unit {
                     is_scaled(&two, &one, by);
-                    separated += usize::from(one.class == Class::Separated);
+                    separated += usize::from(one.state == ContactState::Separated);
                 } else {
                     let agree = one.lower * by <= two.upper && two.lower <= one.upper * by;
-                    assert!(one.class == two.class && agree, "{one:?}\n{two:?}");
+                    assert!(one.state == two.state && agree, "{one:?}\n{two:?}");
                     bordering += 1;
                 }
             }
@@ -99,9 +99,9 @@ fn extents_from_1e_minus_100_to_1e100() {
                 let o = t.closest(&body_a, &body_b, &relative(&f));
                 assert_eq!(
                     t.intersects(&body_a, &body_b, &relative(&f)),
-                    o.class != Class::Separated
+                    o.state != ContactState::Separated
                 );
-                if o.class == Class::Separated {
+                if o.state == ContactState::Separated {
                     proved(&a, &b, &f, &o, by);
                     separated += 1;
                 }
@@ -139,8 +139,8 @@ fn a_grain_beside_a_mountain() {
                 f.a.t = [0.0; 3];
                 let o = Tracker::new().closest(&body_a, &body_b, &relative(&f));
                 let turned = Tracker::new().closest(&body_b, &body_a, &relative(&f.swapped()));
-                assert_eq!(o.class, turned.class);
-                if o.class == Class::Separated {
+                assert_eq!(o.state, turned.state);
+                if o.state == ContactState::Separated {
                     // To the rounding of the larger body.
                     proved(&a, &b, &f, &o, 10.0 * ratio);
                 }
@@ -160,7 +160,7 @@ fn far_from_the_origin() {
             let mut far = f;
             (far.a.t, far.b.t) = (add(f.a.t, shift), add(f.b.t, shift));
             let o = Tracker::new().closest(&body_a, &body_b, &relative(&far));
-            if o.class == Class::Separated {
+            if o.state == ContactState::Separated {
                 proved(&a, &b, &far, &o, 1.0);
             }
             // The same relative pose without the offset.
@@ -168,8 +168,8 @@ fn far_from_the_origin() {
             (near.a.t, near.b.t) = ([0.0; 3], sub(far.b.t, far.a.t));
             let here = Tracker::new().closest(&body_a, &body_b, &relative(&near));
             assert_eq!(
-                (o.class, o.distance, o.features),
-                (here.class, here.distance, here.features)
+                (o.state, o.distance, o.features),
+                (here.state, here.distance, here.features)
             );
         }
     }
@@ -191,7 +191,7 @@ fn vertices_far_from_their_own_origin() {
             let mut g = f;
             g.b.t = sub(f.b.t, f.b.rotate(offset));
             let o = Tracker::new().closest(&body_a, &body_b, &relative(&g));
-            if o.class == Class::Separated {
+            if o.state == ContactState::Separated {
                 // L is measured between the bodies, but the translation itself is rounded at 2e6.
                 proved(&a, &away, &g, &o, 1e7);
                 separated += 1;
@@ -216,7 +216,7 @@ fn distances_up_to_the_largest_number() {
         let pose = support::shifted([x, 0.0, 0.0]);
         let o = t.closest(&cube, &cube, &pose);
         assert!(
-            o.class == Class::Separated && o.lower <= x && x - 2.0 <= o.upper,
+            o.state == ContactState::Separated && o.lower <= x && x - 2.0 <= o.upper,
             "{o:?}"
         );
         assert!(
@@ -237,7 +237,7 @@ fn points_in_and_beside_bodies_of_any_size() {
         let mut t = Tracker::new();
         let cold = t.closest(body, point, pose);
         let back = Tracker::new().closest(point, body, &pose.swapped());
-        assert_eq!(t.intersects(body, point, pose), cold.class != Class::Separated);
+        assert_eq!(t.intersects(body, point, pose), cold.state != ContactState::Separated);
         [cold, t.closest(body, point, pose), back]
     };
     for by in [1e-99, 1e-95, 1e-90, 1e-60, 1.0, 1e60, 1e99] {
@@ -259,13 +259,13 @@ fn points_in_and_beside_bodies_of_any_size() {
                         "{by:e} {place:?} {x}: {o:?}"
                     );
                     // Beside its own origin a point touches but for the rounding of its place.
-                    let class = match at.total_cmp(&1.0) {
-                        Ordering::Less => Class::Overlapping,
-                        Ordering::Equal => Class::Touching,
-                        Ordering::Greater => Class::Separated,
+                    let state = match at.total_cmp(&1.0) {
+                        Ordering::Less => ContactState::Overlapping,
+                        Ordering::Equal => ContactState::Touching,
+                        Ordering::Greater => ContactState::Separated,
                     };
                     assert!(
-                        o.class == class || x == 1.0 && offset > 0.0,
+                        o.state == state || x == 1.0 && offset > 0.0,
                         "{by:e} {place:?} {x}: {o:?}"
                     );
                 }
@@ -274,7 +274,7 @@ fn points_in_and_beside_bodies_of_any_size() {
     }
 }
 
-/// Bodies whose place in their own frame leaves nothing of them in doubles: class and bounds are right all the same.
+/// Bodies whose place in their own frame leaves nothing of them in doubles: contact state and bounds are right all the same.
 #[test]
 fn points_beyond_all_measure_from_their_own_origin() {
     let cube = body(&shapes::cube());
@@ -286,7 +286,7 @@ fn points_beyond_all_measure_from_their_own_origin() {
             Tracker::new().closest(&cube, &point, &pose),
             Tracker::new().closest(&point, &cube, &pose.swapped()),
         ] {
-            assert_eq!(o.class, Class::Overlapping, "{away:e}: {o:?}");
+            assert_eq!(o.state, ContactState::Overlapping, "{away:e}: {o:?}");
             let held = o.lower <= -1.0 && -1.0 <= o.upper && o.upper - o.lower <= 1e-13 * (4.0 + away * 2f64.powi(-49));
             assert!(held, "{away:e}: {o:?}");
         }

@@ -53,7 +53,7 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
             let truth = PairTracker::new().closest(a, b, &pose);
             let found = scene.pair(bodies[i], bodies[j]).unwrap();
             let outcome = found.outcome.unwrap();
-            assert_eq!(outcome.class, truth.class, "{frame} {i} {j}");
+            assert_eq!(outcome.state, truth.state, "{frame} {i} {j}");
             assert!((outcome.distance - truth.distance).abs() < 1e-12, "{frame} {i} {j}");
             overlaps += usize::from(truth.distance <= 0.0);
             let points = found

@@ -5,7 +5,7 @@ use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
-use lin_canny::{Class, ManifoldOptions, Mesh, RelativePose, Tracker, Velocity};
+use lin_canny::{ContactState, ManifoldOptions, Mesh, RelativePose, Tracker, Velocity};
 use std::sync::Arc;
 use truth::driven::scenes;
 use truth::driven::scenes::Mix;
@@ -99,7 +99,7 @@ fn questions_on_top_equal_brute_force() {
             for n in &near {
                 let truth = measure(n.a, n.b);
                 assert!(
-                    n.outcome.class == Class::Overlapping
+                    n.outcome.state == ContactState::Overlapping
                         || n.outcome.lower <= truth.upper && truth.lower <= n.outcome.upper
                 );
             }

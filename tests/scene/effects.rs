@@ -2,7 +2,7 @@
 
 use crate::{ALL, Keys, NONE, Replay};
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
-use lin_canny::{Class, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use truth::crowd::{Crowd, Kind};
@@ -161,7 +161,7 @@ fn check_answers(
         if let Some(d) = p.distance {
             measured.insert(key);
             let (lower, upper) = distances[&key];
-            if effects.depth || d.class != Class::Overlapping {
+            if effects.depth || d.state != ContactState::Overlapping {
                 assert!(d.lower <= upper && lower <= d.upper, "{d:?} {lower} {upper}");
             } else {
                 assert!(d.value == 0.0 && upper <= 0.0);
@@ -202,7 +202,7 @@ fn an_infinite_range_means_all_pairs_of_two_groups() {
         for p in play.scene.pairs() {
             let d = p.distance.expect("is taken");
             let (lower, upper) = distances[&(p.a, p.b)];
-            assert!(d.class == Class::Overlapping || d.lower <= upper && lower <= d.upper);
+            assert!(d.state == ContactState::Overlapping || d.lower <= upper && lower <= d.upper);
             found += 1;
         }
         // 15 by 15, less the pairs of two fixed bodies: 5 by 5.
@@ -253,7 +253,7 @@ fn budget_on_and_off_give_the_same_events_and_answers() {
                 for (p, q) in on.scene.pairs().zip(off.scene.pairs()) {
                     assert_eq!((p.pair, p.overlaps, p.within), (q.pair, q.overlaps, q.within));
                     match (p.distance, q.distance) {
-                        (Some(p), Some(q)) => assert!(p.class == q.class && p.lower <= q.upper && q.lower <= p.upper),
+                        (Some(p), Some(q)) => assert!(p.state == q.state && p.lower <= q.upper && q.lower <= p.upper),
                         (p, q) => assert_eq!(p, q),
                     }
                 }
@@ -384,13 +384,13 @@ fn local_depths_bound_the_depths() {
             for (k, other) in others.iter().enumerate() {
                 let outcome = other.scene.pair(pair.a, pair.b).and_then(|p| p.outcome);
                 assert_eq!(
-                    outcome.map(|o| o.class),
-                    depth.map(|o| o.class),
+                    outcome.map(|o| o.state),
+                    depth.map(|o| o.state),
                     "{outcome:?} {depth:?}"
                 );
                 let (Some(o), Some(d)) = (outcome, depth) else { continue };
                 assert!(o.lower <= d.upper && d.lower <= o.upper, "{o:?} {d:?}");
-                overlaps += usize::from(o.class == Class::Overlapping);
+                overlaps += usize::from(o.state == ContactState::Overlapping);
                 wide[k + 1] += usize::from(o.upper - o.lower > 1e-12);
             }
         }

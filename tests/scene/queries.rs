@@ -4,7 +4,7 @@ use crate::group;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
-use lin_canny::{Class, Outcome, RelativePose, Tracker};
+use lin_canny::{ContactState, Outcome, RelativePose, Tracker};
 use truth::rng::Rng;
 
 const BOXES: Effects = Effects::none().boxes(true);
@@ -83,7 +83,7 @@ fn the_closest_pair_is_the_closest_of_all() {
             assert!(off <= 1e-12 * room, "{round}: {found:?} {truth:?}");
             assert_eq!((found.a, found.b), (truth.0, truth.1), "{round}");
             assert_eq!((scene.group(found.a), scene.group(found.b)), (Some(g), Some(h)));
-            classes[usize::from(found.outcome.class == Class::Overlapping)] += 1;
+            classes[usize::from(found.outcome.state == ContactState::Overlapping)] += 1;
         }
     }
     println!("{classes:?} separated and overlapping, {none} without a pair");

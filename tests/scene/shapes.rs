@@ -6,8 +6,8 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
 use lin_canny::{
-    Class, Composite, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose,
-    Shape, ShapeKind, Tracker, Velocity,
+    Composite, ContactState, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece,
+    RelativePose, Shape, ShapeKind, Tracker, Velocity,
 };
 use std::sync::Arc;
 use truth::rng::Rng;
@@ -119,8 +119,8 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effect
             let found = answer.expect("a pair within the range is measured");
             if overlaps && !effects.depth {
                 assert_eq!(
-                    (found.class, found.distance, found.lower),
-                    (Class::Overlapping, 0.0, f64::NEG_INFINITY)
+                    (found.state, found.distance, found.lower),
+                    (ContactState::Overlapping, 0.0, f64::NEG_INFINITY)
                 );
                 continue;
             }

@@ -4,7 +4,7 @@ use crate::{ALL, NONE, read_back};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Scene, SceneError};
-use lin_canny::{Class, Composite, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
+use lin_canny::{Composite, ContactState, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
 use truth::forms::sphere;
 use truth::rng::Rng;
 
@@ -65,7 +65,7 @@ impl Seen {
                     self.measured += 1;
                     let o = found.as_ref().and_then(|p| p.outcome).expect("measured");
                     if truth > 0.0 {
-                        assert_eq!(o.class, Class::Separated, "{truth} {o:?}");
+                        assert_eq!(o.state, ContactState::Separated, "{truth} {o:?}");
                         assert!(o.lower <= truth + 1e-14 && truth <= o.upper + 1e-14, "{truth} {o:?}");
                         assert!(o.upper - o.lower < 1e-8, "{truth} {o:?}");
                     }

@@ -11,7 +11,7 @@ use crate::pairs::swept_box;
 use crate::space::ConfigurationSpace;
 use crate::tolerance::{PLACED, PLACED_BALL};
 use crate::world::{WorldId, WorldPair};
-use lin_canny::Class;
+use lin_canny::ContactState;
 use lin_canny::RelativePose;
 use lin_canny::impact::Impact;
 use lin_canny::motion::{Motion, Steady, Velocity};
@@ -222,7 +222,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let relative = RelativePose::new(&pose_a, &pose_b)?;
         let [a, b] = world.shapes(pair);
         let outcome = tracked.tracker.closest(a, b, &relative);
-        let is_known = outcome.class != Class::Overlapping || outcome.lower > f64::NEG_INFINITY;
+        let is_known = outcome.state != ContactState::Overlapping || outcome.lower > f64::NEG_INFINITY;
         let near = NearPair {
             pair,
             distance: if is_known { outcome.distance } else { 0.0 },

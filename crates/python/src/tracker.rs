@@ -9,7 +9,7 @@ pub(crate) use at_poses::distances;
 #[cfg(feature = "bench")]
 pub(crate) use at_poses::rust_loop;
 pub(crate) use cast::Cast;
-pub(crate) use closest::{Closest, class_name};
+pub(crate) use closest::{Closest, state_name};
 pub(crate) use contacts::Penetration;
 
 use lin_canny::{Decision, PairTracker as Tracker};

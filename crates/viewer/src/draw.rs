@@ -2,7 +2,7 @@
 //! of the camera.
 
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{Class, Outcome};
+use lin_canny::{ContactState, Outcome};
 use lin_canny_record::{Bracket, PencilLine};
 
 use crate::lit::{self, Lit};
@@ -138,7 +138,7 @@ impl DrawList {
             }
         }
         let [p, q] = ends(outcome, bodies.map(|b| &b.pose));
-        let colour = if outcome.class == Class::Separated {
+        let colour = if outcome.state == ContactState::Separated {
             GAP
         } else {
             OVERLAP

@@ -90,7 +90,7 @@ fn answer(viewer: &Viewer, ui: &mut egui::Ui) {
             ui.label(RichText::new(value).monospace());
             ui.end_row();
         };
-        row("class", o.class.to_string());
+        row("contact state", o.state.to_string());
         row("distance", number(o.distance));
         row("lower", number(o.lower));
         row("upper", number(o.upper));

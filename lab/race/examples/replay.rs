@@ -87,7 +87,7 @@ fn answers(q: &Replay, start: &Tracker) {
     for (name, o) in [("certified", certified), ("exact", exact)] {
         println!(
             "  {name:<10} {:?} {:?} in [{:?}, {:?}]  {}  by {:?}; {:?}",
-            o.class, o.distance, o.lower, o.upper, o.features, o.solver, o.work
+            o.state, o.distance, o.lower, o.upper, o.features, o.solver, o.work
         );
         println!(
             "             witnesses {} {}, normal {:?}",

@@ -8,7 +8,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3};
-use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
 use parry3d::math::{Pose, Rotation, Vector};
 use parry3d::query::contact;
 use parry3d::shape;
@@ -91,7 +91,7 @@ impl Tally {
         let same = Isometry3::from_parts(Translation3::from(wide(&pose.translation)), turn);
         let poses = RelativePose::from_isometry(&same).map_err(|e| e.to_string())?;
         let truth = Tracker::new().distance(&a.ours, &b.ours, &poses);
-        if truth.class != Class::Overlapping || -truth.upper < 0.01 * diameter {
+        if truth.state != ContactState::Overlapping || -truth.upper < 0.01 * diameter {
             return Ok(());
         }
         self.overlaps += 1;

@@ -168,7 +168,7 @@ pub fn check(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose, normal: Point, on_a
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::{Class, distance_to_body, solve};
+    use crate::exact::{ContactState, distance_to_body, solve};
     use crate::rng::Rng;
     use crate::shapes;
 
@@ -225,7 +225,7 @@ mod tests {
                 let n = r.unit();
                 assert!(support_gap((&a).into(), &pa, (&b).into(), &pb, n) <= e.distance);
             }
-            assert!(e.class != Class::Touching);
+            assert!(e.state != ContactState::Touching);
         }
     }
 

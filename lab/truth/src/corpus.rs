@@ -2,7 +2,7 @@
 
 use crate::pose::{norm, radius, sub};
 use crate::shapes::{self, Shape};
-use crate::verdict::{Class, Exact};
+use crate::verdict::{ContactState, Exact};
 use crate::{Pose, exact};
 use serde_json::Value;
 use std::collections::HashSet;
@@ -26,7 +26,7 @@ pub struct Case {
     /// World pose of B.
     pub pose_b: Pose,
     /// How they lie, exactly.
-    pub class: Class,
+    pub state: ContactState,
     /// Signed distance to the nearest double. Present for separated cases, and where the oracle knows the depth.
     pub distance: Option<f64>,
 }
@@ -122,7 +122,7 @@ fn case(v: &Value, at: &Value, family: &str, frame: Option<usize>) -> Case {
         b: shape(&v["b"]),
         pose_a: at.get("pose_a").or(v.get("pose_a")).map_or(Pose::IDENTITY, pose),
         pose_b: at.get("pose_b").or(v.get("pose_b")).map_or(Pose::IDENTITY, pose),
-        class: Class::from_word(text(at, "class")).expect("sep, touch or pen"),
+        state: ContactState::from_word(text(at, "class")).expect("sep, touch or pen"),
         distance: at.get("distance").and_then(Value::as_f64),
     }
 }

@@ -1,8 +1,8 @@
-//! The naive exact oracle: class and signed distance of two small convex bodies, over the integers.
+//! The naive exact oracle: contact state and signed distance of two small convex bodies, over the integers.
 //!
 //! It is meant to be obviously right rather than fast (16 vertices a body take some 10 ms). Two facts carry it:
 //!
-//! 1. **Class and depth.** For every direction n, `(min over B of n.b - max over A of n.a) / |n|` is at most the signed
+//! 1. **Contact state and depth.** For every direction n, `(min over B of n.b - max over A of n.a) / |n|` is at most the signed
 //!    distance. If the bodies meet, some face normal of A or B, or cross product of an edge of each, attains it: these are
 //!    the facet normals of the difference A - B, of which the origin is then no exterior point. If they are apart, one
 //!    of these directions has a positive gap. The largest gap is thus positive, zero or negative exactly as the bodies are
@@ -15,7 +15,7 @@
 pub use crate::body::Body;
 use crate::body::{Edge, Placed, place_two};
 use crate::rational::{IntVec, cross, dot, sub};
-pub use crate::verdict::{Class, Exact};
+pub use crate::verdict::{ContactState, Exact};
 use crate::{Point, Pose};
 use dashu_int::IBig;
 use dashu_ratio::RBig;
@@ -104,17 +104,17 @@ fn widest_gap(a: &Placed, b: &Placed) -> Frac {
     best.expect("one of the bodies is solid")
 }
 
-/// Class and signed distance of two bodies at two poses.
+/// Contact state and signed distance of two bodies at two poses.
 pub fn solve(a: Body, pose_a: &Pose, b: Body, pose_b: &Pose) -> Exact {
     let (a, b, den) = place_two(a, pose_a, b, pose_b);
     let (gap, n2) = widest_gap(&a, &b);
-    let class = Class::of_sign(gap.cmp(&IBig::ZERO));
-    let (num, below) = if class == Class::Separated {
+    let state = ContactState::of_sign(gap.cmp(&IBig::ZERO));
+    let (num, below) = if state == ContactState::Separated {
         least(&a, &b)
     } else {
         (&gap * &gap, n2)
     };
-    Exact::new(class, RBig::from_parts_signed(num, below * &den * &den))
+    Exact::new(state, RBig::from_parts_signed(num, below * &den * &den))
 }
 
 /// Distance of a point of the world from a placed solid, correctly rounded; zero inside and on the surface.

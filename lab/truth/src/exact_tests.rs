@@ -13,18 +13,18 @@ fn body(s: &Shape) -> Body<'_> {
     }
 }
 
-fn ask(a: &Shape, pose_a: Pose, b: &Shape, pose_b: Pose) -> (Class, f64) {
+fn ask(a: &Shape, pose_a: Pose, b: &Shape, pose_b: Pose) -> (ContactState, f64) {
     let e = solve(body(a), &pose_a, body(b), &pose_b);
     let f = solve(body(b), &pose_b, body(a), &pose_a);
     assert_eq!(
-        (e.class, e.distance, e.remainder),
-        (f.class, f.distance, f.remainder),
+        (e.state, e.distance, e.remainder),
+        (f.state, f.distance, f.remainder),
         "A-B and B-A"
     );
-    (e.class, e.distance)
+    (e.state, e.distance)
 }
 
-fn shifted(a: &Shape, b: &Shape, t: Point) -> (Class, f64) {
+fn shifted(a: &Shape, b: &Shape, t: Point) -> (ContactState, f64) {
     ask(a, Pose::IDENTITY, b, Pose::shift(t))
 }
 
@@ -32,33 +32,39 @@ fn shifted(a: &Shape, b: &Shape, t: Point) -> (Class, f64) {
 fn boxes_by_hand() {
     let unit = shapes::cuboid([0.5; 3]);
     let gap = |t| shifted(&unit, &unit, t);
-    assert_eq!(gap([3.0, 0.0, 0.0]), (Class::Separated, 2.0), "face and face");
+    assert_eq!(gap([3.0, 0.0, 0.0]), (ContactState::Separated, 2.0), "face and face");
     assert_eq!(
         gap([4.0, 5.0, 0.25]),
-        (Class::Separated, 5.0),
+        (ContactState::Separated, 5.0),
         "parallel edges: 3, 4, 5"
     );
     assert_eq!(
         gap([2.0, 3.0, 3.0]),
-        (Class::Separated, 3.0),
+        (ContactState::Separated, 3.0),
         "corner and corner: 1, 2, 2"
     );
-    assert_eq!(gap([1.0, 0.3, 0.0]), (Class::Touching, 0.0), "on a face");
-    assert_eq!(gap([1.0, 1.0, 1.0]), (Class::Touching, 0.0), "at a corner");
+    assert_eq!(gap([1.0, 0.3, 0.0]), (ContactState::Touching, 0.0), "on a face");
+    assert_eq!(gap([1.0, 1.0, 1.0]), (ContactState::Touching, 0.0), "at a corner");
     assert_eq!(
         gap([0.75, 0.5, 0.0]),
-        (Class::Overlapping, -0.25),
+        (ContactState::Overlapping, -0.25),
         "the shallowest way out"
     );
-    assert_eq!(gap([0.0; 3]), (Class::Overlapping, -1.0), "the same place");
+    assert_eq!(gap([0.0; 3]), (ContactState::Overlapping, -1.0), "the same place");
 }
 
 #[test]
 fn gaps_below_the_rounding_of_coordinates_are_seen() {
     let unit = shapes::cuboid([0.5; 3]);
     let eps = f64::EPSILON;
-    assert_eq!(shifted(&unit, &unit, [1.0 + eps, 0.0, 0.0]), (Class::Separated, eps));
-    assert_eq!(shifted(&unit, &unit, [1.0 - eps, 0.0, 0.0]), (Class::Overlapping, -eps));
+    assert_eq!(
+        shifted(&unit, &unit, [1.0 + eps, 0.0, 0.0]),
+        (ContactState::Separated, eps)
+    );
+    assert_eq!(
+        shifted(&unit, &unit, [1.0 - eps, 0.0, 0.0]),
+        (ContactState::Overlapping, -eps)
+    );
     // 1e-15 is no double beside 1; the sum is taken from two translations, exactly.
     let far = ask(
         &unit,
@@ -66,14 +72,14 @@ fn gaps_below_the_rounding_of_coordinates_are_seen() {
         &unit,
         Pose::shift([1e-15, 0.0, 0.0]),
     );
-    assert_eq!(far, (Class::Separated, 1e-15));
+    assert_eq!(far, (ContactState::Separated, 1e-15));
     let tiny = ask(
         &unit,
         Pose::shift([-1.0, 0.0, 0.0]),
         &unit,
         Pose::shift([-1e-300, 0.0, 0.0]),
     );
-    assert_eq!(tiny, (Class::Overlapping, -1e-300));
+    assert_eq!(tiny, (ContactState::Overlapping, -1e-300));
 }
 
 #[test]
@@ -81,12 +87,12 @@ fn a_small_box_inside_a_large_one_overlaps() {
     let (large, small) = (shapes::cuboid([4.0; 3]), shapes::cuboid([0.5; 3]));
     assert_eq!(
         shifted(&large, &small, [1.0, 0.0, 0.0]),
-        (Class::Overlapping, -3.5),
+        (ContactState::Overlapping, -3.5),
         "out through the near wall"
     );
     assert_eq!(
         shifted(&large, &small, [3.5, 0.0, 0.0]),
-        (Class::Overlapping, -1.0),
+        (ContactState::Overlapping, -1.0),
         "flush from inside"
     );
 }
@@ -100,17 +106,17 @@ fn crossing_edges_and_a_corner_over_a_face() {
     };
     assert_eq!(
         ask(&long, half_turn, &unit, Pose::shift([0.0, 0.0, 2.0])),
-        (Class::Separated, 1.0)
+        (ContactState::Separated, 1.0)
     );
     let (top, bottom) = (shapes::octahedron(), shapes::octahedron());
     assert_eq!(
         shifted(&top, &bottom, [0.0, 0.0, 3.0]),
-        (Class::Separated, 1.0),
+        (ContactState::Separated, 1.0),
         "tip on tip"
     );
     assert_eq!(
         shifted(&unit, &top, [0.25, 0.0, 2.0]),
-        (Class::Separated, 0.5),
+        (ContactState::Separated, 0.5),
         "tip over face"
     );
     // Rods along x and y, each standing on its edge: the edges cross sqrt(1/2) above and below their axes.
@@ -120,8 +126,8 @@ fn crossing_edges_and_a_corner_over_a_face() {
         t: [0.25, 0.125, 2.0],
     }
     .after(&on_edge);
-    let (class, d) = ask(&long, on_edge, &long, across);
-    assert_eq!(class, Class::Separated);
+    let (state, d) = ask(&long, on_edge, &long, across);
+    assert_eq!(state, ContactState::Separated);
     assert!(
         (d - (2.0 - std::f64::consts::SQRT_2)).abs() < 1e-15,
         "edge over edge: {d}"
@@ -150,9 +156,12 @@ fn tetrahedra_with_crossing_edges() {
             ..b
         },
     );
-    assert_eq!(shifted(&a, &b, [0.25, 0.125, 0.0]), (Class::Separated, 1.0));
-    assert_eq!(shifted(&a, &b, [0.25, 0.125, -1.0]), (Class::Touching, 0.0));
-    assert_eq!(shifted(&a, &b, [0.25, 0.125, -1.25]), (Class::Overlapping, -0.25));
+    assert_eq!(shifted(&a, &b, [0.25, 0.125, 0.0]), (ContactState::Separated, 1.0));
+    assert_eq!(shifted(&a, &b, [0.25, 0.125, -1.0]), (ContactState::Touching, 0.0));
+    assert_eq!(
+        shifted(&a, &b, [0.25, 0.125, -1.25]),
+        (ContactState::Overlapping, -0.25)
+    );
 }
 
 #[test]
@@ -161,11 +170,14 @@ fn points_and_segments_against_a_box() {
     let solid = body(&unit);
     let point = |p: &[Point]| {
         let e = solve(solid, &Pose::IDENTITY, Body { points: p, faces: &[] }, &Pose::IDENTITY);
-        (e.class, e.distance)
+        (e.state, e.distance)
     };
-    assert_eq!(point(&[[2.5, 0.0, 0.0]]), (Class::Separated, 2.0));
-    assert_eq!(point(&[[0.5, 0.5, 0.0]]), (Class::Touching, 0.0));
-    assert_eq!(point(&[[2.5, -9.0, 0.0], [2.5, 9.0, 0.1]]), (Class::Separated, 2.0));
+    assert_eq!(point(&[[2.5, 0.0, 0.0]]), (ContactState::Separated, 2.0));
+    assert_eq!(point(&[[0.5, 0.5, 0.0]]), (ContactState::Touching, 0.0));
+    assert_eq!(
+        point(&[[2.5, -9.0, 0.0], [2.5, 9.0, 0.1]]),
+        (ContactState::Separated, 2.0)
+    );
 }
 
 #[test]
@@ -194,7 +206,7 @@ fn a_quaternion_that_is_not_unit_places_the_same_body() {
     assert_eq!(ask(&a, long, &b, Pose::IDENTITY), ask(&a, longer, &b, Pose::IDENTITY));
 }
 
-/// The class comes from directions, the distance from features: they must agree. A common turn, close to exact, and
+/// The contact state comes from directions, the distance from features: they must agree. A common turn, close to exact, and
 /// powers of two must change nothing or scale alone.
 #[test]
 fn directions_and_features_tell_the_same_story() {
@@ -214,13 +226,13 @@ fn directions_and_features_tell_the_same_story() {
             },
         );
         let e = solve(body(&a), &pa, body(&b), &pb);
-        seen[e.class as usize] += 1;
+        seen[e.state as usize] += 1;
         let corner = |p: &Point| distance_to_body(pa.apply(*p), body(&b), &pb);
         let nearest = a.points.iter().map(corner).fold(f64::MAX, f64::min);
-        match e.class {
-            Class::Separated => assert!(e.distance > 0.0 && e.distance <= nearest + 1e-15),
-            Class::Overlapping => assert!(e.distance < 0.0),
-            Class::Touching => unreachable!("not by chance"),
+        match e.state {
+            ContactState::Separated => assert!(e.distance > 0.0 && e.distance <= nearest + 1e-15),
+            ContactState::Overlapping => assert!(e.distance < 0.0),
+            ContactState::Touching => unreachable!("not by chance"),
         }
         let twice = |s: &Shape| Shape {
             points: s.points.iter().map(|p| p.map(|x| 2.0 * x)).collect(),
@@ -232,7 +244,7 @@ fn directions_and_features_tell_the_same_story() {
         };
         assert_eq!(
             ask(&twice(&a), shift(&pa), &twice(&b), shift(&pb)),
-            (e.class, 2.0 * e.distance)
+            (e.state, 2.0 * e.distance)
         );
     }
     assert!(seen[0] > 10 && seen[2] > 10, "both classes met: {seen:?}");

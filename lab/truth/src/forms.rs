@@ -4,7 +4,7 @@ use crate::soups::Soup;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::{Surface, revolution};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, Composite, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
+use lin_canny::{Composite, ContactState, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
 use lin_canny::{Question, RelativePose, Shape, Tracker};
 
 /// Bodies of which one is no sharp polyhedron, and whose bounds are as near to a threshold as this, may be either side of it.
@@ -127,8 +127,8 @@ pub fn within(a: &Form, b: &Form, pose: &RelativePose, d: f64) -> Option<bool> {
     }
     let found = distance(a, b, pose);
     let is_proven = match (a, b) {
-        (Form::Surface(_), _) | (_, Form::Surface(_)) => found.class == Class::Touching,
-        _ => found.class == Class::Overlapping && !(a.is_convex() && b.is_convex()),
+        (Form::Surface(_), _) | (_, Form::Surface(_)) => found.state == ContactState::Touching,
+        _ => found.state == ContactState::Overlapping && !(a.is_convex() && b.is_convex()),
     };
     if is_proven || found.upper <= d - TIE {
         Some(true)

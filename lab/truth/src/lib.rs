@@ -20,7 +20,7 @@
 //! | [`pairs`] | pairs in the form of this crate and of parry, and their motions |
 //! | [`nets`] | control points of curved surfaces |
 //! | [`soups`], [`turned`], [`brute`] | meshes that are not convex, some as CAD has them, and their naive oracle |
-//! | [`exact`] | the naive oracle: exact class and distance of two small bodies |
+//! | [`exact`] | the naive oracle: exact contact state and distance of two small bodies |
 //! | [`paths`] | the naive oracle of vertices on straight paths, and queries that are hard on purpose |
 //! | [`curved`] | the judge of curved pairs: the duality gap in double-double |
 //! | [`brute_hull`] | exact faces of a few points |
@@ -75,7 +75,7 @@ pub mod workload;
 
 pub use body::Body;
 pub use pose::{Point, Pose};
-pub use verdict::{Class, Exact};
+pub use verdict::{ContactState, Exact};
 
 /// A face: indices of points, counter-clockwise seen from outside.
 pub type Face = Vec<u32>;

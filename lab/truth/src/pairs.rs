@@ -5,7 +5,7 @@ use crate::parry::Climber;
 use crate::rng::Rng;
 use crate::{Face, Point, Pose, shapes, workload};
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
 /// One body in the form of each engine. Engines get the vertices and faces of our hull, so all see the same body.
 pub struct Body {
@@ -87,7 +87,7 @@ impl Pair {
         let mut tracker = Tracker::new();
         let frames = workload::motion(degrees, frames, &mut Rng::new(17), |f| {
             let o = self.closest(&mut tracker, f);
-            (o.class == Class::Separated).then(|| witnesses(f, &o))
+            (o.state == ContactState::Separated).then(|| witnesses(f, &o))
         });
         self.with(frames)
     }
@@ -104,7 +104,7 @@ impl Pair {
                 f.b.t = std::array::from_fn(|k| f.b.t[k] + n[k] * (gap - o.distance));
             }
         }
-        frames.retain(|f| pair.closest(&mut tracker, f).class == Class::Separated);
+        frames.retain(|f| pair.closest(&mut tracker, f).state == ContactState::Separated);
         pair.with(frames)
     }
 
@@ -123,7 +123,7 @@ impl Pair {
         };
         let mut tracker = Tracker::new();
         let mut frames: Vec<Frame> = (0..frames).map(at).collect();
-        frames.retain(|f| a.closest(&mut tracker, f).class == Class::Separated);
+        frames.retain(|f| a.closest(&mut tracker, f).state == ContactState::Separated);
         Ok(a.with(frames))
     }
 

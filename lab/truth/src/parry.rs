@@ -176,7 +176,7 @@ impl ContactPair {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::exact::{Class, solve};
+    use crate::exact::{ContactState, solve};
     use crate::motion;
     use crate::pose::{norm, radius, sub};
     use crate::rng::Rng;
@@ -199,7 +199,7 @@ mod tests {
             let clouds = closest_points(&Cloud::new(&a.points), &f.a, &Cloud::new(&b.points), &f.b);
             let climbers = (Climber::new(&a.points, &a.faces), Climber::new(&b.points, &b.faces));
             let cached = GjkCached::default().closest(&climbers.0, &f.a, &climbers.1, &f.b);
-            if truth.class == Class::Separated && truth.distance > 1e-3 {
+            if truth.state == ContactState::Separated && truth.distance > 1e-3 {
                 compared += 1;
                 assert!(agree(distance(&own.0, &f.a, &own.1, &f.b), truth.distance));
                 for w in [clouds, cached, closest_points(&own.0, &f.a, &own.1, &f.b)].map(Option::unwrap) {

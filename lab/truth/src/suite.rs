@@ -3,7 +3,7 @@
 //! Files may be large, so [`Reader`] gives one line after the other; it holds no more than that line.
 
 use crate::shapes::Shape;
-use crate::verdict::Class;
+use crate::verdict::ContactState;
 use crate::{Face, Point, Pose};
 use serde::Deserialize;
 use std::fs::File;
@@ -73,7 +73,7 @@ pub struct Case {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// Class, exactly.
-    pub class: Class,
+    pub state: ContactState,
     /// Signed distance, correctly rounded.
     pub distance: f64,
     /// What rounding lost.
@@ -186,7 +186,7 @@ impl RawCase {
         let truth = match (&self.cls, self.s) {
             (None, None) => None,
             (Some(word), Some(distance)) => Some(Truth {
-                class: Class::from_word(word).ok_or_else(|| format!("class {word:?} of case {}", self.id))?,
+                state: ContactState::from_word(word).ok_or_else(|| format!("class {word:?} of case {}", self.id))?,
                 distance,
                 remainder: self.s_lo.unwrap_or(0.0),
                 normal: self.n,

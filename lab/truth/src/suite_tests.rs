@@ -43,8 +43,8 @@ fn all_kinds_of_lines_are_read_bit_for_bit() {
     assert_eq!((flat.id, flat.shape.points.len(), flat.shape.faces.len()), (1, 2, 0));
     let truth = open.truth.as_ref().unwrap();
     assert_eq!(
-        (truth.class, truth.distance.to_bits()),
-        (Class::Separated, 1.0508032761393937e-6f64.to_bits())
+        (truth.state, truth.distance.to_bits()),
+        (ContactState::Separated, 1.0508032761393937e-6f64.to_bits())
     );
     assert_eq!(
         (truth.normal, truth.size, open.sequence),
@@ -65,8 +65,8 @@ fn a_case_can_be_solved() {
     let body = (&s.shape).into();
     let e = solve(body, &c.pose_a, body, &c.pose_b);
     assert_eq!(
-        (e.class, e.distance),
-        (Class::Separated, 1.0508032761393937e-6 - 1e-300)
+        (e.state, e.distance),
+        (ContactState::Separated, 1.0508032761393937e-6 - 1e-300)
     );
 }
 
@@ -93,8 +93,8 @@ fn the_description_is_right() {
     let (body, truth) = ((&s.shape).into(), c.truth.as_ref().unwrap());
     let e = solve(body, &c.pose_a, body, &c.pose_b);
     assert_eq!(
-        (e.class, e.distance, e.remainder),
-        (truth.class, truth.distance, truth.remainder)
+        (e.state, e.distance, e.remainder),
+        (truth.state, truth.distance, truth.remainder)
     );
     let gap = crate::bound::support_gap(body, &c.pose_a, body, &c.pose_b, truth.normal.unwrap());
     assert_eq!(gap, truth.distance);

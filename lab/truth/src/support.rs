@@ -6,7 +6,7 @@ use crate::shapes::Shape;
 use crate::{Exact, Point, Pose};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, Feature, FeaturePair, Outcome, RelativePose};
+use lin_canny::{ContactState, ConvexPolyhedron, Feature, FeaturePair, Outcome, RelativePose};
 
 /// B as seen from A, of poses in the world.
 pub fn between(a: &Pose, b: &Pose) -> RelativePose {
@@ -97,18 +97,18 @@ pub fn pairs(a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Vec<FeaturePair> {
     features(a).into_iter().flat_map(with).collect()
 }
 
-/// The oracle's class in the words of the crate.
-pub fn class(exact: crate::Class) -> Class {
+/// The oracle's contact state in the words of the crate.
+pub fn state(exact: crate::ContactState) -> ContactState {
     match exact {
-        crate::Class::Separated => Class::Separated,
-        crate::Class::Touching => Class::Touching,
-        crate::Class::Overlapping => Class::Overlapping,
+        crate::ContactState::Separated => ContactState::Separated,
+        crate::ContactState::Touching => ContactState::Touching,
+        crate::ContactState::Overlapping => ContactState::Overlapping,
     }
 }
 
-/// Fails unless the class is that of the oracle and the true distance is between the bounds, to the last bit.
+/// Fails unless the contact state is that of the oracle and the true distance is between the bounds, to the last bit.
 pub fn assert_right(o: &Outcome, truth: &Exact, what: &str) {
-    assert_eq!(o.class, class(truth.class), "{what}: {o:?}, truth {}", truth.distance);
+    assert_eq!(o.state, state(truth.state), "{what}: {o:?}, truth {}", truth.distance);
     // The differences are small and hence exact, or so large that their sign is not in doubt.
     let above = (o.lower - truth.distance) - truth.remainder;
     let below = (o.upper - truth.distance) - truth.remainder;
@@ -126,7 +126,7 @@ pub fn assert_exact(o: &Outcome, truth: &Exact, what: &str) {
     assert_right(o, truth, what);
     let d = truth.distance;
     let ulp = d.next_up() - d;
-    if truth.class == crate::Class::Separated {
+    if truth.state == crate::ContactState::Separated {
         assert!((o.distance - d).abs() <= ulp, "{what}: {:e} is not {d:e}", o.distance);
     }
 }

@@ -7,7 +7,7 @@ use std::fmt;
 
 /// How two closed bodies lie, decided exactly.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Class {
+pub enum ContactState {
     /// No common point.
     Separated,
     /// Common points, but no common interior point.
@@ -16,8 +16,8 @@ pub enum Class {
     Overlapping,
 }
 
-impl Class {
-    /// The class of a signed distance, by its comparison with zero.
+impl ContactState {
+    /// The contact state of a signed distance, by its comparison with zero.
     pub fn of_sign(distance_to_zero: Ordering) -> Self {
         match distance_to_zero {
             Ordering::Greater => Self::Separated,
@@ -35,7 +35,7 @@ impl Class {
         }
     }
 
-    /// The class a word of case files means.
+    /// The contact state a word of case files means.
     pub fn from_word(word: &str) -> Option<Self> {
         [Self::Separated, Self::Touching, Self::Overlapping]
             .into_iter()
@@ -43,7 +43,7 @@ impl Class {
     }
 }
 
-impl fmt::Display for Class {
+impl fmt::Display for ContactState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.word())
     }
@@ -53,7 +53,7 @@ impl fmt::Display for Class {
 #[derive(Clone, Debug)]
 pub struct Exact {
     /// How the bodies lie.
-    pub class: Class,
+    pub state: ContactState,
     /// Signed distance, correctly rounded: minus the depth when overlapping.
     pub distance: f64,
     /// What rounding `distance` lost: `distance + remainder` is good to 106 bits, the range of doubles permitting.
@@ -63,12 +63,12 @@ pub struct Exact {
 }
 
 impl Exact {
-    /// The answer from its class and the square of the distance.
-    pub fn new(class: Class, squared: RBig) -> Self {
+    /// The answer from its contact state and the square of the distance.
+    pub fn new(state: ContactState, squared: RBig) -> Self {
         let (head, tail) = sqrt(&squared);
-        let sign = if class == Class::Overlapping { -1.0 } else { 1.0 };
+        let sign = if state == ContactState::Overlapping { -1.0 } else { 1.0 };
         Self {
-            class,
+            state,
             distance: sign * head,
             remainder: sign * tail,
             squared,
@@ -82,15 +82,19 @@ mod tests {
 
     #[test]
     fn words_lead_back_to_their_class() {
-        for c in [Class::Separated, Class::Touching, Class::Overlapping] {
-            assert_eq!(Class::from_word(&c.to_string()), Some(c));
+        for c in [
+            ContactState::Separated,
+            ContactState::Touching,
+            ContactState::Overlapping,
+        ] {
+            assert_eq!(ContactState::from_word(&c.to_string()), Some(c));
         }
-        assert_eq!(Class::from_word("none"), None);
+        assert_eq!(ContactState::from_word("none"), None);
     }
 
     #[test]
     fn overlap_is_negative() {
-        let e = Exact::new(Class::of_sign(Ordering::Less), 2.into());
+        let e = Exact::new(ContactState::of_sign(Ordering::Less), 2.into());
         assert_eq!((e.distance, e.remainder > 0.0), (-std::f64::consts::SQRT_2, true));
     }
 }

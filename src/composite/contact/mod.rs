@@ -41,7 +41,7 @@ use crate::composite::parts::Parted;
 use crate::composite::parts::{Placed, relative};
 use crate::composite::pieces::CompositeTracker;
 use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
-use crate::pair::outcome::Class;
+use crate::pair::outcome::ContactState;
 use near::NearPatches;
 
 /// Sine of the largest angle between the normals of contacts that are reduced together. Not
@@ -262,7 +262,7 @@ fn parting(query: &PatchQuery, size: f64) -> Option<PatchContact> {
     for _ in 0..WAY_BACK {
         let shifted = Translation3::from(*n * length) * at;
         let outcome = tracker.closest(&a, &b, &RelativePose::from_isometry(&shifted).ok()?);
-        if outcome.class != Class::Separated {
+        if outcome.state != ContactState::Separated {
             break;
         }
         found = Some(outcome);

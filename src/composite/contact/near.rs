@@ -21,7 +21,7 @@ use crate::body::shape::{Core, Shape};
 use crate::composite::front::NodePair;
 use crate::convex::contact::{ContactPoint, Manifold};
 use crate::convex::shape_tracker::{ShapeTracker, along_face, swapped};
-use crate::pair::outcome::{Class, Outcome, Until};
+use crate::pair::outcome::{ContactState, Outcome, Until};
 
 /// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
 const FACES_TRIED: usize = 6;
@@ -435,10 +435,10 @@ impl PosedPatches<'_> {
             moved.features.a = Feature::Edge(edge);
         }
         (moved.lower, moved.upper) = (moved.distance, moved.distance);
-        moved.class = if moved.distance > 0.0 {
-            Class::Separated
+        moved.state = if moved.distance > 0.0 {
+            ContactState::Separated
         } else {
-            Class::Overlapping
+            ContactState::Overlapping
         };
         moved
     }

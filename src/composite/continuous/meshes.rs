@@ -19,7 +19,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{CERTIFICATE, PATH_VOLUME, UNIT};
 use crate::composite::front::NodePair;
 use crate::composite::tree::Below;
-use crate::pair::outcome::Class;
+use crate::pair::outcome::ContactState;
 use crate::time::impact::{Cast, ImpactError, Tolerance};
 
 /// A frame of meshes that rotate is searched in so many steps that the sagitta of a step is at most
@@ -306,25 +306,30 @@ impl<'a> FrameSearch<'a> {
         let [x, y] = self.pair;
         let pieces = [self.a.source(x), self.b.source(y)];
         let is_near = !self.is_straight() || !cfg!(feature = "exact");
-        cast_of(self.first.found(), &self.work, is_near, |time: f64, class: Class| {
-            let ([a, b], time) = if self.is_straight() {
-                (self.paths(self.pair), time)
-            } else {
-                (self.on_arcs(self.pair).at_rest(time), 0.0)
-            };
-            let mut seen = measure(&a, &b, time, class);
-            seen.pieces = pieces;
-            if !self.is_straight() {
-                seen.point_on_a += self.origin;
-                seen.point_on_b += self.origin;
-            }
-            if class == Class::Separated {
-                // Of these two triangles.
-                seen.lower = (seen.lower - self.placed).at_least(0.0);
-                seen.upper += self.placed;
-            }
-            seen
-        })
+        cast_of(
+            self.first.found(),
+            &self.work,
+            is_near,
+            |time: f64, state: ContactState| {
+                let ([a, b], time) = if self.is_straight() {
+                    (self.paths(self.pair), time)
+                } else {
+                    (self.on_arcs(self.pair).at_rest(time), 0.0)
+                };
+                let mut seen = measure(&a, &b, time, state);
+                seen.pieces = pieces;
+                if !self.is_straight() {
+                    seen.point_on_a += self.origin;
+                    seen.point_on_b += self.origin;
+                }
+                if state == ContactState::Separated {
+                    // Of these two triangles.
+                    seen.lower = (seen.lower - self.placed).at_least(0.0);
+                    seen.upper += self.placed;
+                }
+                seen
+            },
+        )
     }
 }
 

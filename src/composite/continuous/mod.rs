@@ -102,7 +102,7 @@ use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{PATH_DIRECTION, PATH_GAP};
 use crate::composite::meet::triangle;
-use crate::pair::outcome::Class;
+use crate::pair::outcome::ContactState;
 use crate::time::impact::{Cast, Impact, ImpactError, Tolerance};
 use crate::time::separation::{Measure, Tangent};
 
@@ -154,27 +154,27 @@ where
     let mut work = SearchWork::default();
     let width = width(a.iter().chain(b), tolerance)?;
     let found = contact(a, b, width, &mut work);
-    let seen = |time: f64, class: Class| measure(a, b, time, class);
+    let seen = |time: f64, state: ContactState| measure(a, b, time, state);
     Ok(cast_of(found, &work, !cfg!(feature = "exact"), seen))
 }
 
 /// Returns what is found as a cast; what is open is near if rounding, or paths that are not quite
 /// straight, hide it.
-fn cast_of(found: FirstContact, work: &SearchWork, is_near: bool, seen: impl Fn(f64, Class) -> Measure) -> Cast {
+fn cast_of(found: FirstContact, work: &SearchWork, is_near: bool, seen: impl Fn(f64, ContactState) -> Measure) -> Cast {
     let impact = match found {
         FirstContact::Miss => Impact::Miss,
         FirstContact::Start => Impact::Start {
-            seen: seen(0.0, Class::Touching),
+            seen: seen(0.0, ContactState::Touching),
         },
         FirstContact::Hit { safe, hit } => Impact::Hit {
             safe,
             hit,
-            seen: seen(safe, Class::Separated),
+            seen: seen(safe, ContactState::Separated),
         },
         FirstContact::Open { safe } if !is_near => Impact::Unknown { safe },
         FirstContact::Open { safe } => Impact::Near {
             safe,
-            distance: seen(safe, Class::Separated).upper,
+            distance: seen(safe, ContactState::Separated).upper,
         },
     };
     Cast {
@@ -217,13 +217,13 @@ fn width<'a>(paths: impl Iterator<Item = &'a Path>, tolerance: Tolerance) -> Res
 }
 
 /// Returns the closest points of two parts at a time, in the coordinates given.
-fn measure<const A: usize, const B: usize>(a: &[Path; A], b: &[Path; B], time: f64, class: Class) -> Measure
+fn measure<const A: usize, const B: usize>(a: &[Path; A], b: &[Path; B], time: f64, state: ContactState) -> Measure
 where
     VertexPlaces<A, B>: Parts,
 {
     let origin = a[0].at(time).coords;
     let mut measure = Measure {
-        class,
+        state,
         distance: 0.0,
         lower: 0.0,
         upper: 0.0,
@@ -253,7 +253,7 @@ where
         measure.normal = normal;
     }
     let [one, two] = paths.unit;
-    if class == Class::Separated {
+    if state == ContactState::Separated {
         measure.distance = length * one * two;
         measure.lower = (places.gap(&measure.normal) * one * two).at_least(0.0);
         measure.upper = (length + 4.0 * PATH_GAP) * one * two;

@@ -482,7 +482,7 @@ mod tests {
             }
             assert_eq!(tracker.audit(&a, &b, &pose), Ok(()), "{k}");
             if tracker.front_len() == 0 {
-                // Two triangles that meet prove the class; no front is needed.
+                // Two triangles that meet prove the contact state; no front is needed.
                 assert!(found.distance <= 0.0, "{k}: no front at {}", found.distance);
                 continue;
             }

@@ -17,7 +17,7 @@ use crate::composite::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::composite::parts::Parted;
 #[cfg(feature = "exact")]
 use crate::composite::parts::PartsRef;
-use crate::pair::outcome::{Class, Outcome};
+use crate::pair::outcome::{ContactState, Outcome};
 use crate::pair::spot::{Answer, Spot, features_on};
 
 /// The state of a tracker between queries. Saving a state (feature `serde`) keeps the counters
@@ -54,7 +54,7 @@ pub(crate) struct PosedTrees<'a, A, B> {
 
 /// The closest points, in the caller's units and the bodies' own frames.
 pub(crate) struct TreeAnswer<F> {
-    pub(super) class: Class,
+    pub(super) state: ContactState,
     pub(super) distance: f64,
     pub(crate) lower: f64,
     pub(super) upper: f64,
@@ -196,10 +196,10 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         let lower = (distance - slack).at_least(0.0);
         let middle = |side: TreeSide, unit: f64| Point3::from(side.tree.centre * unit);
         TreeAnswer {
-            class: if lower > 0.0 {
-                Class::Separated
+            state: if lower > 0.0 {
+                ContactState::Separated
             } else {
-                Class::Undecided
+                ContactState::Undecided
             },
             distance,
             lower,
@@ -261,7 +261,7 @@ impl TreeState {
         answer
     }
 
-    /// From the closest parts of bodies that do not cross to the class of the bodies.
+    /// From the closest parts of bodies that do not cross to the contact state of the bodies.
     fn conclude<A: Parted, B: Parted, F>(
         &mut self,
         posed: &PosedTrees<A, B>,
@@ -272,17 +272,17 @@ impl TreeState {
         let (unit_a, unit_b) = (posed.a.stored_unit(), posed.b.stored_unit());
         if answer.lower > 0.0 {
             match self.held(posed, answer.lower / unit_a) {
-                Inside::No => answer.class = Class::Separated,
+                Inside::No => answer.state = ContactState::Separated,
                 Inside::At(on_a, on_b) => {
                     (answer.point_on_a, answer.point_on_b) = ((on_a * unit_a).into(), (on_b * unit_b).into());
                     answer.share(posed.a.is_solid() && posed.b.is_solid());
                 }
-                Inside::Unclear => (answer.class, answer.lower) = (Class::Undecided, 0.0),
+                Inside::Unclear => (answer.state, answer.lower) = (ContactState::Undecided, 0.0),
             }
         } else if self.shares_inside(posed, touching, best) {
             answer.share(true);
         } else if best.upper > 2.0 * posed.frame.tie {
-            answer.class = Class::Undecided;
+            answer.state = ContactState::Undecided;
         }
     }
 
@@ -364,7 +364,7 @@ impl<F: Copy> TreeAnswer<F> {
     /// those of the caller: as of bodies that touch.
     fn of_pair(best: &Measured<F>, lower: f64, [unit, unit_b]: [f64; 2]) -> Self {
         Self {
-            class: Class::Touching,
+            state: ContactState::Touching,
             distance: best.distance * unit,
             lower: lower * unit,
             upper: best.upper * unit,
@@ -381,9 +381,9 @@ impl<F: Copy> TreeAnswer<F> {
         if best.crosses {
             answer.share(false);
         } else if lower > 0.0 {
-            answer.class = Class::Separated;
+            answer.state = ContactState::Separated;
         } else if best.upper > 2.0 * frame.tie {
-            answer.class = Class::Undecided;
+            answer.state = ContactState::Undecided;
         }
         answer
     }
@@ -393,7 +393,7 @@ impl<F> TreeAnswer<F> {
     /// Returns the answer with the places of the witnesses.
     pub(crate) fn on(&self, on: [Spot; 2]) -> Answer {
         let outcome = Outcome {
-            class: self.class,
+            state: self.state,
             distance: self.distance,
             lower: self.lower,
             upper: self.upper,
@@ -411,7 +411,11 @@ impl<F> TreeAnswer<F> {
 
     /// The bodies share points; only solids share inner ones.
     fn share(&mut self, are_solid: bool) {
-        self.class = if are_solid { Class::Overlapping } else { Class::Touching };
+        self.state = if are_solid {
+            ContactState::Overlapping
+        } else {
+            ContactState::Touching
+        };
         (self.distance, self.lower, self.upper) = (0.0, 0.0, 0.0);
     }
 }

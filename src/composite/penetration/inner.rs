@@ -49,7 +49,7 @@ use crate::composite::parts::Placed;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::{Composite, Piece};
 use crate::convex::shape_tracker::ShapeTracker;
-use crate::pair::outcome::{Class, Outcome};
+use crate::pair::outcome::{ContactState, Outcome};
 
 /// Vertices of a mesh that are looked at for a lower bound of the depth. Not measured.
 const DEEP_POINTS: usize = 2048;
@@ -262,7 +262,7 @@ fn depth_in(tracker: &mut ShapeTracker, shape: &Shape, point: &Vector3<f64>) -> 
 
 /// Returns the overlap of an outcome, and the translation of B that ends the overlap.
 fn overlap(found: &Outcome) -> Option<ProvenDepth> {
-    let is_deep = found.class == Class::Overlapping && found.upper < 0.0;
+    let is_deep = found.state == ContactState::Overlapping && found.upper < 0.0;
     is_deep.then(|| (-found.upper, found.normal.into_inner() * -found.distance))
 }
 

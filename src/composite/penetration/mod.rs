@@ -39,7 +39,7 @@ use crate::composite::parts::relative;
 use crate::composite::parts::{Parted, PartsRef};
 use crate::composite::pieces::CompositeTracker;
 use crate::convex::tracker::Tracker;
-use crate::pair::outcome::Class;
+use crate::pair::outcome::ContactState;
 
 /// Bounds of a depth whose difference is below this part of the upper one are left as they are.
 const TIGHT: f64 = 1.0 / 1_048_576.0;
@@ -80,9 +80,9 @@ pub struct PenetrationBounds {
     pub queries: u32,
 }
 
-/// What a tracker found at a pose: the class of the bodies, a lower bound of the distance, and the
-/// closest point of A.
-type FoundAtPose = (Class, f64, Point3<f64>);
+/// What a tracker found at a pose: the contact state of the bodies, a lower bound of the distance,
+/// and the closest point of A.
+type FoundAtPose = (ContactState, f64, Point3<f64>);
 
 /// Two bodies whose depth is sought, and a query of a tracker.
 struct Overlap<'a, A, B, Q> {
@@ -95,8 +95,8 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> Overlap<'_, A
     /// Returns a lower bound of the distance of the bodies at a pose, if they are proven apart, and
     /// the closest point of A.
     fn apart(&mut self, pose: &RelativePose) -> Option<(f64, Point3<f64>)> {
-        let (class, lower, point) = (self.query)(pose);
-        (class == Class::Separated).then_some((lower, point))
+        let (state, lower, point) = (self.query)(pose);
+        (state == ContactState::Separated).then_some((lower, point))
     }
 
     /// Returns the translation of B that parts convex bodies about both, at least `least` long.
@@ -329,7 +329,7 @@ impl MeshTracker {
     pub(crate) fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
         let (found, windings) = bounds((a, b), a_from_b, |pose| {
             let found = self.closest(a, b, pose);
-            (found.class, found.lower, found.point_on_a)
+            (found.state, found.lower, found.point_on_a)
         })?;
         self.count_windings(windings);
         Some(found)
@@ -347,7 +347,7 @@ impl CompositeTracker {
     ) -> Option<PenetrationBounds> {
         let (found, windings) = bounds((a, b), a_from_b, |pose| {
             let found = self.closest(a, b, pose);
-            (found.class, found.lower, found.point_on_a)
+            (found.state, found.lower, found.point_on_a)
         })?;
         self.count_windings(windings);
         Some(found)

@@ -25,7 +25,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
 use crate::base::tolerance::{ACROSS, CERTIFICATE, PLACE_MAX, STEEP, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, FaceId, VertexId};
-use crate::pair::outcome::{Class, Distance};
+use crate::pair::outcome::{ContactState, Distance};
 
 /// Corners of a face on a half-space that are contact candidates, at most: of more, every second,
 /// third and so on. Not measured.
@@ -229,15 +229,15 @@ impl<'a> PlacedPlane<'a> {
         let value = self.place(self.lowest).1;
         let term = CERTIFICATE * UNIT * self.size();
         let (lower, upper) = (value - term, value + term);
-        let class = if lower > 0.0 {
-            Class::Separated
+        let state = if lower > 0.0 {
+            ContactState::Separated
         } else if upper < 0.0 {
-            Class::Overlapping
+            ContactState::Overlapping
         } else {
-            Class::Touching
+            ContactState::Touching
         };
         Distance {
-            class,
+            state,
             value,
             lower,
             upper,

@@ -186,7 +186,7 @@ mod tests {
     use crate::body::polyhedron::{FeaturePair, solids};
     use crate::convex::depth::{Memory, penetration_depth};
     use crate::convex::solve::solve;
-    use crate::pair::outcome::{Accuracy, Class, Solver};
+    use crate::pair::outcome::{Accuracy, ContactState, Solver};
     use nalgebra::{Isometry3, Vector3};
 
     fn bodies() -> Vec<ConvexPolyhedron> {
@@ -218,7 +218,7 @@ mod tests {
                     };
                     let mut draft = Draft::starting_at(FeaturePair::FIRST);
                     solve(Accuracy::Certified, &posed, false, &mut draft, |_| false);
-                    if draft.class != Class::Overlapping {
+                    if draft.state != ContactState::Overlapping {
                         continue;
                     }
                     penetration_depth(&posed, &mut Memory::default(), &mut draft);

@@ -290,7 +290,7 @@ mod tests {
     use super::*;
     use crate::convex::depth::descent::foot;
     use crate::rng::Rng;
-    use crate::{Class, RelativePose, Tracker};
+    use crate::{ContactState, RelativePose, Tracker};
     use alloc::vec::Vec;
     use nalgebra::{Isometry3, Point3, UnitQuaternion};
 
@@ -371,7 +371,7 @@ mod tests {
                     let moved = RelativePose::from_isometry(&at(normal * height * (1.0 - 1e-12) + offset));
                     let there = Tracker::new().distance(&a, &b, &moved.expect("a pose"));
                     assert!(
-                        there.class == Class::Overlapping || there.lower <= 1e-12,
+                        there.state == ContactState::Overlapping || there.lower <= 1e-12,
                         "{there:?} {o:?} {rho}"
                     );
                 }

@@ -50,7 +50,7 @@ use crate::base::tolerance::{AGREE_DEPTH, CERTIFICATE, ORIGIN_SHIFTS, UNIT};
 use crate::pair::difference::{difference_point, support};
 use crate::pair::draft::Draft;
 use crate::pair::draft::{round_outward, unit, walk_state};
-use crate::pair::outcome::{Class, Solver};
+use crate::pair::outcome::{ContactState, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use nalgebra::Vector3;
@@ -158,7 +158,7 @@ fn has_witnesses(posed: &PosedPair, draft: &Draft) -> bool {
 
 /// Writes a depth that a surface proves, and the overlap with it.
 fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, draft: &mut Draft) {
-    draft.class = Class::Overlapping;
+    draft.state = ContactState::Overlapping;
     draft.solver = Solver::Surface;
     draft.lower = f64::NEG_INFINITY;
     draft.work.depths += 1;

@@ -32,7 +32,7 @@ use crate::convex::minimum::OverlapProof;
 use crate::pair::difference::DifferenceFacet;
 use crate::pair::draft::Draft;
 use crate::pair::draft::unit;
-use crate::pair::outcome::Class;
+use crate::pair::outcome::ContactState;
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 
@@ -94,7 +94,7 @@ fn writes_touch(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> bool 
     let Some((at, witnesses)) = at.and_then(|at| Some((at, foot(posed, facet.facet, &at)?))) else {
         return false;
     };
-    draft.class = Class::Touching;
+    draft.state = ContactState::Touching;
     draft.features = facet.facet.features();
     draft.normal = unit(&at.0.into());
     (draft.point_on_a, draft.point_on_b) = witnesses;

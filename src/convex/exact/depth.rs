@@ -13,7 +13,7 @@ use crate::convex::exact::{RotatedBody, ScaledPair, witnesses};
 use crate::pair::difference::DifferenceFacet;
 use crate::pair::draft::Draft;
 use crate::pair::draft::{unit, walk_state};
-use crate::pair::outcome::{Class, Solver};
+use crate::pair::outcome::{ContactState, Solver};
 use crate::pair::posed::PosedPair;
 
 /// A facet of A - B: a normal, and the height along the normal times the normal's length.
@@ -129,7 +129,7 @@ fn write_facet(posed: &PosedPair, pair: &ScaledPair, facet: &ExactFacet, draft: 
     let den = squared * &pair.denominator * &pair.denominator;
     let exponent = pair.exponent - posed.a.exponent;
     let depth = root(&(height * height).unsigned_abs(), &den.unsigned_abs(), exponent);
-    draft.class = Class::Overlapping;
+    draft.state = ContactState::Overlapping;
     draft.solver = Solver::Exact;
     draft.features = walk_state(posed, &a[..at.kept.len()], &b[..at.kept.len()]);
     (draft.point_on_a, draft.point_on_b) = witnesses(pair, &at);

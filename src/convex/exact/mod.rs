@@ -1,5 +1,5 @@
-//! Exact solver: class and distance in rational arithmetic, for pairs undecidable in floating
-//! point.
+//! Exact solver: contact state and distance in rational arithmetic, for pairs undecidable in
+//! floating point.
 //!
 //! Both bodies are placed in the world, relative to A's origin, as integers over a common
 //! denominator `D = |qa|^2 |qb|^2` times a power of two, from the bits of vertices and poses. The
@@ -27,7 +27,7 @@ use crate::body::polyhedron::fans::Axis;
 use crate::body::polyhedron::highest::{Upward, steeper};
 use crate::body::polyhedron::{ConvexPolyhedron, VertexId, lowest_bit};
 use crate::pair::draft::Draft;
-use crate::pair::outcome::{Class, Solver};
+use crate::pair::outcome::{ContactState, Solver};
 use crate::pair::posed::PosedPair;
 pub(crate) use depth::deepest;
 use integer::{Big3, direction, dot, fraction, integer, is_zero, neg, root, sign, sub};
@@ -241,7 +241,7 @@ impl<'a> ScaledPair<'a> {
     }
 }
 
-/// Resolves class and distance exactly, from the vertices of the outcome's features.
+/// Resolves contact state and distance exactly, from the vertices of the outcome's features.
 pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
     let hint = draft.features.vertices_of(posed.a, posed.b);
     let pair = ScaledPair::new(posed.a, posed.b, posed.pose);
@@ -259,7 +259,7 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
     let normal = |n: &Big3| crate::pair::draft::unit(&pair.a.rounded.tr_mul(&direction(n)));
     if !is_zero(&at.direction) {
         let d = distance(&pair, &at, posed.a.exponent);
-        draft.class = Class::Separated;
+        draft.state = ContactState::Separated;
         draft.distance = d;
         draft.normal = normal(&neg(&at.direction));
         // Zero if the distance underflows. A single rounding, also of a subnormal, is at most half
@@ -270,7 +270,7 @@ pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
     match pair.locate(&at, hint) {
         // A - B lies below the normal, A behind and B in front: the normal points from A to B.
         Origin::Boundary(n) => {
-            draft.class = Class::Touching;
+            draft.state = ContactState::Touching;
             draft.distance = 0.0;
             draft.normal = normal(&n);
             (draft.lower, draft.upper) = (0.0, 0.0);
@@ -287,23 +287,23 @@ fn distance(pair: &ScaledPair, at: &NearestPoint, unit: i32) -> f64 {
     root(&num.unsigned_abs(), &den.unsigned_abs(), pair.exponent - unit)
 }
 
-/// Returns the class, and the distance in the caller's units to less than one unit in the last
-/// place: zero if the bodies touch or overlap, and possibly if the distance of separated bodies
-/// underflows.
+/// Returns the contact state, and the distance in the caller's units to less than one unit in the
+/// last place: zero if the bodies touch or overlap, and possibly if the distance of separated
+/// bodies underflows.
 pub(crate) fn separation(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
     hint: (VertexId, VertexId),
-) -> Option<(Class, f64)> {
+) -> Option<(ContactState, f64)> {
     let pair = ScaledPair::new(a, b, pose);
     let at = pair.nearest(hint)?;
     if !is_zero(&at.direction) {
-        return Some((Class::Separated, distance(&pair, &at, 0)));
+        return Some((ContactState::Separated, distance(&pair, &at, 0)));
     }
     Some(match pair.locate(&at, hint) {
-        Origin::Boundary(_) => (Class::Touching, 0.0),
-        Origin::Interior => (Class::Overlapping, 0.0),
+        Origin::Boundary(_) => (ContactState::Touching, 0.0),
+        Origin::Interior => (ContactState::Overlapping, 0.0),
     })
 }
 

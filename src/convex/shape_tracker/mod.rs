@@ -13,7 +13,7 @@ use crate::body::shape::{Core, Curved, Shape, Support, match_core};
 use crate::convex::replay::Replay;
 use crate::convex::smooth;
 use crate::convex::tracker::{Totals, Tracker};
-use crate::pair::outcome::{Accuracy, Class, Outcome, Until};
+use crate::pair::outcome::{Accuracy, ContactState, Outcome, Until};
 use crate::pair::rounding;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
@@ -78,7 +78,7 @@ impl ShapeTracker {
         }
     }
 
-    /// Returns the closest points, of overlapping polyhedra the class without the depth.
+    /// Returns the closest points, of overlapping polyhedra the contact state without the depth.
     pub(crate) fn closest_or_class(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) if a.round() == 0.0 && b.round() == 0.0 => {
@@ -182,10 +182,10 @@ pub(crate) fn along_face(a: &ConvexPolyhedron, face: FaceId, b: &Core, a_from_b:
         b: feature,
     };
     Some(Outcome {
-        class: if gap > 0.0 {
-            Class::Separated
+        state: if gap > 0.0 {
+            ContactState::Separated
         } else {
-            Class::Overlapping
+            ContactState::Overlapping
         },
         distance: gap,
         lower: gap,
@@ -223,7 +223,7 @@ fn support(core: &Core, n: &Vector3<f64>) -> Option<(Feature, Vector3<f64>)> {
 }
 
 /// Moves distance, bounds and witnesses of cores out by both radii; returns whether the bounds
-/// leave the class open.
+/// leave the contact state open.
 #[inline]
 pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) -> bool {
     outcome.distance = rounding::less(outcome.distance, radii);
@@ -233,17 +233,17 @@ pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome)
     if radii[1] > 0.0 {
         outcome.point_on_b -= pose.vector_in_b(PackedVec3::new(&n)).vector() * radii[1];
     }
-    outcome.class = match outcome.class {
-        _ if outcome.lower > 0.0 => Class::Separated,
-        _ if outcome.upper < 0.0 => Class::Overlapping,
-        Class::Undecided => Class::Undecided,
-        _ => Class::Touching,
+    outcome.state = match outcome.state {
+        _ if outcome.lower > 0.0 => ContactState::Separated,
+        _ if outcome.upper < 0.0 => ContactState::Overlapping,
+        ContactState::Undecided => ContactState::Undecided,
+        _ => ContactState::Touching,
     };
     outcome.lower <= 0.0 && 0.0 <= outcome.upper
 }
 
-/// Moves the outcome of two polyhedra out by both radii. If the bounds leave the class open, exact
-/// arithmetic decides the class.
+/// Moves the outcome of two polyhedra out by both radii. If the bounds leave the contact state
+/// open, exact arithmetic decides the contact state.
 #[inline]
 pub(super) fn grow(
     cores: (&ConvexPolyhedron, &ConvexPolyhedron),
@@ -266,15 +266,15 @@ fn settle((a, b): (&ConvexPolyhedron, &ConvexPolyhedron), pose: &RelativePose, r
     outcome.solver = Solver::Exact;
     match crate::convex::exact::compare(a, b, pose, hint, &radii) {
         Ordering::Greater => {
-            outcome.class = Class::Separated;
+            outcome.state = ContactState::Separated;
             outcome.lower = outcome.lower.at_least(0.0);
         }
         Ordering::Equal => {
-            outcome.class = Class::Touching;
+            outcome.state = ContactState::Touching;
             (outcome.lower, outcome.upper) = (0.0, 0.0);
         }
         Ordering::Less => {
-            outcome.class = Class::Overlapping;
+            outcome.state = ContactState::Overlapping;
             outcome.upper = outcome.upper.at_most(0.0);
         }
     }

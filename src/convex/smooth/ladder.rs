@@ -17,7 +17,7 @@ use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
 use crate::convex::smooth::posed::{DifferencePoint, PosedCores, add, askew, unit, values};
 use crate::convex::smooth::{depth, frozen, warm};
 use crate::pair::draft::round_outward;
-use crate::pair::outcome::{Class, Outcome, Solver, Until};
+use crate::pair::outcome::{ContactState, Outcome, Solver, Until};
 use crate::pair::transform::Transform;
 
 /// A direction that turned by less in each coordinate is extrapolated: a heuristic.
@@ -242,7 +242,7 @@ fn deepen<A: CoreKind, B: CoreKind>(
         outcome.solver = Solver::Surface;
     }
     if deep.inside {
-        outcome.class = Class::Overlapping;
+        outcome.state = ContactState::Overlapping;
         outcome.upper = outcome.upper.at_most(0.0);
         outcome.distance = outcome.distance.smaller(outcome.upper);
     }
@@ -353,14 +353,14 @@ fn take_bounds<T: Scalar>(best: &ProvenBounds<T>, term: f64, agree: f64, outcome
     outcome.normal = Unit::new_unchecked(values(&best.n).into());
     outcome.point_on_a = values(&best.on_a).into();
     outcome.point_on_b = values(&best.on_b).into();
-    outcome.class = if outcome.lower > 0.0 {
-        Class::Separated
+    outcome.state = if outcome.lower > 0.0 {
+        ContactState::Separated
     } else if outcome.upper < 0.0 {
-        Class::Overlapping
+        ContactState::Overlapping
     } else if outcome.upper - outcome.lower <= agree {
-        Class::Touching
+        ContactState::Touching
     } else {
-        Class::Undecided
+        ContactState::Undecided
     };
     true
 }
@@ -403,11 +403,11 @@ pub(super) fn extreme(a: &Core, b: &Core, setting: &SolverSetting, memory: &mut 
     outcome.point_on_a = (outcome.point_on_a.coords * back + oa).into();
     outcome.point_on_b = (outcome.point_on_b.coords * back + ob).into();
     if less > 0.0 {
-        outcome.class = match outcome.class {
-            Class::Separated if outcome.lower > 0.0 => Class::Separated,
-            Class::Overlapping if outcome.upper < 0.0 => Class::Overlapping,
-            Class::Undecided => Class::Undecided,
-            _ => Class::Touching,
+        outcome.state = match outcome.state {
+            ContactState::Separated if outcome.lower > 0.0 => ContactState::Separated,
+            ContactState::Overlapping if outcome.upper < 0.0 => ContactState::Overlapping,
+            ContactState::Undecided => ContactState::Undecided,
+            _ => ContactState::Touching,
         };
     }
     outcome
@@ -433,10 +433,10 @@ fn far(setting: &SolverSetting, t: &Vector3<f64>, apart: f64, offsets: f64) -> O
     outcome.upper = (distance + slack).at_most(f64::MAX);
     outcome.distance = distance.clamped(outcome.lower, outcome.upper);
     outcome.normal = crate::pair::draft::unit(t);
-    outcome.class = if outcome.lower > 0.0 {
-        Class::Separated
+    outcome.state = if outcome.lower > 0.0 {
+        ContactState::Separated
     } else {
-        Class::Undecided
+        ContactState::Undecided
     };
     outcome.solver = Solver::Far;
     [outcome.point_on_a, outcome.point_on_b] = setting.origins().each(Into::into);

@@ -10,9 +10,9 @@
 //!    in f64, in double-double, and exact arithmetic (`exact`). Each solver is judged by bounds of
 //!    its own.
 //!
-//! The class is never guessed: separated requires a positive lower bound, overlapping a tetrahedron
-//! of the Minkowski difference around the origin. If the bounds straddle zero, the pair goes to the
-//! next finer arithmetic.
+//! The contact state is never guessed: separated requires a positive lower bound, overlapping a
+//! tetrahedron of the Minkowski difference around the origin. If the bounds straddle zero, the pair
+//! goes to the next finer arithmetic.
 
 #[cfg(feature = "exact")]
 pub(crate) mod closed_form;
@@ -32,7 +32,7 @@ use crate::convex::walk::seed;
 use crate::pair::certificate;
 use crate::pair::draft::Draft;
 use crate::pair::draft::{is_proven, round_outward, set_overlapping, set_undecided, unit};
-use crate::pair::outcome::{Accuracy, Class, Solver};
+use crate::pair::outcome::{Accuracy, ContactState, Solver};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use nalgebra::Vector3;
@@ -73,7 +73,11 @@ fn proves_separated(posed: &PosedPair, draft: &mut Draft) -> bool {
     draft.lower -= term;
     draft.upper = draft.distance + term;
     let is_apart = draft.lower > 0.0;
-    draft.class = if is_apart { Class::Separated } else { Class::Touching };
+    draft.state = if is_apart {
+        ContactState::Separated
+    } else {
+        ContactState::Touching
+    };
     is_apart
 }
 
@@ -88,13 +92,13 @@ pub(crate) fn solve(
     overlap: impl FnOnce(&mut Draft) -> bool,
 ) {
     if accuracy == Accuracy::Walk {
-        draft.class = Class::Separated;
+        draft.state = ContactState::Separated;
         if !(posed.same_scale() && walk::walk::<false>(posed, draft)) {
             self::gjk_unchecked(posed, draft);
         }
         return;
     }
-    let may_overlap = |draft: &mut Draft| draft.class != Class::Touching && overlap(draft);
+    let may_overlap = |draft: &mut Draft| draft.state != ContactState::Touching && overlap(draft);
     if !(posed.same_scale() && (certified_walk(posed, draft) || may_overlap(draft))) {
         self::refine(posed, warm, draft);
     }
@@ -108,7 +112,7 @@ pub(crate) fn solve(
 /// Bodies that touch up to the rounding of f64 go to double-double at once.
 #[cold]
 pub(crate) fn refine(posed: &PosedPair, warm: bool, draft: &mut Draft) {
-    if warm && posed.same_scale() && draft.class != Class::Touching {
+    if warm && posed.same_scale() && draft.state != ContactState::Touching {
         draft.work.restarts += 1;
         draft.features = seed::cold(posed, &mut draft.work);
         draft.solver = Solver::Restart;
@@ -116,7 +120,7 @@ pub(crate) fn refine(posed: &PosedPair, warm: bool, draft: &mut Draft) {
             return;
         }
     }
-    if draft.class != Class::Touching {
+    if draft.state != ContactState::Touching {
         gjk_unchecked(posed, draft);
     }
     if !is_proven(posed, draft) {
@@ -148,7 +152,7 @@ fn refine_in_double_double(posed: &PosedPair, draft: &mut Draft) {
     }
     if !is_proven(posed, draft) {
         decide(posed, draft);
-    } else if draft.class == Class::Overlapping && coarse.class == Class::Touching {
+    } else if draft.state == ContactState::Overlapping && coarse.state == ContactState::Touching {
         // Closest features, witnesses and direction in f64 hold for the overlap too; a combination
         // of four points names no feature.
         (draft.features, draft.normal) = (coarse.features, coarse.normal);
@@ -167,10 +171,10 @@ fn decide(posed: &PosedPair, draft: &mut Draft) {
 /// touching.
 #[cfg(not(feature = "exact"))]
 fn decide(posed: &PosedPair, draft: &mut Draft) {
-    draft.class = match draft.class {
-        Class::Overlapping => Class::Overlapping,
-        _ if crate::pair::draft::is_narrow(posed, draft) => Class::Touching,
-        _ => Class::Undecided,
+    draft.state = match draft.state {
+        ContactState::Overlapping => ContactState::Overlapping,
+        _ if crate::pair::draft::is_narrow(posed, draft) => ContactState::Touching,
+        _ => ContactState::Undecided,
     };
 }
 
@@ -178,7 +182,7 @@ fn decide(posed: &PosedPair, draft: &mut Draft) {
 /// bounds are close enough, else by exact arithmetic.
 #[cfg(feature = "exact")]
 pub(crate) fn sharpen(posed: &PosedPair, draft: &mut Draft) {
-    if draft.class != Class::Separated || draft.solver == Solver::Exact {
+    if draft.state != ContactState::Separated || draft.solver == Solver::Exact {
         return;
     }
     draft.work.double_doubles += 1;
@@ -231,10 +235,10 @@ fn write_minimum<T: Scalar>(posed: &PosedPair, minimum: &Minimum<T>, draft: &mut
         } => {
             let distance = simplex.witness_distance();
             write_bounds(draft, round_outward(*lower, -term), round_outward(distance, term));
-            draft.class = if draft.lower > 0.0 {
-                Class::Separated
+            draft.state = if draft.lower > 0.0 {
+                ContactState::Separated
             } else {
-                Class::Undecided
+                ContactState::Undecided
             };
             let (low, high) = (draft.lower.at_least(0.0), draft.upper.at_least(0.0));
             draft.distance = distance.value().clamped(low, high);

@@ -18,7 +18,7 @@ use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair, VertexId, solids};
 use crate::convex::solve::solve;
 use crate::convex::walk::seed;
 use crate::pair::draft::Draft;
-use crate::pair::outcome::{Accuracy, Class, Solver, Work};
+use crate::pair::outcome::{Accuracy, ContactState, Solver, Work};
 use crate::pair::posed::PosedPair;
 use crate::pair::star::EdgeSpan;
 use crate::pair::star::falls_into_both_faces;
@@ -134,12 +134,12 @@ fn a_walk_that_errs_is_found_out() {
                     panic!("in range")
                 };
                 let truth = ask(&posed, None, None);
-                assert_eq!((truth.class, truth.solver), (Class::Separated, Solver::Walk));
+                assert_eq!((truth.state, truth.solver), (ContactState::Separated, Solver::Walk));
                 for fault in faults() {
                     for start in [None, Some(FeaturePair::FIRST)] {
                         let x = ask(&posed, Some(fault), start);
                         let what = format!("{fault:?}: {x:?} for {truth:?}");
-                        assert_eq!(x.class, Class::Separated, "{what}");
+                        assert_eq!(x.state, ContactState::Separated, "{what}");
                         assert!(x.lower <= truth.upper && truth.lower <= x.upper, "{what}");
                         assert!((x.distance - truth.distance).abs() <= 1e-14 * posed.size(), "{what}");
                         assert!(x.upper - x.lower <= 1e-13 * posed.size(), "{what}");

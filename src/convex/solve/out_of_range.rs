@@ -9,7 +9,7 @@ use crate::base::num::extremes::Bounded;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{CERTIFICATE, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
-use crate::pair::outcome::{Class, Outcome, Solver, Work};
+use crate::pair::outcome::{ContactState, Outcome, Solver, Work};
 
 /// Returns the outcome in the caller's units.
 #[cold]
@@ -32,9 +32,13 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
     // Below the normal numbers rounding is absolute: the last term is 1024 times the least f64.
     let slack = CERTIFICATE * UNIT * (distance + radii + offsets) + 2.0 * radii + f64::from_bits(1024);
     let lower = (distance - slack).at_least(0.0);
-    let class = if lower > 0.0 { Class::Separated } else { Class::Touching };
+    let state = if lower > 0.0 {
+        ContactState::Separated
+    } else {
+        ContactState::Touching
+    };
     let outcome = Outcome {
-        class,
+        state,
         distance,
         lower,
         upper: distance + slack,
@@ -47,29 +51,29 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
     };
     // Two points that f64 cannot distinguish, or bodies far from their own origins.
     #[cfg(feature = "exact")]
-    if class != Class::Separated || offsets > distance {
+    if state != ContactState::Separated || offsets > distance {
         return exactly(a, b, pose, outcome);
     }
     outcome
 }
 
-/// Replaces class and distance by the result of exact arithmetic. The depth of an overlap is at
-/// most the sum of the radii, which is bound enough: bodies that overlap here are smaller than the
-/// rounding of their positions, so far from their own origins they stand.
+/// Replaces contact state and distance by the result of exact arithmetic. The depth of an overlap
+/// is at most the sum of the radii, which is bound enough: bodies that overlap here are smaller
+/// than the rounding of their positions, so far from their own origins they stand.
 #[cfg(feature = "exact")]
 #[cold]
 pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, outcome: Outcome) -> Outcome {
     let hint = outcome.features.vertices_of(a, b);
-    let Some((class, distance)) = crate::convex::exact::separation(a, b, pose, hint) else {
+    let Some((state, distance)) = crate::convex::exact::separation(a, b, pose, hint) else {
         return outcome;
     };
-    let (lower, upper) = match class {
-        Class::Separated => (distance.next_down().at_least(0.0), distance.next_up()),
-        Class::Overlapping => ((-a.radius * a.unit() - b.radius * b.unit()).next_down(), 0.0),
+    let (lower, upper) = match state {
+        ContactState::Separated => (distance.next_down().at_least(0.0), distance.next_up()),
+        ContactState::Overlapping => ((-a.radius * a.unit() - b.radius * b.unit()).next_down(), 0.0),
         _ => (0.0, 0.0),
     };
     Outcome {
-        class,
+        state,
         distance,
         lower,
         upper,

@@ -27,7 +27,7 @@ use crate::convex::tracker::resume::{Resumed, enters_overlap};
 use crate::convex::walk::rings::predict;
 use crate::convex::walk::seed;
 use crate::pair::draft::Draft;
-use crate::pair::outcome::{Accuracy, Ask, Class, Distance, Outcome, Proposal, Until};
+use crate::pair::outcome::{Accuracy, Ask, ContactState, Distance, Outcome, Proposal, Until};
 use crate::pair::posed::PosedPair;
 
 pub(crate) use crate::convex::depth::Workspace;
@@ -123,7 +123,7 @@ impl Tracker {
         // Second case: a distance that f64 holds in the caller's unit only, below the normal
         // numbers in the stored unit.
         if outcome.solver == crate::pair::outcome::Solver::Far
-            || outcome.class == Class::Separated && !outcome.is_tight()
+            || outcome.state == ContactState::Separated && !outcome.is_tight()
         {
             outcome = out_of_range::exactly(a, b, a_from_b, outcome);
         }
@@ -131,14 +131,15 @@ impl Tracker {
         outcome
     }
 
-    /// Returns the closest points of bodies apart, and of an overlap the class without its depth.
+    /// Returns the closest points of bodies apart, and of an overlap the contact state without its
+    /// depth.
     pub(crate) fn closest_or_class(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
     ) -> Outcome {
-        self.measure(a, b, a_from_b, Until::Class)
+        self.measure(a, b, a_from_b, Until::ContactState)
     }
 
     /// Returns the distance and its bounds without the witnesses.
@@ -156,11 +157,11 @@ impl Tracker {
             a_from_b,
             Ask {
                 accuracy: Accuracy::Walk,
-                until: Until::Class,
+                until: Until::ContactState,
             },
         );
         Proposal {
-            distance: (o.class != Class::Overlapping).then_some(o.distance),
+            distance: (o.state != ContactState::Overlapping).then_some(o.distance),
             features: o.features,
             point_on_a: o.point_on_a,
             point_on_b: o.point_on_b,
@@ -185,11 +186,11 @@ impl Tracker {
         }
     }
 
-    /// Returns a tracker that starts as after an answer of this class at these features: for
-    /// callers who keep features and class in state of their own, and no tracker. After an overlap,
-    /// the next query for a depth begins at the facet of the features; after any other class the
-    /// tracker is that of [`starting_from`](Self::starting_from). A wrong hint costs time and never
-    /// an answer.
+    /// Returns a tracker that starts as after an answer of this contact state at these features:
+    /// for callers who keep features and contact state in state of their own, and no tracker. After
+    /// an overlap, the next query for a depth begins at the facet of the features; after any other
+    /// contact state the tracker is that of [`starting_from`](Self::starting_from). A wrong hint
+    /// costs time and never an answer.
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -203,15 +204,15 @@ impl Tracker {
     /// let before = Tracker::new().closest(&a, &b, &pose(1.48)?);
     ///
     /// // In the next frame, from what the caller kept:
-    /// let mut pair = Tracker::resuming(before.features, before.class, &a, &b);
+    /// let mut pair = Tracker::resuming(before.features, before.state, &a, &b);
     /// let now = pair.closest(&a, &b, &pose(1.49)?);
     /// assert!((now.distance + 0.01).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn resuming(features: FeaturePair, class: Class, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+    pub fn resuming(features: FeaturePair, state: ContactState, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         let mut tracker = Self::starting_from(features, a, b);
-        if class == Class::Overlapping && features.is_of(a, b) {
+        if state == ContactState::Overlapping && features.is_of(a, b) {
             tracker.memory = Memory::after(features);
         }
         tracker
@@ -380,12 +381,12 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let outcome = self.measure(a, b, a_from_b, Until::Class);
+        let outcome = self.measure(a, b, a_from_b, Until::ContactState);
         self.decides_within(a, b, a_from_b, &outcome, d)
     }
 
     /// Returns the signed distance and its bounds; the depth of an overlap stays open if `until` is
-    /// [`Until::Class`].
+    /// [`Until::ContactState`].
     #[inline]
     pub(crate) fn bounds(
         &mut self,
@@ -435,7 +436,7 @@ impl Tracker {
         outcome: &Outcome,
         d: f64,
     ) -> bool {
-        if outcome.class == Class::Overlapping || outcome.upper <= d {
+        if outcome.state == ContactState::Overlapping || outcome.upper <= d {
             true
         } else if outcome.lower > d {
             false
@@ -476,7 +477,8 @@ impl Tracker {
         self.memory.heap_bytes()
     }
 
-    /// Computes the class alone from the proof of the last answer, or by the solver of this proof.
+    /// Computes the contact state alone from the proof of the last answer, or by the solver of this
+    /// proof.
     #[inline(never)]
     pub(super) fn still_overlaps(&mut self, posed: &PosedPair, draft: &mut Draft) -> bool {
         let first = *draft;
@@ -531,8 +533,8 @@ impl Tracker {
         if clear_of(a, b, a_from_b, most) {
             return false;
         }
-        let outcome = self.measure(a, b, a_from_b, Until::Class);
-        if outcome.class == Class::Overlapping || outcome.upper <= least {
+        let outcome = self.measure(a, b, a_from_b, Until::ContactState);
+        if outcome.state == ContactState::Overlapping || outcome.upper <= least {
             return true;
         }
         outcome.lower <= most && self.decide_within_reach(a, b, a_from_b, &reach)
@@ -588,7 +590,9 @@ impl Tracker {
                     Resumed::Open => {}
                 }
             }
-            if ask == Ask::certified(Until::Class) && self.overlap_proof.is_some() && self.still_overlaps(&posed, draft)
+            if ask == Ask::certified(Until::ContactState)
+                && self.overlap_proof.is_some()
+                && self.still_overlaps(&posed, draft)
             {
                 return;
             }
@@ -615,8 +619,8 @@ impl Tracker {
     /// expectation of another overlap.
     #[inline(always)]
     fn deepen(&mut self, ask: Ask, posed: &PosedPair, draft: &mut Draft) {
-        if draft.class == Class::Overlapping {
-            self.overlap_proof = (ask.until == Until::Class).then(OverlapProof::default);
+        if draft.state == ContactState::Overlapping {
+            self.overlap_proof = (ask.until == Until::ContactState).then(OverlapProof::default);
             let is_open = ask.until.has_depth() && draft.lower == f64::NEG_INFINITY;
             let is_touch = is_open && ask.accuracy != Accuracy::Exact && depth::of_touch(posed, draft);
             if is_open && !is_touch {

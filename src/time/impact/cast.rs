@@ -8,7 +8,7 @@ use crate::base::notice;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::{PoseError, RelativePose};
 use crate::base::tolerance::ROOT;
-use crate::pair::outcome::Class;
+use crate::pair::outcome::ContactState;
 use crate::time::separation::{Flight, Measure, Proof, Separation};
 
 /// Looks of a cast, at most. Measured: 21 at most up to a turn, thousands if gears turn a hundred
@@ -164,13 +164,13 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         if self.distance > 0.0 {
             seen.upper <= self.distance
         } else {
-            matches!(seen.class, Class::Touching | Class::Overlapping)
+            matches!(seen.state, ContactState::Touching | ContactState::Overlapping)
         }
     }
 
     /// Returns the answer of an interval without length, for a pair that is not seen to meet.
     fn at_once(&mut self, time: f64, seen: Measure, noise: f64, relative: &RelativePose) -> Impact {
-        if seen.class == Class::Separated && seen.lower - noise > self.distance {
+        if seen.state == ContactState::Separated && seen.lower - noise > self.distance {
             self.note((time, time), self.distance, Proof::Own);
             return Impact::Miss;
         }

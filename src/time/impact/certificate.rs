@@ -8,7 +8,7 @@ use crate::base::motion::Motion;
 use crate::base::motion::turn::turned;
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::Operand;
-use crate::pair::outcome::Class;
+use crate::pair::outcome::ContactState;
 use crate::time::separation::{Proof, Separation};
 
 /// A proof that two shapes stay apart from one time until another.
@@ -114,7 +114,7 @@ where
         return Ok(certificate(apart.span, Proof::Balls));
     }
     let seen = pair.measure(&relative);
-    if seen.class != Class::Separated || !(seen.lower > distance) {
+    if seen.state != ContactState::Separated || !(seen.lower > distance) {
         return Ok(nothing);
     }
     let free = pair.free_for(&seen, &flight);

@@ -73,7 +73,7 @@ use alloc::vec::Vec;
 
 use crate::base::motion::Motion;
 use crate::base::pose::PoseError;
-use crate::pair::outcome::Class;
+use crate::pair::outcome::ContactState;
 use crate::time::separation::{Measure, Separation};
 
 use cast::CastSearch;
@@ -353,7 +353,7 @@ where
         return Ok(proven(by_balls, 0));
     }
     let seen = pair.measure(&relative);
-    if is_known && seen.class == Class::Separated && seen.lower > distance {
+    if is_known && seen.state == ContactState::Separated && seen.lower > distance {
         let by_plane = until(pair.free_for(&seen, &flight).span);
         if by_plane >= tick {
             return Ok(proven(by_plane, 1));

@@ -22,7 +22,7 @@ use crate::base::motion::Course;
 use crate::base::num::scalar::magnitude;
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::FeaturePair;
-use crate::pair::outcome::{Class, Outcome, Solver};
+use crate::pair::outcome::{ContactState, Outcome, Solver};
 use crate::pair::spot::Answer;
 
 pub(crate) use pairs::PolyhedronPair;
@@ -37,8 +37,8 @@ pub trait Separation {
     /// Returns a ball that contains a shape: centre, in the frame of the shape, and radius.
     fn ball(&self, of: Operand) -> (Point3<f64>, f64);
 
-    /// Returns the closest points at a pose. Of an overlap only the class counts; the depth need
-    /// not be found.
+    /// Returns the closest points at a pose. Of an overlap only the contact state counts; the depth
+    /// need not be found.
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure;
 
     /// Returns whether the shapes are proven to be at most `distance` apart at a pose; false
@@ -76,7 +76,7 @@ pub trait Separation {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Measure {
     /// Whether the shapes are apart, touch or overlap.
-    pub class: Class,
+    pub state: ContactState,
     /// The best estimate of the distance; zero or less if the shapes touch or overlap.
     pub distance: f64,
     /// Lower bound of the distance.
@@ -219,7 +219,7 @@ impl Measure {
     /// Returns the measure of an outcome of two polyhedra.
     pub(crate) fn new(outcome: &Outcome, tangent: Tangent) -> Self {
         Self {
-            class: outcome.class,
+            state: outcome.state,
             distance: outcome.distance,
             lower: outcome.lower,
             upper: outcome.upper,
@@ -229,7 +229,8 @@ impl Measure {
             point_on_b: outcome.point_on_b,
             normal: outcome.normal,
             tangent,
-            by_plane: outcome.class == Class::Separated && matches!(outcome.solver, Solver::Walk | Solver::Restart),
+            by_plane: outcome.state == ContactState::Separated
+                && matches!(outcome.solver, Solver::Walk | Solver::Restart),
         }
     }
 }

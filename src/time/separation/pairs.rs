@@ -262,7 +262,9 @@ impl Separation for PolyhedronPair<'_> {
 
     #[inline]
     fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        let outcome = self.tracker.measure(self.a.shape, self.b.shape, a_from_b, Until::Class);
+        let outcome = self
+            .tracker
+            .measure(self.a.shape, self.b.shape, a_from_b, Until::ContactState);
         self.seen(&outcome)
     }
 
@@ -330,7 +332,7 @@ impl<'a> ShapePair<'a> {
     pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
         let (a, b, tracker) = self.sides();
         Answer::of_convex(match question.until {
-            Until::Class => tracker.closest(a, b, a_from_b).without_depth(),
+            Until::ContactState => tracker.closest(a, b, a_from_b).without_depth(),
             until => tracker.measure(a, b, a_from_b, until),
         })
     }

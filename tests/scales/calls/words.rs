@@ -70,7 +70,7 @@ impl Scene {
             o.distance,
             [&o.point_on_a, &o.point_on_b],
         );
-        self.plain(what, (o.class, o.features, o.solver, o.normal));
+        self.plain(what, (o.state, o.features, o.solver, o.normal));
     }
 
     pub(super) fn manifold(&mut self, what: &str, manifold: &Manifold) {
@@ -84,7 +84,7 @@ impl Scene {
             Impact::Start { seen } => self.lengths(what, [seen.distance, seen.lower, seen.upper]),
             Impact::Hit { safe, hit, seen } => {
                 self.bounds("time", safe * self.unit, hit * self.unit);
-                self.plain(what, seen.class);
+                self.plain(what, seen.state);
                 self.lengths(what, [seen.distance, seen.lower, seen.upper]);
             }
             Impact::Near { safe, distance } => {

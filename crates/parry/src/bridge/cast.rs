@@ -3,7 +3,7 @@
 use lin_canny::impact::{Impact, Tolerance, cast_within};
 use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{Class, PairTracker, RelativePose, Shape};
+use lin_canny::{ContactState, PairTracker, RelativePose, Shape};
 
 use super::number::{down, isometry, narrow, wide, wide_point};
 use super::parry::math::{Pose, Real, Vector};
@@ -116,7 +116,7 @@ fn fly(
         Impact::Start { .. } if !is_wanted => return Flown::Start(None),
         Impact::Start { seen } => {
             // An overlap of two polyhedra is measured without a depth.
-            let is_touching = seen.class != Class::Overlapping && seen.distance >= target;
+            let is_touching = seen.state != ContactState::Overlapping && seen.distance >= target;
             let status = if is_touching {
                 Converged
             } else {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lin_canny::nalgebra::{Point3, UnitQuaternion};
-use lin_canny::{Class, Outcome, PairTracker, RelativePose};
+use lin_canny::{ContactState, Outcome, PairTracker, RelativePose};
 
 use super::cast::{self, Flown};
 use super::curved;
@@ -108,8 +108,8 @@ impl Certified {
         self.options
     }
 
-    /// Writes the contacts of two convex shapes. Returns false, with nothing written, for a pair that
-    /// is left to parry.
+    /// Writes the contacts of two convex shapes. Returns false, with nothing written, for a pair
+    /// that is left to parry.
     pub(super) fn write_convex<M, C: Default + Copy>(
         &self,
         pos12: &Pose,
@@ -189,8 +189,8 @@ fn compound(shape: &dyn Shape) -> Option<&(dyn CompositeShape + Sync)> {
     shape.as_compound().and_then(|_| shape.as_composite_shape())
 }
 
-/// Returns a shape whose parts are asked for one by one beside another shape: a compound, and beside
-/// a half-space a mesh, too.
+/// Returns a shape whose parts are asked for one by one beside another shape: a compound, and
+/// beside a half-space a mesh, too.
 fn parts_beside<'a>(shape: &'a dyn Shape, other: &dyn Shape) -> Option<&'a (dyn CompositeShape + Sync)> {
     let is_on_space = other.as_halfspace().is_some();
     compound(shape).or_else(|| shape.as_composite_shape().filter(|_| is_on_space))
@@ -322,8 +322,8 @@ impl QueryDispatcher for Certified {
         if let Some(posed) = self.posed(pos12, a, b) {
             let outcome = posed.closest();
             let contact = posed.contact(&outcome);
-            return Ok(match outcome.class {
-                Class::Overlapping | Class::Touching => ClosestPoints::Intersecting,
+            return Ok(match outcome.state {
+                ContactState::Overlapping | ContactState::Touching => ClosestPoints::Intersecting,
                 _ if outcome.distance <= f64::from(max_dist) => {
                     ClosestPoints::WithinMargin(contact.point1, contact.point2)
                 }

@@ -1,7 +1,7 @@
 //! Contacts as a function of the relative pose and of the contacts that the engine kept.
 
 use lin_canny::nalgebra::{Point3, UnitQuaternion};
-use lin_canny::{Class, Feature, FeaturePair, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
+use lin_canny::{ContactState, Feature, FeaturePair, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 
 use super::dispatcher::ContactOptions;
 use super::number::{isometry, narrow};
@@ -97,14 +97,14 @@ impl<'a> PosedPair<'a> {
             let (a, b) = (feature(a, p.fid1)?, feature(b, p.fid2)?);
             // Contacts are those of the rounded shapes, and the features those of the cores.
             let is_overlap = f64::from(p.dist) + self.a.radius + self.b.radius < 0.0;
-            let class = if is_overlap {
-                Class::Overlapping
+            let state = if is_overlap {
+                ContactState::Overlapping
             } else {
-                Class::Separated
+                ContactState::Separated
             };
-            Some((FeaturePair { a, b }, class))
+            Some((FeaturePair { a, b }, state))
         });
-        let mut tracker = start.map_or_else(Tracker::new, |(pair, class)| Tracker::resuming(pair, class, a, b));
+        let mut tracker = start.map_or_else(Tracker::new, |(pair, state)| Tracker::resuming(pair, state, a, b));
         tracker.closest(a, b, &self.pose)
     }
 

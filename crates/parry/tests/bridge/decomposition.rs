@@ -1,7 +1,7 @@
 //! V-HACD behind its validator: intervals hold for the mesh, at any size and place.
 
 use lin_canny_parry::lin_canny::nalgebra::Point3;
-use lin_canny_parry::lin_canny::{Class, Decomposition, Mesh, PairTracker, RelativePose};
+use lin_canny_parry::lin_canny::{ContactState, Decomposition, Mesh, PairTracker, RelativePose};
 use truth::Pose;
 use truth::pose::scale;
 use truth::rng::Rng;
@@ -39,10 +39,10 @@ fn holds(pieces: &Decomposition, m: &Mesh, size: f64, rng: &mut Rng) -> usize {
             "{k} {found:?} {truth:?}"
         );
         assert!(
-            found.class != Class::Separated || truth.class == Class::Separated,
+            found.state != ContactState::Separated || truth.state == ContactState::Separated,
             "{k} {found:?} {truth:?}"
         );
-        apart += usize::from(found.class == Class::Separated);
+        apart += usize::from(found.state == ContactState::Separated);
     }
     apart
 }

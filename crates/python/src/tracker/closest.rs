@@ -1,6 +1,6 @@
 //! The answer about the closest points.
 
-use lin_canny::{Answer, Class, RelativePose};
+use lin_canny::{Answer, ContactState, RelativePose};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -8,12 +8,12 @@ use pyo3::types::PyBytes;
 use crate::array::triple;
 use crate::errors::refused;
 
-/// Returns the word for a class.
-pub(crate) fn class_name(class: Class) -> &'static str {
-    match class {
-        Class::Separated => "separated",
-        Class::Touching => "touching",
-        Class::Overlapping => "overlapping",
+/// Returns the word for a contact state.
+pub(crate) fn state_name(state: ContactState) -> &'static str {
+    match state {
+        ContactState::Separated => "separated",
+        ContactState::Touching => "touching",
+        ContactState::Overlapping => "overlapping",
         _ => "undecided",
     }
 }
@@ -60,7 +60,7 @@ impl Closest {
     /// "separated", "touching", "overlapping" or "undecided".
     #[getter]
     fn state(&self) -> &'static str {
-        class_name(self.answer.class)
+        state_name(self.answer.state)
     }
 
     /// The closest features, such as "v3-f1": vertex 3 of A and face 1 of B.
@@ -97,7 +97,7 @@ impl Closest {
         let Answer { outcome: o, .. } = &self.answer;
         format!(
             "<Closest {}: {:.6} in [{:.15}, {:.15}], {}>",
-            class_name(o.class),
+            state_name(o.state),
             o.distance,
             o.lower,
             o.upper,

@@ -5,7 +5,7 @@ use datafusion::arrow::datatypes::{DataType, Fields};
 use datafusion::common::plan_err;
 use datafusion::error::Result;
 use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
-use lin_canny::{Class, Geometry, PairTracker, RelativePose, normalize};
+use lin_canny::{ContactState, Geometry, PairTracker, RelativePose, normalize};
 use lin_canny_plan::{Checker, JointTree, WorldId};
 
 use super::answers::{Answers, Kind, Value, fields_of};
@@ -15,7 +15,7 @@ use crate::rows::{Vectors, vector_types};
 use crate::study::{Study, bodies_called};
 
 const FIELDS: [(&str, Kind); 10] = [
-    ("class", Kind::Word),
+    ("state", Kind::Word),
     ("distance", Kind::Number),
     ("lower", Kind::Number),
     ("upper", Kind::Number),
@@ -61,10 +61,10 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
                 let found = separation(checker, names, &poses, row, &mut numbers);
                 match study.settled(row, &numbers, found)? {
                     None => answers.push(None),
-                    Some((class, numbers)) => {
-                        let class = class.to_string();
+                    Some((state, numbers)) => {
+                        let state = state.to_string();
                         let numbers = numbers.map(Value::Number).into_iter();
-                        let values: Vec<_> = std::iter::once(Value::Word(&class)).chain(numbers).collect();
+                        let values: Vec<_> = std::iter::once(Value::Word(&state)).chain(numbers).collect();
                         answers.push(Some(&values));
                     }
                 }
@@ -80,7 +80,7 @@ fn separation(
     poses: &Vectors,
     row: usize,
     numbers: &mut Vec<f64>,
-) -> Result<(Class, [f64; 9]), RowFault> {
+) -> Result<(ContactState, [f64; 9]), RowFault> {
     let [a, b] = names;
     let (a, b) = (body(checker, a, row, "a")?, body(checker, b, row, "b")?);
     let name = |k: Option<usize>| k.map_or("the pose", |k| POSE[k]);
@@ -89,11 +89,11 @@ fn separation(
     let relative = RelativePose::from_isometry(&pose).map_err(|e| RowFault::Refused(e.to_string()))?;
     // A tracker of its own: the answer is a function of the row alone.
     let found = PairTracker::new().closest(a, b, &relative);
-    let is_known = found.class != Class::Overlapping || found.lower > f64::NEG_INFINITY;
+    let is_known = found.state != ContactState::Overlapping || found.lower > f64::NEG_INFINITY;
     let distance = if is_known { found.distance } else { 0.0 };
     let (p, q) = (found.point_on_a, pose * found.point_on_b);
     Ok((
-        found.class,
+        found.state,
         [distance, found.lower, found.upper, p.x, p.y, p.z, q.x, q.y, q.z],
     ))
 }

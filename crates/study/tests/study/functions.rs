@@ -123,7 +123,7 @@ fn separations_are_measured_by_name() {
     let distance = f64::from_bits(u64::from_str_radix(&row[1], 16).expect("bits"));
     assert_eq!(row[0], "separated");
     assert!((distance - 0.86).abs() < 1e-12, "{distance}");
-    let turned = "SELECT separation('gripper', 'table', [0, 0, 0.1, 0, 0, 0.6, 0.8])['class'] FROM configs LIMIT 1";
+    let turned = "SELECT separation('gripper', 'table', [0, 0, 0.1, 0, 0, 0.6, 0.8])['state'] FROM configs LIMIT 1";
     assert_eq!(values(&asked(&study, 1, turned).expect("a row")), [["overlapping"]]);
     fails(
         &study,

@@ -1,5 +1,5 @@
-//! Named hard cases: nudge a body by an ulp and see class and bounds hold; parry's recorded answer
-//! beside.
+//! Named hard cases: nudge a body by an ulp and see contact state and bounds hold; parry's recorded
+//! answer beside.
 
 use std::error::Error;
 
@@ -24,7 +24,8 @@ struct Case {
     b: Vec<[f64; 3]>,
     pose_a: [f64; 7],
     pose_b: [f64; 7],
-    class: String,
+    #[serde(rename = "class")]
+    state: String,
     distance: f64,
     parry: Option<f64>,
 }
@@ -95,7 +96,7 @@ impl Hard {
                 ui.label(RichText::new(text).monospace().color(colour));
                 ui.end_row();
             };
-            row("true class", case.class.clone(), Color32::DARK_GREEN);
+            row("true contact state", case.state.clone(), Color32::DARK_GREEN);
             row("true distance", number(case.distance), Color32::DARK_GREEN);
             let right = |d: f64| (d - case.distance).abs() <= 1e-9 * case.distance.abs() + 1e-12;
             let colour = if case.parry.is_some_and(right) {

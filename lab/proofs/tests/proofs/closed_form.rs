@@ -11,7 +11,7 @@ use truth::motion::{self, Frame};
 use truth::pose::radius;
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
-use truth::{Body, Class, Pose, support};
+use truth::{Body, ContactState, Pose, support};
 use truth::{bound, exact};
 
 type Double = Coordinates<Twice>;
@@ -91,7 +91,7 @@ fn judge(shapes: [&Shape; 2], frame: &Frame) -> Option<[usize; 2]> {
     let bodies = shapes.map(support::body);
     let pose = support::relative(frame);
     let truth = exact::solve(Body::from(shapes[0]), &frame.a, Body::from(shapes[1]), &frame.b);
-    if truth.class != Class::Separated {
+    if truth.state != ContactState::Separated {
         return None;
     }
     let mut proven = None;

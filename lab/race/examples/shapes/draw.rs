@@ -104,7 +104,7 @@ pub(crate) fn all(out: &Path) -> Result<(), String> {
     );
     println!(
         "{:13} {:13} {:>22}  {:11} {:>9}  features",
-        "A", "B", "signed distance", "class", "width"
+        "A", "B", "signed distance", "state", "width"
     );
     for (i, (name_a, a)) in kinds.iter().enumerate() {
         let middle = |k: usize| MARGIN + CELL * (k as f64 + 0.5);
@@ -121,7 +121,7 @@ pub(crate) fn all(out: &Path) -> Result<(), String> {
             println!(
                 "{name_a:13} {name_b:13} {:22.16} {:12} {:9.1e}  {}",
                 o.distance,
-                o.class,
+                o.state,
                 o.upper - o.lower,
                 o.features
             );

@@ -17,7 +17,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use lin_canny::{Class, ConvexPolyhedron, Outcome, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Tracker};
 use truth::corpus::{self, Case};
 use truth::parry;
 use truth::shapes::Shape;
@@ -85,8 +85,8 @@ impl Pair {
 }
 
 fn ours(o: &Outcome) -> Answer {
-    match o.class {
-        Class::Undecided => Answer::None,
+    match o.state {
+        ContactState::Undecided => Answer::None,
         _ => Answer::Distance(o.distance),
     }
 }
@@ -162,8 +162,8 @@ fn grade(c: &Case, engine: &Engine, there: &Pair, back: &Pair) -> Option<usize> 
         return Some(1);
     }
     // A touch is the distance zero; where the depth is not in the file it is large.
-    let truth = match (c.class, engine.depth) {
-        (truth::Class::Touching, _) | (truth::Class::Overlapping, false) => Some(0.0),
+    let truth = match (c.state, engine.depth) {
+        (truth::ContactState::Touching, _) | (truth::ContactState::Overlapping, false) => Some(0.0),
         _ => c.distance,
     };
     let slack = f64::max(1e-9 * truth.unwrap_or(0.0).abs(), 1e-13 * c.size());
@@ -179,7 +179,7 @@ fn fault(c: &Case, told: Option<f64>, truth: Option<f64>, slack: f64) -> Option<
     }
     let near = truth.is_some_and(|t| t.abs() <= 1e-12 * c.size());
     let overlaps = told.is_none_or(|d| d < 0.0);
-    if !near && overlaps != (c.class == truth::Class::Overlapping) {
+    if !near && overlaps != (c.state == truth::ContactState::Overlapping) {
         return Some(3);
     }
     let off = told.zip(truth).is_some_and(|(d, t)| (d - t).abs() > slack);
@@ -276,7 +276,7 @@ fn run(options: &Options) -> Result<(), String> {
     if options.truth {
         for c in cases.iter().filter(|c| c.is_small(42)) {
             let t = c.truth();
-            println!("{} {} {:?}", c.name, t.class, t.distance);
+            println!("{} {} {:?}", c.name, t.state, t.distance);
         }
         return Ok(());
     }

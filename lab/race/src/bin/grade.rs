@@ -12,7 +12,7 @@ use std::time::Instant;
 
 use clap::{Parser, ValueEnum};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
-use lin_canny::{Class, ConvexPolyhedron, RelativePose, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
 use truth::suite::{Case, Line, Reader};
 
 /// Which level of accuracy answers.
@@ -83,18 +83,18 @@ fn answer(
     let (pa, pb) = (pose(&case.pose_a), pose(&case.pose_b));
     let began = Instant::now();
     let relative = RelativePose::new(&pa, &pb)?;
-    let (class, distance, on_a, on_b, normal, layer) = match level {
+    let (state, distance, on_a, on_b, normal, layer) = match level {
         Accuracy::Walk => {
             let p = tracker.propose(a, b, &relative);
-            let class = if p.distance == Some(0.0) {
-                Class::Touching
+            let state = if p.distance == Some(0.0) {
+                ContactState::Touching
             } else if p.distance.is_some() {
-                Class::Separated
+                ContactState::Separated
             } else {
-                Class::Overlapping
+                ContactState::Overlapping
             };
             (
-                class,
+                state,
                 p.distance.unwrap_or(0.0),
                 p.point_on_a,
                 p.point_on_b,
@@ -104,19 +104,19 @@ fn answer(
         }
         Accuracy::Certified => {
             let o = tracker.closest(a, b, &relative);
-            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
+            (o.state, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
         }
         Accuracy::Exact => {
             let o = tracker.closest_exact(a, b, &relative);
-            (o.class, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
+            (o.state, o.distance, o.point_on_a, o.point_on_b, o.normal, o.solver)
         }
     };
     let ns = began.elapsed().as_nanos();
-    layers.count(&case.family, class, layer as usize);
-    let word = match class {
-        Class::Separated => "sep",
-        Class::Touching => "touch",
-        Class::Overlapping => "pen",
+    layers.count(&case.family, state, layer as usize);
+    let word = match state {
+        ContactState::Separated => "sep",
+        ContactState::Touching => "touch",
+        ContactState::Overlapping => "pen",
         _ => "none",
     };
     let n = pa.rotation * normal;
@@ -133,9 +133,9 @@ fn answer(
 struct Layers(HashMap<String, [[u64; 7]; 2]>);
 
 impl Layers {
-    fn count(&mut self, family: &str, class: Class, layer: usize) {
+    fn count(&mut self, family: &str, state: ContactState, layer: usize) {
         let row = self.0.entry(family.to_owned()).or_default();
-        row[usize::from(class != Class::Separated)][layer] += 1;
+        row[usize::from(state != ContactState::Separated)][layer] += 1;
     }
 
     fn print(&self) {

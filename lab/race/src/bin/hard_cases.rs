@@ -76,7 +76,7 @@ fn entry(case: &Case, distance: f64, parry: Option<f64>) -> Value {
         "b": case.b.points,
         "pose_a": pose(&case.pose_a),
         "pose_b": pose(&case.pose_b),
-        "class": case.class.word(),
+        "class": case.state.word(),
         "distance": distance,
         "parry": parry,
     })

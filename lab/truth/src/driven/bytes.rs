@@ -3,7 +3,7 @@
 
 use super::Bytes;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
-use lin_canny::{Class, ConvexPolyhedron, Outcome, RelativePose, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, RelativePose, Tracker};
 
 /// What came of some bytes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -12,7 +12,7 @@ pub struct Tally {
     pub bodies: [u32; 2],
     /// Poses built and refused.
     pub poses: [u32; 2],
-    /// Queries by class: separated, touching, overlapping, undecided.
+    /// Queries by contact state: separated, touching, overlapping, undecided.
     pub classes: [u32; 4],
 }
 
@@ -82,35 +82,41 @@ pub fn drive(bytes: &[u8]) -> Tally {
         let pose = RelativePose::new(&bytes.isometry(), &bytes.isometry());
         tally.poses[usize::from(pose.is_err())] += 1;
         if let Ok(pose) = pose {
-            let class = query(a, b, &pose, &mut stray, bytes.number());
-            tally.classes[class as usize] += 1;
+            let state = query(a, b, &pose, &mut stray, bytes.number());
+            tally.classes[state as usize] += 1;
         }
     }
     tally
 }
 
-/// Asks everything about a pair; its class.
-pub fn query(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, stray: &mut Tracker, d: f64) -> Class {
+/// Asks everything about a pair; its contact state.
+pub fn query(
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
+    pose: &RelativePose,
+    stray: &mut Tracker,
+    d: f64,
+) -> ContactState {
     let p = stray.propose(a, b, pose);
     assert!(!p.distance.is_some_and(f64::is_nan), "{p:?}");
     let local = stray.clone().closest_with_local_depth(a, b, pose);
-    let hinted = Tracker::resuming(p.features, Class::Overlapping, a, b).closest_with_local_depth(a, b, pose);
+    let hinted = Tracker::resuming(p.features, ContactState::Overlapping, a, b).closest_with_local_depth(a, b, pose);
     let warm = stray.closest(a, b, pose);
     let cold = Tracker::new().closest(a, b, pose);
     let swapped = Tracker::new().closest(b, a, &pose.swapped());
     let exact = stray.closest_exact(a, b, pose);
     for o in [&warm, &cold, &swapped, &exact, &local, &hinted] {
         sane(o);
-        assert_eq!(o.class, exact.class, "{o:?} {exact:?}");
+        assert_eq!(o.state, exact.state, "{o:?} {exact:?}");
         assert!(o.lower <= exact.upper && exact.lower <= o.upper, "{o:?} {exact:?}");
     }
-    assert_ne!(exact.class, Class::Undecided, "{exact:?}");
-    assert_eq!(stray.intersects(a, b, pose), exact.class != Class::Separated);
+    assert_ne!(exact.state, ContactState::Undecided, "{exact:?}");
+    assert_eq!(stray.intersects(a, b, pose), exact.state != ContactState::Separated);
     let within = stray.within(a, b, pose, d);
     assert!(within == Tracker::new().within(a, b, pose, d) && (d >= 0.0 || !within));
-    assert_eq!(stray.distance(a, b, pose).class, exact.class);
+    assert_eq!(stray.distance(a, b, pose).state, exact.state);
     assert_eq!(stray.check(), Ok(()));
-    exact.class
+    exact.state
 }
 
 /// No NaN, and what every outcome promises.

@@ -7,7 +7,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{
-    Class, Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose, Shape,
+    Composite, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
+    Shape,
 };
 
 use super::exact_place::{ExactMesh, Place, line_at, point_at};
@@ -260,10 +261,10 @@ impl World {
         for (a, b, pose) in [(&self.mesh, body, pose), (body, &self.mesh, pose.swapped())] {
             let mut tracker = PairTracker::new();
             let found = tracker.closest(a, b, &pose);
-            let is_right = match found.class {
-                Class::Separated => !met && found.lower > 0.0,
-                Class::Touching => found.lower <= 0.0,
-                Class::Overlapping => place == Place::Inside && found.lower <= 0.0,
+            let is_right = match found.state {
+                ContactState::Separated => !met && found.lower > 0.0,
+                ContactState::Touching => found.lower <= 0.0,
+                ContactState::Overlapping => place == Place::Inside && found.lower <= 0.0,
                 _ => false,
             };
             let (shares, within) = (tracker.intersects(a, b, &pose), tracker.within(a, b, &pose, 0.0));

@@ -8,7 +8,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use dashu_ratio::RBig;
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, PairTracker, RelativePose};
+use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
 
 use crate::brute::Triangle;
 use crate::exact_meshes::square;
@@ -207,12 +207,12 @@ fn poses(seed: u64) -> Result<Mix, String> {
         let fresh = PairTracker::new().closest(&a, &b, &relative);
         let swapped = PairTracker::new().closest(&b, &a, &relative.swapped());
         for found in [tracker.closest(&a, &b, &relative), fresh, swapped] {
-            let class = match found.class {
-                Class::Separated => !is_zero,
-                Class::Touching | Class::Undecided => apart <= WIDTH * size,
+            let state = match found.state {
+                ContactState::Separated => !is_zero,
+                ContactState::Touching | ContactState::Undecided => apart <= WIDTH * size,
                 _ => false,
             };
-            if !class || !hold(found.lower, found.upper, &truth) || found.upper - found.lower > WIDTH * size {
+            if !state || !hold(found.lower, found.upper, &truth) || found.upper - found.lower > WIDTH * size {
                 return Err(told(&format!("the distance is {apart:e}, not {found:?}, {pose:?}")));
             }
         }

@@ -12,7 +12,7 @@ use crate::rng::Rng;
 use crate::soups::Soup;
 use crate::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{Class, Composite, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{Composite, ContactState, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape};
 
 /// Largest error of a bound of a depth, in the size of the pair.
 const ERROR: f64 = 1e-6;
@@ -315,13 +315,13 @@ fn pin(seed: u64) -> Result<Mix, String> {
     let (low, high) = (slot.depth - ERROR * slot.size, slot.depth + ERROR * slot.size);
     let noise = 1e-12 * size;
     let holds = found.lower <= slot.depth + noise && slot.depth <= found.upper + noise;
-    let class = tracker.closest(&made[first], &made[second], &at(&found.shift)?).class;
+    let state = tracker.closest(&made[first], &made[second], &at(&found.shift)?).state;
     let is_tight = found.lower >= low.max(0.9 * slot.depth) && found.upper <= high.min(1.1 * slot.depth);
     // With a vertex inside the other body the search may end at another way out.
     let is_bare = !slot.body.holds_vertex(&slot.bar) && !slot.bar.holds_vertex(&slot.body);
-    if !holds || is_bare && !is_tight || class != Class::Separated {
+    if !holds || is_bare && !is_tight || state != ContactState::Separated {
         return Err(format!(
-            "depth {:e}, {found:?}, then {class:?}; {mix:?}, meshes {are_mesh:?}, exchanged {is_exchanged}",
+            "depth {:e}, {found:?}, then {state:?}; {mix:?}, meshes {are_mesh:?}, exchanged {is_exchanged}",
             slot.depth
         ));
     }

@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Class, ConvexPolyhedron, FaceId, Feature, Outcome, RelativePose, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, FaceId, Feature, Outcome, RelativePose, Tracker};
 use race::plot::Chart;
 use truth::motion::orbit_and_spin;
 use truth::rng::Rng;
@@ -209,7 +209,7 @@ fn looks(n: usize, degrees: f64) -> Result<f64, Trouble> {
     let mut tracker = Tracker::new();
     for f in orbit_and_spin(&mut Rng::new(5), 3000, degrees, (1.0, 1.0), (0.05, 0.4), 300) {
         let o = tracker.closest(&a, &b, &RelativePose::new(&f.a.isometry(), &f.b.isometry())?);
-        assert_eq!(o.class, Class::Separated);
+        assert_eq!(o.state, ContactState::Separated);
     }
     Ok(tracker.work().steps as f64 / tracker.work().queries as f64)
 }

@@ -4,7 +4,7 @@ use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{ConvexPolyhedron, RelativePose, Tracker};
 use truth::exact::solve;
-use truth::{Class, Pose, shapes};
+use truth::{ContactState, Pose, shapes};
 
 use crate::Trouble;
 use truth::svg::Svg;
@@ -22,7 +22,7 @@ const WRONG: &str = "#b00020";
 /// What one engine says of every cell.
 struct Map {
     title: &'static str,
-    classes: Vec<Class>,
+    classes: Vec<ContactState>,
 }
 
 /// The bodies in the form of each engine.
@@ -53,9 +53,9 @@ impl Stage {
         Pose::turn([0.0, 0.0, 1.0], std::f64::consts::FRAC_PI_4, [at(i), at(j), 0.125])
     }
 
-    fn map(&self, title: &'static str, ask: impl Fn(&Pose) -> Result<Class, Trouble>) -> Result<Map, Trouble> {
+    fn map(&self, title: &'static str, ask: impl Fn(&Pose) -> Result<ContactState, Trouble>) -> Result<Map, Trouble> {
         let cells = (0..SIDE * SIDE).map(|k| Self::pose(k % SIDE, k / SIDE));
-        let classes: Result<Vec<Class>, Trouble> = cells.map(|p| ask(&p)).collect();
+        let classes: Result<Vec<ContactState>, Trouble> = cells.map(|p| ask(&p)).collect();
         Ok(Map {
             title,
             classes: classes?,
@@ -65,28 +65,36 @@ impl Stage {
     fn maps(&self) -> Result<Vec<Map>, Trouble> {
         let relative = |p: &Pose| RelativePose::new(&Pose::IDENTITY.isometry(), &p.isometry());
         let of = |c| match c {
-            lin_canny::Class::Separated => Class::Separated,
-            lin_canny::Class::Overlapping => Class::Overlapping,
-            _ => Class::Touching,
+            lin_canny::ContactState::Separated => ContactState::Separated,
+            lin_canny::ContactState::Overlapping => ContactState::Overlapping,
+            _ => ContactState::Touching,
         };
         let (a, s) = (&self.body, &self.shape);
         Ok(vec![
             self.map("exact arithmetic", |p| {
-                Ok(solve(s.into(), &Pose::IDENTITY, s.into(), p).class)
+                Ok(solve(s.into(), &Pose::IDENTITY, s.into(), p).state)
             })?,
             self.map("certified: closest", |p| {
-                Ok(of(Tracker::new().closest(a, a, &relative(p)?).class))
+                Ok(of(Tracker::new().closest(a, a, &relative(p)?).state))
             })?,
             self.map("the walk's word: propose", |p| {
                 let apart = Tracker::new()
                     .propose(a, a, &relative(p)?)
                     .distance
                     .is_some_and(|d| d > 0.0);
-                Ok(if apart { Class::Separated } else { Class::Overlapping })
+                Ok(if apart {
+                    ContactState::Separated
+                } else {
+                    ContactState::Overlapping
+                })
             })?,
             self.map("parry f64: distance", |p| {
                 let apart = truth::parry::distance(&self.parry, &Pose::IDENTITY, &self.parry, p) > 0.0;
-                Ok(if apart { Class::Separated } else { Class::Overlapping })
+                Ok(if apart {
+                    ContactState::Separated
+                } else {
+                    ContactState::Overlapping
+                })
             })?,
         ])
     }
@@ -95,7 +103,7 @@ impl Stage {
 pub(crate) fn picture() -> Result<String, Trouble> {
     let maps = Stage::new()?.maps()?;
     let truth = maps[0].classes.clone();
-    assert!(!truth.contains(&Class::Touching), "a map of two colours");
+    assert!(!truth.contains(&ContactState::Touching), "a map of two colours");
     let side = CELL * SIDE as f64;
     let mut svg = Svg::new(900, 300, "Who answers wrong where rounding decides");
     for (k, map) in maps.iter().enumerate() {
@@ -123,11 +131,11 @@ pub(crate) fn picture() -> Result<String, Trouble> {
 
 impl Map {
     /// Draws the map from `left` on; how many cells are wrong.
-    fn draw(&self, svg: &mut Svg, left: f64, truth: &[Class]) -> usize {
+    fn draw(&self, svg: &mut Svg, left: f64, truth: &[ContactState]) -> usize {
         let miss = |cell: usize| self.classes[cell] != truth[cell];
         let colour = |cell: usize| match (miss(cell), self.classes[cell]) {
             (true, _) => WRONG,
-            (_, Class::Separated) => APART,
+            (_, ContactState::Separated) => APART,
             _ => OVERLAPPING,
         };
         for row in 0..SIDE {

@@ -2,7 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use lin_canny::{Class, Outcome, PairTracker, Shape, Solver};
+use lin_canny::{ContactState, Outcome, PairTracker, Shape, Solver};
 use truth::Pose;
 use truth::curved::{KINDS, Kind, Place, Wide, special, wide};
 use truth::motion::{self, Frame};
@@ -206,8 +206,8 @@ fn frame_of(
     let o = pair.closest(a, b, &pose);
     mix.frames += 1;
     mix.queries += 1;
-    mix.classes[o.class as usize] += 1;
-    mix.beyond += u64::from(o.class == Class::Separated && o.solver != Solver::Walk);
+    mix.classes[o.state as usize] += 1;
+    mix.beyond += u64::from(o.state == ContactState::Separated && o.solver != Solver::Walk);
     mix.rounded += u64::from(trial.round != [0.0; 2]);
     let fault = judged(trial, place, &o, rng, mix);
     if fault.is_none() && rng.chance(0.125) {
@@ -226,7 +226,7 @@ fn widest(trial: &Trial) -> f64 {
     if trial.cores.iter().any(is_rough) { ROUGH } else { WIDTH }
 }
 
-/// Gap within which class and predicates may leave open which of them holds, over the size of the pair.
+/// Gap within which contact state and predicates may leave open which of them holds, over the size of the pair.
 fn open_within(trial: &Trial) -> f64 {
     let is_polyhedral = |kind: &Kind| matches!(kind, Kind::Hull(_));
     if trial.cores.iter().all(is_polyhedral) {
@@ -255,7 +255,7 @@ fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mi
         return Some("a normal not of unit length".into());
     }
     let proof = place.height(a, b, &wide((*o.normal).into())).0 - round;
-    if o.lower > proof + slack && o.class == Class::Overlapping {
+    if o.lower > proof + slack && o.state == ContactState::Overlapping {
         return Some(format!("the normal proves {proof:e} alone"));
     }
     // Any direction is a lower bound of the truth.
@@ -265,7 +265,7 @@ fn judged(trial: &Trial, place: &Place, o: &Outcome, rng: &mut Rng, mix: &mut Mi
     if best > o.upper + slack {
         return Some(format!("a direction proves {best:e}"));
     }
-    if o.class != Class::Separated {
+    if o.state != ContactState::Separated {
         return None;
     }
     let width = (o.upper - o.lower) / size;
@@ -298,9 +298,12 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> 
     let size = place.size(&trial.cores[0], &trial.cores[1]) + round;
     // Predicates take bounds of their own, which may tell more of shapes that nearly touch.
     let nearly = open_within(trial) * size;
-    let (meets, is_apart) = (!pair.intersects(a, b, &pose).is_no(), o.class == Class::Separated);
+    let (meets, is_apart) = (
+        !pair.intersects(a, b, &pose).is_no(),
+        o.state == ContactState::Separated,
+    );
     if meets == is_apart && o.lower > nearly {
-        return Some("intersects contradicts the class".into());
+        return Some("intersects contradicts the contact state".into());
     }
     if pair.within(a, b, &pose, o.upper.max(0.0)).is_no() {
         return Some("not within the upper bound".into());

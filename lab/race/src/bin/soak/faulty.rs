@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Class, Mesh, MeshKind, PairTracker, RelativePose};
+use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, RelativePose};
 use truth::faults::{faulty, on_grid};
 use truth::pose::scale;
 use truth::rng::Rng;
@@ -83,9 +83,9 @@ fn poses(seed: u64) -> Result<Mix, String> {
         let meets = contained || truth == 0.0;
         let found = tracker.closest(&m, &n, &relative);
         let is_right = if meets {
-            found.class != Class::Separated && found.lower <= 0.0
+            found.state != ContactState::Separated && found.lower <= 0.0
         } else {
-            found.class == Class::Separated && found.lower <= truth + noise && truth <= found.upper + noise
+            found.state == ContactState::Separated && found.lower <= truth + noise && truth <= found.upper + noise
         };
         if !is_right || tracker.intersects(&m, &n, &relative).is_yes() != meets {
             return Err(format!("{truth:e}, contained {contained}: {found:?}\n{pose:?}"));

@@ -3,7 +3,7 @@
 //! Each frame in f64 with the rounding of that added; what does not pass there, and a share of the rest, by exact
 //! arithmetic; small bodies now and then by the naive oracle, which knows the truth.
 
-use lin_canny::{Class, Manifold, Outcome};
+use lin_canny::{ContactState, Manifold, Outcome};
 use truth::motion::Frame;
 use truth::pose::{add, cross, dot, norm, scale, sub, unit};
 use truth::rng::Rng;
@@ -202,7 +202,7 @@ impl Judge {
         } else {
             0.0
         };
-        let overlapping = o.class == Class::Overlapping;
+        let overlapping = o.state == ContactState::Overlapping;
         let width = WIDTH * size + 2.0 * s.slack;
         let (p, q, n) = parts(o);
         let between = sub(f.relative().apply(q), p);
@@ -320,11 +320,11 @@ fn contradiction(o: &Outcome) -> Option<&'static str> {
     let (p, q, n) = parts(o);
     let finite = [o.distance, o.upper, o.lower];
     let finite = finite.iter().chain(&p).chain(&q).chain(&n).all(|x| x.is_finite());
-    let classed = match o.class {
+    let classed = match o.state {
         // Where f64 ends, exact arithmetic may know more than a bound can say.
-        Class::Separated => o.lower >= 0.0,
-        Class::Overlapping => o.upper <= 0.0,
-        Class::Touching => o.lower <= 0.0 && o.upper >= 0.0,
+        ContactState::Separated => o.lower >= 0.0,
+        ContactState::Overlapping => o.upper <= 0.0,
+        ContactState::Touching => o.lower <= 0.0 && o.upper >= 0.0,
         _ => false,
     };
     let told = [
@@ -333,7 +333,7 @@ fn contradiction(o: &Outcome) -> Option<&'static str> {
             o.lower <= o.distance && o.distance <= o.upper,
             "the distance is not between its bounds",
         ),
-        (classed, "the class contradicts the bounds"),
+        (classed, "the contact state contradicts the bounds"),
         ((norm(n) - 1.0).abs() <= 16.0 * UNIT, "the normal is not of unit length"),
     ];
     told.iter().find(|(holds, _)| !holds).map(|t| t.1)
@@ -344,11 +344,11 @@ pub(crate) fn against(truth: &truth::Exact, o: &Outcome) -> Option<String> {
     // The differences are small and hence exact, or so large that their sign is not in doubt.
     let above = (o.lower - truth.distance) - truth.remainder;
     let below = (o.upper - truth.distance) - truth.remainder;
-    let right = o.class == support::class(truth.class) && above <= 0.0 && below >= 0.0;
+    let right = o.state == support::state(truth.state) && above <= 0.0 && below >= 0.0;
     (!right).then(|| {
         format!(
             "the truth is {} {:e} {:+e}",
-            truth.class, truth.distance, truth.remainder
+            truth.state, truth.distance, truth.remainder
         )
     })
 }
@@ -357,6 +357,6 @@ pub(crate) fn against(truth: &truth::Exact, o: &Outcome) -> Option<String> {
 pub(crate) fn differ(x: &Outcome, y: &Outcome) -> Option<String> {
     let width = (x.upper - x.lower) + (y.upper - y.lower);
     let agree =
-        x.class == y.class && x.lower <= y.upper && y.lower <= x.upper && (x.distance - y.distance).abs() <= width;
+        x.state == y.state && x.lower <= y.upper && y.lower <= x.upper && (x.distance - y.distance).abs() <= width;
     (!agree).then(|| format!("another answer to the question: {y:?}"))
 }

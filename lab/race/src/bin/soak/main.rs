@@ -26,7 +26,7 @@ use draw::Trial;
 use judge::Judge;
 use lin_canny::broad::PencilSweep;
 use lin_canny::scene::Scene;
-use lin_canny::{Accuracy, Class, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
+use lin_canny::{Accuracy, ContactState, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 use race::progress::Progress;
 use tally::Tally;
 use truth::command::{count, number};
@@ -162,8 +162,8 @@ impl Run<'_> {
             .or_else(|| judge::differ(o, &exact))
             .or_else(|| {
                 wrong(
-                    intersects == (o.class != Class::Separated),
-                    "intersects contradicts the class",
+                    intersects == (o.state != ContactState::Separated),
+                    "intersects contradicts the contact state",
                 )
             })
             .or_else(|| wrong(within, "not within the upper bound"))
@@ -186,7 +186,7 @@ impl Run<'_> {
         self.tally.truths += 1;
         self.tally.queries += 1;
         let ulp = truth.distance.next_up() - truth.distance;
-        let last_bit = truth.class != truth::Class::Separated || (exact.distance - truth.distance).abs() <= ulp;
+        let last_bit = truth.state != truth::ContactState::Separated || (exact.distance - truth.distance).abs() <= ulp;
         judge::against(&truth, o)
             .or_else(|| judge::against(&truth, &exact).map(|what| format!("{what}, and exactly {exact:?}")))
             .or_else(|| (!last_bit).then(|| format!("the truth is {:e}, not exactly {exact:?}", truth.distance)))

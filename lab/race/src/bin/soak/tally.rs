@@ -61,9 +61,9 @@ impl Tally {
     /// One frame of a trial.
     pub(crate) fn frame(&mut self, motion: &'static str, o: &Outcome) {
         self.frames += 1;
-        self.classes[o.class as usize] += 1;
+        self.classes[o.state as usize] += 1;
         self.layers[o.solver as usize] += 1;
-        self.motions.entry(motion).or_default()[o.class as usize] += 1;
+        self.motions.entry(motion).or_default()[o.state as usize] += 1;
     }
 
     pub(crate) fn body(&mut self, family: &'static str, frames: u64) {

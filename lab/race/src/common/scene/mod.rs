@@ -3,11 +3,11 @@
 //! What is timed: setting the pose of every body, and a step. Every engine knows afterwards which bodies are near each other, but
 //! not the same things about them:
 //!
-//! - `ours`: overlap events; certified closest features, witnesses and bounds of every pair within 0.02, overlaps by class.
+//! - `ours`: overlap events; certified closest features, witnesses and bounds of every pair within 0.02, overlaps by contact state.
 //! - `ours-depth`: the same with the proven depth of every overlap.
 //! - `ours-manifold`: the same, and contact manifolds within 0.02: all that rapier does, and more.
 //! - `parry-parts`: what one builds from parry's public parts: its box of each hull, its tree, and its `distance` for each pair of
-//!   boxes, cold; no events, no features, overlaps by class.
+//!   boxes, cold; no events, no features, overlaps by contact state.
 //!
 //! The race with rapier's `CollisionPipeline` is example `race_rapier` of `lin-canny-rapier`.
 //!

@@ -4,7 +4,7 @@ use super::{Keys, NONE, World};
 use crate::forms::{self, Form};
 use lin_canny::impact::Impact;
 use lin_canny::scene::{BodyId, Change, Effects, PairAnswer, Scene};
-use lin_canny::{Class, RelativePose};
+use lin_canny::{ContactState, RelativePose};
 
 /// Instants of a tick at which impacts are looked for.
 const INSTANTS: u32 = 5;
@@ -109,7 +109,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         );
         let Some(d) = distance else { return };
         let is_deep = effects.depth || effects.local_depth || effects.manifold.is_some();
-        if d.class != Class::Overlapping || is_deep && x.is_convex() && y.is_convex() {
+        if d.state != ContactState::Overlapping || is_deep && x.is_convex() && y.is_convex() {
             let truth = forms::distance(x, y, &pose);
             let tie = forms::TIE;
             assert!(
@@ -118,7 +118,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             );
         }
         self.mix.distances[0] += 1;
-        self.mix.distances[1] += u64::from(d.class == Class::Overlapping);
+        self.mix.distances[1] += u64::from(d.state == ContactState::Overlapping);
     }
 
     /// The events of the step, beside what has changed since the last.

@@ -5,7 +5,7 @@ use crate::forms;
 use crate::rng::Rng;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::scene::{BodyId, Scene};
-use lin_canny::{Class, Ray, RayCaster, RelativePose};
+use lin_canny::{ContactState, Ray, RayCaster, RelativePose};
 
 /// A ray is told to enter one of two bodies that it enters as early as this, either.
 const TIE: f64 = 1e-6;
@@ -127,7 +127,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 let near = most > 0.0 && self.is_near(a, b, most) == Some(true);
                 assert!(!near, "{a} {b} are nearer than {closest:?}");
             }
-            let is_apart = closest.outcome.class == Class::Separated;
+            let is_apart = closest.outcome.state == ContactState::Separated;
             self.mix.searches[0] += u64::from(is_apart && pairs.len() > 1);
         }
         self.mix.searches[1] += pairs.len() as u64;

@@ -12,8 +12,8 @@ use crate::forms;
 use crate::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{
-    Class, Composite, ConvexPolyhedron, GeometryRef, ManifoldOptions, Mesh, MeshKind, PairTracker, Piece, RelativePose,
-    Shape,
+    Composite, ContactState, ConvexPolyhedron, GeometryRef, ManifoldOptions, Mesh, MeshKind, PairTracker, Piece,
+    RelativePose, Shape,
 };
 use prism::{Cell, GRID, Outline, Prism, Whole};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -115,9 +115,9 @@ fn extent(c: &[Whole], n: Whole) -> (i64, i64) {
     (heights().min().unwrap_or(0), heights().max().unwrap_or(0))
 }
 
-/// The class of two convex cells.
-fn cells_meet(a: &Cell, b: &Cell) -> Class {
-    let mut class = Class::Overlapping;
+/// The contact state of two convex cells.
+fn cells_meet(a: &Cell, b: &Cell) -> ContactState {
+    let mut state = ContactState::Overlapping;
     let crossed = edges(a).into_iter().flat_map(|u| edges(b).map(|v| cross(u, v)));
     for n in normals(a).into_iter().chain(normals(b)).chain(crossed) {
         if n == [0; 3] {
@@ -125,27 +125,27 @@ fn cells_meet(a: &Cell, b: &Cell) -> Class {
         }
         let ((low, high), (from, until)) = (extent(a, n), extent(b, n));
         if high < from || until < low {
-            return Class::Separated;
+            return ContactState::Separated;
         }
         if high == from || until == low {
-            class = Class::Touching;
+            state = ContactState::Touching;
         }
     }
-    class
+    state
 }
 
-/// The class of two prisms.
-fn truth(a: &Prism, b: &Prism) -> Class {
+/// The contact state of two prisms.
+fn truth(a: &Prism, b: &Prism) -> ContactState {
     let (a, b) = (a.cells(), b.cells());
-    let mut class = Class::Separated;
+    let mut state = ContactState::Separated;
     for (p, q) in a.iter().flat_map(|p| b.iter().map(move |q| (p, q))) {
         match cells_meet(p, q) {
-            Class::Overlapping => return Class::Overlapping,
-            Class::Touching => class = Class::Touching,
+            ContactState::Overlapping => return ContactState::Overlapping,
+            ContactState::Touching => state = ContactState::Touching,
             _ => {}
         }
     }
-    class
+    state
 }
 
 /// Where whole coordinates lie: an offset, then a length for each axis; powers of two times whole numbers, so that all is exact.
@@ -235,7 +235,7 @@ fn translation(by: Point) -> Result<RelativePose, String> {
 struct Asked<'a> {
     prisms: [&'a Prism; 2],
     space: &'a Space,
-    truth: Class,
+    truth: ContactState,
     pose: RelativePose,
 }
 
@@ -249,18 +249,20 @@ impl Asked<'_> {
     ) -> Result<(), String> {
         let found = tracker.closest(a, b, pose);
         let bounds = match self.truth {
-            Class::Separated => found.lower > 0.0,
-            _ => found.lower <= 0.0 && found.upper >= 0.0 || found.upper < 0.0 && self.truth == Class::Overlapping,
+            ContactState::Separated => found.lower > 0.0,
+            _ => {
+                found.lower <= 0.0 && found.upper >= 0.0 || found.upper < 0.0 && self.truth == ContactState::Overlapping
+            }
         };
         let [p, q] = self.prisms;
         let are_boxes = p.kind == Outline::Box && q.kind == Outline::Box;
-        let is_bounded = self.truth != Class::Separated || !are_boxes || {
+        let is_bounded = self.truth != ContactState::Separated || !are_boxes || {
             let apart = self.apart();
             let noise = 1e-12 * self.size();
             found.lower <= apart + noise && apart <= found.upper + noise && found.upper - found.lower <= noise
         };
         let meets = tracker.intersects(a, b, pose).is_yes();
-        if found.class == self.truth && bounds && is_bounded && meets == (self.truth != Class::Separated) {
+        if found.state == self.truth && bounds && is_bounded && meets == (self.truth != ContactState::Separated) {
             return Ok(());
         }
         Err(format!("{how}: {:?}, intersects {meets}, not {:?}", *found, self.truth))
@@ -325,9 +327,9 @@ impl Asked<'_> {
         mix.pairs += 1;
         mix.far += u64::from(self.space.is_far());
         mix.flat += u64::from(self.space.is_flat());
-        mix.apart += u64::from(self.truth == Class::Separated);
-        mix.touching += u64::from(self.truth == Class::Touching);
-        if self.truth != Class::Overlapping {
+        mix.apart += u64::from(self.truth == ContactState::Separated);
+        mix.touching += u64::from(self.truth == ContactState::Touching);
+        if self.truth != ContactState::Overlapping {
             return;
         }
         mix.overlapping += 1;
@@ -413,7 +415,7 @@ fn pairs(rng: &mut Rng) -> Result<Mix, String> {
                 &asked.pose,
             )?;
         }
-        if asked.truth == Class::Overlapping && rng.chance(0.25) {
+        if asked.truth == ContactState::Overlapping && rng.chance(0.25) {
             mix.depths += u64::from(asked.judge_depth(m, n).map_err(fail)?);
         }
     }

@@ -10,7 +10,7 @@ use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::scene::{Body, Change, Effects, Group, Scene};
 use lin_canny::shape::Core;
-use lin_canny::{Answer, Class, PairTracker, RelativePose, Shape, Velocity};
+use lin_canny::{Answer, ContactState, PairTracker, RelativePose, Shape, Velocity};
 
 /// Poses of a pair.
 const POSES: usize = 5;
@@ -103,17 +103,17 @@ impl<'a> Judged<'a> {
         )
     }
 
-    /// Judges bounds and class.
+    /// Judges bounds and contact state.
     fn judge(&self, found: &Answer, what: &str) -> Result<(), String> {
         let (noise, width) = (NOISE * self.size, WIDTH * self.size);
         let [lower, upper] = [self.truth.lower, self.truth.upper].map(|x| x.max(0.0));
-        let is_right = match found.class {
-            Class::Separated => upper > 0.0 && self.truth.upper > -noise,
-            Class::Overlapping => lower <= noise,
+        let is_right = match found.state {
+            ContactState::Separated => upper > 0.0 && self.truth.upper > -noise,
+            ContactState::Overlapping => lower <= noise,
             _ => self.is_shell() || lower <= width,
         };
         let is_bounded = found.lower.max(0.0) <= upper + noise && lower <= found.upper.max(0.0) + noise;
-        let is_close = found.class != Class::Separated
+        let is_close = found.state != ContactState::Separated
             || self.is_shell()
             || found.upper - found.lower <= width + (self.truth.upper - self.truth.lower);
         if is_right && is_bounded && is_close && found.distance.is_finite() {
@@ -206,10 +206,12 @@ impl<'a> Judged<'a> {
         let (a, b) = (&self.a.geometry, &self.b.geometry);
         let mut tracker = PairTracker::new();
         let found = tracker.closest(a, b, &pose);
-        let is_right = match least.class {
-            exact::Class::Separated => found.class != Class::Overlapping,
-            exact::Class::Touching => found.class != Class::Separated && found.class != Class::Overlapping,
-            exact::Class::Overlapping => found.class != Class::Separated,
+        let is_right = match least.state {
+            exact::ContactState::Separated => found.state != ContactState::Overlapping,
+            exact::ContactState::Touching => {
+                found.state != ContactState::Separated && found.state != ContactState::Overlapping
+            }
+            exact::ContactState::Overlapping => found.state != ContactState::Separated,
         };
         let is_bounded = found.lower.max(0.0) <= high && low <= found.upper.max(0.0);
         if !(is_right && is_bounded) {
