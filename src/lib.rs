@@ -62,7 +62,7 @@
 //! | How far is a mesh from itself, which of its triangles are near each other? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`Answer`]s, for triangles that share no vertex |
 //! | Where does a ray enter a body? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a proven bracket, point, normal, feature |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
-//! | The same of any two geometries: curved and rounded `Shape`s, `Composite`s, `Mesh`es, `patch::Surface`s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
+//! | The same of any two geometries: curved and rounded `Shape`s, `Compound`s, `Mesh`es, `patch::Surface`s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
 //! | Which points hold any two solids apart, how deep are they? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`PatchContacts`]: points by direction, with names that last; [`PenetrationBounds`]: an interval |
 //! | Many bodies: who overlaps, is near, meets when; the closest pair of two groups? | [`scene::Scene`] | events, impacts and answers for the queries that are enabled |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
@@ -93,7 +93,7 @@
 //! * **No absolute tolerance.** A scene scaled by a power of two gives the answer scaled bit for
 //!   bit, unless the scale puts the sizes of two bodies on both sides of 2^105, 2^-105 or another
 //!   border between units of storage: then contact state and bounds agree. Curved shapes and
-//!   composites keep their bits for sizes from 2^-90 to 2^90, and the agreement of their bounds
+//!   compounds keep their bits for sizes from 2^-90 to 2^90, and the agreement of their bounds
 //!   beyond.
 //! * **Bad input is refused when a body or a pose is made** ([`BuildError`], [`PoseError`]), with
 //!   its index or value. After that no query panics, loops without bound or returns NaN. (Debug
@@ -172,7 +172,7 @@
 //!
 //! [`Mesh`] takes the mesh as it is. The [`hull`](Mesh::hull) of a mesh is faster;
 //! [`Mesh::hull_fit`] measures how much the hull adds. A part that was decomposed elsewhere (CoACD,
-//! V-HACD) is a [`Composite`] of the pieces, and [`Decomposition`] measures how far mesh and pieces
+//! V-HACD) is a [`Compound`] of the pieces, and [`Decomposition`] measures how far mesh and pieces
 //! are apart. The member `lin-canny-parry` runs parry's V-HACD.
 //!
 //! # The idea in five minutes
@@ -224,7 +224,7 @@
 //! |---|---|---|
 //! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
 //! | `exact` | yes | exact integers behind the filters: every contact state and predicate decided, distances of separated bodies to the last bit |
-//! | `meshes` | yes | composites and meshes, their contacts, bounds of penetration depths |
+//! | `meshes` | yes | compounds and meshes, their contacts, bounds of penetration depths |
 //! | `surfaces` | yes | Bezier and NURBS surfaces; needs `meshes` |
 //! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files; bodies are checked again when read; `serde_json` keeps every bit with its feature `float_roundtrip` |
 //! | `parallel` | no | threads in the broad phase, and in scenes from 625 queries a step on; the same answers bit for bit for any number |
@@ -247,7 +247,7 @@
 //! |---|---|
 //! | chapter 3, incremental distance computation | [`polyhedron`], [`Tracker`] |
 //! | chapter 4, curved bodies | [`shape`], [`PairTracker`]; curved surfaces: [`patch`] |
-//! | chapter 4, non-convex bodies | [`composite`] |
+//! | chapter 4, non-convex bodies | [`nonconvex`] |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time: [`impact`], [`schedule`] |
 //! | chapter 6, path planning | the crate `lin-canny-plan` |
 //!
@@ -291,9 +291,9 @@ compile_error!("lin-canny needs IEEE 754 arithmetic: the x87 unit rounds twice; 
 mod base;
 mod body;
 pub mod broad;
-#[cfg(feature = "meshes")]
-pub mod composite;
 mod convex;
+#[cfg(feature = "meshes")]
+pub mod nonconvex;
 // Pages of the documentation, and tests of their code; no part of the library.
 #[cfg(feature = "__proofs")]
 #[doc(hidden)]
@@ -320,26 +320,26 @@ pub use body::polyhedron::{
 };
 pub use body::shape::{Shape, ShapeError};
 pub use body::{polyhedron, shape};
-#[cfg(feature = "meshes")]
-pub use composite::contact::{ContactPatches, PatchContact, PatchContacts};
-#[cfg(feature = "meshes")]
-pub use composite::continuous;
-#[cfg(feature = "meshes")]
-pub use composite::decomposition::{Decomposition, DecompositionFit};
-#[cfg(feature = "meshes")]
-pub use composite::meet::search::MeshWork;
-#[cfg(feature = "meshes")]
-pub use composite::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
-#[cfg(feature = "meshes")]
-pub use composite::penetration::PenetrationBounds;
-#[cfg(feature = "meshes")]
-pub use composite::pieces::{Composite, CompositeError, Piece};
 pub use convex::contact::{
     ContactPoint, Gradient, HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError, Manifold, ManifoldOptions,
 };
 pub use convex::replay::{Replay, ReplayError};
 pub use convex::tracker::{Totals, Tracker};
 pub use nalgebra;
+#[cfg(feature = "meshes")]
+pub use nonconvex::contact::{ContactPatches, PatchContact, PatchContacts};
+#[cfg(feature = "meshes")]
+pub use nonconvex::continuous;
+#[cfg(feature = "meshes")]
+pub use nonconvex::decomposition::{Decomposition, DecompositionFit};
+#[cfg(feature = "meshes")]
+pub use nonconvex::meet::search::MeshWork;
+#[cfg(feature = "meshes")]
+pub use nonconvex::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
+#[cfg(feature = "meshes")]
+pub use nonconvex::penetration::PenetrationBounds;
+#[cfg(feature = "meshes")]
+pub use nonconvex::pieces::{Compound, CompoundError, Piece};
 pub use pair::outcome::WorldWitnesses;
 pub use pair::outcome::{Accuracy, ContactState, Decision, Distance, Outcome, Proposal, Solver, Until, Work};
 pub use pair::question::Question;

@@ -4,7 +4,7 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids::cuboid;
 use lin_canny::scene::{Body, Effects, Group, Scene};
-use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
 
 fn bits(x: f64) -> u64 {
     x.to_bits()
@@ -80,7 +80,7 @@ fn bodies(state: &mut u64) -> Vec<Geometry> {
         piece.pose = Isometry3::translation(x, y, -0.0);
         piece
     });
-    all.push(Composite::new(turned.to_vec()).unwrap().into());
+    all.push(Compound::new(turned.to_vec()).unwrap().into());
     all
 }
 

@@ -496,7 +496,7 @@ pub(crate) const SPECK: f64 = 1.0 / (1u64 << 60) as f64;
 /// would be infinite.
 pub(crate) const SMALL_PAIR: f64 = f64::from_bits((1023 - 140) << 52);
 
-// Motions, impacts and composites.
+// Motions, impacts and compounds.
 
 /// Error of the posed pivot of a body on a motion, twice (once at the begin of a bound, once at the
 /// end), in units of the 1-norms of the pivot's position at time zero, and of the displacements by
@@ -572,7 +572,7 @@ pub(crate) const BALLS: f64 = 1.0 / (1u64 << 40) as f64;
 /// up ticks by UNIT a tick, with fewer than `2^20` ticks in any useful bound.
 pub(crate) const TICK: f64 = 1.0 / (1u64 << 30) as f64;
 
-/// Increase of the half extents of a box of a composite before rounding up to f32, in units of the
+/// Increase of the half extents of a box of a compound before rounding up to f32, in units of the
 /// tree's size (2 at most, counted in) and of the farthest coordinate over it: a vertex shifted to
 /// the tree's origin errs by UNIT of that coordinate; its difference from the centre by UNIT; a
 /// dual axis, of stored axes that are orthonormal within 8 UNIT_SINGLE, by 8 UNIT (a cross product
@@ -594,7 +594,7 @@ pub(crate) const REFIT_HEIGHT: f64 = 16.0 * UNIT_SINGLE;
 /// than a hundredth.
 pub(crate) const BOX_SKEW: f64 = 9.0 * UNIT_SINGLE;
 
-/// Error of a gap of two boxes of a composite in f32, in units of their pair's size L: the reaches
+/// Error of a gap of two boxes of a compound in f32, in units of their pair's size L: the reaches
 /// of both trees and the distance of their origins. With v = UNIT_SINGLE, `r` a box's reach, `h`
 /// its half extents (`|h| <= sqrt(3) r`):
 ///
@@ -634,7 +634,7 @@ pub(crate) const BOXES: f64 = 96.0 * UNIT_SINGLE;
 /// direction holds.
 pub(crate) const PARALLEL_SIDES: f64 = (128.0 * UNIT_SINGLE) * (128.0 * UNIT_SINGLE);
 
-/// Error of a height of a vertex of a composite along a unit axis, in units of the farthest
+/// Error of a height of a vertex of a compound along a unit axis, in units of the farthest
 /// vertex's distance from the origin: a sum of three products errs by 3 UNIT, an axis longer than
 /// one by 4 UNIT counts by as much. Twice that is the error of a point put together from its
 /// heights along three axes that are normalised within 4 UNIT and perpendicular within 6.
@@ -651,7 +651,7 @@ pub(crate) const SLAB_HEIGHT: f64 = 12.0 * UNIT;
 pub(crate) const PLACED: f64 = 64.0 * UNIT;
 
 /// Largest shortfall of a gap in f64 below the distance, in units of L, at which a pair of nodes or
-/// triangles of a composite still passes: pairs in flush contact are all equally far, up to
+/// triangles of a compound still passes: pairs in flush contact are all equally far, up to
 /// rounding, and no pair could be skipped. With [`CERTIFICATE`] above and
 /// below, the bounds are no wider than `512 + 2 * 128 = 768` UNIT L, less than `1e-13 L`, 900.
 pub(crate) const SHORT_OF: f64 = 512.0 * UNIT;

@@ -13,9 +13,9 @@ use crate::body::polyhedron::{FaceId, Feature, FeaturePair};
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Spot {
-    /// The piece of a composite, the triangle of a mesh or the patch of a surface, by the caller's
-    /// index; zero for a convex geometry. Beside a mesh a composite of polyhedra is the mesh of its
-    /// surface ([`Composite::to_mesh`](crate::Composite::to_mesh)).
+    /// The piece of a compound, the triangle of a mesh or the patch of a surface, by the caller's
+    /// index; zero for a convex geometry. Beside a mesh a compound of polyhedra is the mesh of its
+    /// surface ([`Compound::to_mesh`](crate::Compound::to_mesh)).
     pub part: u32,
     /// The feature that holds the witness: of a polyhedron, of the core of a convex shape, or of
     /// the piece. Of two meshes, a vertex has the number of its point, an edge that of the point at

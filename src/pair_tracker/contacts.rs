@@ -9,10 +9,10 @@ use super::tracker::{PairError, refused};
 use crate::base::num::each::Each;
 use crate::base::pose::RelativePose;
 use crate::body::shape::Shape;
-use crate::composite::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
-use crate::composite::penetration::PenetrationBounds;
-use crate::composite::pieces::{Composite, CompositeTracker};
 use crate::convex::contact::{Manifold, ManifoldOptions};
+use crate::nonconvex::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
+use crate::nonconvex::penetration::PenetrationBounds;
+use crate::nonconvex::pieces::{Compound, CompoundTracker};
 use crate::pair_tracker::geometry::{GeometryRef, Lent};
 
 /// The contacts of a pair.
@@ -20,11 +20,11 @@ use crate::pair_tracker::geometry::{GeometryRef, Lent};
 pub(super) enum PairContacts {
     /// Two convex bodies.
     Convex(Box<ConvexContacts>),
-    /// A composite or a mesh, and any other body.
+    /// A compound or a mesh, and any other body.
     Patches(Box<PatchwiseContacts>),
 }
 
-/// The contacts of a pair with a composite or a mesh.
+/// The contacts of a pair with a compound or a mesh.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PatchwiseContacts {
     tracker: ContactTracker,
@@ -62,7 +62,7 @@ impl PatchwiseContacts {
 pub(crate) fn patches_of(own: GeometryRef) -> Option<ContactPatches> {
     match own.0 {
         Lent::Mesh(mesh) => Some(ContactPatches::of_mesh(mesh.to_arc())),
-        Lent::Composite(body) => Some(ContactPatches::of_pieces(body.to_arc())),
+        Lent::Compound(body) => Some(ContactPatches::of_pieces(body.to_arc())),
         Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ContactPatches::from((*s).clone())),
         #[cfg(feature = "surfaces")]
         Lent::Surface(_) => None,
@@ -104,7 +104,7 @@ impl PairTracker {
     /// group of the deepest contact first.
     ///
     /// Two convex geometries have one group, the points of their [`manifold`](Self::manifold); else
-    /// the groups are those of the patches of meshes and the pieces of composites, as of
+    /// the groups are those of the patches of meshes and the pieces of compounds, as of
     /// [`contacts_between`](Self::contacts_between). The tracker makes the patches of a body at the
     /// first call: of a body that is lent without being shared, from a copy.
     ///
@@ -208,7 +208,7 @@ impl PairTracker {
     /// convex geometries [`closest`](Self::closest) tells the depth itself.
     ///
     /// Two meshes take at most 35 queries and 13 looks at up to 2,048 vertices of each body:
-    /// milliseconds to tens of them for meshes of thousands of triangles. Of composites every pair
+    /// milliseconds to tens of them for meshes of thousands of triangles. Of compounds every pair
     /// of pieces is measured, or every piece against the points of a mesh, then dozens of queries.
     ///
     /// ```
@@ -243,16 +243,16 @@ impl LentPair<'_> {
         let [a, b] = match self {
             Self::Polyhedra(pair) => {
                 let (a, b, _) = pair.sides();
-                [a, b].each(|body| Composite::from(Shape::from(body.clone())))
+                [a, b].each(|body| Compound::from(Shape::from(body.clone())))
             }
             Self::Shapes(pair) => {
                 let (a, b, _) = pair.sides();
-                [a, b].each(|shape| Composite::from(shape.clone()))
+                [a, b].each(|shape| Compound::from(shape.clone()))
             }
             Self::Pieces(pair) => return pair.tracker.penetration(&pair.a, &pair.b, pose),
             Self::Meshes(pair) => return pair.tracker.penetration(pair.a, pair.b, pose),
             _ => return None,
         };
-        CompositeTracker::new().penetration(&a, &b, pose)
+        CompoundTracker::new().penetration(&a, &b, pose)
     }
 }

@@ -2,15 +2,15 @@
 //! are measured.
 //!
 //! ```text
-//!              polyhedron   shape    composite   mesh        surface
+//!              polyhedron   shape    compound   mesh        surface
 //! polyhedron   Polyhedra    Shapes   Pieces      Pieces      SurfaceAndShape
 //! shape                     Shapes   Pieces      Pieces      SurfaceAndShape
-//! composite                          Pieces      Meshes (1)  SurfaceAndPieces
+//! compound                          Pieces      Meshes (1)  SurfaceAndPieces
 //! mesh                                           Meshes      Surfaces
 //! surface                                                    Surfaces
 //! ```
 //!
-//! (1) `Pieces` unless a mesh is equal to the composite.
+//! (1) `Pieces` unless a mesh is equal to the compound.
 //!
 //! A tracker takes both bodies in one form. A body of another form has a *stand-in*, made with the
 //! engine and kept there. [`Engine::lend`] puts the two geometries, or what stands in for them,
@@ -49,10 +49,10 @@ pub(crate) enum Engine {
     Polyhedra(WithStandIns<Tracker, ConvexPolyhedron>),
     /// Two convex shapes, one of which is rounded or curved.
     Shapes(WithStandIns<ShapeTracker, Shape>),
-    /// Two bodies of parts, of which one is a composite or a mesh.
+    /// Two bodies of parts, of which one is a compound or a mesh.
     #[cfg(feature = "meshes")]
     Pieces(Box<PieceEngine>),
-    /// Two meshes, or a mesh and a composite to which a mesh is equal.
+    /// Two meshes, or a mesh and a compound to which a mesh is equal.
     #[cfg(feature = "meshes")]
     Meshes(Box<MeshEngine>),
     /// Two surfaces, or a surface and a mesh.
@@ -61,7 +61,7 @@ pub(crate) enum Engine {
     /// A surface and a convex shape, in either order.
     #[cfg(feature = "surfaces")]
     SurfaceAndShape(Box<SurfaceShapeEngine>),
-    /// A surface and a composite, in either order.
+    /// A surface and a compound, in either order.
     #[cfg(feature = "surfaces")]
     SurfaceAndPieces(Box<SurfacePieceEngine>),
 }
@@ -214,7 +214,7 @@ impl EngineReport {
     }
 }
 
-/// The serialized form of an engine. Fronts of composites, meshes and surfaces are not written:
+/// The serialized form of an engine. Fronts of compounds, meshes and surfaces are not written:
 /// their engines start again without one.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]

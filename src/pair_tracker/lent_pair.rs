@@ -9,18 +9,18 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::{ConvexPolyhedron, FeaturePair};
-#[cfg(feature = "meshes")]
-use crate::composite::separation::{CompositePair, MeshPair};
 use crate::convex::contact::{Manifold, ManifoldOptions};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::Tracker;
+#[cfg(feature = "meshes")]
+use crate::nonconvex::separation::{CompoundPair, MeshPair};
 use crate::pair::draft::far;
 use crate::pair::outcome::{Accuracy, ContactState, Decision, Outcome};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::pair_tracker::geometry::GeometryRef;
 #[cfg(feature = "surfaces")]
-use crate::patch::{SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
+use crate::patch::{SurfaceCompoundTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
 use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair, SupportPoint};
 
 /// Two geometries, or what stands in for them, and the tracker of their
@@ -30,7 +30,7 @@ pub(crate) enum LentPair<'p> {
     Polyhedra(PolyhedronPair<'p>),
     Shapes(ShapePair<'p>),
     #[cfg(feature = "meshes")]
-    Pieces(CompositePair<'p>),
+    Pieces(CompoundPair<'p>),
     #[cfg(feature = "meshes")]
     Meshes(MeshPair<'p>),
     #[cfg(feature = "surfaces")]
@@ -38,7 +38,7 @@ pub(crate) enum LentPair<'p> {
     #[cfg(feature = "surfaces")]
     SurfaceAndShape(SurfaceSolidPair<'p, SurfaceShapeTracker>),
     #[cfg(feature = "surfaces")]
-    SurfaceAndPieces(SurfaceSolidPair<'p, SurfaceCompositeTracker>),
+    SurfaceAndPieces(SurfaceSolidPair<'p, SurfaceCompoundTracker>),
     /// Geometries that no tracker measures.
     Balls(BallPair),
 }

@@ -9,11 +9,11 @@ use super::of_parts::of_pieces;
 use super::tracker::PairTracker;
 use crate::base::num::each::Each;
 use crate::base::pose::RelativePose;
-use crate::composite::decomposition::Decomposition;
-use crate::composite::mesh::Mesh;
-use crate::composite::mesh::tracker::MeshTracker;
-use crate::composite::parts::PartsRef;
-use crate::composite::separation::CompositePair;
+use crate::nonconvex::decomposition::Decomposition;
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::mesh::tracker::MeshTracker;
+use crate::nonconvex::parts::PartsRef;
+use crate::nonconvex::separation::CompoundPair;
 use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
@@ -106,7 +106,7 @@ impl PairTracker {
         }
     }
 
-    /// Measures two bodies of parts, the first of which is a composite that stays one beside a
+    /// Measures two bodies of parts, the first of which is a compound that stays one beside a
     /// mesh.
     fn distance_by_pieces(
         &mut self,
@@ -117,7 +117,7 @@ impl PairTracker {
         let pair = bodies.each(|body| body.fingerprint().with(*b"pieces  ", 0.0));
         let followed = self.follow_by(pair, || of_pieces(bodies));
         match followed.engine.lend(bodies) {
-            LentPair::Pieces(CompositePair { a, b, tracker }) => bounds(&tracker.closest(&a, &b, a_from_b), &b),
+            LentPair::Pieces(CompoundPair { a, b, tracker }) => bounds(&tracker.closest(&a, &b, a_from_b), &b),
             mut other => Distance::from(&other.ask(a_from_b, &Question::new())),
         }
     }
@@ -152,7 +152,7 @@ impl Decomposition {
 mod fronts {
     use alloc::vec::Vec;
 
-    use crate::composite::mesh::tracker::MeshTracker;
+    use crate::nonconvex::mesh::tracker::MeshTracker;
     use crate::pair_tracker::PairTracker;
     use crate::pair_tracker::engine::Engine;
     #[cfg(feature = "surfaces")]

@@ -1,4 +1,4 @@
-//! Engines of pairs with a composite or a mesh.
+//! Engines of pairs with a compound or a mesh.
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -10,18 +10,18 @@ use super::lent_pair::LentPair;
 use super::tracker::PairWork;
 use crate::base::num::each::Each;
 use crate::body::shape::Shape;
-use crate::composite::mesh::Mesh;
-use crate::composite::mesh::tracker::MeshTracker;
-use crate::composite::parts::PartsRef;
-use crate::composite::pieces::{Composite, CompositeTracker};
-use crate::composite::separation::{CompositePair, MeshPair};
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::mesh::tracker::MeshTracker;
+use crate::nonconvex::parts::PartsRef;
+use crate::nonconvex::pieces::{Compound, CompoundTracker};
+use crate::nonconvex::separation::{CompoundPair, MeshPair};
 use crate::pair_tracker::geometry::{GeometryRef, Lent};
 
-/// Two bodies of parts. A convex body is a composite of one piece, a single leaf with its own
+/// Two bodies of parts. A convex body is a compound of one piece, a single leaf with its own
 /// support points.
-pub(super) type PieceEngine = WithStandIns<CompositeTracker, Composite>;
+pub(super) type PieceEngine = WithStandIns<CompoundTracker, Compound>;
 
-/// Two meshes, or a mesh and the one that stands in for a composite.
+/// Two meshes, or a mesh and the one that stands in for a compound.
 pub(super) type MeshEngine = WithStandIns<MeshTracker, Mesh>;
 
 /// Returns the engine of a pair without a surface; `None` if both bodies are convex.
@@ -37,9 +37,9 @@ pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
     Some(of_pieces([a, b]))
 }
 
-/// Returns the engine of two bodies of parts, of which a composite stays one beside a mesh.
+/// Returns the engine of two bodies of parts, of which a compound stays one beside a mesh.
 pub(super) fn of_pieces(bodies: [GeometryRef<'_>; 2]) -> Engine {
-    let piece = |shape: Arc<Shape>| Arc::new(Composite::from(Arc::unwrap_or_clone(shape)));
+    let piece = |shape: Arc<Shape>| Arc::new(Compound::from(Arc::unwrap_or_clone(shape)));
     let stand_ins = bodies.each(|body| body.to_shape().map(piece));
     Engine::Pieces(Box::new(WithStandIns::new(stand_ins)))
 }
@@ -49,7 +49,7 @@ pub(super) fn of_pieces(bodies: [GeometryRef<'_>; 2]) -> Engine {
 fn as_mesh(body: GeometryRef<'_>) -> Option<Option<Arc<Mesh>>> {
     match body.0 {
         Lent::Mesh(_) => Some(None),
-        Lent::Composite(body) => body.get().stand_in().map(|mesh| Some(Arc::new(mesh))),
+        Lent::Compound(body) => body.get().stand_in().map(|mesh| Some(Arc::new(mesh))),
         _ => None,
     }
 }
@@ -76,15 +76,15 @@ pub(super) use report_front;
 
 impl PieceEngine {
     pub(super) fn lend<'p>(&'p mut self, [a, b]: [GeometryRef<'p>; 2]) -> Option<LentPair<'p>> {
-        let parts = |body: GeometryRef<'p>, stand_in: &'p Option<Arc<Composite>>| match body.0 {
-            Lent::Composite(body) => Some(PartsRef::Pieces(body.get())),
+        let parts = |body: GeometryRef<'p>, stand_in: &'p Option<Arc<Compound>>| match body.0 {
+            Lent::Compound(body) => Some(PartsRef::Pieces(body.get())),
             Lent::Mesh(mesh) => Some(PartsRef::Mesh(mesh.get())),
             _ => stand_in.as_deref().map(PartsRef::Pieces),
         };
         let [x, y] = &self.stand_ins;
         let (a, b) = (parts(a, x)?, parts(b, y)?);
         let tracker = &mut self.tracker;
-        Some(LentPair::Pieces(CompositePair { a, b, tracker }))
+        Some(LentPair::Pieces(CompoundPair { a, b, tracker }))
     }
 
     report_front!(of_trees, Pieces);

@@ -13,10 +13,10 @@ use crate::base::num::each::Each;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::Operand;
 use crate::body::shape::Shape;
-use crate::composite::pieces::Composite;
+use crate::nonconvex::pieces::Compound;
 use crate::pair_tracker::geometry::{GeometryRef, Lent};
 use crate::patch::{
-    Surface, SurfaceCompositeTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair, SurfaceTracker,
+    Surface, SurfaceCompoundTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair, SurfaceTracker,
 };
 
 /// Two surfaces, or a surface and a mesh, for which one of flat patches stands in.
@@ -30,15 +30,15 @@ pub(crate) struct SurfaceEngine {
 /// A surface and a convex shape.
 pub(super) type SurfaceShapeEngine = WithStandIns<SurfaceShapeTracker, Shape>;
 
-/// A surface and a composite, for which nothing stands in.
-pub(super) type SurfacePieceEngine = WithStandIns<SurfaceCompositeTracker, Composite>;
+/// A surface and a compound, for which nothing stands in.
+pub(super) type SurfacePieceEngine = WithStandIns<SurfaceCompoundTracker, Compound>;
 
 /// Returns the engine of a pair with a surface; `None` for any other pair.
 pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
     let (_, other, _) = surface_first([a, b])?;
     Some(match other.0 {
         Lent::Surface(_) | Lent::Mesh(_) => Engine::Surfaces(Box::default()),
-        Lent::Composite(_) => Engine::SurfaceAndPieces(Box::new(WithStandIns::new([None, None]))),
+        Lent::Compound(_) => Engine::SurfaceAndPieces(Box::new(WithStandIns::new([None, None]))),
         Lent::Polyhedron(_) | Lent::Convex(_) => {
             let stand_ins = [a, b].each(GeometryRef::polyhedron_as_shape);
             Engine::SurfaceAndShape(Box::new(WithStandIns::new(stand_ins)))
@@ -106,7 +106,7 @@ impl SurfacePieceEngine {
         let (surface, other, order) = surface_first(bodies)?;
         Some(LentPair::SurfaceAndPieces(SurfaceSolidPair {
             surface,
-            body: other.composite()?,
+            body: other.compound()?,
             order,
             tracker: &mut self.tracker,
         }))

@@ -9,7 +9,7 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{PLACED_BALL, RAY};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
 #[cfg(feature = "meshes")]
-use crate::composite::meet::ray::Met;
+use crate::nonconvex::meet::ray::Met;
 use crate::pair_tracker::PairTracker;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::impact::{Impact, ImpactError, Tolerance, cast};
@@ -165,14 +165,14 @@ pub struct RayHit {
 /// * Polyhedron: the same (features `exact` and `meshes`) if its faces are flat to the last bit, as
 ///   those of hulls are; the bracket is about `1e-12 L` wide. An origin outside a
 ///   polyhedron, by however little, is never [`RayCast::Inside`] (feature `exact`).
-/// * Curved shape, composite: proven for a point that moves along the ray, placed up to rounding;
+/// * Curved shape, compound: proven for a point that moves along the ray, placed up to rounding;
 ///   about `1e-12 L` head on.
 /// * Surface of patches: [`RayCast::Near`] where the ray meets it, because a point proves no
 ///   crossing.
 ///
 /// L is the radius of the body and the distance of its middle from the origin of the ray. A ray
 /// that touches a closed mesh or a polyhedron at an edge, or runs in a face, hits it. A ray that
-/// grazes a curved shape or a composite may have a bracket as wide as the part of the ray that is
+/// grazes a curved shape or a compound may have a bracket as wide as the part of the ray that is
 /// within rounding, `1e-15 L`, of the surface: `3e-8 L` along a ball, all of a face along a face.
 ///
 /// Without the feature `exact` a ray that passes an edge or a vertex of a mesh within rounding,

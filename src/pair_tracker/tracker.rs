@@ -4,13 +4,13 @@
 use crate::base::num::each::Each;
 use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
-#[cfg(feature = "meshes")]
-use crate::composite::contact::ContactTracker;
-#[cfg(feature = "meshes")]
-use crate::composite::meet::search::MeshWork;
 use crate::convex::contact::{Manifold, ManifoldOptions};
 use crate::convex::replay::Replay;
 use crate::convex::tracker::Totals;
+#[cfg(feature = "meshes")]
+use crate::nonconvex::contact::ContactTracker;
+#[cfg(feature = "meshes")]
+use crate::nonconvex::meet::search::MeshWork;
 use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
 use crate::pair::spot::Answer;
@@ -40,8 +40,8 @@ use nalgebra::{Unit, Vector3};
 /// | polyhedra, rounded or not | `1e-13 L` | exact (feature `exact`) |
 /// | cylinder, cone, ellipsoid | `1e-13 L`; depths `2^-19 L` | ties count as within |
 /// | superquadric | `2e-13 L`; depths `2^-19 L` | ties count as within |
-/// | meshes, composites in place | `1e-13 L` | exact (feature `exact`) |
-/// | composites with placed pieces | `1.5e-13 L` | ties count as within |
+/// | meshes, compounds in place | `1e-13 L` | exact (feature `exact`) |
+/// | compounds with placed pieces | `1.5e-13 L` | ties count as within |
 /// | a surface of patches | as asked for, else `2^-30 L` | may be undecided |
 ///
 /// The contact state of curved shapes may be [`Undecided`](crate::ContactState::Undecided), with
@@ -276,7 +276,7 @@ impl PairTracker {
         Distance::from(&self.closest(a, b, a_from_b))
     }
 
-    /// Returns a lower bound of the distance: for composites and meshes in one pass over what the
+    /// Returns a lower bound of the distance: for compounds and meshes in one pass over what the
     /// tracker keeps, without looking for the closest pair; zero if nothing better is known.
     pub fn lower_bound<'g>(
         &mut self,
@@ -304,7 +304,7 @@ impl PairTracker {
     /// for a `d` of zero. For curved shapes, a distance that the bounds cannot tell from `d` counts
     /// as within, and for such a `d` the answer may depend on the last query.
     ///
-    /// Of two meshes or composites, two kinds of ties count as within: a connected part of one
+    /// Of two meshes or compounds, two kinds of ties count as within: a connected part of one
     /// solid of which four vertices, the farthest from each other, are all nearer than `1e-13 L` to
     /// the surface of the other (and, of a solid of one part, the middles of up to 256 triangles
     /// all over it), and bodies 1e58 times as far apart as they are large or more. Every pair of
@@ -449,7 +449,7 @@ impl Replay {
 pub struct PairWork {
     /// Queries of two convex geometries.
     pub convex: Totals,
-    /// Queries of composites and meshes.
+    /// Queries of compounds and meshes.
     #[cfg(feature = "meshes")]
     pub trees: MeshWork,
     /// Queries with a surface of patches.

@@ -22,7 +22,7 @@
 //!
 //! Sources: M. C. Lin 1993, sections 4.3 to 4.5 (curved surfaces; resultants and eigenvalues are
 //! not needed here); Johnson and Cohen 1998 (lower bounds by hulls of control nets); fronts:
-//! [`composite`](crate::composite). Departures:
+//! [`nonconvex`](crate::nonconvex). Departures:
 //!
 //! 1. The answer is an interval of a width asked for, down to `2^-42` of the size, with every
 //!    rounding counted.
@@ -36,7 +36,7 @@
 //!
 //! [`PairTracker`](crate::PairTracker) answers a surface beside any other geometry. A
 //! [`Shape`](crate::Shape) is solid and is not split: its own support function bounds it. A
-//! [`Composite`](crate::Composite) has a tracker for each piece. A [`Mesh`](crate::Mesh) is its
+//! [`Compound`](crate::Compound) has a tracker for each piece. A [`Mesh`](crate::Mesh) is its
 //! triangles as flat patches, and its inside, if it is closed; [`Surface::from_mesh`] makes a
 //! surface of the triangles alone.
 //!
@@ -103,5 +103,5 @@ pub use nurbs::{Nurbs, revolution};
 #[doc(hidden)]
 pub use surface::SurfacePart;
 pub use surface::{Surface, SurfaceWork};
-pub(crate) use surface_and_solid::{SurfaceCompositeTracker, SurfaceShapeTracker, SurfaceSolidPair};
+pub(crate) use surface_and_solid::{SurfaceCompoundTracker, SurfaceShapeTracker, SurfaceSolidPair};
 pub(crate) use two_surfaces::{SurfacePair, SurfaceTracker};

@@ -6,7 +6,7 @@
 //! answer ([`NetFront`]) holds pairs of nodes under which every pair of patches lies, each with the
 //! direction that proved it far enough.
 //!
-//! As [`composite::front`](crate::composite), in double precision: let Y, the points below a node
+//! As [`nonconvex::front`](crate::compound), in double precision: let Y, the points below a node
 //! of B, lie in the ball of radius rho about c in B's frame, and X, the points below a node of A,
 //! be at least g below Y along n in A's frame, at the pose (R0, t0). At the pose (R, t) the gap is
 //! at least

@@ -13,8 +13,8 @@ use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
 use crate::base::num::sum_of_counters;
 use crate::base::tolerance::{SEAM, SURFACE_POINT};
 use crate::body::polyhedron::ConvexPolyhedron;
-use crate::composite::mesh::Mesh;
-use crate::composite::separation::ball_about;
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::separation::ball_about;
 use crate::pair::spot::Spot;
 
 /// A surface of Bezier patches, not trimmed: the set of points of its patches.

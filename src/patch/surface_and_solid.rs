@@ -2,7 +2,7 @@
 //! piece: the states of both pairs, their queries, and surfaces over time.
 //!
 //! No plane separates surfaces that reach into each other's hollows, so a look ahead bounds the
-//! displacement of all points, as for composites (Mirtich 1996, conservative advancement): bodies
+//! displacement of all points, as for compounds (Mirtich 1996, conservative advancement): bodies
 //! that are proven `d` apart stay apart until their points, seen from each other, may have moved by
 //! `d`. A measure is as narrow as a part of the distance, so looks near contact are as sharp as
 //! those far away, and the number of looks grows with the logarithm of the tolerance. This holds of
@@ -23,10 +23,10 @@ use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{CERTIFICATE, ROUND_UP, SHAPE_POINT, SURFACE_POINT, UNIT};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature, VertexId};
 use crate::body::shape::Shape;
-use crate::composite::parts::{Parted, Placed};
-use crate::composite::pieces::{Composite, Piece};
-use crate::composite::separation::ball_about;
 use crate::convex::shape_tracker::ShapeTracker;
+use crate::nonconvex::parts::{Parted, Placed};
+use crate::nonconvex::pieces::{Compound, Piece};
+use crate::nonconvex::separation::ball_about;
 use crate::pair::draft::{far, unit};
 use crate::pair::outcome::{ContactState, Decision, Outcome};
 use crate::pair::question::Question;
@@ -363,20 +363,20 @@ fn lower_to(answer: &mut Answer, lower: f64, goal: NetGoal) {
     answer.is_reached = goal.is_reached(o.lower, o.upper);
 }
 
-/// The trackers of a surface and the pieces of a [`Composite`].
+/// The trackers of a surface and the pieces of a [`Compound`].
 ///
 /// The counterpart of [`SurfaceShapeTracker`] for bodies of placed convex shapes: the surface is A
 /// and the body B. A piece whose ball is farther away than the closest piece is not asked. Not
 /// saved to files.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct SurfaceCompositeTracker {
+pub(crate) struct SurfaceCompoundTracker {
     pieces: Vec<SurfaceShapeTracker>,
     /// The piece that was closest.
     last: usize,
     splits: Option<usize>,
 }
 
-impl SurfaceCompositeTracker {
+impl SurfaceCompoundTracker {
     /// Returns the work of all queries so far.
     pub(crate) fn work(&self) -> SurfaceWork {
         self.pieces.iter().fold(SurfaceWork::default(), |mut sum, piece| {
@@ -398,10 +398,10 @@ impl SurfaceCompositeTracker {
     }
 }
 
-impl BesideSurface for SurfaceCompositeTracker {
-    type Body = Composite;
+impl BesideSurface for SurfaceCompoundTracker {
+    type Body = Compound;
 
-    fn ball(body: &Composite) -> (Point3<f64>, f64) {
+    fn ball(body: &Compound) -> (Point3<f64>, f64) {
         ball_about(body.aabb())
     }
 
@@ -410,7 +410,7 @@ impl BesideSurface for SurfaceCompositeTracker {
     }
 
     /// Returns the closest points of all pieces with bounds as close as a goal asks for.
-    fn answer(&mut self, a: &Surface, b: &Composite, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+    fn answer(&mut self, a: &Surface, b: &Compound, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
         let pieces = b.pieces();
         self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);
         let placed = Placed::new(a_from_b, b.is_in_place());

@@ -16,7 +16,7 @@ use crate::base::num::extremes::Bounded;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{CERTIFICATE, SURFACE_POINT, UNIT};
-use crate::composite::mesh::Mesh;
+use crate::nonconvex::mesh::Mesh;
 use crate::pair::draft::far;
 use crate::pair::outcome::{ContactState, Decision, Outcome};
 use crate::pair::question::Question;

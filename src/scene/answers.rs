@@ -6,9 +6,9 @@ use crate::base::num::each::Each;
 use crate::body::polyhedron::FeaturePair;
 use crate::broad;
 use crate::broad::Aabb;
-#[cfg(feature = "meshes")]
-use crate::composite::contact::PatchContacts;
 use crate::convex::contact::Manifold;
+#[cfg(feature = "meshes")]
+use crate::nonconvex::contact::PatchContacts;
 use crate::pair::outcome::{Distance, Outcome};
 use crate::scene::effects::NEVER;
 use crate::scene::step::bodies_of;
@@ -38,20 +38,20 @@ pub struct PairAnswer<'a> {
     /// Signed distance; `None` also for bodies farther apart than the range called for.
     pub distance: Option<Distance>,
     /// Features, witnesses and normal; `None` also for bodies farther apart than the range called
-    /// for. Features of a composite are those of the piece. Features of a mesh have the caller's
+    /// for. Features of a compound are those of the piece. Features of a mesh have the caller's
     /// numbers: a vertex that of the point, a face that of the triangle, an edge that of the point
     /// at which the edge of the triangle begins. Against a shape that is rounded or curved, and
-    /// against a composite with such a piece, they are those of the triangle as a polygon of its
+    /// against a compound with such a piece, they are those of the triangle as a polygon of its
     /// own, and so are those against points and segments. The feature of a surface of patches is
     /// the face with the number of the patch.
     pub outcome: Option<&'a Outcome>,
-    /// The piece of a composite, the triangle of a mesh, or the patch of a surface, to which the
+    /// The piece of a compound, the triangle of a mesh, or the patch of a surface, to which the
     /// features of `a` and of `b` belong, by the caller's order; zero for a convex shape.
     pub pieces: Option<[u32; 2]>,
     /// Contact points of two convex shapes; `None` also for bodies farther apart than the
     /// prediction.
     pub manifold: Option<&'a Manifold>,
-    /// Contact points of a pair with a mesh or a composite, by direction; `None` also for bodies
+    /// Contact points of a pair with a mesh or a compound, by direction; `None` also for bodies
     /// farther apart than the prediction.
     #[cfg(feature = "meshes")]
     pub contacts: Option<&'a [PatchContacts]>,

@@ -12,7 +12,7 @@ use crate::broad;
 use crate::broad::Aabb;
 use crate::broad::slots::Slots;
 #[cfg(feature = "meshes")]
-use crate::composite::contact::ContactPatches;
+use crate::nonconvex::contact::ContactPatches;
 use crate::pair_tracker::geometry::Geometry;
 use crate::scene::budget::Travel;
 use crate::scene::effects::Group;
@@ -41,7 +41,7 @@ pub struct Body {
 
 impl Body {
     /// Returns a body that moves. The shape is a [`ConvexPolyhedron`](crate::ConvexPolyhedron), a
-    /// [`Shape`](crate::Shape), a [`Composite`](crate::Composite), a [`Mesh`](crate::Mesh), or an
+    /// [`Shape`](crate::Shape), a [`Compound`](crate::Compound), a [`Mesh`](crate::Mesh), or an
     /// `Arc` of one of these.
     pub fn moving(shape: impl Into<Geometry>) -> Self {
         Self {
@@ -83,7 +83,7 @@ pub(super) struct BodySolid {
     /// Whether the broad phase has a box of the body: none if the range of the body is infinite.
     pub(super) boxed: bool,
     pub(super) user_data: u64,
-    /// The convex patches of a mesh or composite, if contacts are called for.
+    /// The convex patches of a mesh or compound, if contacts are called for.
     #[cfg(feature = "meshes")]
     pub(super) patches: Option<ContactPatches>,
 }

@@ -456,7 +456,7 @@ impl Census {
         }
     }
 
-    /// Returns whether a body of these groups, as bits, is a composite or a mesh.
+    /// Returns whether a body of these groups, as bits, is a compound or a mesh.
     pub(super) fn has_parts(&self, groups: u32) -> bool {
         let of = |key: &&Member| groups & 1 << key.0.number() != 0 && !key.1.is_convex();
         self.0.keys().any(|key| of(&key))

@@ -4,7 +4,7 @@ use super::{BodyId, Group};
 use crate::base::pose::PoseError;
 use crate::broad::BroadPhaseError;
 #[cfg(feature = "meshes")]
-use crate::composite::mesh::VertexError;
+use crate::nonconvex::mesh::VertexError;
 use crate::pair_tracker::geometry::ShapeKind;
 use crate::pair_tracker::ray::RayError;
 

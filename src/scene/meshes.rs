@@ -20,7 +20,7 @@ impl Scene {
         self
     }
 
-    /// Makes the patches of meshes and composites whose contacts are called for, once for each
+    /// Makes the patches of meshes and compounds whose contacts are called for, once for each
     /// shape.
     pub(super) fn make_patches(&mut self) {
         let groups = self.table.manifold_groups();

@@ -119,7 +119,7 @@
 //! * Equal calls give equal answers, events and counts bit for bit, with any number of threads
 //!   (feature `parallel`), and after a scene was written and read back (feature `serde`; only
 //!   [`Counts::swaps`], the work of sorted lists that are rebuilt then, may differ). Trackers of
-//!   composites and meshes are not written: distances of such a pair then agree within the bounds.
+//!   compounds and meshes are not written: distances of such a pair then agree within the bounds.
 //!   The format must keep every bit of an `f64`: with `serde_json` switch on the feature
 //!   `float_roundtrip`.
 //! * A refused call names the fault and changes nothing ([`SceneError`]).

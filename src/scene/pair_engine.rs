@@ -6,10 +6,10 @@ use core::mem::discriminant;
 
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
-#[cfg(feature = "meshes")]
-use crate::composite::contact::{ContactPatches, PatchContacts};
 use crate::convex::contact::{Manifold, ManifoldOptions, Query};
 use crate::convex::tracker::{Tracker, Workspace};
+#[cfg(feature = "meshes")]
+use crate::nonconvex::contact::{ContactPatches, PatchContacts};
 use crate::pair::outcome::{Outcome, Until};
 use crate::pair::question::Question;
 #[cfg(feature = "meshes")]
@@ -216,7 +216,7 @@ impl PairEngine for MixedPair {
         ask(&mut self.engine.lend(shapes).over_time(), seen.map(ShapePair::seen))
     }
 
-    /// Convex shapes have a manifold, composites and meshes contacts by patches.
+    /// Convex shapes have a manifold, compounds and meshes contacts by patches.
     fn update_manifold(
         &mut self,
         shapes: Self::Shapes<'_>,

@@ -18,10 +18,10 @@ use super::answers::{StoredAnswer, StoredContact};
 use super::effects::{Detail, GroupPair, NEVER, PairPlan};
 use super::pair_engine::{AnyPair, MixedPair, PairEngine};
 use crate::broad::PairId;
-#[cfg(feature = "meshes")]
-use crate::composite::contact::PatchContacts;
 use crate::convex::contact::Manifold;
 use crate::convex::tracker::Tracker;
+#[cfg(feature = "meshes")]
+use crate::nonconvex::contact::PatchContacts;
 use crate::pair::outcome::{Distance, Outcome, Until};
 use crate::pair_tracker::Engine;
 use crate::pair_tracker::geometry::Geometry;

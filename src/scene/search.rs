@@ -268,7 +268,7 @@ impl Scene {
     /// `None` if there is no pair. Every other pair is at least as far apart, up to the widths of
     /// the bounds of the two pairs; ties go to the first pair in ascending order.
     ///
-    /// Two fixed bodies are no pair. Overlaps of meshes and composites have the distance 0; pairs
+    /// Two fixed bodies are no pair. Overlaps of meshes and compounds have the distance 0; pairs
     /// of kinds that cannot be measured are left out.
     ///
     /// Boxes and balls exclude most pairs, so that the cost grows with the pairs about as close as

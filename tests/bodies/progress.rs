@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use lin_canny::nalgebra::Point3;
 use lin_canny::polyhedron::BuildError;
-use lin_canny::{Composite, ConvexPolyhedron, Decomposition, Mesh, MeshError, Piece, Progress};
+use lin_canny::{Compound, ConvexPolyhedron, Decomposition, Mesh, MeshError, Piece, Progress};
 use truth::rng::Rng;
 use truth::soups;
 
@@ -106,7 +106,7 @@ fn a_decomposition_says_how_far_it_is() {
     let ring = soups::torus(40, 20, 0.3);
     let points: Vec<_> = ring.points.iter().map(|p| Point3::from(*p)).collect();
     let mesh = Mesh::new(&points, &ring.triangles).expect("a mesh");
-    let pieces = || Composite::new(vec![Piece::new(mesh.hull().expect("a hull"))]).expect("pieces");
+    let pieces = || Compound::new(vec![Piece::new(mesh.hull().expect("a hull"))]).expect("pieces");
     let plain = Decomposition::new(mesh.clone(), pieces()).expect("pieces of a mesh");
     let stages = noted(|callback| {
         let told = Decomposition::new_with_progress(mesh.clone(), pieces(), callback).expect("pieces of a mesh");

@@ -5,7 +5,7 @@ use lin_canny::broad::{Aabb, PencilSweep};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
-use lin_canny::{Composite, ConvexPolyhedron, Manifold, ManifoldOptions, Mesh, PairTracker};
+use lin_canny::{Compound, ConvexPolyhedron, Manifold, ManifoldOptions, Mesh, PairTracker};
 use lin_canny::{RelativePose, Shape, Tracker, Velocity};
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
@@ -304,8 +304,8 @@ fn at_their_end<T: serde::Serialize + DeserializeOwned>(value: &T) -> T {
 fn counters_at_their_end(pose: &RelativePose) {
     let body = solids::icosahedron(1.0).unwrap();
     let (shape, ball) = (Shape::from(body.clone()), Shape::ball(0.3).unwrap());
-    let (mesh, pieces) = (Mesh::from_convex(&body).unwrap(), Composite::from(shape.clone()));
-    let (mut shapes, mut meshes, mut composites) = (PairTracker::new(), PairTracker::new(), PairTracker::new());
+    let (mesh, pieces) = (Mesh::from_convex(&body).unwrap(), Compound::from(shape.clone()));
+    let (mut shapes, mut meshes, mut compounds) = (PairTracker::new(), PairTracker::new(), PairTracker::new());
     for _ in 0..2 {
         for _ in 0..2 {
             shapes.closest(&shape, &ball, pose);
@@ -313,15 +313,15 @@ fn counters_at_their_end(pose: &RelativePose) {
             shapes.intersects(&shape, &shape, pose);
             meshes.closest(&mesh, &mesh, pose);
             meshes.intersects(&mesh, &mesh, pose);
-            composites.closest(&pieces, &mesh, pose);
-            composites.intersects(&pieces, &mesh, pose);
+            compounds.closest(&pieces, &mesh, pose);
+            compounds.intersects(&pieces, &mesh, pose);
         }
         shapes = at_their_end(&shapes);
-        (meshes, composites) = (at_their_end(&meshes), at_their_end(&composites));
+        (meshes, compounds) = (at_their_end(&meshes), at_their_end(&compounds));
     }
     assert_eq!(shapes.work().convex.queries, u64::MAX);
     assert_eq!(
-        (meshes.work().trees.queries, composites.work().trees.queries),
+        (meshes.work().trees.queries, compounds.work().trees.queries),
         (u64::MAX, u64::MAX)
     );
     let (mut scene, ids) = small_scene();

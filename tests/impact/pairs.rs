@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Surface, revolution};
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Separation;
-use lin_canny::{Composite, ConvexPolyhedron, Mesh, Shape};
+use lin_canny::{Compound, ConvexPolyhedron, Mesh, Shape};
 use lin_canny::{PairTracker, Tracker};
 
 /// Surfaces are built up to this coordinate.
@@ -17,7 +17,7 @@ pub(crate) struct Bodies {
     hull: ConvexPolyhedron,
     ball: Shape,
     cone: Shape,
-    pieces: Composite,
+    pieces: Compound,
     mesh: Mesh,
     surface: Option<Surface>,
 }
@@ -51,7 +51,7 @@ impl Bodies {
             hull: solids::cuboid(half).expect("a cuboid"),
             ball: Shape::ball(r).expect("a ball"),
             cone: Shape::ellipsoid(half).expect("an ellipsoid"),
-            pieces: Composite::from(Shape::cuboid(half).expect("a cuboid")),
+            pieces: Compound::from(Shape::cuboid(half).expect("a cuboid")),
             mesh: mesh(half),
             surface: (size <= SURFACE_MAX).then(|| revolution(&[south, north]).expect("a sphere")),
         }
@@ -69,14 +69,14 @@ impl Bodies {
         } = self;
         call("polyhedra", &mut Tracker::new().over(hull, hull));
         call("shapes", &mut PairTracker::new().over(ball, cone));
-        call("composites", &mut PairTracker::new().over(pieces, pieces));
-        call("composite and mesh", &mut PairTracker::new().over(pieces, mesh));
+        call("compounds", &mut PairTracker::new().over(pieces, pieces));
+        call("compound and mesh", &mut PairTracker::new().over(pieces, mesh));
         call("meshes", &mut PairTracker::new().over(mesh, mesh));
         let Some(surface) = surface else { return };
         call("surfaces", &mut PairTracker::new().over(surface, surface));
         call("surface and shape", &mut PairTracker::new().over(surface, ball));
         call("shape and surface", &mut PairTracker::new().over(ball, surface));
-        call("surface and composite", &mut PairTracker::new().over(surface, pieces));
+        call("surface and compound", &mut PairTracker::new().over(surface, pieces));
         call("mesh and surface", &mut PairTracker::new().over(mesh, surface));
     }
 }

@@ -4,7 +4,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
-use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, Ray, RayCast, RayCaster, RayError, RayHit, Shape};
+use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, Ray, RayCast, RayCaster, RayError, RayHit, Shape};
 use truth::rng::Rng;
 
 fn pose(rng: &mut Rng, size: f64) -> Isometry3<f64> {
@@ -97,7 +97,7 @@ fn rays_enter_hulls_where_half_spaces_say() {
     assert!(hits > 800 && misses > 200, "{hits} {misses}");
 }
 
-/// The same body as a hull, a shape, a mesh, a composite: one bracket.
+/// The same body as a hull, a shape, a mesh, a compound: one bracket.
 #[test]
 fn rays_meet_every_kind_alike() {
     let mut rng = Rng::new(4712);
@@ -107,7 +107,7 @@ fn rays_meet_every_kind_alike() {
         hull.clone().into(),
         Shape::from(hull.clone()).into(),
         mesh.into(),
-        Composite::from(Shape::from(hull.clone())).into(),
+        Compound::from(Shape::from(hull.clone())).into(),
     ];
     let mut hits = 0;
     for k in 0..200 {

@@ -1,11 +1,11 @@
-//! Casts of meshes and composites: safe times are free, hits meet, misses are misses, at dense samples.
+//! Casts of meshes and compounds: safe times are free, hits meet, misses are misses, at dense samples.
 
 use super::{mesh, shapes};
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::separation::Separation;
-use lin_canny::{Composite, ContactState, GeometryRef, PairTracker, Piece, RelativePose, Shape, Velocity};
+use lin_canny::{Compound, ContactState, GeometryRef, PairTracker, Piece, RelativePose, Shape, Velocity};
 use truth::Pose;
 use truth::pose::{add, scale};
 use truth::rng::Rng;
@@ -70,13 +70,13 @@ fn courses(rng: &mut Rng, spin: f64) -> (Steady, Steady) {
     (a, b)
 }
 
-fn bodies() -> (Composite, Composite) {
+fn bodies() -> (Compound, Compound) {
     let beam = |x: f64, turn: f64| Piece {
         pose: Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
         ..Piece::new(Shape::cuboid(Vector3::new(0.8, 0.15, 0.2)).unwrap())
     };
-    let cross = Composite::new(vec![beam(0.0, 0.0), beam(0.1, 1.4), beam(-0.5, 0.7)]).unwrap();
-    let round = Composite::new(vec![beam(0.0, 0.3), Piece::new(Shape::cylinder(0.5, 0.3).unwrap())]).unwrap();
+    let cross = Compound::new(vec![beam(0.0, 0.0), beam(0.1, 1.4), beam(-0.5, 0.7)]).unwrap();
+    let round = Compound::new(vec![beam(0.0, 0.3), Piece::new(Shape::cylinder(0.5, 0.3).unwrap())]).unwrap();
     (cross, round)
 }
 
@@ -126,7 +126,7 @@ fn casts_are_never_late() {
 #[test]
 fn motion_along_a_wall_takes_few_looks() {
     let wall = mesh(&soups::plate(12, [4.0, 4.0, 0.1]));
-    let ball = Composite::from(Shape::ball(0.2).unwrap());
+    let ball = Compound::from(Shape::ball(0.2).unwrap());
     let a = steady(Pose::IDENTITY, [0.0; 3], [0.0; 3]);
     let b = steady(Pose::shift([-3.0, 0.3, 0.31]), [6.0, 0.1, 0.0], [0.0; 3]);
     let mut tracker = PairTracker::new();

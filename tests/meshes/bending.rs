@@ -4,7 +4,7 @@ use super::{judge_by_surfaces, mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Composite, ContactState, ConvexPolyhedron, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape,
+    Compound, ContactState, ConvexPolyhedron, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape,
     VertexError,
 };
 use truth::pose::{norm, quat, quat_mul, scale, sub, unit_quat};
@@ -245,7 +245,7 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
         ball.into(),
         Shape::cylinder(0.5, 0.3).unwrap().into(),
         box_of(0.6).into(),
-        Composite::new(vec![piece(-0.4), piece(0.4)]).unwrap().into(),
+        Compound::new(vec![piece(-0.4), piece(0.4)]).unwrap().into(),
     ];
     let (mut tally, mut segments) = ([0; 2], 0);
     for (way, name) in WAYS.iter().enumerate().filter(|w| *w.1 != "shift") {

@@ -8,7 +8,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Answer, Composite, ContactState, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairTracker, Piece, Ray,
+    Answer, Compound, ContactState, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairTracker, Piece, Ray,
     RayCast, RayCaster, RelativePose, Shape,
 };
 use truth::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
@@ -46,7 +46,7 @@ fn kinds() -> Vec<(Geometry, Pieces)> {
         piece
     });
     let parts = pieces.iter().map(|piece| (piece.pose, piece.shape.clone())).collect();
-    all.push((Composite::new(pieces.to_vec()).unwrap().into(), parts));
+    all.push((Compound::new(pieces.to_vec()).unwrap().into(), parts));
     let of_hull = vec![(Isometry3::identity(), Shape::from(hull.clone()))];
     all.push((hull.clone().into(), of_hull.clone()));
     all.push((Mesh::from_convex(&hull).unwrap().into(), of_hull));

@@ -2,7 +2,7 @@
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{Composite, ContactPatches, ManifoldOptions, PairTracker, PatchContact, PatchContacts, Piece, Shape};
+use lin_canny::{Compound, ContactPatches, ManifoldOptions, PairTracker, PatchContact, PatchContacts, Piece, Shape};
 use truth::Pose;
 use truth::pose::{add, quat, quat_mul, scale, sub, unit_quat};
 use truth::rng::Rng;
@@ -297,7 +297,7 @@ fn a_body_that_slides_over_inner_edges_for_a_thousand_frames_feels_none() {
         pose: Pose::shift([f64::from(k % 10) * 0.4 - 1.8, f64::from(k / 10) * 0.4 - 1.8, -1.1]).isometry(),
         ..Piece::new(Shape::cuboid(Vector3::new(0.2, 0.2, 0.1)).unwrap())
     });
-    let floor = ContactPatches::of_pieces(Composite::new(tiles.collect()).unwrap());
+    let floor = ContactPatches::of_pieces(Compound::new(tiles.collect()).unwrap());
     slide(
         (&floor, &Pose::IDENTITY),
         (&cuboid([0.3, 0.2, 0.25]), -0.75, 4),
@@ -387,7 +387,7 @@ fn pieces_bear_contacts_as_they_are() {
     let beam = Shape::cuboid(Vector3::new(1.0, 0.1, 0.1)).unwrap();
     let mut post = Piece::new(Shape::cylinder(0.1, 0.5).unwrap());
     post.pose.translation.vector.z = 0.6;
-    let body = Composite::new(vec![Piece::new(beam), post]).unwrap();
+    let body = Compound::new(vec![Piece::new(beam), post]).unwrap();
     let p = ContactPatches::of_pieces(body);
     let floor = cuboid([3.0, 3.0, 1.0]);
     let pose = Pose::shift([0.0, 0.0, 1.099]);

@@ -4,7 +4,7 @@
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{
-    Composite, ContactState, ConvexPolyhedron, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape,
+    Compound, ContactState, ConvexPolyhedron, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape,
 };
 use truth::Pose;
 use truth::pose::{add, quat, quat_mul, scale, unit_quat};
@@ -94,7 +94,7 @@ fn bars_that_cross_have_the_depth_of_their_edges() {
             continue;
         }
         let (a, b) = (mesh(&turned), mesh(&bars[1]));
-        let pieces = Composite::new(vec![Piece::new(shapes[1].clone())]).unwrap();
+        let pieces = Compound::new(vec![Piece::new(shapes[1].clone())]).unwrap();
         let found = [
             of_meshes(&a, &b, &at),
             of_meshes(&mesh(&finer), &b, &at),

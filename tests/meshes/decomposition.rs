@@ -2,7 +2,7 @@
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{Composite, ContactState, ConvexPolyhedron, Decomposition, Mesh, MeshError, PairTracker, Piece, Shape};
+use lin_canny::{Compound, ContactState, ConvexPolyhedron, Decomposition, Mesh, MeshError, PairTracker, Piece, Shape};
 use truth::Pose;
 use truth::pose::scale;
 use truth::rng::Rng;
@@ -14,17 +14,17 @@ fn hull(points: &[[f64; 3]]) -> Piece {
 }
 
 /// A tube as the hulls of stretches of so many rows of `m` points.
-fn stretches(soup: &Soup, m: usize, rows: usize) -> Composite {
+fn stretches(soup: &Soup, m: usize, rows: usize) -> Compound {
     let count = soup.points.len() / m;
     let piece = |first: usize| {
         let points = (first..=first + rows).flat_map(|i| &soup.points[i % count * m..][..m]);
         hull(&points.copied().collect::<Vec<_>>())
     };
-    Composite::new((0..count).step_by(rows).map(piece).collect()).unwrap()
+    Compound::new((0..count).step_by(rows).map(piece).collect()).unwrap()
 }
 
 /// Meshes with pieces that are larger, smaller and none of both.
-fn cases() -> Vec<(Mesh, Composite)> {
+fn cases() -> Vec<(Mesh, Compound)> {
     let torus = soups::torus(24, 12, 0.3);
     let thin = soups::torus(24, 12, 0.25);
     let knot = soups::knot(104, 8, 0.12);
@@ -40,12 +40,12 @@ fn cases() -> Vec<(Mesh, Composite)> {
     }
     vec![
         (mesh(&torus), stretches(&torus, 12, 3)),
-        (mesh(&torus), Composite::new(turned).unwrap()),
+        (mesh(&torus), Compound::new(turned).unwrap()),
         (mesh(&torus), stretches(&thin, 12, 4)),
         (mesh(&knot), stretches(&knot, 8, 4)),
         (
             mesh(&soups::bracket()),
-            Composite::new(vec![hull(&soups::bracket().points)]).unwrap(),
+            Compound::new(vec![hull(&soups::bracket().points)]).unwrap(),
         ),
     ]
 }
@@ -66,7 +66,7 @@ fn gaps_are_bracketed() {
         let mut speck = PairTracker::new();
         let mut other = PairTracker::new();
         let (mut excess, mut shortfall) = (0.0f64, 0.0f64);
-        let dot = |p: Point3<f64>| Composite::from(Shape::from(ConvexPolyhedron::point(p).unwrap()));
+        let dot = |p: Point3<f64>| Compound::from(Shape::from(ConvexPolyhedron::point(p).unwrap()));
         let still = relative(&Pose::IDENTITY);
         for piece in d.pieces().pieces() {
             let all: Vec<_> = corners(piece).collect();
@@ -151,7 +151,7 @@ fn a_body_that_the_mesh_holds_and_the_pieces_do_not_is_found() {
         piece
     };
     let walls = (0..6).map(|k| wall(k / 2, if k % 2 == 0 { 1.0 } else { -1.0 }));
-    let d = Decomposition::new(cube.clone(), Composite::new(walls.collect()).unwrap()).unwrap();
+    let d = Decomposition::new(cube.clone(), Compound::new(walls.collect()).unwrap()).unwrap();
     assert!(
         d.fit().shortfall_upper < 0.01 && d.fit().excess_upper < 0.01,
         "{}",
@@ -172,11 +172,11 @@ fn a_body_that_the_mesh_holds_and_the_pieces_do_not_is_found() {
 #[test]
 fn pieces_without_corners_are_refused_and_flat_ones_are_measured() {
     let plate = mesh(&soups::plate(2, [1.0, 0.5, 0.1]));
-    let ball = Composite::from(Shape::ball(0.5).unwrap());
+    let ball = Compound::from(Shape::ball(0.5).unwrap());
     let refused = Decomposition::new(plate.clone(), ball).unwrap_err();
     assert_eq!(refused, MeshError::Curved { piece: 0 });
     let rod = ConvexPolyhedron::segment(Point3::new(-1.0, 0.0, 0.0), Point3::new(2.0, 0.0, 0.0)).unwrap();
-    let d = Decomposition::new(plate, Composite::from(Shape::from(rod))).unwrap();
+    let d = Decomposition::new(plate, Compound::from(Shape::from(rod))).unwrap();
     let fit = d.fit();
     // The end of the rod stands out by one; a corner of the plate is the root of .26 away.
     assert!(fit.excess_lower > 0.99 && fit.excess_upper < 1.01, "{fit}");

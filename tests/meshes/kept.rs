@@ -12,14 +12,14 @@
 //! | pieces that came near | shapes and poses of all pieces, in their order | `pieces` |
 //! | closest features of two polyhedra | nothing: each is tried on the bodies as they are | `features` |
 //! | manifold | vertices, faces and radius of both | `features` |
-//! | shape, composite or mesh that stands for another body | that body, by one of the above | `pieces`, `features` |
+//! | shape, compound or mesh that stands for another body | that body, by one of the above | `pieces`, `features` |
 
 use super::relative;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Answer, Composite, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose,
+    Answer, Compound, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose,
     Shape, Tracker,
 };
 use truth::Pose;
@@ -177,7 +177,7 @@ fn pieces_tell_composites_apart() {
         vec![piece(die(), 0.0), piece(die().rounded(0.1).unwrap(), 2.0)],
         vec![piece(die(), 0.0)],
     ]
-    .map(|pieces| Geometry::from(Composite::new(pieces).unwrap()));
+    .map(|pieces| Geometry::from(Compound::new(pieces).unwrap()));
     let partners: [Geometry; 3] = [
         Mesh::from_convex(&cuboid([0.3; 3])).unwrap().into(),
         cuboid([0.3; 3]).into(),

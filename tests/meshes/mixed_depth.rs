@@ -6,7 +6,7 @@ use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{
-    Composite, ContactState, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape,
+    Compound, ContactState, GeometryRef, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape,
 };
 use truth::pose::{add, norm, scale};
 use truth::rng::Rng;
@@ -49,7 +49,7 @@ fn convex_meshes_and_shapes_of_every_kind_have_their_depth_between_the_bounds() 
             pose: own.isometry(),
             ..Piece::new(shape.clone())
         };
-        let (m, pieces) = (Mesh::from_convex(body).unwrap(), Composite::new(vec![placed]).unwrap());
+        let (m, pieces) = (Mesh::from_convex(body).unwrap(), Compound::new(vec![placed]).unwrap());
         let pose = Pose {
             q: rng.quat(),
             t: scale(rng.unit(), rng.range(0.2, 1.2)),
@@ -117,7 +117,7 @@ fn bounds_of_a_mesh_and_pieces_hold_beside_a_grid_of_translations() {
         pose: Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
         ..Piece::new(Shape::cuboid(Vector3::new(0.4, 0.1, 0.15)).unwrap())
     };
-    let cross = Composite::new(vec![beam(0.0, 0.0), beam(0.1, 1.4)]).unwrap();
+    let cross = Compound::new(vec![beam(0.0, 0.0), beam(0.1, 1.4)]).unwrap();
     let crossed = soup(&cross);
     let shapes = [soups::bracket(), soups::plate(1, [0.5, 0.4, 0.2]), soups::gear(4)];
     let mut rng = Rng::new(21);
@@ -159,7 +159,7 @@ fn bounds_of_a_mesh_and_pieces_hold_beside_a_grid_of_translations() {
 
 #[test]
 fn a_surface_has_no_depth_and_a_body_inside_has_the_way_out() {
-    let ball = Composite::from(Shape::ball(0.1).unwrap());
+    let ball = Compound::from(Shape::ball(0.1).unwrap());
     let mut open = soups::sphere(1);
     open.triangles.pop();
     let at = relative(&Pose::shift([0.0, 0.0, 0.3]));

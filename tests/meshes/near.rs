@@ -3,9 +3,7 @@
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{
-    Composite, ContactState, ConvexPolyhedron, GeometryRef, Mesh, PairTracker, Piece, RelativePose, Shape,
-};
+use lin_canny::{Compound, ContactState, ConvexPolyhedron, GeometryRef, Mesh, PairTracker, Piece, RelativePose, Shape};
 use truth::Pose;
 use truth::pose::{quat, scale};
 use truth::rng::Rng;
@@ -236,7 +234,7 @@ fn depths_of_convex_meshes_that_cross_are_proven() {
             "{found:?} {depth}"
         );
         assert!(found.lower > depth * (1.0 - 1e-9), "{k} {found:?} {depth}");
-        let piece = Composite::from(Shape::from(b));
+        let piece = Compound::from(Shape::from(b));
         let found = PairTracker::new().penetration(&m, &piece, &relative(&pose)).unwrap();
         assert!(
             found.lower > depth * (1.0 - 1e-9) && depth <= found.upper,
@@ -245,13 +243,13 @@ fn depths_of_convex_meshes_that_cross_are_proven() {
     }
 }
 
-fn point_body(p: [f64; 3]) -> Composite {
-    Composite::from(Shape::from(ConvexPolyhedron::point(Point3::from(p)).unwrap()))
+fn point_body(p: [f64; 3]) -> Compound {
+    Compound::from(Shape::from(ConvexPolyhedron::point(Point3::from(p)).unwrap()))
 }
 
 #[test]
 fn points_at_their_own_origin_are_measured_in_both_orders() {
-    let cube = |h: f64| Composite::from(Shape::from(solids::cuboid(Vector3::new(h, h, h)).unwrap()));
+    let cube = |h: f64| Compound::from(Shape::from(solids::cuboid(Vector3::new(h, h, h)).unwrap()));
     for size in [1e-90, 1e-40, 1.0, 1e40, 1e90] {
         let body = cube(0.5 * size);
         let solid = Mesh::from_convex(&solids::cuboid(Vector3::new(0.5, 0.5, 0.5) * size).unwrap()).unwrap();
@@ -281,7 +279,7 @@ fn points_at_their_own_origin_are_measured_in_both_orders() {
 fn tiny_bodies_beside_huge_ones_are_measured_in_both_orders() {
     let [small, huge] = [1e-95, 1e40].map(|h| {
         let body = solids::cuboid(Vector3::new(h, h, h)).unwrap();
-        (Mesh::from_convex(&body).unwrap(), Composite::from(Shape::from(body)))
+        (Mesh::from_convex(&body).unwrap(), Compound::from(Shape::from(body)))
     });
     let turn = Isometry3::rotation(Vector3::new(0.0, 0.0, 0.3));
     let place = Isometry3::translation(0.0, 0.0, -3e40) * turn;
@@ -309,7 +307,7 @@ fn tiny_bodies_beside_huge_ones_are_measured_in_both_orders() {
 #[test]
 fn bodies_a_universe_away_are_apart() {
     let m = Mesh::from_convex(&solids::octahedron(1.0).unwrap()).unwrap();
-    let piece = Composite::new(vec![Piece::new(solids::octahedron(1.0).unwrap())]).unwrap();
+    let piece = Compound::new(vec![Piece::new(solids::octahedron(1.0).unwrap())]).unwrap();
     for far in [1e100, 1e150, 1e200, 1e300, 1e307, 1.6e308] {
         let pose = at([0.0, far, 0.0]);
         let found = PairTracker::new().closest(&m, &m, &pose);

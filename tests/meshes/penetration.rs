@@ -3,7 +3,7 @@
 use super::{mesh, relative, shapes};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Composite, ContactState, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker};
+use lin_canny::{Compound, ContactState, Mesh, PairTracker, PenetrationBounds, Piece, RelativePose, Shape, Tracker};
 use truth::Pose;
 use truth::pose::{add, scale, unit_quat};
 use truth::rng::Rng;
@@ -24,7 +24,7 @@ fn convex_meshes_have_the_depth_of_their_bodies_between_the_bounds() {
         solids::random_hull(40, Vector3::new(0.6, 0.5, 0.4), 3).unwrap(),
     ];
     let meshes: Vec<_> = bodies.iter().map(|b| Mesh::from_convex(b).unwrap()).collect();
-    let pieces: Vec<_> = bodies.iter().map(|b| Composite::from(Shape::from(b.clone()))).collect();
+    let pieces: Vec<_> = bodies.iter().map(|b| Compound::from(Shape::from(b.clone()))).collect();
     let mut rng = Rng::new(2);
     let (mut met, mut close) = (0, 0);
     for _ in 0..40 {
@@ -118,8 +118,8 @@ fn bounds_of_pieces_hold_and_surfaces_have_none() {
         pose: lin_canny::nalgebra::Isometry3::new(Vector3::new(x, 0.0, 0.0), Vector3::z() * turn),
         ..Piece::new(Shape::cuboid(Vector3::new(0.8, 0.15, 0.2)).unwrap())
     };
-    let cross = Composite::new(vec![beam(0.0, 0.0), beam(0.1, 1.4), beam(-0.5, 0.7)]).unwrap();
-    let round = Composite::new(vec![beam(0.0, 0.3), Piece::new(Shape::cylinder(0.5, 0.3).unwrap())]).unwrap();
+    let cross = Compound::new(vec![beam(0.0, 0.0), beam(0.1, 1.4), beam(-0.5, 0.7)]).unwrap();
+    let round = Compound::new(vec![beam(0.0, 0.3), Piece::new(Shape::cylinder(0.5, 0.3).unwrap())]).unwrap();
     let mut rng = Rng::new(4);
     let mut met = 0;
     for k in 0..20 {

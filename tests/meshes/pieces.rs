@@ -3,14 +3,14 @@
 use super::{mesh, relative};
 use lin_canny::nalgebra::Vector3;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Composite, CompositeError, ContactState, PairTracker, Piece};
+use lin_canny::{Compound, CompoundError, ContactState, PairTracker, Piece};
 use truth::pose::{quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::Soup;
 use truth::{Pose, brute};
 
 /// Boxes and hulls strung along a path.
-fn chain(count: usize, in_place: bool, seed: u64) -> Composite {
+fn chain(count: usize, in_place: bool, seed: u64) -> Compound {
     let mut rng = Rng::new(seed);
     let pieces = (0..count).map(|k| {
         let at = scale(rng.in_ball(), 1.0);
@@ -29,10 +29,10 @@ fn chain(count: usize, in_place: bool, seed: u64) -> Composite {
         piece.name = format!("piece {k}");
         piece
     });
-    Composite::new(pieces.collect()).unwrap()
+    Compound::new(pieces.collect()).unwrap()
 }
 
-pub(crate) fn soup(body: &Composite) -> Soup {
+pub(crate) fn soup(body: &Compound) -> Soup {
     let mut soup = Soup::default();
     for (_, corners) in body.to_mesh().unwrap().triangles() {
         let base = soup.points.len() as u32;
@@ -98,7 +98,7 @@ fn mass_of_pieces_is_that_of_their_mesh() {
         pose: pose.isometry(),
         ..Piece::new(one.clone())
     };
-    let body = Composite::new(vec![Piece::new(one), far]).unwrap();
+    let body = Compound::new(vec![Piece::new(one), far]).unwrap();
     let m = body.to_mesh().unwrap();
     let mass = body.mass().unwrap();
     assert!((mass.volume - 2.0).abs() < 1e-14 && (m.volume() - 2.0).abs() < 1e-13);
@@ -109,5 +109,5 @@ fn mass_of_pieces_is_that_of_their_mesh() {
         mass.inertia,
         m.inertia()
     );
-    assert_eq!(Composite::new(vec![]).unwrap_err(), CompositeError::Count { count: 0 });
+    assert_eq!(Compound::new(vec![]).unwrap_err(), CompoundError::Count { count: 0 });
 }

@@ -4,7 +4,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Change, Effects, Scene};
 use lin_canny::{
-    Composite, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
+    Compound, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
 };
 use truth::driven::points::{self, Mix};
 use truth::rng::Rng;
@@ -67,7 +67,7 @@ fn a_point_next_to_a_face_is_on_its_side_of_it() {
                 (size * (1.0 - part), Place::Inside),
             ] {
                 let p = point(0.2 * size, 0.25 * size, z);
-                let piece = Composite::from(lin_canny::Shape::from(p.clone()));
+                let piece = Compound::from(lin_canny::Shape::from(p.clone()));
                 let bodies = [Geometry::from(p), Geometry::from(piece)];
                 for body in bodies {
                     ask(&mesh, &body, &at_rest(), place, &format!("{size:e} {part:e} {place:?}"));

@@ -3,7 +3,7 @@
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Composite, ContactState, ConvexPolyhedron, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{Compound, ContactState, ConvexPolyhedron, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
 use truth::pose::{quat, quat_mul, scale, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
@@ -26,7 +26,7 @@ fn kinds() -> Vec<Shape> {
 }
 
 /// The least distance of any triangle and any piece, each pair asked alone.
-fn all_pairs(soup: &Soup, body: &Composite, pose: &Pose) -> f64 {
+fn all_pairs(soup: &Soup, body: &Compound, pose: &Pose) -> f64 {
     let mut least = f64::INFINITY;
     for t in 0..soup.triangles.len() {
         let triangle = Shape::from(ConvexPolyhedron::polygon(&soup.corners(t).map(Point3::from)).unwrap());
@@ -39,7 +39,7 @@ fn all_pairs(soup: &Soup, body: &Composite, pose: &Pose) -> f64 {
 }
 
 /// A mesh and a body over frames of a tumbling motion; counts classes.
-fn tumble((soup, m): (&Soup, &Mesh), body: &Composite, seed: u64, tally: &mut [usize; 2]) {
+fn tumble((soup, m): (&Soup, &Mesh), body: &Compound, seed: u64, tally: &mut [usize; 2]) {
     let mut rng = Rng::new(seed);
     let (mut q, axis, at) = (rng.quat(), rng.unit(), rng.unit());
     let (mut warm, mut back) = (PairTracker::new(), PairTracker::new());
@@ -84,7 +84,7 @@ fn shapes_against_meshes_equal_all_pairs() {
     {
         let m = mesh(soup);
         for (i, shape) in kinds().into_iter().enumerate() {
-            tumble((soup, &m), &Composite::from(shape), (10 * k + i) as u64, &mut tally);
+            tumble((soup, &m), &Compound::from(shape), (10 * k + i) as u64, &mut tally);
         }
     }
     assert!(tally.iter().all(|t| *t > 150), "{tally:?}");
@@ -107,7 +107,7 @@ fn bodies_of_all_kinds_against_meshes_equal_all_pairs() {
                 ..Piece::new(shape)
             }
         };
-        let body = Composite::new(kinds().into_iter().map(place).collect()).unwrap();
+        let body = Compound::new(kinds().into_iter().map(place).collect()).unwrap();
         assert_eq!(body.to_mesh().unwrap_err(), MeshError::Curved { piece: 0 });
         tumble((&soup, &m), &body, 200 + seed, &mut tally);
     }
@@ -122,7 +122,7 @@ fn a_shape_inside_a_solid_overlaps_and_inside_a_surface_does_not() {
     open.triangles.pop();
     let surface = mesh(&open);
     for shape in kinds() {
-        let body = Composite::from(shape);
+        let body = Compound::from(shape);
         let at = relative(&Pose::shift([0.1, 0.0, 0.2]));
         let found = PairTracker::new().closest(&solid, &body, &at);
         assert_eq!((found.state, found.distance), (ContactState::Overlapping, 0.0));
@@ -137,7 +137,7 @@ fn a_box_in_a_box_of_the_same_size_overlaps_and_beside_it_touches() {
     let cube = soups::plate(2, [0.5, 0.5, 0.5]);
     let (m, body) = (
         mesh(&cube),
-        Composite::from(Shape::cuboid(Vector3::repeat(0.5)).unwrap()),
+        Compound::from(Shape::cuboid(Vector3::repeat(0.5)).unwrap()),
     );
     for (t, state) in [
         ([0.0, 0.0, 0.0], ContactState::Overlapping),

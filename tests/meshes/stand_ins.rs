@@ -5,7 +5,7 @@ use core::f64::consts::TAU;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
 use truth::driven::stand_ins::{self, Mix};
 use truth::rng::Rng;
 
@@ -62,7 +62,7 @@ fn pieces_without_triangles_stay_in_the_body() {
     let cube = cuboid([0.5; 3]);
     for (name, piece) in thin() {
         let far = at(cube.clone(), Isometry3::translation(-3.0, 0.0, 0.0));
-        let body = Composite::new(vec![far, piece]).unwrap();
+        let body = Compound::new(vec![far, piece]).unwrap();
         // The die of side 2 at x = 5 is beyond x = 4.
         let die = cuboid([1.0; 3]);
         let mesh = Mesh::from_convex(&die).unwrap();
@@ -245,8 +245,8 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
             (round.clone().into(), round),
             (ball.clone().into(), ball.clone()),
             (Mesh::from_convex(&die).unwrap().into(), sharp.clone()),
-            (Composite::from(sharp.clone()).into(), sharp),
-            (Composite::from(ball.clone()).into(), ball),
+            (Compound::from(sharp.clone()).into(), sharp),
+            (Compound::from(ball.clone()).into(), ball),
         ]
     };
     let mut rng = Rng::new(5);
@@ -255,8 +255,8 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
         let mut forms: Vec<Geometry> = vec![
             body.clone().into(),
             Shape::from(body.clone()).into(),
-            Composite::from(Shape::from(body.clone())).into(),
-            Composite::new(vec![placed]).unwrap().into(),
+            Compound::from(Shape::from(body.clone())).into(),
+            Compound::new(vec![placed]).unwrap().into(),
         ];
         assert_eq!(Mesh::from_convex(&body).is_ok(), body.face_count() > 0);
         assert_eq!(Surface::from_convex(&body).is_ok(), body.face_count() > 0);

@@ -3,7 +3,7 @@
 use super::contacts::exact;
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Composite, ContactPatches, ConvexPolyhedron, PairTracker, PatchContacts, Piece, Shape};
+use lin_canny::{Compound, ContactPatches, ConvexPolyhedron, PairTracker, PatchContacts, Piece, Shape};
 use truth::Pose;
 use truth::rng::Rng;
 use truth::soups::Soup;
@@ -70,7 +70,7 @@ impl Valley {
                 ..Piece::new(shape)
             }
         };
-        ContactPatches::of_pieces(Composite::new(vec![piece(0, rng), piece(1, rng)]).unwrap())
+        ContactPatches::of_pieces(Compound::new(vec![piece(0, rng), piece(1, rng)]).unwrap())
     }
 
     /// The valley as two faces of an open mesh.

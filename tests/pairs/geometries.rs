@@ -7,7 +7,7 @@ use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Separation;
 use lin_canny::{
-    Answer, Composite, ContactState, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh,
+    Answer, Compound, ContactState, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh,
     PairTracker, PairWork, PatchContact, Question, RelativePose, Shape, Velocity,
 };
 use truth::Pose;
@@ -208,7 +208,7 @@ fn contacts_of_any_two_geometries() {
     let die = solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).unwrap();
     let floor = solids::cuboid(Vector3::new(5.0, 5.0, 1.0)).unwrap();
     let ground = Mesh::from_convex(&floor).unwrap();
-    let blocks = Composite::from(Shape::from(floor.clone()));
+    let blocks = Compound::from(Shape::from(floor.clone()));
     let at = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.0, 1.49)).unwrap();
     let options = ManifoldOptions::within(0.02);
     let round = Shape::from(die.clone()).rounded(0.01).unwrap();

@@ -2,7 +2,7 @@
 
 mod bodies;
 mod casts;
-mod composites;
+mod compounds;
 mod forms;
 mod hard;
 mod random;

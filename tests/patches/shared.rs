@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::patch::{Patch, Surface};
-use lin_canny::{Composite, Decision, PairTracker, Piece, Question, Shape};
+use lin_canny::{Compound, Decision, PairTracker, Piece, Question, Shape};
 use truth::rng::Rng;
 
 use crate::bodies::{place, pose, sphere};
@@ -107,13 +107,13 @@ fn surfaces_and_bodies_of_pieces_share_a_tracker() {
     for k in 0..20 {
         let mut rng = Rng::of_case(63, k);
         let [a, c] = two(&mut rng);
-        let bodies: [Composite; 2] = std::array::from_fn(|n| {
+        let bodies: [Compound; 2] = std::array::from_fn(|n| {
             let count = 1 + rng.below(3) + n;
             let pieces = (0..count).map(|_| Piece {
                 pose: place(&mut rng, 0.8),
                 ..Piece::new(two_shapes(&mut rng)[1].clone())
             });
-            Composite::new(pieces.collect()).expect("a body")
+            Compound::new(pieces.collect()).expect("a body")
         });
         let [b, d] = &bodies;
         let apart = rng.range(0.5, 3.5);

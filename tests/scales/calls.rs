@@ -9,8 +9,8 @@ mod worlds;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::{
-    Composite, ContactPatches, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh,
-    PairTracker, Piece, Question, RelativePose, Shape, Tracker, Until,
+    Compound, ContactPatches, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh, PairTracker,
+    Piece, Question, RelativePose, Shape, Tracker, Until,
 };
 use truth::rng::Rng;
 use truth::shapes;
@@ -84,14 +84,14 @@ const ROWS: [Row; 21] = [
     ("meshes", ALL, ALL, meshes),
     ("contacts of meshes", ALL, MIDDLE, patches),
     ("fit of a hull", ALL, ALL, fits),
-    ("composites", ALL, MIDDLE, composites),
+    ("compounds", ALL, MIDDLE, compounds),
     ("any two geometries", ALL, MIDDLE, geometries),
     ("surfaces", SURFACES, SURFACES, surfaces),
     ("surfaces and others", SURFACES, MIDDLE, surfaces_and_others),
     ("casts of hulls", CASTS, CASTS, moving::hull_casts),
     ("casts of shapes", CASTS, MIDDLE, moving::shape_casts),
     (
-        "casts of meshes and composites",
+        "casts of meshes and compounds",
         -316..=324,
         MIDDLE,
         moving::composite_casts,
@@ -198,7 +198,7 @@ fn geometries(scene: &mut Scene, rng: &mut Rng) {
         hull.clone().into(),
         Shape::cylinder(0.6 * unit, 0.4 * unit).unwrap().into(),
         Mesh::from_convex(&scene.round(rng, 20)).unwrap().into(),
-        Composite::from(Shape::from(hull)).into(),
+        Compound::from(Shape::from(hull)).into(),
     ];
     let mut tracker = PairTracker::new();
     for (a, b) in bodies.iter().flat_map(|a| bodies.iter().map(move |b| (a, b))) {
@@ -350,7 +350,7 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
 /// The contacts of bodies of patches.
 fn patches(scene: &mut Scene, rng: &mut Rng) {
     let bodies = [dented(scene, rng), dented(scene, rng)].map(ContactPatches::of_mesh);
-    let pieces = [composite(scene, rng), composite(scene, rng)].map(ContactPatches::of_pieces);
+    let pieces = [compound(scene, rng), compound(scene, rng)].map(ContactPatches::of_pieces);
     let options = ManifoldOptions::within(0.2 * scene.unit);
     for [a, b] in [&bodies, &pieces] {
         let mut warm = PairTracker::new();
@@ -403,16 +403,16 @@ fn fits(scene: &mut Scene, rng: &mut Rng) {
     }
 }
 
-fn composite(scene: &Scene, rng: &mut Rng) -> Composite {
+fn compound(scene: &Scene, rng: &mut Rng) -> Compound {
     let pieces = (0..3).map(|_| Piece {
         pose: scene.place(rng, 0.8),
         ..Piece::new(scene.round(rng, 12))
     });
-    Composite::new(pieces.collect()).expect("a composite")
+    Compound::new(pieces.collect()).expect("a compound")
 }
 
-fn composites(scene: &mut Scene, rng: &mut Rng) {
-    let (a, b, mesh) = (composite(scene, rng), composite(scene, rng), dented(scene, rng));
+fn compounds(scene: &mut Scene, rng: &mut Rng) {
+    let (a, b, mesh) = (compound(scene, rng), compound(scene, rng), dented(scene, rng));
     pieces(scene, rng, &a, &b);
     pieces(scene, rng, &a, &mesh);
 }
@@ -461,7 +461,7 @@ fn surfaces(scene: &mut Scene, rng: &mut Rng) {
 }
 
 fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
-    let (a, shapes, body) = (bumpy(scene, rng), curved(scene), composite(scene, rng));
+    let (a, shapes, body) = (bumpy(scene, rng), curved(scene), compound(scene, rng));
     let width = 1e-6 * scene.unit;
     for apart in [2.6, 9.0] {
         let pose = scene.pose(rng, apart);
@@ -475,7 +475,7 @@ fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
         }
         let mut tracker = PairTracker::new();
         let d = tracker.ask(&a, &body, &pose, &Question::new().width(width));
-        scene.distance("composite", &Distance::from(&d));
+        scene.distance("compound", &Distance::from(&d));
         scene.decision("within", tracker.within(&a, &body, &pose, 0.3 * scene.unit));
     }
 }

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
 use lin_canny::{
-    Composite, ContactState, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece,
+    Compound, ContactState, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece,
     RelativePose, Shape, ShapeKind, Tracker, Velocity,
 };
 use std::sync::Arc;
@@ -47,18 +47,18 @@ fn convex(k: usize, rng: &mut Rng) -> Shape {
     made.unwrap()
 }
 
-fn bracket() -> Composite {
+fn bracket() -> Compound {
     let beam = solids::cuboid(Vector3::new(0.6, 0.12, 0.12)).unwrap();
     let mut upright = Piece::new(beam.clone());
     upright.pose = Isometry3::new(Vector3::new(0.6, 0.5, 0.0), Vector3::z() * std::f64::consts::FRAC_PI_2);
-    Composite::new(vec![Piece::new(beam), upright]).unwrap()
+    Compound::new(vec![Piece::new(beam), upright]).unwrap()
 }
 
-/// A polyhedron, composite or mesh, with its convex pieces.
+/// A polyhedron, compound or mesh, with its convex pieces.
 fn solid(k: usize, rng: &mut Rng) -> (Geometry, Pieces) {
     let hull = solids::random_hull(12, Vector3::new(0.5, 0.4, rng.range(0.3, 0.6)), k as u64 + 5).unwrap();
     let whole = |hull: &ConvexPolyhedron| vec![(Shape::from(hull.clone()), Isometry3::identity())];
-    let parts = |c: &Composite| c.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect();
+    let parts = |c: &Compound| c.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect();
     match k % 4 {
         0 => (hull.clone().into(), whole(&hull)),
         1 => (Mesh::from_convex(&hull).unwrap().into(), whole(&hull)),
@@ -313,7 +313,7 @@ fn pieces_and_features_are_named() {
     assert!((near[0].outcome.distance - found.distance.unwrap().value).abs() < 1e-14);
 }
 
-/// Rounded and curved shapes, wires and bodies with curved pieces, against meshes and composites.
+/// Rounded and curved shapes, wires and bodies with curved pieces, against meshes and compounds.
 #[test]
 fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
     for (seed, effects) in [(6, predicates()), (7, measured())] {
@@ -331,7 +331,7 @@ fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
             piece.pose = *pose;
             piece
         };
-        let curved = Composite::new(pieces.iter().map(placed).collect()).unwrap();
+        let curved = Compound::new(pieces.iter().map(placed).collect()).unwrap();
         bodies.push((curved.into(), pieces));
         let mix = play(effects, bodies, seed);
         println!("{mix:?}");
@@ -353,7 +353,7 @@ fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
         ..Piece::new(Shape::cuboid(Vector3::new(2.0, 4.0, 0.5)).unwrap())
     };
     let mesh = Arc::new(Mesh::from_convex(&solids::cuboid(half).unwrap()).unwrap());
-    let tiles = Arc::new(Composite::new(vec![tile(-2.0), tile(2.0)]).unwrap());
+    let tiles = Arc::new(Compound::new(vec![tile(-2.0), tile(2.0)]).unwrap());
     let die = || solids::cuboid(Vector3::repeat(0.5)).unwrap();
     let floors: [Geometry; 3] = [
         mesh.clone().into(),
@@ -365,7 +365,7 @@ fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
         (Shape::ball(0.5).unwrap().into(), 1),
         (Shape::cylinder(0.5, 0.4).unwrap().into(), 4),
         (Mesh::from_convex(&die()).unwrap().into(), 4),
-        (Composite::new(vec![Piece::new(die())]).unwrap().into(), 4),
+        (Compound::new(vec![Piece::new(die())]).unwrap().into(), 4),
     ];
     let mut pairs = Vec::new();
     for (f, floor) in floors.iter().enumerate() {
@@ -430,10 +430,10 @@ fn effects_that_kinds_cannot_answer_are_refused_by_name() {
     scene.call_for(ALL, other, near.depth(true)).unwrap();
     scene.insert(Body::moving(mesh()).group(other), at).unwrap();
     let refused = scene.insert(Body::moving(bracket()), at).unwrap_err();
-    assert_eq!(refused, refusal("depth", ShapeKind::Composite, ShapeKind::Mesh));
+    assert_eq!(refused, refusal("depth", ShapeKind::Compound, ShapeKind::Mesh));
     assert_eq!(
         refused.to_string(),
-        "no depth is computed between a composite and a mesh"
+        "no depth is computed between a compound and a mesh"
     );
     assert_eq!(scene.body_count(), 1);
 

@@ -4,7 +4,7 @@ use crate::{ALL, NONE, read_back};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Scene, SceneError};
-use lin_canny::{Composite, ContactState, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
+use lin_canny::{Compound, ContactState, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
 use truth::forms::sphere;
 use truth::rng::Rng;
 
@@ -202,7 +202,7 @@ fn bodies_of_pieces_stand_beside_surfaces() {
     let made = |effects: Effects, is_first: bool| {
         let mut scene = Scene::new();
         scene.call_for(ALL, ALL, effects).unwrap();
-        let dumbbell: Geometry = Composite::new(vec![ball(-1.0), ball(1.0)]).unwrap().into();
+        let dumbbell: Geometry = Compound::new(vec![ball(-1.0), ball(1.0)]).unwrap().into();
         let at = Isometry3::translation(3.0, 0.0, 0.0);
         let shell: (Geometry, _) = (sphere(0.5).into(), Isometry3::identity());
         let mut bodies = vec![(dumbbell, at), shell];

@@ -8,7 +8,7 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Change, Counts, Effects, Event, Scene, SceneError};
 use lin_canny::schedule::Schedule;
-use lin_canny::{Composite, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity};
+use lin_canny::{Compound, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use truth::rng::Rng;
@@ -172,20 +172,20 @@ struct Flyer {
     pieces: Vec<(Shape, Isometry3<f64>)>,
 }
 
-fn pieces_of(shape: &Geometry, composite: &Composite) -> Vec<(Shape, Isometry3<f64>)> {
+fn pieces_of(shape: &Geometry, compound: &Compound) -> Vec<(Shape, Isometry3<f64>)> {
     match shape.as_convex() {
         Some(shape) => vec![(shape.into_owned(), Isometry3::identity())],
-        None => composite.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect(),
+        None => compound.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect(),
     }
 }
 
-fn thin(k: usize, rng: &mut Rng) -> (Geometry, Composite) {
+fn thin(k: usize, rng: &mut Rng) -> (Geometry, Compound) {
     let plate = solids::cuboid(Vector3::new(0.01, 0.8, 0.8)).unwrap();
     let rod = solids::cuboid(Vector3::new(0.02, 0.02, 1.0)).unwrap();
     let mut upright = Piece::new(rod.clone());
     upright.pose = Isometry3::new(Vector3::new(0.0, 0.5, 0.0), Vector3::x() * 1.5);
-    let cross = Composite::new(vec![Piece::new(rod.clone()), upright]).unwrap();
-    let only = |body: &lin_canny::ConvexPolyhedron| Composite::new(vec![Piece::new(body.clone())]).unwrap();
+    let cross = Compound::new(vec![Piece::new(rod.clone()), upright]).unwrap();
+    let only = |body: &lin_canny::ConvexPolyhedron| Compound::new(vec![Piece::new(body.clone())]).unwrap();
     match k % 4 {
         0 => (plate.clone().into(), only(&plate)),
         1 => (cross.clone().into(), cross),
@@ -271,14 +271,14 @@ fn check_tick(scene: &Scene, flyers: &[Flyer], motions: &BTreeMap<BodyId, Steady
     }
 }
 
-fn fly(shapes: Vec<(Geometry, Composite)>, effects: Effects, seed: u64) -> Mix {
+fn fly(shapes: Vec<(Geometry, Compound)>, effects: Effects, seed: u64) -> Mix {
     let mut rng = Rng::new(seed);
     let mut scene = Scene::new();
     scene.call_for(ALL, ALL, effects).unwrap();
     let flyers: Vec<Flyer> = shapes
         .into_iter()
-        .map(|(shape, composite)| {
-            let pieces = pieces_of(&shape, &composite);
+        .map(|(shape, compound)| {
+            let pieces = pieces_of(&shape, &compound);
             let id = scene.insert(Body::moving(shape), Isometry3::identity()).unwrap();
             Flyer { id, pieces }
         })
@@ -321,7 +321,7 @@ fn fly(shapes: Vec<(Geometry, Composite)>, effects: Effects, seed: u64) -> Mix {
 #[test]
 fn nothing_passes_through_unseen() {
     let impact = NONE.impact(Tolerance::Distance(1e-7));
-    let other = Composite::new(vec![Piece::new(solids::octahedron(1.0).unwrap())]).unwrap();
+    let other = Compound::new(vec![Piece::new(solids::octahedron(1.0).unwrap())]).unwrap();
     let (mut impacts, mut grazed) = (0, 0);
     for seed in 0..6 {
         let effects = impact.overlap(seed % 2 == 0);

@@ -6,7 +6,7 @@ mod patches;
 use std::borrow::Cow;
 
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{Composite, Geometry as Body, Mesh, Piece, ShapeKind};
+use lin_canny::{Compound, Geometry as Body, Mesh, Piece, ShapeKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -51,7 +51,7 @@ impl Geometry {
     fn pieces(py: Python<'_>, pieces: Vec<PieceArgument<'_>>) -> PyResult<Self> {
         let pieces: PyResult<Vec<Piece>> = pieces.iter().enumerate().map(|(k, p)| piece(k, p)).collect();
         let pieces = pieces?;
-        let body = py.detach(|| Composite::new(pieces)).map_err(geometry_error)?;
+        let body = py.detach(|| Compound::new(pieces)).map_err(geometry_error)?;
         Ok(Self(body.into()))
     }
 
@@ -64,7 +64,7 @@ impl Geometry {
     }
 
     /// The kind: "polyhedron", "point or segment", "rounded polyhedron", "curved shape",
-    /// "composite", "mesh" or "surface of patches".
+    /// "compound", "mesh" or "surface of patches".
     #[getter]
     fn kind(&self) -> String {
         self.0.kind().to_string()
@@ -95,7 +95,7 @@ impl Geometry {
     fn is_convex(&self) -> bool {
         !matches!(
             self.0.kind(),
-            ShapeKind::Composite | ShapeKind::Mesh | ShapeKind::Surface
+            ShapeKind::Compound | ShapeKind::Mesh | ShapeKind::Surface
         )
     }
 
@@ -118,7 +118,7 @@ impl Geometry {
 
     /// The vertices, float64 of shape (N, 3), of a mesh (as given, without points that were welded
     /// to an earlier one or that no triangle uses) or polyhedron, or of the surface of a
-    /// composite of polyhedra.
+    /// compound of polyhedra.
     #[getter]
     fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let (vertices, _) = self.indexed()?;
@@ -158,7 +158,7 @@ impl Geometry {
                     m.kind()
                 )
             }
-            Body::Composite(c) => format!("<Geometry composite: {} pieces>", c.pieces().len()),
+            Body::Compound(c) => format!("<Geometry compound: {} pieces>", c.pieces().len()),
             Body::Surface(s) => format!("<Geometry surface: {} patches>", s.patches().len()),
             other => format!("<Geometry {}: radius {:.6}>", other.kind(), other.bounding_ball().1),
         }
@@ -193,7 +193,7 @@ impl Geometry {
         match &self.0 {
             Body::Mesh(mesh) => Ok(Cow::Borrowed(mesh)),
             Body::Polyhedron(body) => Mesh::from_convex(body).map(Cow::Owned).map_err(geometry_error),
-            Body::Composite(body) => body.to_mesh().map(Cow::Owned).map_err(geometry_error),
+            Body::Compound(body) => body.to_mesh().map(Cow::Owned).map_err(geometry_error),
             other => Err(geometry_error(format!("a {} has no triangles", other.kind()))),
         }
     }

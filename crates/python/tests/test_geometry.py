@@ -65,7 +65,7 @@ def test_reprs_and_properties():
     kinds = every_kind()
     assert repr(kinds["box"]) == "<Geometry hull: 8 vertices, 6 faces>"
     assert repr(kinds["mesh"]) == "<Geometry solid mesh: 8 vertices, 12 triangles>"
-    assert repr(kinds["pieces"]) == "<Geometry composite: 2 pieces>"
+    assert repr(kinds["pieces"]) == "<Geometry compound: 2 pieces>"
     assert kinds["ellipsoid"].kind == "curved shape"
     assert kinds["box"].is_convex and not kinds["mesh"].is_convex
     assert kinds["mesh"].is_solid and not kinds["sheet"].is_solid and not kinds["surface"].is_solid

@@ -16,9 +16,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vecto
 use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Effects, Group, Scene};
-use lin_canny::{
-    Composite, Geometry, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity, impact,
-};
+use lin_canny::{Compound, Geometry, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity, impact};
 use lin_canny_record::{Bracket, PencilLine, Recorder};
 
 type Trouble = Box<dyn Error>;
@@ -124,7 +122,7 @@ fn all_kinds() -> Result<Vec<(&'static str, Geometry)>, Trouble> {
             "superquadric",
             Shape::superquadric(Vector3::new(0.5, 0.4, 0.35), 0.4, 0.4)?.into(),
         ),
-        ("composite", Composite::new(pieces)?.into()),
+        ("compound", Compound::new(pieces)?.into()),
         ("mesh", Mesh::from_convex(&solids::geodesic_sphere(2, 0.5)?)?.into()),
         (
             "surface of patches",

@@ -39,7 +39,7 @@ impl BodyPicture {
         match geometry {
             Geometry::Polyhedron(body) => solid.convex(body, &Isometry3::identity(), false),
             Geometry::Convex(shape) => solid.shape(shape, &Isometry3::identity()),
-            Geometry::Composite(body) => body.pieces().iter().for_each(|p| solid.shape(&p.shape, &p.pose)),
+            Geometry::Compound(body) => body.pieces().iter().for_each(|p| solid.shape(&p.shape, &p.pose)),
             Geometry::Mesh(mesh) => solid.mesh(mesh),
             Geometry::Surface(surface) => solid.surface(surface),
             _ => {}

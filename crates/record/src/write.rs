@@ -294,7 +294,7 @@ fn is_same(a: &Geometry, b: &Geometry) -> bool {
     match (a, b) {
         (Geometry::Polyhedron(a), Geometry::Polyhedron(b)) => Arc::ptr_eq(a, b),
         (Geometry::Convex(a), Geometry::Convex(b)) => Arc::ptr_eq(a, b),
-        (Geometry::Composite(a), Geometry::Composite(b)) => Arc::ptr_eq(a, b),
+        (Geometry::Compound(a), Geometry::Compound(b)) => Arc::ptr_eq(a, b),
         (Geometry::Mesh(a), Geometry::Mesh(b)) => Arc::ptr_eq(a, b),
         (Geometry::Surface(a), Geometry::Surface(b)) => Arc::ptr_eq(a, b),
         _ => false,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Composite, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shape};
+use lin_canny::{Compound, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shape};
 
 use crate::error::FileProblem;
 use crate::mesh_file::{self, Soup};
@@ -134,19 +134,19 @@ pub(crate) fn of_mesh(
                     beside.display()
                 )));
             }
-            let composite = pieces(&beside, scale).map_err(|e| of_file(&beside, e))?;
-            Ok((Geometry::from(composite), None))
+            let compound = pieces(&beside, scale).map_err(|e| of_file(&beside, e))?;
+            Ok((Geometry::from(compound), None))
         }
     }
 }
 
-fn pieces(file: &Path, scale: &Vector3<f64>) -> Result<Composite, String> {
+fn pieces(file: &Path, scale: &Vector3<f64>) -> Result<Compound, String> {
     let piece = |soup: &Soup| {
         let hull = ConvexPolyhedron::from_points(&soup.points).map_err(|e| e.to_string())?;
         Ok(Piece::new(hull))
     };
     let pieces: Result<Vec<Piece>, String> = mesh_file::objects(file, scale)?.iter().map(piece).collect();
-    Composite::new(pieces?).map_err(|e| e.to_string())
+    Compound::new(pieces?).map_err(|e| e.to_string())
 }
 
 /// Returns the distance from the origin of a body's frame to its farthest point, or more.

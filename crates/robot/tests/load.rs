@@ -138,7 +138,7 @@ fn meshes_are_hulls_meshes_or_pieces() {
             .contains("finger.obj")
     );
     pieces.pieces = Some(examples().join("gripper_arm"));
-    assert_eq!(load(pieces).expect("a robot")[0].geometry.kind(), ShapeKind::Composite);
+    assert_eq!(load(pieces).expect("a robot")[0].geometry.kind(), ShapeKind::Compound);
 }
 
 #[test]

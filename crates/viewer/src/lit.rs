@@ -99,7 +99,7 @@ fn polyhedron<'g>(
             Core::Polyhedron(body) => Some((body, *pose)),
             _ => None,
         },
-        Geometry::Composite(body) => {
+        Geometry::Compound(body) => {
             let piece = body.pieces().get(part as usize)?;
             match piece.shape.core() {
                 Core::Polyhedron(core) => Some((core, pose * piece.pose)),

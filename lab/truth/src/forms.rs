@@ -4,7 +4,7 @@ use crate::soups::Soup;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::{Surface, revolution};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Composite, ContactState, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
+use lin_canny::{Compound, ContactState, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
 use lin_canny::{Question, RelativePose, Shape, Tracker};
 
 /// Bodies of which one is no sharp polyhedron, and whose bounds are as near to a threshold as this, may be either side of it.
@@ -18,7 +18,7 @@ pub enum Form {
     /// A convex shape, curved or rounded.
     Convex(Shape),
     /// A body of convex pieces.
-    Pieces(Composite),
+    Pieces(Compound),
     /// A triangle mesh.
     Mesh(Mesh),
     /// A surface of patches.
@@ -50,11 +50,11 @@ fn convex(shape: Shape) -> (Geometry, Form) {
     (shape.clone().into(), Form::Convex(shape))
 }
 
-fn cross() -> Composite {
+fn cross() -> Compound {
     let rod = solids::cuboid(Vector3::new(0.1, 0.1, 0.6)).expect("a rod");
     let mut upright = Piece::new(rod.clone());
     upright.pose = Isometry3::new(Vector3::new(0.0, 0.4, 0.0), Vector3::x() * 1.5);
-    Composite::new(vec![Piece::new(rod), upright]).expect("two rods")
+    Compound::new(vec![Piece::new(rod), upright]).expect("two rods")
 }
 
 /// Returns a sphere as eight rational octants.
@@ -74,7 +74,7 @@ pub fn mesh(soup: &Soup) -> Mesh {
     Mesh::new(&points, &soup.triangles).expect("made meshes are sound")
 }
 
-/// The bodies of a world: polyhedra alone, curved shapes too, meshes and composites too, or surfaces and composites too.
+/// The bodies of a world: polyhedra alone, curved shapes too, meshes and compounds too, or surfaces and compounds too.
 pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
     let far = [-1.0, 1.0].map(|x| Point3::new(x + 3.0, 0.2, 0.3));
     let mut all = vec![

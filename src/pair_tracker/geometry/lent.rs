@@ -9,7 +9,7 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
 #[cfg(feature = "meshes")]
-use crate::composite::{mesh::Mesh, pieces::Composite};
+use crate::nonconvex::{mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::patch::Surface;
 
@@ -26,7 +26,7 @@ pub(crate) enum Lent<'a> {
     Polyhedron(LentBody<'a, ConvexPolyhedron>),
     Convex(LentBody<'a, Shape>),
     #[cfg(feature = "meshes")]
-    Composite(LentBody<'a, Composite>),
+    Compound(LentBody<'a, Compound>),
     #[cfg(feature = "meshes")]
     Mesh(LentBody<'a, Mesh>),
     #[cfg(feature = "surfaces")]
@@ -100,11 +100,11 @@ impl<'a> GeometryRef<'a> {
         }
     }
 
-    /// Returns the composite of a geometry that is a composite.
+    /// Returns the compound of a geometry that is a compound.
     #[cfg(feature = "meshes")]
-    pub(crate) fn composite(self) -> Option<&'a Composite> {
+    pub(crate) fn compound(self) -> Option<&'a Compound> {
         match self.0 {
-            Lent::Composite(body) => Some(body.get()),
+            Lent::Compound(body) => Some(body.get()),
             _ => None,
         }
     }
@@ -135,7 +135,7 @@ impl<'a> GeometryRef<'a> {
         }
     }
 
-    /// Returns a convex geometry as a shape to keep; `None` for a composite, mesh or surface.
+    /// Returns a convex geometry as a shape to keep; `None` for a compound, mesh or surface.
     pub(crate) fn to_shape(self) -> Option<Arc<Shape>> {
         match self.0 {
             Lent::Convex(shape) => Some(shape.to_arc()),
@@ -222,7 +222,7 @@ macro_rules! lend {
 
 lend!(Polyhedron, ConvexPolyhedron);
 #[cfg(feature = "meshes")]
-lend!(Composite, Composite);
+lend!(Compound, Compound);
 #[cfg(feature = "meshes")]
 lend!(Mesh, Mesh);
 #[cfg(feature = "surfaces")]

@@ -10,9 +10,9 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::body::polyhedron::{BoxHint, ConvexPolyhedron};
 use crate::body::shape::{Core, Shape};
 #[cfg(feature = "meshes")]
-use crate::composite::mesh::Mesh;
+use crate::nonconvex::mesh::Mesh;
 #[cfg(feature = "meshes")]
-use crate::composite::pieces::Composite;
+use crate::nonconvex::pieces::Compound;
 pub use crate::pair_tracker::geometry::lent::GeometryRef;
 pub(crate) use crate::pair_tracker::geometry::lent::Lent;
 #[cfg(feature = "surfaces")]
@@ -28,7 +28,7 @@ macro_rules! match_kind {
             $all::Polyhedron($body) => $result,
             $all::Convex($body) => $result,
             #[cfg(feature = "meshes")]
-            $all::Composite($body) => $result,
+            $all::Compound($body) => $result,
             #[cfg(feature = "meshes")]
             $all::Mesh($body) => $result,
             #[cfg(feature = "surfaces")]
@@ -47,17 +47,17 @@ use match_kind;
 /// | pair | refused |
 /// |---|---|
 /// | two convex shapes, polyhedra among them | none |
-/// | a composite or a mesh, with one or a convex shape | depths |
+/// | a compound or a mesh, with one or a convex shape | depths |
 /// | a surface, with any other geometry | depths, `manifold` |
 ///
 /// Depths are the effects `depth` and `local_depth`. The effect `manifold` of a pair with a
-/// composite or mesh is answered by [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts);
+/// compound or mesh is answered by [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts);
 /// overlaps of such a pair have the distance 0.
 ///
 /// A call that would make a pair with an effect that the pair cannot answer is refused with
 /// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered): insertion of a body, change of
-/// a group, call for an effect. Against a composite or a mesh a convex shape is a composite of one
-/// piece, a single leaf with its own support points; against a mesh a composite of polyhedra is the
+/// a group, call for an effect. Against a compound or a mesh a convex shape is a compound of one
+/// piece, a single leaf with its own support points; against a mesh a compound of polyhedra is the
 /// mesh of its surface; against a surface a mesh is its triangles as flat patches, and its inside
 /// if it is closed. The pair makes those once, when the boxes meet. The patches for contacts are
 /// made once for each shape, in the step after they are called for.
@@ -70,13 +70,13 @@ use match_kind;
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;
 /// use lin_canny::scene::{Body, Effects, Group, Scene};
-/// use lin_canny::{Composite, Mesh, Piece, Shape};
+/// use lin_canny::{Compound, Mesh, Piece, Shape};
 ///
 /// let all = Group::default();
 /// let mut scene = Scene::new();
 /// scene.call_for(all, all, Effects::none().distance(10.0))?;
 /// let die = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
-/// let bracket = Composite::new(vec![Piece::new(die.clone())])?;
+/// let bracket = Compound::new(vec![Piece::new(die.clone())])?;
 /// let part = Mesh::from_convex(&die)?;
 /// let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
 /// scene.insert(Body::moving(die), at(0.0))?;
@@ -104,7 +104,7 @@ pub enum Geometry {
     Convex(Arc<Shape>),
     /// A union of placed convex pieces.
     #[cfg(feature = "meshes")]
-    Composite(Arc<Composite>),
+    Compound(Arc<Compound>),
     /// A mesh of triangles.
     #[cfg(feature = "meshes")]
     Mesh(Arc<Mesh>),
@@ -123,7 +123,7 @@ impl Geometry {
         }
     }
 
-    /// Returns the body as a convex shape, unless the body is a composite, a mesh or a
+    /// Returns the body as a convex shape, unless the body is a compound, a mesh or a
     /// surface.
     #[must_use]
     pub fn as_convex(&self) -> Option<Cow<'_, Shape>> {
@@ -148,7 +148,7 @@ impl Geometry {
     }
 
     /// Returns the axis-aligned box of the shape at a pose, rounded outward: least and greatest
-    /// corner. The box of a composite or a mesh is that of its turned bounding box.
+    /// corner. The box of a compound or a mesh is that of its turned bounding box.
     #[inline]
     #[must_use]
     pub fn aabb_at(&self, pose: &Isometry3<f64>, hint: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
@@ -180,7 +180,7 @@ macro_rules! of_body {
 
 of_body!(Polyhedron, ConvexPolyhedron);
 #[cfg(feature = "meshes")]
-of_body!(Composite, Composite);
+of_body!(Compound, Compound);
 #[cfg(feature = "meshes")]
 of_body!(Mesh, Mesh);
 #[cfg(feature = "surfaces")]
@@ -232,7 +232,7 @@ pub enum ShapeKind {
     /// A cylinder, cone, ellipsoid or superquadric, rounded or not.
     Curved,
     /// A union of convex pieces.
-    Composite,
+    Compound,
     /// A mesh of triangles.
     Mesh,
     /// A surface of curved patches.
@@ -246,7 +246,7 @@ impl core::fmt::Display for ShapeKind {
             Self::Wire => "point or segment",
             Self::Rounded => "rounded polyhedron",
             Self::Curved => "curved shape",
-            Self::Composite => "composite",
+            Self::Compound => "compound",
             Self::Mesh => "mesh",
             Self::Surface => "surface of patches",
         })
@@ -255,7 +255,7 @@ impl core::fmt::Display for ShapeKind {
 
 impl ShapeKind {
     pub(crate) fn is_convex(self) -> bool {
-        self < Self::Composite
+        self < Self::Compound
     }
 }
 

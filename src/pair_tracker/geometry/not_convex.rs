@@ -1,4 +1,4 @@
-//! Box, ball and kind of composites, meshes and surfaces.
+//! Box, ball and kind of compounds, meshes and surfaces.
 
 use nalgebra::{Isometry3, Point3, Vector3};
 
@@ -6,16 +6,16 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::rotation_matrix;
 use crate::base::tolerance::BOX_TURNED;
 use crate::body::polyhedron::BoxHint;
-use crate::composite::mesh::Mesh;
-use crate::composite::pieces::Composite;
-use crate::composite::separation::ball_about;
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::pieces::Compound;
+use crate::nonconvex::separation::ball_about;
 use crate::pair_tracker::geometry::{OfKind, ShapeKind};
 #[cfg(feature = "surfaces")]
 use crate::patch::Surface;
 
-impl OfKind for Composite {
+impl OfKind for Compound {
     fn kind(&self) -> ShapeKind {
-        ShapeKind::Composite
+        ShapeKind::Compound
     }
 
     fn fingerprint(&self) -> Fingerprint {

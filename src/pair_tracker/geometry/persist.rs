@@ -7,7 +7,7 @@ use super::{Geometry, match_kind};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
 #[cfg(feature = "meshes")]
-use crate::composite::{mesh::Mesh, pieces::Composite};
+use crate::nonconvex::{mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
 use crate::patch::Surface;
 
@@ -18,7 +18,7 @@ pub(super) enum StoredGeometry {
     Polyhedron(Box<ConvexPolyhedron>),
     Convex(Box<Shape>),
     #[cfg(feature = "meshes")]
-    Composite(Box<Composite>),
+    Compound(Box<Compound>),
     #[cfg(feature = "meshes")]
     Mesh(Box<Mesh>),
     #[cfg(feature = "surfaces")]
@@ -43,7 +43,7 @@ macro_rules! stored {
 
 stored!(Polyhedron: ConvexPolyhedron, Convex: Shape);
 #[cfg(feature = "meshes")]
-stored!(Composite: Composite, Mesh: Mesh);
+stored!(Compound: Compound, Mesh: Mesh);
 #[cfg(feature = "surfaces")]
 stored!(Surface: Surface);
 

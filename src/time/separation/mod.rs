@@ -5,7 +5,7 @@
 //! [`ball`](Separation::ball), [`measure`](Separation::measure), [`meets`](Separation::meets) and
 //! [`support`](Separation::support), and gets [`free_for`](Separation::free_for), one look ahead,
 //! from a plane that turns (`separation/plane.rs`). A pair of shapes that no plane need separate
-//! (meshes, composites) implements `free_for` by another bound, and needs no `support`.
+//! (meshes, compounds) implements `free_for` by another bound, and needs no `support`.
 //!
 //! Trackers make such pairs: [`PairTracker::over`](crate::PairTracker::over) of any two geometries,
 //! [`Tracker::over`](crate::Tracker::over) of two polyhedra.

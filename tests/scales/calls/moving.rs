@@ -1,6 +1,6 @@
 //! Casts, and the clearances and segments of a planner.
 
-use super::{Scene, bumpy, composite, curved, dented};
+use super::{Scene, bumpy, compound, curved, dented};
 use lin_canny::impact::{Tolerance, cast, cast_within, free_until, held_until};
 use lin_canny::separation::Separation;
 use lin_canny::{PairTracker, Tracker};
@@ -43,18 +43,18 @@ pub(super) fn shape_casts(scene: &mut Scene, rng: &mut Rng) {
 }
 
 pub(super) fn composite_casts(scene: &mut Scene, rng: &mut Rng) {
-    let (a, b, mesh) = (composite(scene, rng), dented(scene, rng), dented(scene, rng));
+    let (a, b, mesh) = (compound(scene, rng), dented(scene, rng), dented(scene, rng));
     casts(scene, rng, "meshes", PairTracker::new().over(&b, &mesh));
-    casts(scene, rng, "composite and mesh", PairTracker::new().over(&a, &mesh));
+    casts(scene, rng, "compound and mesh", PairTracker::new().over(&a, &mesh));
 }
 
 pub(super) fn surface_casts(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (bumpy(scene, rng), bumpy(scene, rng));
-    let (shapes, body) = (curved(scene), composite(scene, rng));
+    let (shapes, body) = (curved(scene), compound(scene, rng));
     casts(scene, rng, "surfaces", PairTracker::new().over(&a, &b));
     let shape = rng.pick(&shapes).clone();
     casts(scene, rng, "surface and shape", PairTracker::new().over(&a, &shape));
-    casts(scene, rng, "surface and composite", PairTracker::new().over(&a, &body));
+    casts(scene, rng, "surface and compound", PairTracker::new().over(&a, &body));
 }
 
 /// A robot of one body among a few others, and configurations of it.

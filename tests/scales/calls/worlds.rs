@@ -1,6 +1,6 @@
 //! Worlds of boxes, and scenes of bodies of every kind: events, pairs and answers.
 
-use super::{Scene, composite, curved, dented};
+use super::{Scene, compound, curved, dented};
 use lin_canny::broad::{self, Aabb, PencilSweep};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Point3, Vector3};
@@ -71,7 +71,7 @@ pub(super) fn scenes(scene: &mut Scene, rng: &mut Rng) {
     let mut shapes: Vec<Geometry> = curved(scene).into_iter().map(Geometry::from).collect();
     shapes.extend((0..4).map(|_| Geometry::from(scene.round(rng, 20))));
     let convex = shapes.len();
-    shapes.extend([dented(scene, rng).into(), composite(scene, rng).into()]);
+    shapes.extend([dented(scene, rng).into(), compound(scene, rng).into()]);
     let place = |scene: &Scene, rng: &mut Rng| {
         let apart = rng.range(0.5, 3.0);
         scene.place(rng, apart)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Composite, CompositeError, ConvexPolyhedron, Decomposition, Mesh, MeshError, Piece};
+use lin_canny::{Compound, CompoundError, ConvexPolyhedron, Decomposition, Mesh, MeshError, Piece};
 
 use super::number::{narrow, wide};
 use super::parry::math::Vector;
@@ -27,7 +27,7 @@ pub enum DecompositionError {
     },
     /// The pieces make no body.
     #[error(transparent)]
-    Pieces(#[from] CompositeError),
+    Pieces(#[from] CompoundError),
     /// The pieces cannot be measured.
     #[error(transparent)]
     Measure(#[from] MeshError),
@@ -48,14 +48,14 @@ pub enum DecompositionError {
 /// ```
 /// use lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny_parry::lin_canny::polyhedron::solids;
-/// use lin_canny_parry::lin_canny::{Composite, PairTracker, Piece, RelativePose};
+/// use lin_canny_parry::lin_canny::{Compound, PairTracker, Piece, RelativePose};
 /// use lin_canny_parry::single::{decompose, parry::transformation::vhacd::VHACDParameters};
 ///
 /// // A bracket of two beams, as one mesh.
 /// let beam = solids::cuboid(Vector3::new(1.0, 0.1, 0.1))?;
 /// let mut upright = Piece::new(beam.clone());
 /// upright.pose = Isometry3::new(Vector3::new(1.0, 0.9, 0.0), Vector3::z() * 1.6);
-/// let mesh = Composite::new(vec![Piece::new(beam), upright])?.to_mesh()?;
+/// let mesh = Compound::new(vec![Piece::new(beam), upright])?.to_mesh()?;
 ///
 /// let parameters = VHACDParameters { resolution: 32, ..Default::default() };
 /// let pieces = decompose(mesh.clone(), &parameters)?;
@@ -92,5 +92,5 @@ pub fn decompose(
     if pieces.is_empty() {
         return Err(DecompositionError::Empty { pieces: parts.len() });
     }
-    Ok(Decomposition::new(mesh, Composite::new(pieces)?)?)
+    Ok(Decomposition::new(mesh, Compound::new(pieces)?)?)
 }

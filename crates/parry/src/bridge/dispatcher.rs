@@ -196,7 +196,7 @@ fn parts_beside<'a>(shape: &'a dyn Shape, other: &dyn Shape) -> Option<&'a (dyn 
     compound(shape).or_else(|| shape.as_composite_shape().filter(|_| is_on_space))
 }
 
-/// Returns whether a shape is no composite, mesh, height field or voxels.
+/// Returns whether a shape is no compound, mesh, height field or voxels.
 fn is_single(shape: &dyn Shape) -> bool {
     shape.as_composite_shape().is_none() && !matches!(shape.shape_type(), ShapeType::Voxels | ShapeType::HeightField)
 }
@@ -241,8 +241,8 @@ fn fields<M, C>(
     C: Default + Copy + Send + Sync,
 {
     let other = &pos12.inverse();
-    let composites = (a.as_composite_shape(), b.as_composite_shape());
-    match (composites, a.as_heightfield(), b.as_heightfield()) {
+    let compounds = (a.as_composite_shape(), b.as_composite_shape());
+    match (compounds, a.as_heightfield(), b.as_heightfield()) {
         ((Some(c), Some(d)), ..) => {
             contact_manifolds_composite_shape_composite_shape(by, pos12, c, d, prediction, out, kept);
         }

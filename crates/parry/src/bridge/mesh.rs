@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{
-    Composite, ContactPatches, ContactPoint, Feature, Geometry, ManifoldOptions, Mesh, MeshError, PairTracker,
+    Compound, ContactPatches, ContactPoint, Feature, Geometry, ManifoldOptions, Mesh, MeshError, PairTracker,
     PatchContacts, Piece, RelativePose,
 };
 
@@ -134,11 +134,11 @@ fn patches(known: &Known, shape: &dyn Shape) -> Option<ContactPatches> {
     if let Some(mesh) = mesh(shape) {
         return Some(mesh.patches.clone());
     }
-    Some(ContactPatches::of_pieces(composite(known, shape)?))
+    Some(ContactPatches::of_pieces(compound(known, shape)?))
 }
 
 /// Returns a compound, or a convex shape as its only piece, in the frame of the engine's shape.
-fn composite(known: &Known, shape: &dyn Shape) -> Option<Composite> {
+fn compound(known: &Known, shape: &dyn Shape) -> Option<Compound> {
     let piece = |shape: &dyn Shape, at: &Pose| {
         let placed = part::one(known, shape)?;
         let mut piece = Piece::new(placed.convex()?);
@@ -149,7 +149,7 @@ fn composite(known: &Known, shape: &dyn Shape) -> Option<Composite> {
         Some(compound) => compound.shapes().iter().map(|(at, part)| piece(&**part, at)).collect(),
         None => piece(shape, &Pose::IDENTITY).map(|piece| vec![piece]),
     };
-    Composite::new(pieces?).ok()
+    Compound::new(pieces?).ok()
 }
 
 /// Returns a shape of parry as a geometry of [`lin_canny`], and the place of its frame in the frame
@@ -185,7 +185,7 @@ pub fn geometry(shape: &dyn Shape) -> Option<(Geometry, Isometry3<f64>)> {
         return of_triangles(&points, &triangles);
     }
     if shape.as_compound().is_some() {
-        return Some((composite(&known, shape)?.into(), own));
+        return Some((compound(&known, shape)?.into(), own));
     }
     let placed = part::one(&known, shape)?;
     Some((placed.shape, placed.at))

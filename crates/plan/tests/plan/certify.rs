@@ -4,7 +4,7 @@ use crate::judge::{first_contact, meet, replay};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
-use lin_canny::{Composite, Mesh, Piece, Shape, Tracker};
+use lin_canny::{Compound, Mesh, Piece, Shape, Tracker};
 use lin_canny_plan::{Checker, PlanError, RigidSpace, TranslationSpace, Verdict, World, WorldId};
 use truth::rng::Rng;
 use truth::rooms::Room;
@@ -294,8 +294,8 @@ fn obstacles_of_every_kind() {
         ("ball", Shape::ball(0.5).expect("a ball").into()),
         ("cone", Shape::cone(0.5, 0.5).expect("a cone").into()),
         (
-            "composite",
-            Composite::new(vec![Piece::new(die())]).expect("a piece").into(),
+            "compound",
+            Compound::new(vec![Piece::new(die())]).expect("a piece").into(),
         ),
         ("mesh", Mesh::from_convex(&die()).expect("a mesh").into()),
     ];

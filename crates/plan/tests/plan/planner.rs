@@ -316,7 +316,7 @@ fn freeways_are_local_maxima_in_their_slices() {
     assert!(judged > 10 && kept == judged, "{kept} of {judged}");
 }
 
-/// Two pieces that move as one; a composite obstacle.
+/// Two pieces that move as one; a compound obstacle.
 #[test]
 fn robots_of_several_pieces() {
     let mut world = World::new();
@@ -332,7 +332,7 @@ fn robots_of_several_pieces() {
         piece.pose = Isometry3::translation(0.0, y, 0.0);
         piece
     });
-    let gate = lin_canny::Composite::new(posts.to_vec()).expect("two pieces");
+    let gate = lin_canny::Compound::new(posts.to_vec()).expect("two pieces");
     world.obstacle("gate", gate, Isometry3::identity());
     let space = RigidSpace::new([[-2.0, 2.0]; 3], 0.6, 2).expect("a space");
     let mut checker = Checker::new(space, world).expect("a world");

@@ -1,4 +1,4 @@
-//! Boxes and fronts of composites.
+//! Boxes and fronts of compounds.
 //!
 //! Bounds are linear in the lengths of a pair, which sum up to its size: each is the greatest of what a pair of which
 //! one length alone is there has to bear.

@@ -54,7 +54,7 @@ pub(super) fn bounds() -> Vec<Bound> {
         whole("DISPLACEMENT", "motion::way", displacement_by_radius()).case("per radius"),
         whole("DISPLACEMENT", "motion::way", displacement_by_middle()).case("per middle"),
         whole("DISPLACEMENT", "motion::way", displacement_by_distance()).case("per distance"),
-        whole("SLAB_HEIGHT", "composite::placed", along_axis()),
+        whole("SLAB_HEIGHT", "nonconvex::placed", along_axis()),
         whole("TILT", "separation::plane", tilt()),
     ]
 }

@@ -19,7 +19,7 @@ use clap::Parser;
 use draw::Picture;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
 use truth::command::{file, write};
 
 /// Squares along a side of the sheet, and half its side in metres.
@@ -200,12 +200,12 @@ impl Cloth {
 }
 
 /// A ball on a box.
-fn body() -> Result<Composite, Box<dyn Error>> {
+fn body() -> Result<Compound, Box<dyn Error>> {
     let mut block = Piece::new(solids::cuboid(Vector3::new(0.42, 0.42, 0.3))?);
     let mut ball = Piece::new(Shape::ball(0.36)?);
     ball.pose = Isometry3::translation(-0.05, 0.0, 0.62);
     block.pose = Isometry3::rotation(Vector3::z() * 0.4);
-    Ok(Composite::new(vec![block, ball])?)
+    Ok(Compound::new(vec![block, ball])?)
 }
 
 /// A sheet of cloth falls over a ball on a box: a mesh whose vertices are replaced in every substep

@@ -7,8 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{
-    Composite, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
-    Shape,
+    Compound, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose, Shape,
 };
 
 use super::exact_place::{ExactMesh, Place, line_at, point_at};
@@ -211,7 +210,7 @@ impl World {
             }
         };
         let point = body(&[near]).map_err(|e| e.to_string())?;
-        let piece = Composite::from(Shape::from(point.clone()));
+        let piece = Compound::from(Shape::from(point.clone()));
         self.judge(&point.into(), place, &[near])?;
         self.judge(&piece.into(), place, &[near])?;
         // Bodies that begin there, of which a tetrahedron may be smaller than rounding.

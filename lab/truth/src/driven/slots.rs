@@ -12,7 +12,7 @@ use crate::rng::Rng;
 use crate::soups::Soup;
 use crate::{Point, Pose};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::{Composite, ContactState, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{Compound, ContactState, Geometry, Mesh, MeshKind, PairTracker, Piece, RelativePose, Shape};
 
 /// Largest error of a bound of a depth, in the size of the pair.
 const ERROR: f64 = 1e-6;
@@ -236,7 +236,7 @@ impl Body {
             Ok(Piece::new(Shape::from(body)))
         };
         let pieces: Vec<Piece> = self.pieces.iter().map(piece).collect::<Result<_, _>>()?;
-        Ok(Composite::new(pieces).map_err(|e| e.to_string())?.into())
+        Ok(Compound::new(pieces).map_err(|e| e.to_string())?.into())
     }
 
     /// Returns whether a vertex of another body is inside a piece, by the planes of its triangles.

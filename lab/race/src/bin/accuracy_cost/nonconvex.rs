@@ -6,7 +6,7 @@
 use std::hint::black_box;
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Composite, ConvexPolyhedron, Decomposition, Mesh, PairTracker, Piece, RelativePose, Tracker};
+use lin_canny::{Compound, ConvexPolyhedron, Decomposition, Mesh, PairTracker, Piece, RelativePose, Tracker};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
@@ -83,7 +83,7 @@ impl Scene {
     }
 
     /// The pieces of V-HACD as a body.
-    fn pieces(&self, resolution: u32) -> Result<Composite, Trouble> {
+    fn pieces(&self, resolution: u32) -> Result<Compound, Trouble> {
         let parameters = VHACDParameters {
             resolution,
             ..Default::default()
@@ -95,7 +95,7 @@ impl Scene {
             let points: Vec<_> = part.iter().map(|p| Point3::new(p.x, p.y, p.z)).collect();
             ConvexPolyhedron::from_points(&points).ok().map(Piece::new)
         };
-        Ok(Composite::new(parts.iter().filter_map(piece).collect())?)
+        Ok(Compound::new(parts.iter().filter_map(piece).collect())?)
     }
 }
 

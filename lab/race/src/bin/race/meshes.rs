@@ -6,7 +6,7 @@
 //! Scenes: B tumbles by 0.5 or 0.02 degrees a frame at gaps of 0.02 to 0.2 (`tracked`), stands anywhere (`random`), slides and turns flush
 //! on A (`flush`); a box tumbles over a mesh (`box-over`). Tori are linked; `torus-centred` has each tube near the middle of the other's
 //! hole, where most of both is nearly equally close. In `pieces` rings and knots are made of convex pieces, a rock by parry's VHACD, and `n`
-//! is the number of pieces: ours as a `Composite`, parry's as a `Compound`. The scenes of `cad.rs` are raced by ours alone.
+//! is the number of pieces: ours as a `Compound`, parry's as a `ParryCompound`. The scenes of `cad.rs` are raced by ours alone.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -14,10 +14,10 @@ use truth::forms::mesh;
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Composite, ConvexPolyhedron, Mesh, PairTracker, Piece, RelativePose};
+use lin_canny::{Compound, ConvexPolyhedron, Mesh, PairTracker, Piece, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
-use parry3d_f64::shape::{Compound, SharedShape, TriMesh};
+use parry3d_f64::shape::{Compound as ParryCompound, SharedShape, TriMesh};
 use parry3d_f64::transformation::vhacd::{VHACD, VHACDParameters};
 use race::progress::Progress;
 use truth::pose::{Pose, quat, quat_mul, unit_quat};
@@ -302,7 +302,7 @@ fn pieces(frames: usize, csv: &mut Rows) {
             let points: Vec<_> = points.iter().map(|p| Point3::from(*p)).collect();
             Piece::new(ConvexPolyhedron::from_points(&points).expect("a piece has a volume"))
         };
-        let ours = Composite::new(hulls.iter().map(body).collect()).expect("pieces stand in place");
+        let ours = Compound::new(hulls.iter().map(body).collect()).expect("pieces stand in place");
         let reach = 2.0 * soup.radius();
         let (a, b) = (mesh(soup), mesh(soup));
         let poses = match shape {
@@ -328,7 +328,7 @@ fn pieces(frames: usize, csv: &mut Rows) {
                 SharedShape::convex_hull(&points).expect("a piece has a volume"),
             )
         };
-        let compound = Compound::new(hulls.iter().map(hull).collect());
+        let compound = ParryCompound::new(hulls.iter().map(hull).collect());
         let placed: Vec<_> = poses.iter().map(truth::parry::pose).collect();
         let parry = time(placed.len(), |k| {
             black_box(query::distance(&Default::default(), &compound, &placed[k], &compound).ok());

@@ -12,7 +12,7 @@ use crate::forms;
 use crate::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{
-    Composite, ContactState, ConvexPolyhedron, GeometryRef, ManifoldOptions, Mesh, MeshKind, PairTracker, Piece,
+    Compound, ContactState, ConvexPolyhedron, GeometryRef, ManifoldOptions, Mesh, MeshKind, PairTracker, Piece,
     RelativePose, Shape,
 };
 use prism::{Cell, GRID, Outline, Prism, Whole};
@@ -198,7 +198,7 @@ impl Space {
 /// A solid as a mesh and as pieces.
 struct Built {
     mesh: Mesh,
-    pieces: Option<Composite>,
+    pieces: Option<Compound>,
 }
 
 impl Built {
@@ -222,7 +222,7 @@ impl Built {
         };
         Ok(Self {
             mesh,
-            pieces: pieces.and_then(|p| Composite::new(p).ok()),
+            pieces: pieces.and_then(|p| Compound::new(p).ok()),
         })
     }
 }

@@ -6,7 +6,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3
 use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::shape::Core;
-use lin_canny::{Composite, ConvexPolyhedron, Geometry, Mesh, Piece, Shape};
+use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, Piece, Shape};
 
 /// A convex part of a body and its pose there.
 pub(super) type Part = (Shape, Isometry3<f64>);
@@ -42,7 +42,7 @@ impl Drawn {
     }
 
     fn of_pieces(pieces: Vec<Piece>) -> Self {
-        let body = Composite::new(pieces).expect("pieces");
+        let body = Compound::new(pieces).expect("pieces");
         // Rotations as the body has normalised them.
         let parts = body.pieces().iter().map(|p| (p.shape.clone(), p.pose)).collect();
         Self::new(body.into(), parts)
@@ -96,8 +96,8 @@ fn shape(measure: usize, rng: &mut Rng) -> ConvexPolyhedron {
     }
 }
 
-/// A composite of one to four pieces, in place or placed.
-pub(super) fn composite(rng: &mut Rng, mix: &mut Mix) -> Drawn {
+/// A compound of one to four pieces, in place or placed.
+pub(super) fn compound(rng: &mut Rng, mix: &mut Mix) -> Drawn {
     let is_placed = rng.chance(0.7);
     let is_solid = rng.chance(0.3);
     let pieces: Vec<Piece> = (0..1 + rng.below(4))
@@ -171,7 +171,7 @@ pub(super) fn other(rng: &mut Rng, mix: &mut Mix) -> Drawn {
             let far = ConvexPolyhedron::from_points(&points).expect("a die");
             let both = [hull, far].map(Piece::new);
             let parts = both.iter().map(|p| (p.shape.clone(), at)).collect();
-            let body = Composite::new(both.to_vec()).expect("pieces");
+            let body = Compound::new(both.to_vec()).expect("pieces");
             Drawn::new(body.to_mesh().expect("a mesh").into(), parts)
         }
         3 => {
@@ -181,7 +181,7 @@ pub(super) fn other(rng: &mut Rng, mix: &mut Mix) -> Drawn {
                 vec![(body.into(), at)],
             )
         }
-        4 => composite(rng, mix),
+        4 => compound(rng, mix),
         _ => Drawn {
             is_shell: true,
             ..Drawn::new(

@@ -1,4 +1,4 @@
-//! Bodies that other bodies stand in for: composites of pieces of every measure beside every kind of body, judged piece by piece;
+//! Bodies that other bodies stand in for: compounds of pieces of every measure beside every kind of body, judged piece by piece;
 //! and meshes of one lineage or of one shape, which one tracker follows in turn, judged by all pairs of triangles.
 //!
 //! The test `meshes` and the instrument `soak` share this.
@@ -12,13 +12,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// What came of some pairs; a mix that lacks an ingredient tests nothing.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mix {
-    /// Pairs with a composite.
+    /// Pairs with a compound.
     pub pairs: u64,
     /// Poses judged.
     pub poses: u64,
     /// Pieces drawn: points, segments, polygons, specks, needles, plates, solids.
     pub pieces: [u64; 7],
-    /// Pairs by the kind of the other body: hull, rounded, curved, mesh, composite, surface.
+    /// Pairs by the kind of the other body: hull, rounded, curved, mesh, compound, surface.
     pub beside: [u64; 6],
     /// Pairs with placed pieces.
     pub placed: u64,

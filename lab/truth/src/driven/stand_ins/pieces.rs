@@ -1,7 +1,7 @@
-//! A composite beside another body: every answer is that of the least pair of parts, each asked alone without a past.
+//! A compound beside another body: every answer is that of the least pair of parts, each asked alone without a past.
 
 use super::Mix;
-use super::draw::{Drawn, Part, composite, is_thick, other, rotation};
+use super::draw::{Drawn, Part, compound, is_thick, other, rotation};
 use crate::exact::{self, Body as ExactBody};
 use crate::rng::Rng;
 use crate::{Point, Pose};
@@ -235,14 +235,14 @@ fn plain_body(shape: &Shape) -> (Vec<Point>, Vec<Vec<u32>>) {
     (points, body.faces().map(rim).collect())
 }
 
-/// Plays a composite beside another body.
+/// Plays a compound beside another body.
 pub(super) fn pair(seed: u64) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let mut mix = Mix {
         pairs: 1,
         ..Mix::default()
     };
-    let (a, b) = (composite(&mut rng, &mut mix), other(&mut rng, &mut mix));
+    let (a, b) = (compound(&mut rng, &mut mix), other(&mut rng, &mut mix));
     let (mut there, mut back) = (PairTracker::new(), PairTracker::new());
     let mut pose = Isometry3::from_parts(
         (Vector3::from(rng.in_ball()) * rng.range(0.1, 6.0)).into(),

@@ -1,0 +1,480 @@
+//! A body as its contacts see it: the convex patches of a mesh, or the pieces of a compound.
+//!
+//! Of a union of pieces it is told which points of a piece are on the surface of the union, and how
+//! far a point inside is from the surface. A face of a piece is on the surface where no other piece
+//! covers it. What a convex piece leaves of a convex polygon are the parts of the polygon beyond
+//! each of the piece's planes, convex again.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use super::patches::{Borne, PatchedMesh};
+use crate::base::num::extremes::Bounded;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::body::polyhedron::{ConvexPolyhedron, FaceId};
+use crate::body::shape::{Core, Shape};
+use crate::convex::contact::tangents_of;
+use crate::convex::shape_tracker::ShapeTracker;
+use crate::nonconvex::meet::frame::TreeSide;
+use crate::nonconvex::meet::triangle;
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::parts::{Parted, PartsRef};
+use crate::nonconvex::pieces::{Compound, Piece};
+
+/// A body as its contacts see it: convex patches of a mesh's surface, or the pieces of a
+/// [`Compound`].
+///
+/// Built once for each body;
+/// [`PairTracker::contacts_between`](crate::PairTracker::contacts_between) finds the contacts of
+/// two. The patches of a mesh face outward, whether the mesh is closed or not: a body that touches
+/// an open mesh from behind has no contact.
+#[derive(Clone, Debug)]
+pub struct ContactPatches(PatchedBody, Fingerprint);
+
+/// Returns the fingerprint of the patches of a mesh, by a tolerance in stored units.
+fn of_mesh(mesh: &Mesh, tolerance: f64) -> Fingerprint {
+    mesh.fingerprint.with(*b"patches ", tolerance)
+}
+
+#[derive(Clone, Debug)]
+enum PatchedBody {
+    Surface(Arc<PatchedMesh>),
+    Pieces(Arc<Compound>, f64),
+}
+
+impl ContactPatches {
+    /// Returns the patches of a mesh. Flat regions and convex bodies are one patch each, however
+    /// finely they are cut into triangles; saddles and walls seen from inside give small patches.
+    ///
+    /// Patches are convex to `64 * 2^-53` times the radius of the mesh about its origin, the
+    /// rounding of a mesh in double precision that was turned.
+    #[must_use]
+    pub fn of_mesh(mesh: impl Into<Arc<Mesh>>) -> Self {
+        Self::of_mesh_within(mesh, 0.0)
+    }
+
+    /// Returns the patches of a mesh that are convex within a tolerance in the caller's unit, for
+    /// meshes stored in single precision: some 1e-6 times the size of the mesh. Reflex edges that
+    /// shallow bear contacts as if they were flat.
+    #[must_use]
+    pub fn of_mesh_within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
+        let mesh: Arc<Mesh> = mesh.into();
+        let stored = tolerance.at_least(0.0) / mesh.unit();
+        let fingerprint = of_mesh(&mesh, stored);
+        Self(
+            PatchedBody::Surface(Arc::new(PatchedMesh::new(mesh, stored))),
+            fingerprint,
+        )
+    }
+
+    /// Returns whether these are the patches of a mesh as it is, without a tolerance.
+    pub(crate) fn are_of(&self, mesh: &Mesh) -> bool {
+        self.1 == of_mesh(mesh, 0.0)
+    }
+
+    /// Returns the pieces of a body as its patches. Where pieces meet or overlap, only the outside
+    /// of the whole bears contacts.
+    #[must_use]
+    pub fn of_pieces(body: impl Into<Arc<Compound>>) -> Self {
+        Self::of_pieces_within(body, 0.0)
+    }
+
+    /// Returns the pieces of a body as its patches. Pieces closer than a tolerance, in the caller's
+    /// unit, count as meeting: for decompositions whose pieces fit roughly.
+    #[must_use]
+    pub fn of_pieces_within(body: impl Into<Arc<Compound>>, tolerance: f64) -> Self {
+        let (body, tolerance): (Arc<Compound>, f64) = (body.into(), tolerance.at_least(0.0));
+        let fingerprint = body.fingerprint().with(*b"patches ", tolerance);
+        Self(PatchedBody::Pieces(body, tolerance), fingerprint)
+    }
+
+    /// Returns the number of patches or pieces.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        match &self.0 {
+            PatchedBody::Surface(surface) => surface.count(),
+            PatchedBody::Pieces(body, _) => body.pieces().len(),
+        }
+    }
+
+    /// Returns the triangles of a patch by the caller's numbers; none for pieces.
+    pub fn triangles(&self, patch: u32) -> impl Iterator<Item = u32> + '_ {
+        let surface = match &self.0 {
+            PatchedBody::Surface(surface) => Some(&**surface),
+            PatchedBody::Pieces(..) => None,
+        };
+        let named = move |s: &'_ PatchedMesh| -> Vec<u32> {
+            let source = &s.mesh.source_triangles;
+            s.triangles(patch).iter().map(|&t| source[t as usize]).collect()
+        };
+        surface.map(named).unwrap_or_default().into_iter()
+    }
+
+    pub(super) fn side(&self) -> TreeSide<'_> {
+        match &self.0 {
+            PatchedBody::Surface(surface) => surface.side(),
+            PatchedBody::Pieces(body, _) => body.side(),
+        }
+    }
+
+    pub(super) fn fingerprint(&self) -> Fingerprint {
+        self.1
+    }
+
+    pub(super) fn unit(&self) -> f64 {
+        match &self.0 {
+            PatchedBody::Surface(surface) => surface.mesh.unit(),
+            PatchedBody::Pieces(body, _) => body.stored_unit(),
+        }
+    }
+
+    pub(super) fn is_in_place(&self) -> bool {
+        match &self.0 {
+            PatchedBody::Surface(_) => true,
+            PatchedBody::Pieces(body, _) => body.is_in_place(),
+        }
+    }
+
+    pub(super) fn is_mesh(&self) -> bool {
+        matches!(self.0, PatchedBody::Surface(_))
+    }
+
+    pub(super) fn parts(&self) -> PartsRef<'_> {
+        match &self.0 {
+            PatchedBody::Surface(surface) => PartsRef::Mesh(&surface.mesh),
+            PatchedBody::Pieces(body, _) => PartsRef::Pieces(body),
+        }
+    }
+
+    /// Returns the patch of a point of the surface, in the caller's unit, or the piece that holds
+    /// it.
+    pub(super) fn patch_at(&self, piece: u32, point: &Point3<f64>) -> u32 {
+        match &self.0 {
+            PatchedBody::Surface(surface) => surface.patch_at(point),
+            PatchedBody::Pieces(..) => piece,
+        }
+    }
+
+    /// Returns the patch of an item of the tree.
+    pub(super) fn patch(&self, item: u32) -> u32 {
+        match &self.0 {
+            PatchedBody::Surface(surface) => surface.patch_of_item(item),
+            PatchedBody::Pieces(body, _) => body.number(item),
+        }
+    }
+
+    /// Returns the convex body of a patch, and its pose in the body's frame.
+    pub(super) fn part(&self, patch: u32) -> Option<(Shape, Isometry3<f64>)> {
+        match &self.0 {
+            PatchedBody::Surface(surface) => Some((surface.hull(patch)?, Isometry3::identity())),
+            PatchedBody::Pieces(body, _) => {
+                let piece = body.pieces().get(patch as usize)?;
+                Some((piece.shape.clone(), piece.pose))
+            }
+        }
+    }
+
+    /// Returns whether a normal in the body's frame is that of a face of a patch.
+    pub(super) fn has_face(&self, patch: u32, n: &Vector3<f64>) -> bool {
+        match &self.0 {
+            PatchedBody::Surface(surface) => surface.has_face(patch, n),
+            PatchedBody::Pieces(..) => true,
+        }
+    }
+
+    /// Returns whether a point along an outward normal is at the end of what a piece bears, both in
+    /// the body's frame: what bears contacts is closed.
+    pub(super) fn ends(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> bool {
+        matches!(&self.0, PatchedBody::Pieces(body, tolerance) if is_end(body, patch, point, n, tolerance + doubt))
+    }
+
+    /// Returns how far a patch bears a contact at a point along an outward normal, both in the
+    /// body's frame and the caller's unit.
+    pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
+        match &self.0 {
+            PatchedBody::Surface(surface) => surface.bears(patch, point, n, (sine, doubt)),
+            PatchedBody::Pieces(body, tolerance) => {
+                if is_covered(body, patch, point, n, tolerance + doubt) {
+                    Borne::No
+                } else {
+                    Borne::Fully
+                }
+            }
+        }
+    }
+
+    /// Returns whether no surface of the body is nearer to a point inside than `depth`. The point
+    /// is in the frame of the patch's part.
+    pub(super) fn is_clear(&self, patch: u32, point: &Point3<f64>, (depth, doubt): (f64, f64)) -> bool {
+        match &self.0 {
+            PatchedBody::Surface(surface) => surface.is_clear(point, depth),
+            PatchedBody::Pieces(body, tolerance) => is_clear(body, patch, point, (depth, tolerance + doubt)),
+        }
+    }
+
+    /// Returns what is at a point of the plane of a patch's face, beyond the face, in the body's
+    /// frame.
+    pub(super) fn under(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> Under {
+        match &self.0 {
+            PatchedBody::Surface(surface) if surface.is_below(point, doubt) => Under::Body,
+            PatchedBody::Surface(_) => Under::Unknown,
+            PatchedBody::Pieces(body, tolerance) => under(body, patch, point, n, tolerance + doubt),
+        }
+    }
+
+    /// Returns whether the way from a point of the surface to a point below leaves the body.
+    pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
+        matches!(&self.0, PatchedBody::Surface(surface) if surface.is_left(from, to, doubt))
+    }
+}
+
+impl From<Shape> for ContactPatches {
+    /// Returns a convex body as its only patch.
+    fn from(shape: Shape) -> Self {
+        Self::of_pieces(Compound::from(shape))
+    }
+}
+
+/// How far from a point that another piece covers a place of the same face is looked for that is
+/// not covered, in the slack of the point: faces that meet at less than one part in this many of a
+/// radian are one. Not measured.
+const BESIDE_END: f64 = 64.0;
+
+/// What is at a point of the plane of a face beyond the end of the face.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Under {
+    /// The inside of the body: the face ends in a valley.
+    Body,
+    /// Another face in the same plane.
+    Face,
+    /// Nothing, or nothing that is known.
+    Unknown,
+}
+
+/// Returns whether another piece holds the point and is higher along the normal: then the whole has
+/// no such normal there.
+fn is_covered(body: &Compound, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
+    cover(body, of, point, n, slack).is_some()
+}
+
+/// Returns a piece that covers a point of another one.
+pub(super) fn cover<'a>(
+    body: &'a Compound,
+    of: u32,
+    point: &Point3<f64>,
+    n: &Vector3<f64>,
+    slack: f64,
+) -> Option<&'a Piece> {
+    other(body, of, point, slack, |piece, local| {
+        let m = piece.pose.inverse_transform_vector(n);
+        piece.shape.support_height(&m) > m.dot(&local.coords) + 2.0 * slack
+    })
+}
+
+/// Returns whether a covered point of a face is at the end of the part of the face that is not:
+/// some place of the face next to the point is not covered.
+fn is_end(body: &Compound, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> bool {
+    let Some(Piece { shape, pose, .. }) = body.pieces().get(of as usize) else {
+        return false;
+    };
+    let [u, v] = tangents_of(n);
+    let ways = [u, v, u + v, u - v].into_iter().flat_map(|w| [w, -w]);
+    ways.into_iter().any(|way| {
+        let place = point + way * (BESIDE_END * slack);
+        is_in(shape, &pose.inverse_transform_point(&place), 2.0 * slack) && !is_covered(body, of, &place, n, slack)
+    })
+}
+
+/// Returns what is at a point of the plane of a face of a piece.
+pub(super) fn under(body: &Compound, of: u32, point: &Point3<f64>, n: &Vector3<f64>, slack: f64) -> Under {
+    if is_covered(body, of, point, n, slack) {
+        Under::Body
+    } else if other(body, of, point, slack, |_, _| true).is_some() {
+        Under::Face
+    } else {
+        Under::Unknown
+    }
+}
+
+/// Another piece that holds the point, here in the piece's frame, and passes a test.
+fn other<'a>(
+    body: &'a Compound,
+    of: u32,
+    point: &Point3<f64>,
+    slack: f64,
+    passes: impl Fn(&Piece, &Point3<f64>) -> bool,
+) -> Option<&'a Piece> {
+    if body.pieces().len() == 1 {
+        return None;
+    }
+    let (unit, mut found) = (body.stored_unit(), None);
+    let holds = |item: u32| {
+        let piece = &body.pieces()[body.number(item) as usize];
+        let local = piece.pose.inverse_transform_point(point);
+        let holds = body.number(item) != of && passes(piece, &local) && is_in(&piece.shape, &local, slack);
+        found = holds.then_some(piece);
+        holds
+    };
+    body.side().tree.any_near(&(point.coords / unit), slack / unit, holds);
+    found
+}
+
+/// Returns whether a point is within `slack` of a shape, or of the planes of all its faces.
+pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
+    if let (Core::Polyhedron(core), 0.0) = (shape.core(), shape.round())
+        && core.face_count() >= 4
+    {
+        let planes = core.faces().filter_map(|face| core.face_plane(face));
+        return planes
+            .into_iter()
+            .all(|(n, offset)| n.dot(&point.coords) - offset <= slack);
+    }
+    dot_at(point).is_some_and(|(dot, at)| ShapeTracker::new().within(shape, &dot, &at, slack))
+}
+
+/// Returns a point as a shape, and its pose.
+fn dot_at(point: &Point3<f64>) -> Option<(Shape, RelativePose)> {
+    let dot = ConvexPolyhedron::origin();
+    let at = RelativePose::from_isometry(&Isometry3::translation(point.x, point.y, point.z)).ok()?;
+    Some((Shape::from(dot), at))
+}
+
+/// Pieces that are cut off a face, one after the other, to find the part that none covers. Not
+/// measured.
+const COVERS: usize = 4;
+
+/// Returns whether the surface of the union is as far from a point inside as `depth`, as far as
+/// faces and feet on curved pieces tell. The point is in the frame of one of the pieces, and
+/// `depth` below its core.
+pub(super) fn is_clear(body: &Compound, of: u32, point: &Point3<f64>, (depth, slack): (f64, f64)) -> bool {
+    let own = &body.pieces()[of as usize];
+    if body.pieces().len() == 1 {
+        let Core::Polyhedron(core) = own.shape.core() else {
+            return true;
+        };
+        return core.faces().all(|face| {
+            let plane = core.face_plane(face);
+            plane.is_none_or(|(n, offset)| offset - n.dot(&point.coords) >= depth - own.shape.round())
+        });
+    }
+    let (unit, reach) = (body.stored_unit(), depth + own.shape.round());
+    let place = own.pose * point;
+    let near = NearPoint {
+        body,
+        place: place.coords,
+        reach,
+        slack,
+    };
+    let is_near = |item: u32| near.is_exposed(body.number(item));
+    !body.side().tree.any_near(&(place.coords / unit), reach / unit, is_near)
+}
+
+/// A point in a body, both in the body's frame.
+struct NearPoint<'a> {
+    body: &'a Compound,
+    place: Vector3<f64>,
+    reach: f64,
+    slack: f64,
+}
+
+impl NearPoint<'_> {
+    /// Returns whether the surface of a piece is within reach where no other piece covers it.
+    fn is_exposed(&self, of: u32) -> bool {
+        let piece = &self.body.pieces()[of as usize];
+        let Core::Polyhedron(core) = piece.shape.core() else {
+            return self.is_foot_exposed(of, piece);
+        };
+        core.faces().any(|face| {
+            let Some((n, offset)) = core.face_plane(face) else {
+                return false;
+            };
+            let out = piece.pose * n.into_inner();
+            let height = out.dot(&(self.place - piece.pose.translation.vector)) - offset - piece.shape.round();
+            height.abs() < self.reach && self.is_left((of, &out), &rim(piece, core, face, &out), COVERS)
+        })
+    }
+
+    /// Returns whether a part of a face that no other piece covers is within reach.
+    fn is_left(&self, (of, n): (u32, &Vector3<f64>), polygon: &[Vector3<f64>], covers: usize) -> bool {
+        let (square, foot) = nearest(polygon, &self.place);
+        if !(square < self.reach * self.reach) {
+            return false;
+        }
+        let away = self.place - foot;
+        let is_out = n.dot(&away) > 0.0;
+        let normal = if is_out { away / sqrt(square) } else { *n };
+        let Some(by) = cover(self.body, of, &Point3::from(foot), &normal, self.slack) else {
+            return true;
+        };
+        let (Core::Polyhedron(core), 0.0, 1..) = (by.shape.core(), by.shape.round(), covers) else {
+            return false;
+        };
+        core.faces().any(|face| {
+            let Some((m, offset)) = core.face_plane(face) else {
+                return false;
+            };
+            let m = by.pose * m.into_inner();
+            let level = offset + m.dot(&by.pose.translation.vector) + 2.0 * self.slack;
+            let left = beyond(polygon, &m, level);
+            left.len() > 2 && self.is_left((of, n), &left, covers - 1)
+        })
+    }
+
+    /// Returns whether the point of a curved shape that is nearest is within reach, and not
+    /// covered.
+    fn is_foot_exposed(&self, of: u32, Piece { shape, pose, .. }: &Piece) -> bool {
+        let foot = foot(shape, &pose.inverse_transform_point(&Point3::from(self.place)));
+        foot.is_some_and(|(foot, n)| {
+            let at = pose * foot;
+            let is_near = (at.coords - self.place).norm_squared() < self.reach * self.reach;
+            is_near && !is_covered(self.body, of, &at, &(pose * n), self.slack)
+        })
+    }
+}
+
+/// Returns the corners of a face of a piece, in the body's frame, moved out by the radius of the
+/// piece.
+fn rim(piece: &Piece, core: &ConvexPolyhedron, face: FaceId, n: &Vector3<f64>) -> Vec<Vector3<f64>> {
+    let corners = core.face_vertices(face).filter_map(|v| core.vertex(v));
+    corners
+        .map(|p| (piece.pose * p).coords + n * piece.shape.round())
+        .collect()
+}
+
+/// Returns the squared distance of a point from a convex polygon, and the point of the polygon.
+fn nearest(polygon: &[Vector3<f64>], point: &Vector3<f64>) -> (f64, Vector3<f64>) {
+    let mut best = (f64::INFINITY, *point);
+    for w in polygon.windows(2).skip(1) {
+        let found = triangle::foot_of(point, &[polygon[0], w[0], w[1]]);
+        if found.0 < best.0 {
+            best = found;
+        }
+    }
+    best
+}
+
+/// Returns the part of a convex polygon above a plane.
+fn beyond(polygon: &[Vector3<f64>], m: &Vector3<f64>, level: f64) -> Vec<Vector3<f64>> {
+    let mut left = Vec::with_capacity(polygon.len() + 1);
+    for (k, p) in polygon.iter().enumerate() {
+        let q = &polygon[(k + 1) % polygon.len()];
+        let (here, next) = (m.dot(p) - level, m.dot(q) - level);
+        if here >= 0.0 {
+            left.push(*p);
+        }
+        if (here >= 0.0) != (next >= 0.0) {
+            left.push(p + (q - p) * (here / (here - next)));
+        }
+    }
+    left
+}
+
+/// Returns the point of a shape's surface that is nearest to a point, and the normal there.
+fn foot(shape: &Shape, point: &Point3<f64>) -> Option<(Point3<f64>, Vector3<f64>)> {
+    let (dot, at) = dot_at(point)?;
+    let found = ShapeTracker::new().closest(shape, &dot, &at);
+    Some((found.point_on_a, found.normal.into_inner()))
+}

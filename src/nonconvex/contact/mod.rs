@@ -1,0 +1,289 @@
+//! Contacts of meshes and bodies of pieces: one manifold for each pair of convex patches.
+//!
+//! Triangles of a convex region are a single body to a manifold, so that the edges inside the
+//! region bear no contact (`patches`). The manifold of two patches (`near`) is kept if both
+//! bodies have its normal at the deepest point: that of a face, or in the cone of normals of a
+//! convex edge or vertex. A reflex edge has none, and neither has a face that a piece next to it
+//! covers (`body`). Else the normal of a face is taken, that of least overlap along which the
+//! bodies bear a contact: at the deepest vertex, if no surface is nearer to the vertex, or on an
+//! edge of the vertex, if the face ends in a valley before it comes to the vertex. So a body that
+//! slides over the edges of a tessellated floor, or along a reflex edge, feels none of them.
+//!
+//! Bodies may overlap although no patches bear a contact: of two edges that cross, neither may be
+//! an edge of a patch's hull, and a corner that has gone through a thin edge lies behind every face
+//! that is near. Then the direction of a translation that parts the bodies is taken
+//! (`penetration`), and the contact is the place at which they touch last on their way out
+//! ([`parting`]).
+//!
+//! Normal cones: Clarke 1990, "Optimization and Nonsmooth Analysis", section 2.5 (proximal
+//! normals). Patches: see `patches`.
+
+mod body;
+mod near;
+mod patches;
+
+use alloc::collections::BTreeMap;
+use alloc::collections::btree_map::Entry;
+use alloc::vec::Vec;
+use nalgebra::{Translation3, Unit, Vector3};
+
+pub use body::ContactPatches;
+
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{ACROSS, CERTIFICATE, UNIT};
+use crate::convex::contact::{ContactCandidate, ContactPoint, ManifoldOptions, reduce, tangents_of};
+use crate::nonconvex::front::NodePair;
+use crate::nonconvex::meet::box_gaps::{BoundAim, WIDTH, bounds};
+use crate::nonconvex::meet::frame::{TreeFrame, split_pair};
+use crate::nonconvex::parts::Parted;
+use crate::nonconvex::parts::{Placed, relative};
+use crate::nonconvex::pieces::CompoundTracker;
+use crate::pair::outcome::ContactState;
+use near::NearPatches;
+
+/// Sine of the largest angle between the normals of contacts that are reduced together. Not
+/// measured.
+const ALIKE: f64 = 1.0 / 64.0;
+
+/// A contact and the patches that bear it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PatchContact {
+    /// The patch or piece of A and of B. With the id of the point, a name that lasts as long as the
+    /// contact.
+    pub patches: [u32; 2],
+    /// Unit direction from A to B, in A's frame, along which the points lie opposite each other.
+    pub normal: Unit<Vector3<f64>>,
+    /// The points, in the bodies' frames. Features are those of the patches' hulls; those of
+    /// triangles or pieces if the contact stands for an overlap in which no patches bear one.
+    pub point: ContactPoint,
+}
+
+/// Contacts along nearly one direction.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct PatchContacts {
+    /// Unit direction from A to B, in A's frame: that of the deepest contact. The others' differ by
+    /// a degree at most.
+    pub normal: Unit<Vector3<f64>>,
+    /// At most [`ManifoldOptions::max_points`] contacts of all patches: the deepest, and those that
+    /// span the most area.
+    pub contacts: Vec<PatchContact>,
+}
+
+/// The manifolds of the pairs of patches of two bodies that are near.
+///
+/// Contacts are those of shallow overlap: a body that is wholly behind a face, or whose deepest
+/// point has left the mesh on another side, has no contact with that face. If solids overlap whose
+/// hulls of patches bear no contact at all, they have one along a translation that parts them,
+/// that of a query of their depth, at its price; a solid that is
+/// deep inside another one, away from all patches, has none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ContactTracker {
+    fingerprints: [Fingerprint; 2],
+    near: BTreeMap<NodePair, NearPatches>,
+    /// Says whether bodies without a contact overlap.
+    overlap: CompoundTracker,
+    found: Vec<PatchContacts>,
+}
+
+/// A question about two bodies.
+struct PatchQuery<'a> {
+    a: &'a ContactPatches,
+    b: &'a ContactPatches,
+    pose: &'a RelativePose,
+    placed: Placed<'a>,
+    options: &'a ManifoldOptions,
+    /// By how much a contact may be off its place, in the caller's unit.
+    doubt: f64,
+}
+
+impl ContactTracker {
+    /// Returns the contacts of the last query.
+    #[must_use]
+    pub(crate) fn found(&self) -> &[PatchContacts] {
+        &self.found
+    }
+
+    /// Returns the contacts within `options.prediction`, in groups of one direction, the group of
+    /// the deepest contact first. `options.sine` and `options.drift` are those of the manifold of
+    /// two patches.
+    pub(crate) fn contacts(
+        &mut self,
+        a: &ContactPatches,
+        b: &ContactPatches,
+        a_from_b: &RelativePose,
+        options: &ManifoldOptions,
+    ) -> &[PatchContacts] {
+        let fingerprints = [a.fingerprint(), b.fingerprint()];
+        if self.fingerprints != fingerprints {
+            *self = Self::default();
+            self.fingerprints = fingerprints;
+        }
+        let before = self.names();
+        self.found.clear();
+        let Some(frame) = TreeFrame::new(a.side(), b.side(), a_from_b) else {
+            return &self.found;
+        };
+        let query = PatchQuery {
+            a,
+            b,
+            pose: a_from_b,
+            placed: Placed::new(a_from_b, a.is_in_place() && b.is_in_place()),
+            options,
+            doubt: ACROSS * frame.size * a.unit(),
+        };
+        let mut all = self.ask_all(&query, &frame);
+        if all.is_empty()
+            && self.near.values().any(NearPatches::may_overlap)
+            && self.overlap.within(&a.parts(), &b.parts(), a_from_b, 0.0)
+        {
+            let contact = parting(&query, frame.size * a.unit());
+            all.extend(contact.filter(|c| c.point.separation <= options.prediction));
+        }
+        // The old first, so that they stay among equals.
+        let name = |c: &PatchContact| (c.patches, c.point.id);
+        all.sort_by_key(|c| !before.contains(&name(c)));
+        let is_old = all.iter().take_while(|c| before.contains(&name(c))).count();
+        let size = a.parts().half_size().smaller(b.parts().half_size());
+        let merge = query.doubt.larger(options.drift * size);
+        self.found = groups(&all, is_old, (options.most(), merge, query.doubt));
+        &self.found
+    }
+
+    /// Returns the names of the contacts of the last query.
+    fn names(&self) -> Vec<(NodePair, crate::body::polyhedron::FeaturePair)> {
+        let all = self.found.iter().flat_map(|g| &g.contacts);
+        all.map(|c| (c.patches, c.point.id)).collect()
+    }
+
+    /// Returns the contacts of all pairs of patches that are near.
+    fn ask_all(&mut self, query: &PatchQuery, frame: &TreeFrame) -> Vec<PatchContact> {
+        let mut all = Vec::new();
+        self.near.values_mut().for_each(|n| n.is_seen = false);
+        for patches in near_pairs(query, frame) {
+            let near = match self.near.entry(patches) {
+                Entry::Occupied(known) => known.into_mut(),
+                Entry::Vacant(place) => match NearPatches::new((query.a, query.b), patches) {
+                    Some(near) => place.insert(near),
+                    None => continue,
+                },
+            };
+            near.is_seen = true;
+            near.ask(query, patches, |contact| all.push(contact));
+        }
+        self.near.retain(|_, near| near.is_seen);
+        all
+    }
+}
+
+/// Puts contacts of like normals together and keeps a few of each; the first `old` were there
+/// before.
+fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64)) -> Vec<PatchContacts> {
+    let mut deepest: Vec<usize> = (0..all.len()).collect();
+    deepest.sort_by(|&i, &j| all[i].point.separation.total_cmp(&all[j].point.separation));
+    let mut groups: Vec<(Unit<Vector3<f64>>, Vec<usize>)> = Vec::new();
+    for k in deepest {
+        let n = all[k].normal;
+        let is_alike = |m: &Unit<Vector3<f64>>| m.dot(&n) > 0.0 && m.cross(&n).norm_squared() <= ALIKE * ALIKE;
+        match groups.iter_mut().find(|g| is_alike(&g.0)) {
+            Some(group) => group.1.push(k),
+            None => groups.push((n, alloc::vec![k])),
+        }
+    }
+    let reduced = |(normal, mut members): (Unit<Vector3<f64>>, Vec<usize>)| {
+        members.sort_unstable();
+        let before = members.partition_point(|&k| k < old);
+        let [u, v] = tangents_of(&normal);
+        let first = all[members[0]].point.point_on_a;
+        let candidate = |&k: &usize| {
+            let d = all[k].point.point_on_a - first;
+            ContactCandidate::at([u.dot(&d), v.dot(&d)], all[k].point.separation)
+        };
+        let candidates: Vec<_> = members.iter().map(candidate).collect();
+        let kept = if before < 64 { (1 << before) - 1 } else { u64::MAX };
+        let chosen = reduce(&candidates, kept, most, merge, tie);
+        PatchContacts {
+            normal,
+            contacts: chosen.all().iter().map(|&k| all[members[k]]).collect(),
+        }
+    };
+    groups.into_iter().map(reduced).collect()
+}
+
+/// Returns the pairs of patches whose boxes are not proven farther apart than the prediction, in
+/// order.
+fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
+    let PatchQuery { a, b, options, .. } = query;
+    let (of_a, of_b) = (a.side().tree, b.side().tree);
+    let level = frame.single_up(options.prediction.at_least(0.0) / a.unit());
+    let aim = BoundAim::to((level + frame.single.error).next_up());
+    let (mut stack, mut found) = (alloc::vec![[0, 0]], Vec::new());
+    while !stack.is_empty() {
+        let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
+        let gaps = bounds(&frame.single, (of_a, of_b), &batch, &aim);
+        for (&pair, gap) in batch.iter().zip(gaps.gap) {
+            if frame.single.error.is_finite() && gap - frame.single.error > level {
+                continue;
+            }
+            match split_pair((of_a, of_b), frame, pair) {
+                Some(two) => stack.extend(two),
+                None => found.push([a.patch(of_a.range(pair[0]).0), b.patch(of_b.range(pair[1]).0)]),
+            }
+        }
+    }
+    found.sort_unstable();
+    found
+}
+
+/// Steps back along a translation that parts two bodies, to the place of their last contact. Each
+/// takes the gap that is left, so few do unless the bodies slide past each other. Not measured.
+const WAY_BACK: usize = 64;
+
+/// Returns the contact along a translation that parts two solids; `None` if none is known. `size`
+/// is L of the pair in the caller's unit.
+fn parting(query: &PatchQuery, size: f64) -> Option<PatchContact> {
+    let (a, b) = (query.a.parts(), query.b.parts());
+    let mut tracker = CompoundTracker::new();
+    let shift = tracker.penetration(&a, &b, query.pose)?.shift;
+    let mut length = sqrt(shift.norm_squared());
+    if !(length > 0.0) {
+        return None;
+    }
+    let (n, at) = (Unit::new_unchecked(shift / length), relative(query.pose));
+    // Twice the gap that proves the bodies apart.
+    let last = 8.0 * CERTIFICATE * UNIT * size;
+    let mut found = None;
+    for _ in 0..WAY_BACK {
+        let shifted = Translation3::from(*n * length) * at;
+        let outcome = tracker.closest(&a, &b, &RelativePose::from_isometry(&shifted).ok()?);
+        if outcome.state != ContactState::Separated {
+            break;
+        }
+        found = Some(outcome);
+        if !(outcome.upper > last) {
+            break;
+        }
+        // The bodies cannot meet before they have moved by the gap between them.
+        length -= outcome.lower - 0.5 * last;
+    }
+    let outcome = found?;
+    let [p, q] = outcome.parts();
+    let (point_on_a, point_on_b) = (outcome.point_on_a, outcome.point_on_b);
+    Some(PatchContact {
+        patches: [query.a.patch_at(p, &point_on_a), query.b.patch_at(q, &point_on_b)],
+        normal: n,
+        point: ContactPoint {
+            point_on_a,
+            point_on_b,
+            separation: n.dot(&(at * point_on_b - point_on_a)),
+            features: outcome.features,
+            id: outcome.features,
+        },
+    })
+}

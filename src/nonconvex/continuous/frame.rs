@@ -1,0 +1,309 @@
+//! A mesh over a frame: its vertices at both ends, and where it is at instants between.
+
+use alloc::borrow::Cow;
+use alloc::vec::Vec;
+use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
+
+use super::paths::{Path, place};
+use crate::base::motion::{Motion, MotionError, Steady, length};
+use crate::base::num::each::Each;
+use crate::base::num::extremes::Extremes;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::UNIT;
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::parts::Parted;
+use crate::nonconvex::tree::Below;
+use crate::nonconvex::tree::height;
+use crate::time::impact::ImpactError;
+
+/// The rotation and the place of a mesh at an instant of a frame.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Moment {
+    pub(super) time: f64,
+    rotation: Matrix3<f64>,
+    place: Vector3<f64>,
+}
+
+impl Moment {
+    fn new(time: f64, pose: &Isometry3<f64>) -> Self {
+        let rotation = *pose.rotation.to_rotation_matrix().matrix();
+        let place = pose.translation.vector;
+        Self { time, rotation, place }
+    }
+}
+
+/// A mesh from the begin of a frame to its end, for [`meshes`](super::meshes()) and
+/// [`self_contact`](super::self_contact): the same triangles, each vertex on a straight path at
+/// constant velocity in the frame of the mesh, and the mesh at rest in that frame unless
+/// [`moving`](Self::moving) tells its poses.
+#[derive(Clone, Debug)]
+pub struct MeshOverFrame<'a> {
+    /// The mesh at both ends, in one tree.
+    meshes: [Cow<'a, Mesh>; 2],
+    poses: [Isometry3<f64>; 2],
+    pub(super) ends: [Moment; 2],
+    /// How the mesh moves if it rotates.
+    motion: Option<Steady>,
+}
+
+impl<'a> MeshOverFrame<'a> {
+    /// Takes a mesh as it is at the begin and as it is at the end: a clone from before
+    /// [`set_vertices`](Mesh::set_vertices), and the mesh after. Both are the same for a body that
+    /// does not bend.
+    ///
+    /// If parts of the tree were made anew in between, a mesh is made in the tree of the end with
+    /// the vertices of the begin, which takes as long as a few replacements of all vertices.
+    ///
+    /// # Errors
+    /// [`ImpactError::Mesh`] if both are not the same triangles of the same vertices.
+    pub fn new(begin: &'a Mesh, end: &'a Mesh) -> Result<Self, ImpactError> {
+        let is_same = begin.triangles == end.triangles
+            && begin.source_triangles == end.source_triangles
+            && begin.source_points == end.source_points
+            && begin.tree.is_laid_out_as(&end.tree);
+        let begin = if is_same {
+            Cow::Borrowed(begin)
+        } else {
+            Cow::Owned(end.as_before(begin).ok_or(ImpactError::Mesh)?)
+        };
+        let here = Isometry3::identity();
+        Ok(Self {
+            meshes: [begin, Cow::Borrowed(end)],
+            poses: [here; 2],
+            ends: [Moment::new(0.0, &here), Moment::new(1.0, &here)],
+            motion: None,
+        })
+    }
+
+    /// Returns the mesh at both ends.
+    pub(super) fn both(&self) -> [&Mesh; 2] {
+        [&self.meshes[0], &self.meshes[1]]
+    }
+
+    /// Moves the mesh from one pose to another: its origin on a straight path, its rotation by the
+    /// lesser angle about one axis, both at constant velocity
+    /// ([`Steady::between`](crate::motion::Steady::between)).
+    ///
+    /// If the mesh does not rotate, places at both ends are rounded, within some 1e-15 of their
+    /// size, and vertices are on straight paths between these places. Points of a mesh that rotates
+    /// move on arcs: what is proven of them holds for the motion itself, rounding included, so that
+    /// a touch that no surface passes ends as [`Near`](crate::impact::Impact::Near).
+    ///
+    /// # Errors
+    /// If a pose is refused as by [`RelativePose::new`](crate::RelativePose::new).
+    pub fn moving(self, begin: &Isometry3<f64>, end: &Isometry3<f64>) -> Result<Self, ImpactError> {
+        for pose in [begin, end] {
+            RelativePose::from_isometry(pose)?;
+        }
+        self.posed([*begin, *end])
+    }
+
+    /// Returns the mesh at other poses. Where it rotates, the motion is made of the poses as given:
+    /// rounded once more, a half turn could go the other way round.
+    fn posed(self, poses: [Isometry3<f64>; 2]) -> Result<Self, ImpactError> {
+        let unit = |pose: &Isometry3<f64>| {
+            let rotation = UnitQuaternion::new_normalize(pose.rotation.into_inner());
+            Isometry3::from_parts(pose.translation, rotation)
+        };
+        let [begin, end] = [unit(&poses[0]), unit(&poses[1])];
+        let (p, q) = (begin.rotation.coords, end.rotation.coords);
+        let motion = if p == q || p == -q {
+            None
+        } else {
+            Some(Steady::between(&poses[0], &poses[1], 1.0, Point3::origin()).map_err(refused)?)
+        };
+        let ends = match &motion {
+            None => [Moment::new(0.0, &begin), Moment::new(1.0, &end)],
+            Some(motion) => [0.0, 1.0].each(|time| Moment::new(time, &motion.pose(time))),
+        };
+        let meshes = self.meshes;
+        Ok(Self {
+            meshes,
+            poses,
+            ends,
+            motion,
+        })
+    }
+
+    /// Returns both meshes as seen from where the first is at the begin, without turning, and this
+    /// place: far from the origin of the world places are rounded by less.
+    pub(super) fn beside(a: &Self, b: &Self) -> Result<([Self; 2], Vector3<f64>), ImpactError> {
+        let origin = a.poses[0].translation.vector;
+        let seen = |of: &Self| {
+            let shifted = of.poses.each(|pose| {
+                let place = pose.translation.vector - origin;
+                Isometry3::from_parts(place.into(), pose.rotation)
+            });
+            of.clone().posed(shifted)
+        };
+        Ok(([seen(a)?, seen(b)?], origin))
+    }
+
+    /// Returns whether vertices are on straight paths.
+    pub(super) fn is_straight(&self) -> bool {
+        self.motion.is_none()
+    }
+
+    /// Returns where the mesh is at a time; of a mesh on straight paths at both ends alone.
+    pub(super) fn moment(&self, time: f64) -> Moment {
+        match &self.motion {
+            Some(motion) => Moment::new(time, &motion.pose(time)),
+            None if time == 0.0 => self.ends[0],
+            None => Moment {
+                time,
+                rotation: self.ends[0].rotation,
+                place: place(&self.ends.each(|end| end.place), time),
+            },
+        }
+    }
+
+    /// Returns the place of a vertex in the frame of the mesh.
+    fn own(&self, vertex: u32, time: f64) -> Vector3<f64> {
+        let [begin, end] = self.both();
+        let at = |mesh: &Mesh| mesh.given(&mesh.points[vertex as usize]).coords;
+        match time {
+            0.0 => at(begin),
+            1.0 => at(end),
+            _ => place(&[at(begin), at(end)], time),
+        }
+    }
+
+    fn point(&self, vertex: u32, moment: &Moment) -> Point3<f64> {
+        Point3::from(moment.rotation * self.own(vertex, moment.time) + moment.place)
+    }
+
+    /// Returns the corners of a triangle at an instant.
+    pub(super) fn corners(&self, triangle: u32, moment: &Moment) -> [Point3<f64>; 3] {
+        self.meshes[0].triangles[triangle as usize].each(|v| self.point(v, moment))
+    }
+
+    /// Returns the corners of a triangle as they move from one instant to another.
+    pub(super) fn paths(&self, triangle: u32, [from, to]: [&Moment; 2]) -> [Path; 3] {
+        let (from, to) = (self.corners(triangle, from), self.corners(triangle, to));
+        [0, 1, 2].each(|k| Path::new(from[k], to[k]))
+    }
+
+    /// Returns all vertices as they are at both ends.
+    pub(super) fn vertices(&self) -> Vec<Path> {
+        let count = self.meshes[0].points.len() as u32;
+        let [from, to] = &self.ends;
+        let path = |v| Path::new(self.point(v, from), self.point(v, to));
+        (0..count).map(path).collect()
+    }
+
+    pub(super) fn source(&self, triangle: u32) -> u32 {
+        self.meshes[0].source_triangles[triangle as usize]
+    }
+
+    pub(super) fn below(&self, node: u32) -> Below {
+        self.meshes[0].tree.below(node)
+    }
+
+    /// Returns an upper bound of the height of the points below a node at an instant. Between both
+    /// ends no point is higher than the mean, by the time, of the highest at the ends.
+    pub(super) fn height(&self, node: u32, n: &Vector3<f64>, moment: &Moment) -> f64 {
+        let own = moment.rotation.tr_mul(n);
+        let of = |mesh: &Mesh| height(&mesh.tree, node, &own) * mesh.unit();
+        let [begin, end] = self.both();
+        let highest = match moment.time {
+            1.0 => of(end),
+            time if time == 0.0 || core::ptr::eq(begin, end) => of(begin),
+            time => of(begin) * (1.0 - time) + of(end) * time,
+        };
+        highest + n.dot(&moment.place)
+    }
+
+    /// Returns the middle of the box of a node.
+    pub(super) fn middle(&self, node: u32, moment: &Moment) -> Vector3<f64> {
+        let of = |mesh: &Mesh| {
+            let tree = &mesh.tree;
+            (tree.centre + tree.boxes[node as usize].centre() * tree.unit()) * mesh.unit()
+        };
+        let own = match moment.time {
+            0.0 => of(&self.meshes[0]),
+            1.0 => of(&self.meshes[1]),
+            time => place(&self.both().each(of), time),
+        };
+        moment.rotation * own + moment.place
+    }
+
+    /// Returns the axes of the box of a node, the last first; between the ends those of the begin.
+    pub(super) fn axes(&self, node: u32, moment: &Moment) -> [Vector3<f64>; 3] {
+        let mesh = &self.meshes[usize::from(moment.time == 1.0)];
+        let b = &mesh.tree.boxes[node as usize];
+        [2, 1, 0].each(|k| moment.rotation * b.axis(k))
+    }
+
+    /// Returns how far vertices are from the origin of the mesh's frame at most.
+    pub(super) fn radius(&self) -> f64 {
+        let [begin, end] = self.both().each(|mesh| mesh.radius * mesh.unit());
+        begin.larger(end)
+    }
+
+    /// Returns half the diagonal of the box of the mesh, or the radius if that is less.
+    pub(super) fn half_size(&self) -> f64 {
+        let [begin, end] = self.both().each(Parted::half_size);
+        begin.larger(end)
+    }
+
+    /// Returns the largest coordinate of a point, or more.
+    pub(super) fn reach(&self) -> f64 {
+        let [begin, end] = [0, 1].each(|k| {
+            let mesh = &self.meshes[k];
+            mesh.radius * mesh.unit() + self.ends[k].place.abs().sum()
+        });
+        begin.larger(end)
+    }
+
+    pub(super) fn radius_of(&self, node: u32) -> f64 {
+        let mesh = &self.meshes[0];
+        f64::from(mesh.tree.boxes[node as usize].radius()) * mesh.tree.unit() * mesh.unit()
+    }
+
+    /// Returns how far a vertex moves in the frame of the mesh at most.
+    pub(super) fn bend(&self) -> f64 {
+        let [begin, end] = self.both();
+        if core::ptr::eq(begin, end) {
+            return 0.0;
+        }
+        let both = begin.points.iter().zip(&end.points);
+        let most = both.fold(0.0, |m: f64, (p, q)| m.larger((end.given(q) - begin.given(p)).amax()));
+        // The largest coordinate of a vector, times the root of three.
+        1.75 * most
+    }
+
+    /// Returns how far a point can be from the straight path between its places at both ends: at
+    /// most an eighth of the square of the time, one, times the acceleration. A mesh of radius `r`
+    /// about its origin that turns by `w` and whose vertices move by up to `l` in its frame
+    /// accelerates them by at most `r w^2 + 2 l w`.
+    pub(super) fn sagitta(&self, radius: f64, bend: f64) -> f64 {
+        let Some(motion) = &self.motion else { return 0.0 };
+        let angle = length(&motion.velocity().angular);
+        0.125 * angle * (radius * angle + 2.0 * bend) * (1.0 + 16.0 * UNIT)
+    }
+
+    /// Returns how far the corners of a triangle can be from straight paths, as
+    /// [`sagitta`](Self::sagitta) does.
+    pub(super) fn sagitta_of(&self, triangle: u32) -> f64 {
+        if self.is_straight() {
+            return 0.0;
+        }
+        let mut most = (0.0f64, 0.0f64);
+        for v in self.meshes[0].triangles[triangle as usize] {
+            let [begin, end] = [0.0, 1.0].each(|time| self.own(v, time));
+            most.0 = most.0.larger(length(&begin)).larger(length(&end));
+            most.1 = most.1.larger(length(&(end - begin)));
+        }
+        self.sagitta(most.0, most.1)
+    }
+}
+
+/// Returns why a motion between two poses is refused.
+fn refused(error: MotionError) -> ImpactError {
+    match error {
+        MotionError::Pose(pose) => ImpactError::Pose(pose),
+        MotionError::Value { value, .. } | MotionError::Size { value, .. } => {
+            ImpactError::Size { what: "motion", value }
+        }
+    }
+}

@@ -1,0 +1,435 @@
+//! The search for the first contact of two parts: halves of the time that no direction proves, a
+//! proof of the crossing, and what is left for exact arithmetic.
+//!
+//! First comes the search for any two parts, then what floating point proves and exact arithmetic
+//! decides of a vertex and a face, two edges and two triangles.
+
+use nalgebra::Vector3;
+
+use super::paths::{FourVertices, Parts, Path, VertexPaths, VertexPlaces, volume_sign, volumes};
+use crate::base::num::each::Each;
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::nonconvex::meet::triangle::Triangle;
+
+/// Least width of an interval of time in which a first contact of vertices on straight paths is
+/// looked for before exact arithmetic decides. Not measured.
+const PATH_WIDTH: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Most intervals of time tried for one pair of a vertex and a face or of two edges. Not measured.
+const PATH_INTERVALS: u32 = 128;
+
+/// Bits beyond which an integer of an exact decision of vertices on straight paths counts as wide.
+/// Of coordinates that differ by less than twenty magnitudes none is.
+#[cfg(feature = "exact")]
+const WIDE: usize = 1024;
+
+/// Most products of words of wide integers in the exact decisions of one call, which then ends as
+/// unknown.
+#[cfg(feature = "exact")]
+const WIDE_WORK: u64 = 100_000_000;
+
+/// Most rounds in which the interval about the zero of a volume is narrowed. Not measured.
+const PATH_ROUNDS: u32 = 32;
+
+/// Least width of a bracket: some roundings of times near one.
+pub(super) const LEAST_WIDTH: f64 = 4.0 * f64::EPSILON;
+
+/// What floating point proves of a frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum FirstContact {
+    /// Apart from time zero to the end of the time searched.
+    Miss,
+    /// In contact at time zero.
+    Start,
+    /// Apart until `safe`; the first contact is not after `hit`.
+    Hit { safe: f64, hit: f64 },
+    /// Apart until `safe`, zero for nothing; nothing is known of later instants.
+    Open { safe: f64 },
+}
+
+/// The work of a search.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SearchWork {
+    /// Intervals of time tried.
+    pub(super) intervals: u32,
+    /// Crossings that were tried to be proven, and exact decisions.
+    pub(super) proofs: u32,
+    /// Work of exact decisions on wide integers.
+    pub(super) wide: WideWork,
+}
+
+/// Work of exact decisions on integers that are wider than those of ordinary coordinates: products
+/// of words. Paths of a few magnitudes never count.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WideWork(u64);
+
+#[cfg(feature = "exact")]
+impl WideWork {
+    /// Counts the work of so many operations on two integers of so many bits; `None` if the budget
+    /// is spent.
+    pub(super) fn count(&mut self, operations: usize, [one, other]: [usize; 2]) -> Option<()> {
+        if one.max(other) > WIDE {
+            let words = |bits: usize| bits as u64 / 64 + 1;
+            let work = words(one)
+                .saturating_mul(words(other))
+                .saturating_mul(operations as u64);
+            self.0 = self.0.saturating_add(work);
+        }
+        self.left()
+    }
+
+    /// Returns `None` if the budget is spent.
+    pub(super) fn left(self) -> Option<()> {
+        (self.0 <= WIDE_WORK).then_some(())
+    }
+}
+
+/// Returns the first contact of a vertex and a face or of two edges in the time until `until`, in
+/// a bracket at most `width` wide if rounding allows.
+pub(super) fn first_contact<const A: usize, const B: usize>(
+    paths: &VertexPaths<A, B>,
+    (until, width): (f64, f64),
+    work: &mut SearchWork,
+) -> FirstContact
+where
+    VertexPlaces<A, B>: FourVertices,
+{
+    search(paths, until, PATH_INTERVALS, work, |[s, e], [x, y], work| {
+        work.proofs = work.proofs.saturating_add(1);
+        let [n, _] = paths.at(0.5 * (s + e)).normals();
+        if !VertexPlaces::is_over([x, y], &n) {
+            return None;
+        }
+        let volumes = volumes(x, y);
+        let signs = volumes.each(volume_sign);
+        // Two coefficients that may turn back may belong to three contacts.
+        let is_single = signs[1] == signs[0] || signs[2] == signs[3];
+        (signs[0] * signs[3] == -1 && (is_single || e - s <= width.at_least(PATH_WIDTH))).then(|| {
+            let [safe, hit] = if is_single {
+                narrow(paths, [s, e], volumes, width.at_least(LEAST_WIDTH))
+            } else {
+                [s, e]
+            };
+            FirstContact::Hit { safe, hit }
+        })
+    })
+}
+
+/// Halves the time until a direction parts the pair in every part, or `settle` gives an answer for
+/// a part.
+pub(super) fn search<const A: usize, const B: usize>(
+    paths: &VertexPaths<A, B>,
+    until: f64,
+    limit: u32,
+    work: &mut SearchWork,
+    mut settle: impl FnMut([f64; 2], [&VertexPlaces<A, B>; 2], &mut SearchWork) -> Option<FirstContact>,
+) -> FirstContact
+where
+    VertexPlaces<A, B>: Parts,
+{
+    let (mut safe, mut tried) = (0.0, 0);
+    // The ends of the intervals that follow, the next one last.
+    let mut ends = [until; 64];
+    let mut count = 1;
+    let mut x = paths.at(0.0);
+    while count > 0 {
+        let end = ends[count - 1];
+        let y = paths.at(end);
+        tried += 1;
+        work.intervals = work.intervals.saturating_add(1);
+        if is_free(paths, [safe, end], [&x, &y]) {
+            (safe, x) = (end, y);
+            count -= 1;
+            continue;
+        }
+        if let Some(found) = settle([safe, end], [&x, &y], work) {
+            return found;
+        }
+        let middle = 0.5 * (safe + end);
+        if end - safe <= PATH_WIDTH || tried >= limit || count == ends.len() {
+            return FirstContact::Open { safe };
+        }
+        ends[count] = middle;
+        count += 1;
+    }
+    FirstContact::Miss
+}
+
+/// Returns whether a direction proves the pair apart between two instants, or the four vertices
+/// are never in one plane.
+pub(super) fn is_free<const A: usize, const B: usize>(
+    paths: &VertexPaths<A, B>,
+    [s, e]: [f64; 2],
+    both: [&VertexPlaces<A, B>; 2],
+) -> bool
+where
+    VertexPlaces<A, B>: Parts,
+{
+    let middle = paths.at(0.5 * (s + e));
+    let is_parted = |n: &Vector3<f64>| paths.are_parted(both, n);
+    is_parted(&middle.toward())
+        || is_parted(&both[0].toward())
+        || is_parted(&both[1].toward())
+        || middle.normals().iter().any(is_parted)
+        || paths.are_straight() && VertexPlaces::is_never_flat(both)
+}
+
+/// Narrows an interval in which the volume has a single zero, and the parts meet at that instant
+/// alone: by secants, a side step on either side of each.
+fn narrow<const A: usize, const B: usize>(
+    paths: &VertexPaths<A, B>,
+    [mut low, mut high]: [f64; 2],
+    [mut at_low, _, _, mut at_high]: [f64; 4],
+    width: f64,
+) -> [f64; 2]
+where
+    VertexPlaces<A, B>: FourVertices,
+{
+    let first = volume_sign(at_low);
+    let mut side = 0.375 * width;
+    for round in 0..PATH_ROUNDS {
+        if high - low <= width {
+            break;
+        }
+        let root = if round % 4 == 3 {
+            0.5 * (low + high)
+        } else {
+            low + (high - low) * (at_low / (at_low - at_high))
+        };
+        let before = [low, high];
+        for time in [root - side, root + side] {
+            if !(low < time && time < high) {
+                continue;
+            }
+            let x = paths.at(time);
+            let volume = VertexPlaces::volume([&x, &x, &x]);
+            let sign = volume_sign(volume);
+            if sign == first {
+                (low, at_low) = (time, volume);
+            } else if sign == -first {
+                (high, at_high) = (time, volume);
+            }
+        }
+        if before == [low, high] {
+            side *= 8.0;
+        }
+    }
+    [low, high]
+}
+
+/// Most intervals of time tried for a pair of triangles as a whole, before its vertices, edges and
+/// faces are tried pair by pair. Not measured.
+const TRIANGLE_INTERVALS: u32 = 12;
+
+/// Returns the first contact of a vertex and a face, in a bracket at most `width` wide if rounding
+/// allows.
+pub(super) fn vertex_face(vertex: &[Path; 1], face: &[Path; 3], width: f64, work: &mut SearchWork) -> FirstContact {
+    let found = vertex_face_until(vertex, face, (1.0, width), work);
+    decided(found, width, work, |wide| exact_vertex_face(vertex, face, width, wide))
+}
+
+/// Returns the first contact of two edges, in a bracket at most `width` wide if rounding allows.
+pub(super) fn edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64, work: &mut SearchWork) -> FirstContact {
+    let found = edge_edge_until(a, b, (1.0, width), work);
+    decided(found, width, work, |wide| exact_edge_edge(a, b, width, wide))
+}
+
+fn vertex_face_until(vertex: &[Path; 1], face: &[Path; 3], time: (f64, f64), work: &mut SearchWork) -> FirstContact {
+    VertexPaths::new(vertex, face).map_or(FirstContact::Start, |paths| first_contact(&paths, time, work))
+}
+
+fn edge_edge_until(a: &[Path; 2], b: &[Path; 2], time: (f64, f64), work: &mut SearchWork) -> FirstContact {
+    VertexPaths::new(a, b).map_or(FirstContact::Start, |paths| first_contact(&paths, time, work))
+}
+
+/// Returns until when a pair that is not settled is apart: undecided, or in a bracket that rounding
+/// keeps wide.
+fn unsettled(found: FirstContact, width: f64) -> Option<f64> {
+    match found {
+        FirstContact::Open { safe } => Some(safe),
+        FirstContact::Hit { safe, hit } if hit - safe > width.at_least(LEAST_WIDTH) => Some(safe),
+        _ => None,
+    }
+}
+
+/// Returns what is found, or what exact arithmetic decides of the rest.
+fn decided(
+    found: FirstContact,
+    width: f64,
+    work: &mut SearchWork,
+    exactly: impl FnOnce(&mut WideWork) -> FirstContact,
+) -> FirstContact {
+    let Some(safe) = unsettled(found, width) else {
+        return found;
+    };
+    work.proofs = work.proofs.saturating_add(1);
+    match exactly(&mut work.wide) {
+        FirstContact::Hit { safe: before, hit } => FirstContact::Hit {
+            safe: if safe < hit { before.larger(safe) } else { before },
+            hit,
+        },
+        FirstContact::Open { .. } => found,
+        other => other,
+    }
+}
+
+#[cfg(feature = "exact")]
+fn exact_vertex_face(vertex: &[Path; 1], face: &[Path; 3], width: f64, wide: &mut WideWork) -> FirstContact {
+    super::exact::vertex_face(&vertex[0], face, width, wide)
+}
+
+#[cfg(feature = "exact")]
+fn exact_edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64, wide: &mut WideWork) -> FirstContact {
+    super::exact::edge_edge(a, b, width, wide)
+}
+
+#[cfg(not(feature = "exact"))]
+fn exact_vertex_face(_: &[Path; 1], _: &[Path; 3], _: f64, _: &mut WideWork) -> FirstContact {
+    FirstContact::Open { safe: 0.0 }
+}
+
+#[cfg(not(feature = "exact"))]
+fn exact_edge_edge(_: &[Path; 2], _: &[Path; 2], _: f64, _: &mut WideWork) -> FirstContact {
+    FirstContact::Open { safe: 0.0 }
+}
+
+#[cfg(feature = "exact")]
+fn pierce(p: &Triangle, q: &Triangle) -> bool {
+    super::exact::pierce(p, q)
+}
+
+/// Without exact arithmetic, a start in contact ends as open.
+#[cfg(not(feature = "exact"))]
+fn pierce(_: &Triangle, _: &Triangle) -> bool {
+    false
+}
+
+/// A pair of a vertex and a face or of two edges of two triangles.
+enum Elements {
+    VertexFace([Path; 1], [Path; 3]),
+    EdgeEdge([Path; 2], [Path; 2]),
+}
+
+impl Elements {
+    fn until(&self, time: (f64, f64), work: &mut SearchWork) -> FirstContact {
+        match self {
+            Self::VertexFace(vertex, face) => vertex_face_until(vertex, face, time, work),
+            Self::EdgeEdge(a, b) => edge_edge_until(a, b, time, work),
+        }
+    }
+
+    fn exactly(&self, width: f64, wide: &mut WideWork) -> FirstContact {
+        match self {
+            Self::VertexFace(vertex, face) => exact_vertex_face(vertex, face, width, wide),
+            Self::EdgeEdge(a, b) => exact_edge_edge(a, b, width, wide),
+        }
+    }
+}
+
+/// The six pairs of a vertex and a face and the nine pairs of edges of two triangles.
+fn elements(a: &[Path; 3], b: &[Path; 3]) -> impl Iterator<Item = Elements> {
+    let (a, b) = (*a, *b);
+    let edge = |t: &[Path; 3], k: usize| [t[k], t[(k + 1) % 3]];
+    let of_a = (0..3).map(move |k| Elements::VertexFace([a[k]], b));
+    let of_b = (0..3).map(move |k| Elements::VertexFace([b[k]], a));
+    let edges = (0..9).map(move |k| Elements::EdgeEdge(edge(&a, k / 3), edge(&b, k % 3)));
+    of_a.chain(of_b).chain(edges)
+}
+
+/// Returns the first contact of two triangles.
+///
+/// Triangles apart at time zero first meet where a vertex meets a face or two edges meet: at the
+/// first contact a plane supports both, and what they share lies in that plane.
+pub(super) fn triangles(a: &[Path; 3], b: &[Path; 3], width: f64, work: &mut SearchWork) -> FirstContact {
+    triangles_until((a, b), (1.0, width), work)
+}
+
+/// Returns the first contact of two triangles as [`triangles`] does, and misses after `until` as
+/// well.
+pub(super) fn triangles_until(
+    (a, b): (&[Path; 3], &[Path; 3]),
+    (until, width): (f64, f64),
+    work: &mut SearchWork,
+) -> FirstContact {
+    let Some(paths) = VertexPaths::new(a, b) else {
+        return FirstContact::Start;
+    };
+    let FirstContact::Open { safe } = search(&paths, until, TRIANGLE_INTERVALS, work, |_, _, _| None) else {
+        return FirstContact::Miss;
+    };
+    if safe == 0.0 {
+        let begin = |t: &[Path; 3]| t.each(|p| p.begin.coords);
+        work.proofs = work.proofs.saturating_add(1);
+        if pierce(&begin(a), &begin(b)) {
+            return FirstContact::Start;
+        }
+    }
+    let (mut first, mut open) = (First::default(), alloc::vec::Vec::new());
+    for pair in elements(a, b) {
+        let found = pair.until((first.hit.smaller(until), width), work);
+        match unsettled(found, width) {
+            Some(safe) => open.push((safe, found, pair)),
+            None => first.add(found),
+        }
+    }
+    // Those that nothing is known of first, as they may end the search.
+    open.sort_by(|x, y| x.0.total_cmp(&y.0));
+    for (safe, found, pair) in open {
+        if safe < first.hit {
+            first.add(decided(found, width, work, |wide| pair.exactly(width, wide)));
+        }
+        if first.is_start {
+            return FirstContact::Start;
+        }
+    }
+    first.found()
+}
+
+/// The first contact of several pairs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct First {
+    pub(super) is_start: bool,
+    /// All pairs are apart until here.
+    pub(super) safe: f64,
+    /// A pair is in contact not after this.
+    pub(super) hit: f64,
+}
+
+impl Default for First {
+    fn default() -> Self {
+        Self {
+            is_start: false,
+            safe: f64::INFINITY,
+            hit: f64::INFINITY,
+        }
+    }
+}
+
+impl First {
+    pub(super) fn add(&mut self, found: FirstContact) {
+        match found {
+            FirstContact::Miss => {}
+            FirstContact::Start => self.is_start = true,
+            FirstContact::Hit { safe, hit } => {
+                self.safe = self.safe.smaller(safe);
+                self.hit = self.hit.smaller(hit);
+            }
+            FirstContact::Open { safe } => self.safe = self.safe.smaller(safe),
+        }
+    }
+
+    pub(super) fn found(self) -> FirstContact {
+        if self.is_start {
+            FirstContact::Start
+        } else if self.hit <= 1.0 {
+            FirstContact::Hit {
+                safe: self.safe,
+                hit: self.hit,
+            }
+        } else if self.safe <= 1.0 {
+            FirstContact::Open { safe: self.safe }
+        } else {
+            FirstContact::Miss
+        }
+    }
+}

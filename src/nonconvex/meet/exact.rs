@@ -1,0 +1,372 @@
+//! What is decided over the integers: on which side of a mesh a point lies that is as near as
+//! rounding, and where a ray meets a triangle.
+//!
+//! To find the side, a ray along an axis from the point crosses the mesh; crossings count +1
+//! outward and -1 inward. The ray starts at the point moved by an infinitesimal (e, e^2) across the
+//! axis, so it meets no edge and no vertex, and no attempt fails. Signs come from floating point if
+//! rounding leaves no doubt, else from integers.
+//!
+//! Source: simulation of simplicity: Edelsbrunner and Muecke 1990.
+
+use core::cmp::Ordering;
+use dashu_int::IBig;
+use nalgebra::Vector3;
+
+use crate::base::num::each::Each;
+use crate::base::num::extremes::Extremes;
+use crate::base::num::sign::{self, projection};
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{EXACT_PLACE, SIDE_ERROR, TURN_ERROR};
+use crate::body::polyhedron::lowest_bit;
+use crate::convex::exact::integer::{Big3, cross, dot, integer, sign, sub};
+use crate::convex::exact::place::{ExactVector, compare, quotient};
+use crate::nonconvex::meet::ray::{RayBody, RayTriangle};
+use crate::nonconvex::meet::triangle::Triangle;
+use crate::nonconvex::mesh::Mesh;
+
+/// Where a point is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PointSide {
+    Outside,
+    /// On the surface.
+    On,
+    Inside,
+}
+
+/// A triangle over the integers, in units of `2^exponent`.
+struct IntegerTriangle {
+    corners: [Big3; 3],
+    exponent: i32,
+}
+
+impl IntegerTriangle {
+    fn new(corners: &Triangle) -> Self {
+        let exponent = lowest_bit(corners.iter().flat_map(|v| v.iter().copied())).unwrap_or(0);
+        Self {
+            corners: corners.each(|v| [v.x, v.y, v.z].each(|x| integer(x, exponent))),
+            exponent,
+        }
+    }
+
+    fn normal(&self) -> Big3 {
+        let [a, b, c] = &self.corners;
+        cross(&sub(b, a), &sub(c, a))
+    }
+}
+
+/// A point in stored coordinates of a mesh, exact and rounded.
+struct Probe<'a> {
+    exact: &'a ExactVector,
+    rounded: Vector3<f64>,
+    /// By how much a coordinate of the rounded point may be off.
+    error: f64,
+}
+
+impl Probe<'_> {
+    /// Returns the sign of the height of the point over the plane of a triangle.
+    fn height(&self, corners: &Triangle) -> i32 {
+        let [a, b, c] = corners;
+        let (u, v, w) = (b - a, c - a, self.rounded - a);
+        let (mut height, mut size, mut sum) = (0.0, 0.0, 0.0);
+        for k in 0..3 {
+            let (i, j) = ((k + 1) % 3, (k + 2) % 3);
+            let (x, y) = (u[i] * v[j], u[j] * v[i]);
+            height += (x - y) * w[k];
+            size += (x.abs() + y.abs()) * w[k].abs();
+            sum += x.abs() + y.abs();
+        }
+        // The second: the point may be off, twice for the rounding of the sum.
+        let bound = SIDE_ERROR * size + 2.0 * self.error * sum + f64::MIN_POSITIVE;
+        if height.abs() > bound {
+            return sign::sign(height);
+        }
+        let t = IntegerTriangle::new(corners);
+        let n = t.normal();
+        let (over, exact) = (&self.exact.over, self.exact);
+        order(compare(
+            &dot(&n, &exact.at),
+            exact.exponent,
+            &(dot(&n, &t.corners[0]) * over),
+            t.exponent,
+        ))
+    }
+
+    /// Returns whether the edge from `a` to `b` passes the point on its right or left, seen from
+    /// the positive end of an axis: -1 or 1, 0 if the edge hides the point.
+    fn turn(&self, axis: usize, a: &Vector3<f64>, b: &Vector3<f64>) -> i32 {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let p = &self.rounded;
+        let (du, dv) = (b[u] - a[u], b[v] - a[v]);
+        let (x, y) = (du * (p[v] - a[v]), dv * (p[u] - a[u]));
+        let bound = TURN_ERROR * (x.abs() + y.abs()) + 2.0 * self.error * (du.abs() + dv.abs()) + f64::MIN_POSITIVE;
+        if (x - y).abs() > bound {
+            return sign::sign(x - y);
+        }
+        let exponent = lowest_bit([a[u], a[v], b[u], b[v]]).unwrap_or(0);
+        let [au, av, bu, bv] = [a[u], a[v], b[u], b[v]].each(|x| integer(x, exponent));
+        let exact = self.exact;
+        let through = (&bu - &au) * &exact.at[v] - (&bv - &av) * &exact.at[u];
+        let level = (bu * av - au * bv) * &exact.over;
+        order(compare(&through, exact.exponent, &level, exponent))
+    }
+
+    /// Returns the turns of the three edges about the point.
+    fn turns(&self, axis: usize, [a, b, c]: &Triangle) -> [i32; 3] {
+        [(a, b), (b, c), (c, a)].each(|(x, y)| self.turn(axis, x, y))
+    }
+
+    /// Returns whether a triangle of whose plane the point is one holds the point. A triangle
+    /// without area does not: what it might close, its neighbours close.
+    fn is_on(&self, corners: &Triangle) -> bool {
+        let [a, b, c] = corners;
+        sign::projection(a, b, c).is_some_and(|axis| !are_mixed(&self.turns(axis, corners)))
+    }
+}
+
+fn order(order: core::cmp::Ordering) -> i32 {
+    order as i32
+}
+
+fn are_mixed(turns: &[i32; 3]) -> bool {
+    turns.contains(&1) && turns.contains(&-1)
+}
+
+impl Mesh {
+    /// Returns on which side of the mesh a point in stored coordinates lies. A surface has no
+    /// inside.
+    pub(crate) fn side_of(&self, exact: &ExactVector) -> PointSide {
+        let rounded = exact.rounded();
+        let error = EXACT_PLACE * rounded.amax() + f64::MIN_POSITIVE;
+        let probe = Probe { exact, rounded, error };
+        let p = &probe.rounded;
+        // Written so that what is not finite is outside: too far for f64.
+        if (0..3).any(|k| !(p[k] >= self.low[k] - error && p[k] <= self.high[k] + error)) {
+            return PointSide::Outside;
+        }
+        let (up, down) = (self.high - p, p - self.low);
+        let (x, y) = (up.imin(), down.imin());
+        let (axis, way) = if up[x] < down[y] { (x, 1) } else { (y, -1) };
+        let mut end = *p;
+        let size = (self.high - self.low).amax();
+        end[axis] = if way > 0 {
+            self.high[axis] + size
+        } else {
+            self.low[axis] - size
+        };
+        let mut winding = 0;
+        let is_on = self.any_along(p, &end, error, |t| {
+            let corners = self.corners(t);
+            let turns = probe.turns(axis, &corners);
+            if are_mixed(&turns) {
+                return false;
+            }
+            let height = probe.height(&corners);
+            if height == 0 {
+                return probe.is_on(&corners);
+            }
+            let moved = moved(axis, &corners, turns);
+            if height * moved * way < 0 {
+                winding += moved * way;
+            }
+            false
+        });
+        match (is_on, self.is_solid() && winding != 0) {
+            (true, _) => PointSide::On,
+            (false, true) => PointSide::Inside,
+            (false, false) => PointSide::Outside,
+        }
+    }
+}
+
+/// Returns the turn of a triangle about the point moved by (e, e^2) across the axis: 0 if the
+/// triangle does not hide the moved point.
+fn moved(axis: usize, corners: &Triangle, turns: [i32; 3]) -> i32 {
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let turn = |k: usize| {
+        let (a, b) = (&corners[k], &corners[(k + 1) % 3]);
+        match turns[k] {
+            // The derivatives along u, then along v.
+            0 if a[v] != b[v] => sign::sign(a[v] - b[v]),
+            0 => sign::sign(b[u] - a[u]),
+            turn => turn,
+        }
+    };
+    let first = turn(0);
+    if turn(1) == first && turn(2) == first { first } else { 0 }
+}
+
+/// A ray as the caller gave it, in stored coordinates of a body.
+pub(crate) struct ExactRay {
+    /// From the body to the origin of the ray.
+    pose: RelativePose,
+    direction: Vector3<f64>,
+    /// Made when floating point first leaves a doubt.
+    integers: Option<IntegerRay>,
+}
+
+struct IntegerRay {
+    origin: ExactVector,
+    direction: ExactVector,
+    /// Of the line about the origin, over the denominators of both.
+    moment: Big3,
+    /// The direction times the denominator of the origin.
+    weighed: Big3,
+}
+
+/// A distance along the ray: `num 2^exponent / den`, `den` positive.
+struct RayLength {
+    num: IBig,
+    den: IBig,
+    exponent: i32,
+}
+
+impl ExactRay {
+    pub(crate) fn new(pose: RelativePose, direction: Vector3<f64>) -> Self {
+        Self {
+            pose,
+            direction,
+            integers: None,
+        }
+    }
+
+    fn integers(&mut self, exponent: i32) -> &IntegerRay {
+        let (pose, direction) = (&self.pose, &self.direction);
+        self.integers.get_or_insert_with(|| {
+            let origin = origin_of(pose, exponent);
+            let direction = ExactVector::new(direction).direction_in_a(pose);
+            let moment = cross(&origin.at, &direction.at);
+            let weighed = direction.at.each_ref().each(|x| x * &origin.over);
+            IntegerRay {
+                origin,
+                direction,
+                moment,
+                weighed,
+            }
+        })
+    }
+
+    /// Returns the origin of the ray in units of `2^exponent`.
+    pub(crate) fn origin(&self, exponent: i32) -> ExactVector {
+        origin_of(&self.pose, exponent)
+    }
+
+    /// Returns where the ray meets a triangle, of which some sides are known.
+    pub(super) fn meets(
+        &mut self,
+        corners: &Triangle,
+        body: RayBody,
+        sides: [Option<i32>; 3],
+        length: f64,
+    ) -> RayTriangle {
+        let ray = self.integers(body.exponent);
+        let triangle = IntegerTriangle::new(corners);
+        let mut signs = [0; 3];
+        for k in 0..3 {
+            signs[k] = sides[k].unwrap_or_else(|| ray.side(&triangle, k));
+            if signs[..k].contains(&-signs[k]) && signs[k] != 0 {
+                return RayTriangle::Miss;
+            }
+        }
+        let along = match signs {
+            // Of a closed surface another triangle holds the first point.
+            [0, 0, 0] if body.is_closed => None,
+            [0, 0, 0] => {
+                projection(&corners[0], &corners[1], &corners[2]).and_then(|axis| ray.first_of_edges(&triangle, axis))
+            }
+            _ => ray.to_plane(&triangle),
+        };
+        along.map_or(RayTriangle::Miss, |along| along.bracket(body.exponent, length))
+    }
+}
+
+/// Returns the origin of a ray in units of `2^exponent`.
+fn origin_of(pose: &RelativePose, exponent: i32) -> ExactVector {
+    ExactVector::new(&Vector3::zeros()).in_a(pose).in_units(exponent)
+}
+
+impl IntegerRay {
+    /// Returns on which side of an edge the line passes.
+    fn side(&self, t: &IntegerTriangle, k: usize) -> i32 {
+        let (a, b) = (&t.corners[k], &t.corners[(k + 1) % 3]);
+        let (turn, lift) = (dot(&self.weighed, &cross(a, b)), dot(&sub(a, b), &self.moment));
+        compare(&turn, t.exponent, &lift, self.origin.exponent) as i32
+    }
+
+    /// Returns how far the plane of a triangle is that the line crosses.
+    fn to_plane(&self, t: &IntegerTriangle) -> Option<RayLength> {
+        let n = t.normal();
+        let (o, d) = (&self.origin, &self.direction);
+        let height = difference(
+            &(dot(&n, &t.corners[0]) * &o.over),
+            t.exponent,
+            &dot(&n, &o.at),
+            o.exponent,
+        );
+        self.along(height, t.exponent, dot(&n, &d.at))
+    }
+
+    /// Returns the distance `height / rise` of a height over the denominator of the origin and a
+    /// rise over that of the direction; `None` if it is negative.
+    fn along(&self, height: IBig, exponent: i32, rise: IBig) -> Option<RayLength> {
+        let (o, d) = (&self.origin, &self.direction);
+        let (h, r) = (sign(&height), sign(&rise));
+        if r == 0 || h * r < 0 {
+            return None;
+        }
+        let (num, den) = (height * &d.over, rise * &o.over);
+        let size = |x: IBig, sign: i32| if sign < 0 { -x } else { x };
+        Some(RayLength {
+            num: size(num, h),
+            den: size(den, r),
+            exponent: exponent.min(o.exponent) - d.exponent,
+        })
+    }
+
+    /// Returns how far the first point is of a triangle in a plane through the line: where the line
+    /// crosses an edge.
+    fn first_of_edges(&self, t: &IntegerTriangle, axis: usize) -> Option<RayLength> {
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let (o, d) = (&self.origin, &self.direction);
+        let flat = |a: &[&IBig; 2], b: &[&IBig; 2]| a[0] * b[1] - a[1] * b[0];
+        let way = [&d.at[u], &d.at[v]];
+        // Of a corner minus the origin, over the denominator of the origin.
+        let place = |c: &Big3| [u, v].each(|k| difference(&(&c[k] * &o.over), t.exponent, &o.at[k], o.exponent));
+        let places = t.corners.each_ref().each(place);
+        let aside = places.each_ref().each(|p| sign(&flat(&way, &[&p[0], &p[1]])));
+        let crossed = (0..3).filter(|&k| aside[k] * aside[(k + 1) % 3] <= 0 && aside[k] != aside[(k + 1) % 3]);
+        let distances = crossed.filter_map(|k| {
+            let (a, b) = (&t.corners[k], &t.corners[(k + 1) % 3]);
+            let edge = [&b[u] - &a[u], &b[v] - &a[v]];
+            let edge = [&edge[0], &edge[1]];
+            let p = &places[k];
+            self.along(flat(&[&p[0], &p[1]], &edge), t.exponent, flat(&way, &edge))
+        });
+        distances.min_by(|x, y| {
+            let (left, right) = (&x.num * &y.den, &y.num * &x.den);
+            compare(&left, x.exponent, &right, y.exponent)
+        })
+    }
+}
+
+/// Returns `x 2^e - y 2^f`, in units of the lesser power.
+fn difference(x: &IBig, e: i32, y: &IBig, f: i32) -> IBig {
+    let least = e.min(f);
+    (x << (e - least) as usize) - (y << (f - least) as usize)
+}
+
+impl RayLength {
+    /// Returns the bracket of the distance in the caller's unit, if the ray gets there.
+    fn bracket(&self, unit: i32, length: f64) -> RayTriangle {
+        let exponent = self.exponent + unit;
+        let [low, high] = quotient(self.num.clone(), &self.den, exponent);
+        if low >= length || high > length && self.exceeds(exponent, length) {
+            return RayTriangle::Miss;
+        }
+        RayTriangle::Between(low, high.smaller(length))
+    }
+
+    fn exceeds(&self, exponent: i32, length: f64) -> bool {
+        let lowest = lowest_bit([length]).unwrap_or(0);
+        compare(&self.num, exponent, &(integer(length, lowest) * &self.den), lowest) == Ordering::Greater
+    }
+}

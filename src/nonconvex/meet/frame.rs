@@ -1,0 +1,250 @@
+//! A pair of trees at one relative pose: the maps between the frames, in both precisions, with the
+//! errors of each.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::base::num::extremes::Extremes;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{BOXES, CERTIFICATE, FAR, NEAR, SHORT_OF, UNIT};
+use crate::body::polyhedron::power_of_two;
+use crate::nonconvex::front::NodePair;
+use crate::nonconvex::tree::{Below, Paths, Tree, up};
+use crate::pair::draft::origins_apart;
+
+/// A body as its tree sees it.
+#[derive(Clone, Copy)]
+pub(crate) struct TreeSide<'a> {
+    pub(crate) tree: &'a Tree,
+    /// Stored lengths times `2^exponent` are the caller's.
+    pub(crate) exponent: i32,
+    /// Largest distance of a point from the body's origin, in stored units.
+    pub(crate) radius: f64,
+    /// How far a stored point may be off its place in the body, in stored units.
+    pub(crate) off: f64,
+}
+
+/// Sizes beyond this, in the unit of single precision, are left to double precision. Squares stay
+/// far inside the range of f32.
+const SINGLE_MOST: f32 = (1u64 << 30) as f32;
+
+/// Lengths that vanish in the products of single precision are below this.
+const LEAST: f32 = 1.0 / (1u64 << 60) as f32;
+
+/// `a_from_b` between stored frames, and between the frames of the trees.
+pub(crate) struct TreeFrame {
+    /// A rotation times the unit of B's stored frame in A's.
+    pub(super) matrix: Matrix3<f64>,
+    pub(crate) translation: Vector3<f64>,
+    /// The rotation alone.
+    pub(crate) rotation: Matrix3<f64>,
+    /// One unit of B's stored frame in A's.
+    pub(crate) scale: f64,
+    /// L in A's stored units.
+    pub(crate) size: f64,
+    /// How far stored points of both bodies may be off their places, in A's stored units.
+    pub(crate) off: f64,
+    /// Error of a distance and of a height in double precision, with the points' own.
+    pub(crate) error: f64,
+    /// Tolerance below the distance within which a proven gap still prunes.
+    pub(crate) tie: f64,
+    pub(crate) single: Single,
+}
+
+/// The frame in single precision, in a unit in which the larger tree has a size of about one.
+pub(crate) struct Single {
+    /// The unit in A's stored units, a power of two, and its inverse.
+    pub(crate) unit: f64,
+    pub(super) per_unit: f64,
+    /// From B's tree to A's, and back.
+    pub(crate) ways: [Way; 2],
+    pub(crate) scale_a: f32,
+    pub(crate) scale_b: f32,
+    /// Error of a gap; infinite if single precision cannot help.
+    pub(crate) error: f32,
+}
+
+/// A map `x -> R x + t` in single precision.
+pub(crate) struct Way {
+    /// Row by row.
+    pub(crate) rotation: [f32; 9],
+    pub(crate) translation: [f32; 3],
+}
+
+impl Way {
+    fn new(rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> Self {
+        Self {
+            rotation: core::array::from_fn(|k| rotation[(k / 3, k % 3)] as f32),
+            translation: [translation.x as f32, translation.y as f32, translation.z as f32],
+        }
+    }
+
+    /// Returns the image of a point.
+    #[inline(always)]
+    pub(crate) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let (r, t) = (&self.rotation, &self.translation);
+        [
+            r[0] * x + r[1] * y + r[2] * z + t[0],
+            r[3] * x + r[4] * y + r[5] * z + t[1],
+            r[6] * x + r[7] * y + r[8] * z + t[2],
+        ]
+    }
+
+    /// Returns the direction that the map turns to `n`.
+    #[inline(always)]
+    pub(crate) fn back(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        let r = &self.rotation;
+        [
+            r[0] * x + r[3] * y + r[6] * z,
+            r[1] * x + r[4] * y + r[7] * z,
+            r[2] * x + r[5] * y + r[8] * z,
+        ]
+    }
+}
+
+impl TreeFrame {
+    /// `None` if the bodies are so far apart, or so small, that squares of lengths leave the
+    /// range of f64.
+    pub(crate) fn new(a: TreeSide, b: TreeSide, pose: &RelativePose) -> Option<Self> {
+        let scale = ratio(a, b);
+        let rotation = pose.rotation();
+        let translation = pose.translation() * power_of_two(-a.exponent);
+        let size = a.radius + scale * b.radius + sqrt(translation.norm_squared());
+        // Written so that NaN goes the safe way.
+        if !(size > NEAR && size < FAR) {
+            return None;
+        }
+        let matrix = rotation * scale;
+        let off = a.off + scale * b.off;
+        let error = CERTIFICATE * UNIT * size + off;
+        Some(Self {
+            matrix,
+            translation,
+            rotation,
+            scale,
+            size,
+            off,
+            error,
+            tie: SHORT_OF * size,
+            single: Single::new((a, b, scale), &matrix, &translation, &rotation, error),
+        })
+    }
+
+    /// Returns the place of a stored point of B in A's stored frame.
+    #[inline(always)]
+    pub(crate) fn point(&self, p: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix * p + self.translation
+    }
+
+    /// Returns the direction of B's stored frame along which points rise as along `n` in A's.
+    #[inline(always)]
+    pub(crate) fn direction_in_b(&self, n: &Vector3<f64>) -> Vector3<f64> {
+        self.matrix.tr_mul(n)
+    }
+
+    /// Lengths in A's stored units in the unit of single precision, rounded up.
+    #[inline(always)]
+    pub(crate) fn single_up(&self, length: f64) -> f32 {
+        up(length * self.single.per_unit)
+    }
+}
+
+impl Single {
+    fn new(
+        (a, b, scale): (TreeSide, TreeSide, f64),
+        matrix: &Matrix3<f64>,
+        translation: &Vector3<f64>,
+        rotation: &Matrix3<f64>,
+        error: f64,
+    ) -> Self {
+        let (unit, [scale_a, scale_b]) = units_of(a, b, scale);
+        let shift = (matrix * b.tree.centre + translation - a.tree.centre) / unit;
+        let reach = a.tree.reach * scale_a + b.tree.reach * scale_b + sqrt(shift.norm_squared()) as f32;
+        // The second: the shift's own error where bodies are far from their origins, points that
+        // are off their places, and scales that vanish.
+        let error = BOXES as f32 * reach + (2.0 * error / unit) as f32 + LEAST;
+        Self {
+            unit,
+            per_unit: 1.0 / unit,
+            ways: [
+                Way::new(rotation, &shift),
+                Way::new(&rotation.transpose(), &-rotation.tr_mul(&shift)),
+            ],
+            scale_a,
+            scale_b,
+            error: if reach < SINGLE_MOST { error } else { f32::INFINITY },
+        }
+    }
+}
+
+/// Returns the unit of single precision in A's stored units, and the units of both trees in it.
+fn units_of(a: TreeSide, b: TreeSide, scale: f64) -> (f64, [f32; 2]) {
+    let (of_a, of_b) = (a.tree.unit(), b.tree.unit() * scale);
+    let unit = of_a.larger(of_b);
+    (unit, [(of_a / unit) as f32, (of_b / unit) as f32])
+}
+
+/// How far the points of two bodies have moved in their own frames, by the paths of their trees.
+pub(crate) struct TreeMoves<'a> {
+    pub(crate) trees: (&'a Tree, &'a Tree),
+    /// The units of both trees in that of single precision.
+    pub(crate) scales: [f32; 2],
+    /// The units of both trees in A's stored units.
+    units: [f64; 2],
+}
+
+impl<'a> TreeMoves<'a> {
+    pub(super) fn new(a: TreeSide<'a>, b: TreeSide<'a>) -> Self {
+        let scale = ratio(a, b);
+        Self {
+            trees: (a.tree, b.tree),
+            scales: units_of(a, b, scale).1,
+            units: [a.tree.unit(), b.tree.unit() * scale],
+        }
+    }
+
+    /// Returns the sums of the longest moves of all points.
+    pub(crate) fn totals(&self) -> [u64; 2] {
+        [self.trees.0.paths.total, self.trees.1.paths.total]
+    }
+
+    /// Returns how far points of both bodies may have moved since the sums were others, in A's
+    /// stored units, up to rounding; `None` if too far for the paths of nodes to tell.
+    pub(crate) fn since(&self, before: [u64; 2]) -> Option<f64> {
+        let [a, b] = self.totals();
+        let least = |now: u64, then: u64| u32::try_from(now.checked_sub(then)?).ok();
+        let (a, b) = (least(a, before[0])?, least(b, before[1])?);
+        let length = |units| f64::from(Paths::length(units));
+        Some(length(a) * self.units[0] + length(b) * self.units[1])
+    }
+}
+
+/// Returns one unit of B's stored frame in A's.
+fn ratio(a: TreeSide, b: TreeSide) -> f64 {
+    power_of_two((b.exponent - a.exponent).clamp(-1000, 1000))
+}
+
+/// Returns the distance of two bodies' origins in the caller's unit, by how much the distance of
+/// the bodies may differ, and the direction.
+pub(super) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, Vector3<f64>) {
+    let (distance, n) = origins_apart(pose);
+    let reach = a.radius * power_of_two(a.exponent) + b.radius * power_of_two(b.exponent);
+    (distance, distance * (CERTIFICATE * UNIT) + reach, n)
+}
+
+/// Returns the two halves of a pair: of the box with the larger surface, unless that is a leaf. Not
+/// of the longer box: parts of a long thin one may be as long.
+pub(crate) fn split_pair((a, b): (&Tree, &Tree), frame: &TreeFrame, [x, y]: NodePair) -> Option<[NodePair; 2]> {
+    let is_a_larger = || {
+        let (of_a, of_b) = (&a.boxes[x as usize], &b.boxes[y as usize]);
+        let (scale_a, scale_b) = (frame.single.scale_a, frame.single.scale_b);
+        of_a.area() * (scale_a * scale_a) >= of_b.area() * (scale_b * scale_b)
+    };
+    match (a.below(x), b.below(y)) {
+        (Below::Children(c), Below::Leaf(..)) => Some([[c, y], [c + 1, y]]),
+        (Below::Leaf(..), Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        (Below::Children(c), Below::Children(_)) if is_a_larger() => Some([[c, y], [c + 1, y]]),
+        (_, Below::Children(c)) => Some([[x, c], [x, c + 1]]),
+        _ => None,
+    }
+}

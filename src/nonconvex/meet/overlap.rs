@@ -1,0 +1,441 @@
+//! Whether two solids whose surfaces touch, and do not certainly cross, share inner points.
+//!
+//! If a part of one surface is inside the other body, then either a whole connected part of the
+//! surface is, or the part ends where the surfaces meet: along a segment that two triangles have in
+//! common, from which one of the two goes on inside the other body. If no part of either surface is
+//! inside the other body, the bodies share inner points only where they fill the same place: there
+//! two triangles lie in one plane with normals that point the same way, and both bodies are behind
+//! them. So the pairs of triangles in contact decide, with a point of each connected part. What two
+//! triangles have in common up to rounding, and where one leaves the other, says where to look
+//! ([`common`], [`leaving`]). Every point is proven inside both bodies by exact winding numbers.
+//!
+//! Bodies that a plane parts share no inner points: this is tried first, as most contacts are such.
+
+use alloc::collections::BTreeSet;
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use crate::base::num::each::Each;
+use crate::base::num::extremes::Extremes;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::Operand;
+use crate::nonconvex::front::NodePair;
+use crate::nonconvex::meet::box_gaps::{BoundAim, WIDTH, bounds};
+use crate::nonconvex::meet::frame::split_pair;
+use crate::nonconvex::meet::search::Measured;
+use crate::nonconvex::meet::state::{Inside, PosedTrees};
+use crate::nonconvex::meet::triangle::{self, Triangle};
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::parts::{Parted, PartsRef};
+use crate::nonconvex::tree::{Below, height};
+
+/// Pairs of triangles in contact that are looked at for inner points. Not measured.
+const TOUCHES: usize = 128;
+
+/// Planes that are tried to part two solids in contact. Not measured.
+const PARTINGS: usize = 8;
+
+/// Cosine of the angle of two normals that count as one among these planes. Not measured.
+const SAME_NORMAL: f64 = 1.0 - 1.0 / (1u64 << 40) as f64;
+
+/// Pairs of boxes and winding numbers after which bodies in contact that no plane parts are no
+/// longer searched for common inner points. Not measured.
+const MEETING_BOXES: usize = 16_384;
+const LOOKS: u64 = 1024;
+
+/// Pairs of items at distance zero, up to rounding.
+pub(crate) struct Touching {
+    pairs: [NodePair; TOUCHES],
+    count: usize,
+}
+
+impl Touching {
+    pub(super) const NONE: Self = Self {
+        pairs: [[0; 2]; TOUCHES],
+        count: 0,
+    };
+
+    pub(super) fn push(&mut self, pair: NodePair) {
+        if self.count < TOUCHES {
+            self.pairs[self.count] = pair;
+            self.count += 1;
+        }
+    }
+
+    fn pairs(&self) -> &[NodePair] {
+        &self.pairs[..self.count]
+    }
+}
+
+/// A ball in the stored frame of a mesh.
+struct NearBall {
+    centre: Vector3<f64>,
+    radius: f64,
+}
+
+impl Mesh {
+    /// Returns whether no point of the solid in a ball is higher along a unit vector than `level`,
+    /// up to rounding of the heights.
+    fn is_below(&self, n: &Vector3<f64>, level: f64, near: &NearBall) -> bool {
+        let unit = self.tree.unit();
+        let mut stack = alloc::vec![0];
+        while let Some(node) = stack.pop() {
+            let b = &self.tree.boxes[node as usize];
+            let apart = self.tree.centre + b.centre() * unit - near.centre;
+            let reach = near.radius + f64::from(b.radius()) * unit;
+            if apart.norm_squared() > reach * reach || height(&self.tree, node, n) <= level {
+                continue;
+            }
+            match self.tree.below(node) {
+                Below::Children(c) => stack.extend([c, c + 1]),
+                Below::Leaf(first, count) => {
+                    let rises = |t: u32| {
+                        let corners = self.corners(t);
+                        corners.iter().any(|p| n.dot(p) > level)
+                            && triangle::nearest(&near.centre, &corners).0 <= near.radius * near.radius
+                    };
+                    if (first..first + count).any(rises) {
+                        return false;
+                    }
+                }
+            }
+        }
+        // No triangle is in the cap of the ball above the level, which so is all inside or outside.
+        let rise = level - n.dot(&near.centre);
+        if rise >= near.radius {
+            return true;
+        }
+        let middle = near.centre + n * (0.5 * (rise.larger(-near.radius) + near.radius));
+        self.winding(&middle) == Some(0)
+    }
+}
+
+/// Two solid meshes whose surfaces touch, in A's stored frame.
+struct SolidContact<'a, A, B> {
+    posed: &'a PosedTrees<'a, A, B>,
+    a: &'a Mesh,
+    b: &'a Mesh,
+    /// By how much a place may be off.
+    doubt: f64,
+    /// Triangles of A and of B whose middles were looked at.
+    seen: [BTreeSet<u32>; 2],
+    /// Winding numbers taken.
+    windings: u64,
+}
+
+impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
+    /// Returns whether a plane parts the bodies: that of a contact, or one through a triangle in
+    /// contact.
+    fn is_parted<F>(&self, touching: &Touching, found: &Measured<F>) -> bool {
+        let mut tried = [Vector3::zeros(); PARTINGS];
+        let mut count = 0;
+        let mut is_parted = |n: Vector3<f64>, at: &Vector3<f64>| {
+            let is_known = tried[..count].iter().any(|m: &Vector3<f64>| m.dot(&n) > SAME_NORMAL);
+            if is_known || count == PARTINGS {
+                return false;
+            }
+            tried[count] = n;
+            count += 1;
+            self.parts(&n, at)
+        };
+        if is_parted(found.normal, &found.on_a) {
+            return true;
+        }
+        touching.pairs().iter().any(|&pair| {
+            let (p, q) = self.corners(pair);
+            unit_normal(&p).is_some_and(|n| is_parted(n, &p[0]))
+                || unit_normal(&q).is_some_and(|n| is_parted(-n, &q[0]))
+        })
+    }
+
+    /// Returns whether the plane through a point with the normal `n` parts the bodies, A below.
+    fn parts(&self, n: &Vector3<f64>, at: &Vector3<f64>) -> bool {
+        let (frame, ratio) = (&self.posed.frame, self.a.unit() / self.b.unit());
+        // With both errors less than 1e-13 L: what is nearer counts as touching.
+        let slack = 3.0 * frame.error;
+        let ball = |mesh: &Mesh| (mesh.tree.centre, f64::from(mesh.tree.reach) * mesh.tree.unit());
+        let (of_a, of_b) = (ball(self.a), ball(self.b));
+        let b_in_a = NearBall {
+            centre: frame.point(&of_b.0),
+            radius: of_b.1 / ratio + slack,
+        };
+        let a_in_b = NearBall {
+            centre: self.posed.back(&of_a.0),
+            radius: (of_a.1 + slack) * ratio,
+        };
+        let down = -frame.rotation.tr_mul(n);
+        self.a.is_below(n, n.dot(at) + slack, &b_in_a)
+            && self
+                .b
+                .is_below(&down, down.dot(&self.posed.back(at)) + slack * ratio, &a_in_b)
+    }
+
+    fn corners(&self, [i, j]: NodePair) -> (Triangle, Triangle) {
+        let q = self.b.corners(j);
+        (self.a.corners(i), q.each(|x| self.posed.frame.point(&x)))
+    }
+
+    /// Returns whether a point is certainly inside a body.
+    fn is_held(&mut self, by: Operand, p: &Vector3<f64>) -> bool {
+        self.windings += 1;
+        let held = match by {
+            Operand::A => self.a.holds(p, self.doubt),
+            Operand::B => {
+                let ratio = self.a.unit() / self.b.unit();
+                self.b.holds(&self.posed.back(p), self.doubt * ratio)
+            }
+        };
+        held == Some(true)
+    }
+
+    /// Returns the part of a segment before it meets a surface farther along than some doubts; one
+    /// if it meets none.
+    fn free(&self, of: Operand, from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
+        let least = 4.0 * self.doubt / sqrt((to - from).norm_squared());
+        let first = match of {
+            Operand::A => self.a.first_meeting(from, to, least),
+            Operand::B => self
+                .b
+                .first_meeting(&self.posed.back(from), &self.posed.back(to), least),
+        };
+        first.unwrap_or(1.0)
+    }
+
+    /// Returns whether a segment that begins at the surface of a body goes on inside the body.
+    fn enters(&mut self, into: Operand, from: &Vector3<f64>, to: &Vector3<f64>) -> bool {
+        let part = 0.5 * self.free(into, from, to);
+        self.is_held(into, &(from + (to - from) * part))
+    }
+
+    /// Returns whether both bodies are behind a point of both surfaces, against the normal `n`.
+    fn are_behind(&mut self, at: &Vector3<f64>, n: &Vector3<f64>) -> bool {
+        let to = at - n * sqrt((self.a.high - self.a.low).norm_squared());
+        let part = 0.5 * self.free(Operand::A, at, &to).smaller(self.free(Operand::B, at, &to));
+        let point = at + (to - at) * part;
+        self.is_held(Operand::A, &point) && self.is_held(Operand::B, &point)
+    }
+
+    /// Returns whether the bodies certainly share inner points next to what two triangles have in
+    /// common. If that is a point, the middles of both and points behind them are looked at: a part
+    /// of a surface that touches the other one at points alone may be inside the other body, and of
+    /// bodies that fill the same place neighbours may be met first.
+    fn is_shared_at(&mut self, pair: NodePair) -> bool {
+        let ((p, q), slack) = (self.corners(pair), self.doubt);
+        match common(&p, &q, slack) {
+            CommonPart::Point => {
+                triangle::closest(&p, &q).square <= slack * slack
+                    && (self.is_shared_behind(Operand::B, pair[0], &p)
+                        || self.is_shared_behind(Operand::A, pair[1], &q))
+            }
+            CommonPart::Flat(_, false) => false,
+            CommonPart::Flat(at, true) => unit_normal(&p).is_some_and(|n| self.are_behind(&at, &n)),
+            CommonPart::Segment(at, s) => {
+                leaving(&p, &q, (&at, &s), slack).any(|to| self.enters(Operand::B, &at, &to))
+                    || leaving(&q, &p, (&at, &s), slack).any(|to| self.enters(Operand::A, &at, &to))
+            }
+        }
+    }
+
+    /// Returns whether the middle of a triangle is certainly inside the other body, or a point
+    /// behind it inside both, if that was not looked at before.
+    fn is_shared_behind(&mut self, other: Operand, t: u32, corners: &Triangle) -> bool {
+        if !self.seen[usize::from(other == Operand::A)].insert(t) {
+            return false;
+        }
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        self.is_held(other, &middle) || unit_normal(corners).is_some_and(|n| self.are_behind(&middle, &n))
+    }
+
+    /// Looks at all pairs of triangles whose boxes meet, up to a limit.
+    fn is_shared_anywhere(&mut self) -> bool {
+        let frame = &self.posed.frame;
+        let trees = (&self.a.tree, &self.b.tree);
+        let level = frame.single_up(self.doubt);
+        let aim = BoundAim::to((level + frame.single.error).next_up());
+        let (mut stack, mut asked) = (alloc::vec![[0, 0]], 0);
+        while !stack.is_empty() && asked < MEETING_BOXES && self.windings < LOOKS {
+            let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
+            asked += batch.len();
+            let gaps = bounds(&frame.single, trees, &batch, &aim);
+            for (&pair, gap) in batch.iter().zip(gaps.gap) {
+                if frame.single.error.is_finite() && gap - frame.single.error > level {
+                    continue;
+                }
+                if let Some(two) = split_pair(trees, frame, pair) {
+                    stack.extend(two);
+                    continue;
+                }
+                let (of_a, of_b) = (trees.0.range(pair[0]), trees.1.range(pair[1]));
+                let mut all = (of_a.0..of_a.1).flat_map(|i| (of_b.0..of_b.1).map(move |j| [i, j]));
+                if all.any(|pair| self.is_shared_at(pair)) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+}
+
+impl<A: Parted, B: Parted> PosedTrees<'_, A, B> {
+    /// Returns whether two solids certainly share inner points, and the winding numbers taken.
+    /// `found`: a contact. `is_last`: whether no contact is to come.
+    pub(crate) fn shares_inside<F>(&self, touching: &Touching, found: &Measured<F>, is_last: bool) -> (bool, u64) {
+        if !(self.a.is_solid() && self.b.is_solid()) {
+            return (false, 0);
+        }
+        let (PartsRef::Mesh(a), PartsRef::Mesh(b)) = (self.a.by_kind(), self.b.by_kind()) else {
+            let (inside, windings) = self.inside(0.0);
+            return (matches!(inside, Inside::At(..)), windings);
+        };
+        let mut contact = SolidContact {
+            posed: self,
+            a,
+            b,
+            doubt: 2.0 * self.frame.error,
+            seen: Default::default(),
+            windings: 0,
+        };
+        if contact.is_parted(touching, found) {
+            return (false, 0);
+        }
+        let is_shared = touching.pairs().iter().any(|pair| contact.is_shared_at(*pair));
+        if is_shared || !is_last {
+            return (is_shared, contact.windings);
+        }
+        let (inside, windings) = self.inside(0.0);
+        let is_shared = matches!(inside, Inside::At(..)) || contact.is_shared_anywhere();
+        (is_shared, contact.windings + windings)
+    }
+}
+
+/// The part of a segment, and of the sides of a target, at which points are taken: no round number,
+/// so that a point rarely lies on an edge of a third triangle.
+const GENERIC: f64 = 0.438_7;
+
+/// What two triangles have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum CommonPart {
+    /// At most a point, or a stretch of edges in one plane.
+    Point,
+    /// A point of a common segment, and the unit direction of the segment.
+    Segment(Vector3<f64>, Vector3<f64>),
+    /// A point inside a common part of a plane, and whether both normals point the same way.
+    Flat(Vector3<f64>, bool),
+}
+
+/// Returns the unit normal of a triangle; `None` for a triangle without area.
+pub(crate) fn unit_normal(t: &Triangle) -> Option<Vector3<f64>> {
+    let n = triangle::normal(t);
+    let length = sqrt(n.norm_squared());
+    (length > 0.0 && length.is_finite()).then(|| n / length)
+}
+
+/// Returns what two triangles have in common. Heights up to `slack` count as none, and so do
+/// lengths up to four times as much.
+pub(super) fn common(p: &Triangle, q: &Triangle, slack: f64) -> CommonPart {
+    let (Some(n), Some(m)) = (unit_normal(p), unit_normal(q)) else {
+        return CommonPart::Point;
+    };
+    let (over_q, over_p) = (p.each(|x| m.dot(&(x - q[0]))), q.each(|x| n.dot(&(x - p[0]))));
+    if over_q.iter().chain(&over_p).all(|h| h.abs() <= slack) {
+        return flat(p, q, &n, slack).map_or(CommonPart::Point, |at| CommonPart::Flat(at, n.dot(&m) > 0.0));
+    }
+    let across = n.cross(&m);
+    let s = across / sqrt(across.norm_squared());
+    let (Some(of_p), Some(of_q)) = (trace(p, &over_q, &s, slack), trace(q, &over_p, &s, slack)) else {
+        return CommonPart::Point;
+    };
+    let at = |x: &Vector3<f64>| s.dot(&(x - p[0]));
+    let (low, high) = (at(&of_p[0]).larger(at(&of_q[0])), at(&of_p[1]).smaller(at(&of_q[1])));
+    if high - low > 4.0 * slack {
+        let place = low + GENERIC * (high - low);
+        CommonPart::Segment(of_p[0] + s * (place - at(&of_p[0])), s)
+    } else {
+        CommonPart::Point
+    }
+}
+
+/// Returns the ends of the part of a triangle that lies in a plane, the lower one along `s` first.
+/// `heights`: of the corners over the plane.
+fn trace(t: &Triangle, heights: &[f64; 3], s: &Vector3<f64>, slack: f64) -> Option<[Vector3<f64>; 2]> {
+    let mut ends: Option<[Vector3<f64>; 2]> = None;
+    let mut take = |x: Vector3<f64>| {
+        let [low, high] = ends.get_or_insert([x; 2]);
+        if s.dot(&(x - *low)) < 0.0 {
+            *low = x;
+        }
+        if s.dot(&(x - *high)) > 0.0 {
+            *high = x;
+        }
+    };
+    for k in 0..3 {
+        let j = (k + 1) % 3;
+        let (h, l) = (heights[k], heights[j]);
+        if h.abs() <= slack {
+            take(t[k]);
+        } else if l.abs() > slack && (h > 0.0) != (l > 0.0) {
+            take(t[k] + (t[j] - t[k]) * (h / (h - l)));
+        }
+    }
+    ends
+}
+
+/// Returns a point inside the common part of two triangles in one plane with the normal `n` of the
+/// first; `None` if the part is no wider than some slack.
+///
+/// Source: clipping by half-planes: Sutherland and Hodgman 1974.
+fn flat(p: &Triangle, q: &Triangle, n: &Vector3<f64>, slack: f64) -> Option<Vector3<f64>> {
+    let mut polygon = q.to_vec();
+    for k in 0..3 {
+        let inward = n.cross(&(p[(k + 1) % 3] - p[k]));
+        let room = |x: &Vector3<f64>| inward.dot(&(x - p[k]));
+        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        for (i, x) in polygon.iter().enumerate() {
+            let y = &polygon[(i + 1) % polygon.len()];
+            let (h, l) = (room(x), room(y));
+            if h >= 0.0 {
+                kept.push(*x);
+            }
+            if h > 0.0 && l < 0.0 || h < 0.0 && l > 0.0 {
+                kept.push(x + (y - x) * (h / (h - l)));
+            }
+        }
+        polygon = kept;
+    }
+    let first = *polygon.first()?;
+    let fan = polygon.windows(2).map(|w| (w[0] - first).cross(&(w[1] - first)).dot(n));
+    let around = polygon.iter().map(|x| sqrt((x - first).norm_squared()));
+    if !(fan.sum::<f64>().abs() > 8.0 * slack * around.sum::<f64>()) {
+        return None;
+    }
+    let (mut sum, mut weights) = (Vector3::zeros(), 0.0);
+    for (k, x) in polygon.iter().enumerate() {
+        let weight = 1.0 + GENERIC * k as f64;
+        (sum, weights) = (sum + (x - first) * weight, weights + weight);
+    }
+    Some(first + sum / weights)
+}
+
+/// Returns segments of `t` from a point of a common segment, one to each side on which `t` goes on
+/// and may be behind `other`: not in front of it, where `other` goes on to both sides.
+pub(super) fn leaving(
+    t: &Triangle,
+    other: &Triangle,
+    (at, s): (&Vector3<f64>, &Vector3<f64>),
+    slack: f64,
+) -> impl Iterator<Item = Vector3<f64>> {
+    let aside = |x: &Triangle| unit_normal(x).map(|n| (n, x.each(|c| n.cross(s).dot(&(c - at)))));
+    let is_beyond = move |d: f64| d > 4.0 * slack;
+    let front = aside(other)
+        .filter(|(_, d)| d.iter().any(|d| is_beyond(*d)) && d.iter().any(|d| is_beyond(-d)))
+        .map(|(n, _)| n);
+    let of_t = aside(t);
+    let (t, at) = (*t, *at);
+    [1.0, -1.0].into_iter().filter_map(move |side| {
+        let (_, d) = of_t?;
+        let mut beyond = (0..3).filter(|k| is_beyond(side * d[*k])).map(|k| t[k]);
+        let first = beyond.next()?;
+        let to = beyond.next().map_or(first, |second| first + (second - first) * GENERIC);
+        front.is_none_or(|n| n.dot(&(to - at)) < -slack).then_some(to)
+    })
+}

@@ -1,0 +1,190 @@
+//! A ray and a mesh: where the ray first meets a triangle.
+//!
+//! A ray meets a closed triangle if its line passes no edge on one side and another edge on the
+//! other. So a ray through an edge meets both triangles of the edge, and none is missed. Signs and
+//! distances come from floating point if rounding leaves no doubt, else from integers: the ray is
+//! the one that the caller gave, to the bit.
+
+use nalgebra::Vector3;
+
+use crate::base::num::each::Each;
+use crate::base::num::extremes::Extremes;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{RAY_PLANE, RAY_SIDE};
+#[cfg(feature = "exact")]
+use crate::nonconvex::meet::exact::ExactRay;
+use crate::nonconvex::meet::triangle::{self, Triangle};
+use crate::nonconvex::mesh::Mesh;
+
+/// A part of a ray, in stored coordinates of a body of triangles. Distances from the origin of the
+/// ray are the caller's.
+pub(crate) struct MeshRay {
+    /// The ends of the part, up to `error`.
+    pub(crate) ends: [Vector3<f64>; 2],
+    pub(crate) error: f64,
+    /// The direction, off by at most 80 UNIT.
+    pub(crate) direction: Vector3<f64>,
+    /// How far the ends are from the origin.
+    pub(crate) span: (f64, f64),
+    /// How far the ray goes.
+    pub(crate) length: f64,
+    /// By how much a distance may be off.
+    pub(crate) width: f64,
+    #[cfg(feature = "exact")]
+    pub(crate) exact: ExactRay,
+}
+
+/// The body of a triangle.
+#[derive(Clone, Copy)]
+pub(crate) struct RayBody {
+    /// Stored lengths times `2^exponent` are the caller's.
+    pub(crate) exponent: i32,
+    /// Whether another triangle holds every edge too.
+    pub(crate) is_closed: bool,
+}
+
+/// What the ray meets.
+#[derive(Clone, Copy)]
+pub(crate) enum Met {
+    Nothing,
+    /// Nothing up to the first distance, something up to the second.
+    Between(f64, f64),
+}
+
+/// A ray and a triangle.
+pub(crate) enum RayTriangle {
+    Miss,
+    Between(f64, f64),
+    /// Rounding hides the answer.
+    #[cfg_attr(feature = "exact", allow(dead_code, reason = "integers always answer"))]
+    Unclear,
+}
+
+impl Mesh {
+    /// Returns what a ray meets first, unless the origin is on the mesh. `None` if rounding hides
+    /// it: never with the feature `exact`.
+    pub(crate) fn first_met(&self, ray: &mut MeshRay) -> Option<Met> {
+        let (mut met, mut is_clear) = (Met::Nothing, true);
+        let ([from, to], error) = (ray.ends, ray.error);
+        let body = RayBody {
+            exponent: self.exponent,
+            is_closed: self.is_solid(),
+        };
+        self.any_along(&from, &to, error, |t| {
+            is_clear = met.add(ray.meets(&self.corners(t), body));
+            !is_clear
+        });
+        is_clear.then_some(met)
+    }
+}
+
+impl Met {
+    /// Takes in another triangle; returns whether rounding does not hide it.
+    pub(crate) fn add(&mut self, triangle: RayTriangle) -> bool {
+        match (triangle, *self) {
+            (RayTriangle::Unclear, _) => return false,
+            (RayTriangle::Miss, _) => {}
+            (RayTriangle::Between(low, high), Self::Nothing) => *self = Self::Between(low, high),
+            (RayTriangle::Between(low, high), Self::Between(safe, hit)) => {
+                *self = Self::Between(low.smaller(safe), high.smaller(hit));
+            }
+        }
+        true
+    }
+}
+
+impl MeshRay {
+    /// Returns where the ray meets a triangle of a body.
+    pub(crate) fn meets(&mut self, corners: &Triangle, body: RayBody) -> RayTriangle {
+        let sides = self.sides(corners);
+        if sides.contains(&Some(1)) && sides.contains(&Some(-1)) {
+            return RayTriangle::Miss;
+        }
+        if let [Some(_), Some(_), Some(_)] = sides
+            && let Some((at, off)) = self.to_plane(corners)
+            && off < 0.75 * self.width
+        {
+            let low = at - self.width;
+            let clipped = self.clipped(low, low + self.width * 2.0);
+            return clipped.unwrap_or_else(|| self.exactly(corners, body, sides));
+        }
+        self.exactly(corners, body, sides)
+    }
+
+    /// Returns whether the ray certainly passes through a triangle between two distances.
+    pub(crate) fn passes(&self, corners: &Triangle, (from, until): (f64, f64)) -> bool {
+        let sides = self.sides(corners);
+        let is_through = sides == [Some(1); 3] || sides == [Some(-1); 3];
+        let noise = 0.25 * self.width;
+        is_through
+            && self
+                .to_plane(corners)
+                .is_some_and(|(at, off)| at - off - noise > from && at + off + noise < until)
+    }
+
+    /// Returns on which sides of the edges of a triangle the line passes: `None` if rounding hides
+    /// it.
+    fn sides(&self, corners: &Triangle) -> [Option<i32>; 3] {
+        let from = &self.ends[0];
+        let seen = corners.each(|x| x - from);
+        [0, 1, 2].each(|k| {
+            let along = corners[(k + 1) % 3] - corners[k];
+            let side = self.direction.dot(&seen[k].cross(&along));
+            let size = seen[k].abs().sum();
+            let bound = along.abs().sum() * (RAY_SIDE * size + 2.0 * self.error) + f64::MIN_POSITIVE;
+            // Written so that NaN is unclear.
+            if side > bound {
+                Some(1)
+            } else if side < -bound {
+                Some(-1)
+            } else {
+                None
+            }
+        })
+    }
+
+    /// Returns at which distance the line meets the plane of a triangle, and by how much it may be
+    /// off beside the rounding of the distance itself.
+    fn to_plane(&self, corners: &Triangle) -> Option<(f64, f64)> {
+        let [from, to] = &self.ends;
+        let (seen, way) = (corners[0] - from, to - from);
+        let (u, v) = (corners[1] - corners[0], corners[2] - corners[0]);
+        let n = triangle::normal(corners);
+        let (height, rise) = (n.dot(&seen), n.dot(&way));
+        let part = height / rise;
+        let length = self.span.1 - self.span.0;
+        let (own, size) = (sqrt(n.norm_squared()), u.abs().sum() * v.abs().sum());
+        let error = |x: &Vector3<f64>| own * self.error + RAY_PLANE * size * x.abs().sum();
+        let (of_height, of_rise) = (error(&seen), 2.0 * error(&way));
+        let least = rise.abs() - of_rise;
+        // Written so that NaN is none.
+        (least > 0.0).then(|| {
+            let off = (of_height + part.abs() * of_rise) * length / least;
+            (self.span.0 + part * length, off)
+        })
+    }
+
+    /// Returns the bracket of a distance if its ends leave no doubt that the ray gets there.
+    fn clipped(&self, low: f64, high: f64) -> Option<RayTriangle> {
+        if high < 0.0 || low > self.length {
+            return Some(RayTriangle::Miss);
+        }
+        (low > 0.0 && high <= self.length).then(|| RayTriangle::Between(low, high.smaller(self.span.1)))
+    }
+
+    #[cfg(feature = "exact")]
+    #[cold]
+    fn exactly(&mut self, corners: &Triangle, body: RayBody, sides: [Option<i32>; 3]) -> RayTriangle {
+        match self.exact.meets(corners, body, sides, self.length) {
+            // As far before the body as by floating point: rounding leaves a side of the surface to
+            // it.
+            RayTriangle::Between(low, high) if low > self.width => RayTriangle::Between(low - self.width, high),
+            found => found,
+        }
+    }
+
+    #[cfg(not(feature = "exact"))]
+    fn exactly(&self, _: &Triangle, _: RayBody, _: [Option<i32>; 3]) -> RayTriangle {
+        RayTriangle::Unclear
+    }
+}

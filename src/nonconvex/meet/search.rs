@@ -1,0 +1,723 @@
+//! Down both trees to the closest pair, with everything else proven farther, and the counters of
+//! the work.
+//!
+//! A search begins with a close pair of items ([`TreeSearch::seed`]): no proof, but a distance
+//! beyond which boxes are passed by. It ends at pairs of leaves, item by item
+//! ([`TreeSearch::judge_leaves`]): along directions first, as a gap along one costs far less than a
+//! distance.
+
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use crate::base::num::each::Each;
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::sum_of_counters;
+use crate::nonconvex::front::{Front, NodePair};
+use crate::nonconvex::meet::box_gaps::{BoundAim, BoxGaps, bounds};
+use crate::nonconvex::meet::frame::{TreeFrame, split_pair};
+use crate::nonconvex::meet::overlap::Touching;
+use crate::nonconvex::tree::{Below, LEAF, Tree, height, near_unit};
+
+/// Pairs taken off the stack at once: both halves of each make eight, the width of the kernel.
+pub(crate) const AT_ONCE: usize = 4;
+
+/// Items of a node that are few enough to be looked at one by one in double precision. Not
+/// measured.
+const FEW_ITEMS: u32 = 64;
+
+/// Pairs measured in contact after which a search looks for inner points that the bodies share.
+/// Bodies in one place have more contacts than triangles, and hardly a pair that crosses for
+/// certain: of 280 queries of such bodies the longest measured 649 pairs with the look, 58,000
+/// without.
+const CROWD: u32 = 128;
+
+/// The contents of two leaves: triangles or convex pieces, by the number of the tree's items.
+pub(crate) trait Judge {
+    /// The features of a pair, told with points and bounds.
+    type Features: Copy;
+
+    /// Whether both trees are one, and so are the poses: the items of a body against each other.
+    const IS_SELF: bool = false;
+
+    /// Returns whether a pair of items is asked for: all are, unless a body is asked against
+    /// itself.
+    #[inline(always)]
+    fn is_asked(&self, _: NodePair) -> bool {
+        true
+    }
+
+    /// Returns the greatest `n . x` of an item of A, in A's stored frame.
+    fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// Returns the least `n . y` of an item of B, in B's stored frame.
+    fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// Returns how many pairs needed a certified query of two polygons.
+    fn settled(&self) -> u64 {
+        0
+    }
+
+    /// Returns whether the bodies certainly share inner points, looked for about pairs in contact,
+    /// and the winding numbers taken. `found`: a contact.
+    fn shares_inside(&self, touching: &Touching, found: &Measured<Self::Features>) -> (bool, u64);
+
+    /// Returns the distance of two items, with bounds that are proven: the lower one at most the
+    /// frame's `tie` below the lesser of the distance and `known`, if any arithmetic can.
+    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<Self::Features>;
+}
+
+/// Two items and how far they are apart, in A's stored units.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measured<F> {
+    pub(crate) pair: NodePair,
+    /// The distance as computed.
+    pub(crate) distance: f64,
+    pub(crate) lower: f64,
+    pub(crate) upper: f64,
+    /// Unit direction from A to B, in A's frame.
+    pub(crate) normal: Vector3<f64>,
+    /// In A's and B's stored frames.
+    pub(crate) on_a: Vector3<f64>,
+    pub(crate) on_b: Vector3<f64>,
+    pub(crate) features: F,
+    /// Whether the items certainly share inner points.
+    pub(crate) crosses: bool,
+}
+
+impl<F> Measured<F> {
+    /// Returns whether the items are in contact as far as rounding can tell.
+    fn is_contact(&self, frame: &TreeFrame) -> bool {
+        self.lower == 0.0 && self.upper <= 2.0 * frame.error
+    }
+}
+
+/// The question.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum MeshGoal {
+    /// The least distance.
+    Least,
+    /// Whether any pair is at most this far apart, in A's stored units.
+    Within(f64),
+    /// All pairs that are at most this far apart, in stored units: of a body against itself.
+    All(f64),
+}
+
+/// What keeps the pairs of nodes that a search proves.
+pub(crate) trait ProofKeeper {
+    fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, proof: GapProof);
+}
+
+impl ProofKeeper for Front {
+    #[inline(always)]
+    fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, (normal, gap): GapProof) {
+        self.push(&search.frame.single, (search.a, search.b), pair, normal, gap);
+    }
+}
+
+/// A search in progress.
+pub(crate) struct TreeSearch<'a, J: Judge> {
+    pub(crate) a: &'a Tree,
+    pub(crate) b: &'a Tree,
+    pub(crate) frame: &'a TreeFrame,
+    pub(crate) judge: J,
+    pub(crate) goal: MeshGoal,
+    /// The closest pair so far.
+    pub(crate) best: Option<Measured<J::Features>>,
+    /// Lower bound over all pairs pruned so far.
+    pub(super) lower: f64,
+    /// The pairs found, if all are asked for.
+    pub(crate) found: Vec<Measured<J::Features>>,
+    /// Of a body against itself: lower bound over all pairs of the two leaves that were judged
+    /// last, minus infinity if the search was over before.
+    pub(crate) leaf_gap: f64,
+    /// Directions of the latest best pairs; two, because flush contact alternates.
+    pub(crate) directions: [Option<(NodePair, TriedDirection)>; 2],
+    /// Pairs at distance zero, up to rounding, that were met.
+    pub(super) touching: Touching,
+    /// Whether contact without a crossing is all that is asked of the least distance: of surfaces,
+    /// which share no inner points.
+    pub(crate) ends_in_contact: bool,
+    /// Pairs measured that are in contact, or as near as a tie.
+    close: u32,
+    /// The level in single precision.
+    single: f32,
+    /// The least gap that single precision has proven.
+    least: f32,
+    pub(crate) work: MeshWork,
+}
+
+/// A unit direction from A to B.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TriedDirection {
+    /// In A's stored frame and in B's.
+    in_a: Vector3<f64>,
+    in_b: Vector3<f64>,
+    /// The height of the origin of B's frame.
+    lift: f64,
+}
+
+impl TriedDirection {
+    #[inline(always)]
+    fn new(frame: &TreeFrame, n: &Vector3<f64>) -> Self {
+        Self {
+            in_a: *n,
+            in_b: frame.direction_in_b(n),
+            lift: n.dot(&frame.translation),
+        }
+    }
+}
+
+/// A direction and a gap along it that are proven, in single precision.
+pub(crate) type GapProof = ([f32; 3], f32);
+
+impl<'a, J: Judge> TreeSearch<'a, J> {
+    pub(crate) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a TreeFrame, judge: J, goal: MeshGoal) -> Self {
+        let mut search = Self {
+            a,
+            b,
+            frame,
+            judge,
+            goal,
+            best: None,
+            lower: f64::INFINITY,
+            found: Vec::new(),
+            leaf_gap: f64::INFINITY,
+            directions: [None; 2],
+            touching: Touching::NONE,
+            ends_in_contact: false,
+            close: 0,
+            single: f32::INFINITY,
+            least: f32::INFINITY,
+            work: MeshWork::default(),
+        };
+        search.single = search.single_level();
+        search
+    }
+
+    /// Returns the gap that a pair must exceed to be passed by, in A's stored units.
+    pub(crate) fn level(&self) -> f64 {
+        match self.goal {
+            MeshGoal::Within(d) | MeshGoal::All(d) => d,
+            MeshGoal::Least => self.best.as_ref().map_or(f64::INFINITY, |b| b.distance),
+        }
+    }
+
+    /// Lower bound of the distance of all pairs, in A's stored units, at the end of a search that
+    /// is not over.
+    pub(crate) fn proven(&self) -> f64 {
+        let measured = self.best.as_ref().map_or(f64::INFINITY, |b| b.lower);
+        let proven = self.lower.smaller(f64::from(self.least) * self.frame.single.unit);
+        proven.smaller(measured)
+    }
+
+    /// Pruning level in f32, rounded up; the next number if equality does not prune.
+    fn single_level(&self) -> f32 {
+        let level = self.frame.single_up(self.level());
+        match self.goal {
+            MeshGoal::Least => level,
+            MeshGoal::Within(_) | MeshGoal::All(_) => level.next_up(),
+        }
+    }
+
+    /// Returns whether the answer is known already.
+    pub(crate) fn is_over(&self) -> bool {
+        let Some(best) = &self.best else { return false };
+        match self.goal {
+            MeshGoal::Least => best.crosses || self.ends_in_contact && best.is_contact(self.frame),
+            MeshGoal::Within(d) => best.upper <= d,
+            MeshGoal::All(_) => false,
+        }
+    }
+
+    /// Measures a pair of items and keeps it if it is closer than any before.
+    pub(crate) fn measure(&mut self, pair: NodePair) -> (Vector3<f64>, f64) {
+        self.work.measured += 1;
+        let found = self.judge.measure(self.frame, pair, self.level());
+        let result = (found.normal, found.lower);
+        if J::IS_SELF
+            && let MeshGoal::All(d) = self.goal
+            && !(found.lower > d)
+        {
+            self.found.push(found);
+        }
+        if found.distance <= self.frame.error {
+            self.touching.push(pair);
+        }
+        let level = self.best.as_ref().map_or(f64::INFINITY, |b| b.distance);
+        let is_tie = found.distance <= level + self.frame.tie;
+        let is_closer = found.distance < level || found.crosses && self.best.as_ref().is_some_and(|b| !b.crosses);
+        let own = Some((pair, TriedDirection::new(self.frame, &found.normal)));
+        if found.distance < level - self.frame.tie || self.best.is_none() {
+            self.directions = [own, None];
+        } else if is_tie {
+            self.directions[1] = own;
+        }
+        if is_closer || self.best.is_none() {
+            let before = self.best.replace(found);
+            self.lower = self.lower.smaller(before.map_or(f64::INFINITY, |b| b.lower));
+            self.single = self.single_level();
+        } else {
+            self.lower = self.lower.smaller(found.lower);
+        }
+        if found.distance <= self.frame.tie {
+            self.close += 1;
+            if self.close == CROWD {
+                self.judge_crowd();
+            }
+        }
+        result
+    }
+
+    /// Looks for inner points of bodies of which a crowd of pairs is nearly in contact: there may
+    /// be as many such pairs as items, and none of them crosses for certain.
+    #[cold]
+    fn judge_crowd(&mut self) {
+        let Some(best) = &mut self.best else { return };
+        let (is_shared, windings) = self.judge.shares_inside(&self.touching, best);
+        self.work.windings += windings;
+        if is_shared {
+            (best.distance, best.lower, best.upper, best.crosses) = (0.0, 0.0, 0.0, true);
+        }
+    }
+
+    /// Returns whether a proven gap prunes the pair, and remembers the gap.
+    #[inline(always)]
+    pub(crate) fn passes(&mut self, gap: f64) -> bool {
+        let passes = match self.goal {
+            MeshGoal::Least => gap >= self.level() - self.frame.tie,
+            MeshGoal::Within(d) | MeshGoal::All(d) => gap > d,
+        };
+        if passes {
+            self.lower = self.lower.smaller(gap);
+        }
+        passes
+    }
+
+    /// Bounds up to eight pairs of boxes.
+    pub(crate) fn bound(&mut self, pairs: &[NodePair]) -> BoxGaps {
+        self.work.bounds += pairs.len() as u64;
+        let single = |(_, n): &(NodePair, TriedDirection)| [n.in_a.x as f32, n.in_a.y as f32, n.in_a.z as f32];
+        let aim = BoundAim {
+            level: self.single + self.frame.single.error,
+            known: self.directions[0].as_ref().map(single),
+        };
+        bounds(&self.frame.single, (self.a, self.b), pairs, &aim)
+    }
+
+    /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
+    #[inline(always)]
+    pub(crate) fn settle(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
+        let proven = gap - self.frame.single.error;
+        if proven >= self.single {
+            self.least = self.least.smaller(proven);
+            return Some((normal, proven));
+        }
+        self.settle_close(pair, gap, normal)
+    }
+
+    #[inline(never)]
+    fn settle_close(&mut self, pair: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
+        let (error, level) = (self.frame.single.error, self.single);
+        let is_close = gap + 3.0 * error >= level || level < 8.0 * error;
+        for k in 0..if is_close { 2 } else { 0 } {
+            let Some((_, n)) = self.directions[k] else { break };
+            let gap = self.look(pair, &n);
+            if self.passes(gap) {
+                self.directions.swap(0, k);
+                return Some(self.proof(&n.in_a, gap));
+            }
+        }
+        match (self.a.is_leaf(pair[0]), self.b.is_leaf(pair[1])) {
+            (true, true) => Some(self.judge_leaves(pair, normal)),
+            (false, false) => None,
+            _ => self.by_support(pair, gap, normal),
+        }
+    }
+
+    /// Tries to prove a node of one body against the only item of the other, by the height of the
+    /// item itself: a box about a round body is much larger than the body.
+    fn by_support(&mut self, [x, y]: NodePair, gap: f32, normal: [f32; 3]) -> Option<GapProof> {
+        let (is_a, is_b) = (self.a.is_alone(), self.b.is_alone());
+        let reach = match (is_a, is_b) {
+            (true, _) => self.a.boxes[0].radius() * self.frame.single.scale_a,
+            (_, true) => self.b.boxes[0].radius() * self.frame.single.scale_b,
+            _ => return None,
+        };
+        if gap + reach < self.single {
+            return None;
+        }
+        let own = self.own_direction(normal);
+        for n in [own, self.directions[0].map(|d| d.1)].into_iter().flatten() {
+            self.work.looks += 1;
+            let high = if is_a {
+                self.judge.highest_in_a(0, &n.in_a)
+            } else {
+                height(self.a, x, &n.in_a)
+            };
+            let low = if is_b {
+                self.judge.lowest_in_b(0, &n.in_b)
+            } else {
+                -height(self.b, y, &-n.in_b)
+            };
+            let gap = low + n.lift - 2.0 * self.frame.error - high;
+            if self.passes(gap) {
+                return Some(self.proof(&n.in_a, gap));
+            }
+        }
+        None
+    }
+
+    /// Tries to prove two leaves along a direction in A's frame, by the items themselves.
+    pub(crate) fn by_items(&mut self, [x, y]: NodePair, normal: [f32; 3]) -> Option<GapProof> {
+        if !(self.a.is_leaf(x) && self.b.is_leaf(y)) {
+            return None;
+        }
+        let n = self.own_direction(normal)?;
+        self.work.looks += 1;
+        let (low, high) = (self.lowest(self.b.range(y), &n), self.highest(self.a.range(x), &n));
+        let gap = low + n.lift - 2.0 * self.frame.error - high;
+        self.passes(gap).then(|| self.proof(&n.in_a, gap))
+    }
+
+    /// Returns the least height of items of B.
+    fn lowest(&self, (first, last): (u32, u32), n: &TriedDirection) -> f64 {
+        (first..last).fold(f64::INFINITY, |low, k| low.smaller(self.judge.lowest_in_b(k, &n.in_b)))
+    }
+
+    /// Returns the greatest height of items of A.
+    fn highest(&self, (first, last): (u32, u32), n: &TriedDirection) -> f64 {
+        (first..last).fold(f64::NEG_INFINITY, |high, k| {
+            high.larger(self.judge.highest_in_a(k, &n.in_a))
+        })
+    }
+
+    /// Returns the direction along which two boxes are parted best.
+    fn own_direction(&self, normal: [f32; 3]) -> Option<TriedDirection> {
+        let n = near_unit(&Vector3::from(normal.each(f64::from)))?;
+        Some(TriedDirection::new(self.frame, &n))
+    }
+
+    /// Returns a direction and a gap in double precision, as an entry of the front keeps them.
+    pub(super) fn proof(&self, n: &Vector3<f64>, gap: f64) -> GapProof {
+        // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
+        // precision is far more.
+        let gap = (gap * self.frame.single.per_unit) as f32 - self.frame.single.error;
+        ([n.x as f32, n.y as f32, n.z as f32], gap)
+    }
+
+    /// Returns the gap of two nodes along a direction in double precision, error taken off: by
+    /// boxes and slabs, and if the gap is short by no more than single precision can hide, by the
+    /// vertices of small nodes.
+    fn look(&mut self, [x, y]: NodePair, n: &TriedDirection) -> f64 {
+        self.work.looks += 1;
+        let lift = n.lift - 2.0 * self.frame.error;
+        let (mut low, mut high) = (-height(self.b, y, &-n.in_b), height(self.a, x, &n.in_a));
+        let hidden = f64::from(self.frame.single.error) * self.frame.single.unit;
+        let level = self.level() - self.frame.tie;
+        let is_short = |gap: f64| gap < level && gap + hidden >= level;
+        if is_short(low + lift - high) {
+            if let Some(items) = few(self.b, y) {
+                low = self.lowest(items, n);
+            }
+            if is_short(low + lift - high)
+                && let Some(items) = few(self.a, x)
+            {
+                high = self.highest(items, n);
+            }
+        }
+        low + lift - high
+    }
+
+    /// Splits the pairs on the stack until each is proven, nearest first. Proven pairs go to the
+    /// front, if one is kept.
+    pub(crate) fn descend<K: ProofKeeper>(&mut self, stack: &mut Vec<NodePair>, mut front: Option<&mut K>) {
+        while !stack.is_empty() && !self.is_over() {
+            let mut halves = [[0; 2]; 2 * AT_ONCE];
+            let mut count = 0;
+            while count < 2 * AT_ONCE
+                && let Some(pair) = stack.pop()
+            {
+                if let Some(two) = split_pair((self.a, self.b), self.frame, pair) {
+                    halves[count..count + 2].copy_from_slice(&two);
+                    count += 2;
+                }
+            }
+            let halves = &mut halves[..count];
+            if halves.is_empty() {
+                continue;
+            }
+            self.settle_all(halves, stack, front.as_deref_mut());
+        }
+    }
+
+    /// Proves up to eight pairs, or puts them on the stack, the nearest last.
+    #[inline(always)]
+    pub(crate) fn settle_all<K: ProofKeeper>(
+        &mut self,
+        pairs: &[NodePair],
+        stack: &mut Vec<NodePair>,
+        mut front: Option<&mut K>,
+    ) {
+        let found = self.bound(pairs);
+        let mut open = [(0.0, [0; 2]); 2 * AT_ONCE];
+        let mut left = 0;
+        for (k, &pair) in pairs.iter().enumerate() {
+            match self.settle(pair, found.gap[k], found.normal[k]) {
+                Some(proof) => {
+                    if let Some(front) = front.as_deref_mut() {
+                        front.keep(self, pair, proof);
+                    }
+                }
+                None => {
+                    open[left] = (found.gap[k], pair);
+                    left += 1;
+                }
+            }
+        }
+        let open = &mut open[..left];
+        // A stable sort: pairs of equal bounds keep their order.
+        open.sort_by(|p, q| q.0.total_cmp(&p.0));
+        stack.extend(open.iter().map(|p| p.1));
+    }
+
+    /// Both roots, settled or on the stack.
+    pub(crate) fn start(&mut self, stack: &mut Vec<NodePair>, front: Option<&mut Front>) {
+        stack.clear();
+        let root = [0, 0];
+        let found = self.bound(&[root]);
+        match self.settle(root, found.gap[0], found.normal[0]) {
+            Some(proof) => {
+                if let Some(front) = front {
+                    front.keep(self, root, proof);
+                }
+            }
+            None => stack.push(root),
+        }
+    }
+}
+
+/// Returns the items of a node, if they are few.
+fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
+    let (first, last) = tree.range(node);
+    (last - first <= FEW_ITEMS).then_some((first, last))
+}
+
+impl<J: Judge> TreeSearch<'_, J> {
+    /// Finds a close pair of items: the few most promising pairs of nodes, level by level.
+    pub(crate) fn seed(&mut self) {
+        let mut beam = [[0u32; 2]; AT_ONCE];
+        let mut width = 1;
+        let mut leaves = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+        while width > 0 {
+            let mut halves = [[0; 2]; 2 * AT_ONCE];
+            let mut count = 0;
+            for &pair in &beam[..width] {
+                match split_pair((self.a, self.b), self.frame, pair) {
+                    Some(two) => {
+                        halves[count..count + 2].copy_from_slice(&two);
+                        count += 2;
+                    }
+                    None => keep(&mut leaves, (-f32::MAX, pair, [0.0; 3])),
+                }
+            }
+            if count == 0 {
+                break;
+            }
+            let found = self.bound(&halves[..count]);
+            let mut next = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+            for (k, &pair) in halves[..count].iter().enumerate() {
+                let is_leaf = self.a.is_leaf(pair[0]) && self.b.is_leaf(pair[1]);
+                keep(
+                    if is_leaf { &mut leaves } else { &mut next },
+                    (found.gap[k], pair, found.normal[k]),
+                );
+            }
+            width = next.iter().filter(|x| x.0 < f32::INFINITY).count();
+            (0..width).for_each(|k| beam[k] = next[k].1);
+        }
+        for (_, pair, normal) in leaves.into_iter().filter(|x| x.0 < f32::INFINITY).take(2) {
+            self.judge_leaves(pair, normal);
+        }
+    }
+}
+
+/// Puts a pair into a list sorted by gap; the last one falls out.
+fn keep(list: &mut [(f32, NodePair, [f32; 3]); AT_ONCE], new: (f32, NodePair, [f32; 3])) {
+    if new.0 < list[AT_ONCE - 1].0 {
+        list[AT_ONCE - 1] = new;
+        list.sort_by(|p, q| p.0.total_cmp(&q.0));
+    }
+}
+
+/// Pairs of items of two leaves that are not proven yet.
+struct OpenLeafPair {
+    of_a: (u32, u32),
+    of_b: (u32, u32),
+    /// A bit for each pair, four to an item of A.
+    left: u32,
+    /// The direction with the greatest least gap.
+    best: Option<(Vector3<f64>, f64)>,
+    /// Lower bound over the pairs that are proven.
+    proven: f64,
+}
+
+impl OpenLeafPair {
+    fn new(of_a: (u32, u32), of_b: (u32, u32)) -> Self {
+        let row = (1 << of_b.1) - 1;
+        let left = (0..of_a.1).fold(0, |bits, x| bits | row << (4 * x));
+        Self {
+            of_a,
+            of_b,
+            left,
+            best: None,
+            proven: f64::INFINITY,
+        }
+    }
+
+    /// Takes a distance that is proven of some pairs, if it is of use.
+    #[inline(always)]
+    fn prove<J: Judge>(&mut self, distance: f64) {
+        if J::IS_SELF {
+            self.proven = self.proven.smaller(distance);
+        }
+    }
+
+    /// Leaves out pairs that are not asked for.
+    fn only_asked<J: Judge>(&mut self, judge: &J) {
+        for bit in bits(self.left) {
+            if !judge.is_asked([self.of_a.0 + bit / 4, self.of_b.0 + bit % 4]) {
+                self.left &= !(1 << bit);
+            }
+        }
+    }
+}
+
+/// Returns the numbers of the bits that are set.
+#[inline(always)]
+fn bits(mut left: u32) -> impl Iterator<Item = u32> {
+    core::iter::from_fn(move || {
+        let bit = (left != 0).then(|| left.trailing_zeros())?;
+        left &= left - 1;
+        Some(bit)
+    })
+}
+
+impl<J: Judge> TreeSearch<'_, J> {
+    /// Judges all items of two leaves: along the best direction so far, along the boxes' own, by
+    /// measuring. The proof returned is the best single direction, whether it proves the pair far
+    /// enough or not.
+    fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
+        self.work.leaves += 1;
+        let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
+            return (normal, -f32::MAX);
+        };
+        let mut open = OpenLeafPair::new((i, m), (j, n));
+        if J::IS_SELF {
+            open.only_asked(&self.judge);
+        }
+        for k in 0..3 {
+            if J::IS_SELF && open.left == 0 {
+                break;
+            }
+            let known = self.directions.get(k).map(|d| d.map(|d| d.1));
+            if let Some(n) = known.unwrap_or_else(|| self.own_direction(normal)) {
+                self.along(&mut open, &n);
+            }
+            if open.left == 0 {
+                break;
+            }
+        }
+        while open.left != 0 && !self.is_over() {
+            let bit = open.left.trailing_zeros();
+            open.left &= open.left - 1;
+            let (n, lower) = self.measure([i + bit / 4, j + bit % 4]);
+            open.prove::<J>(lower);
+            self.along(&mut open, &TriedDirection::new(self.frame, &n));
+        }
+        if J::IS_SELF {
+            let is_whole = open.left == 0;
+            self.leaf_gap = if is_whole { open.proven } else { f64::NEG_INFINITY };
+            return ([0.0; 3], -f32::MAX);
+        }
+        match open.best {
+            Some((n, gap)) => self.proof(&n, gap),
+            None => (normal, -f32::MAX),
+        }
+    }
+
+    /// Passes by the pairs of items that a direction proves.
+    #[inline(always)]
+    fn along(&mut self, open: &mut OpenLeafPair, n: &TriedDirection) {
+        let (i, j) = (open.of_a.0, open.of_b.0);
+        let lift = n.lift - self.frame.error;
+        let (mut high, mut low) = ([f64::NEG_INFINITY; LEAF], [f64::INFINITY; LEAF]);
+        let (mut top, mut bottom) = (f64::NEG_INFINITY, f64::INFINITY);
+        for (item, to) in (i..i + open.of_a.1).zip(&mut high) {
+            *to = self.judge.highest_in_a(item, &n.in_a);
+            top = top.at_least(*to);
+        }
+        for (item, to) in (j..j + open.of_b.1).zip(&mut low) {
+            *to = self.judge.lowest_in_b(item, &n.in_b) + lift;
+            bottom = bottom.at_most(*to);
+        }
+        let least = bottom - top;
+        if least > self.frame.tie && self.passes(least) {
+            open.left = 0;
+            open.prove::<J>(least);
+        } else {
+            for bit in bits(open.left) {
+                let gap = low[bit as usize % LEAF] - high[bit as usize / LEAF];
+                if self.passes(gap) {
+                    open.left &= !(1 << bit);
+                    open.prove::<J>(gap);
+                    if gap <= self.frame.tie {
+                        self.touching.push([i + bit / 4, j + bit % 4]);
+                    }
+                }
+            }
+        }
+        if open.best.is_none_or(|b| b.1 < least) {
+            open.best = Some((n.in_a, least));
+        }
+    }
+}
+
+/// Work done by queries.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshWork {
+    /// Queries.
+    pub queries: u64,
+    /// Entries of the front that were proven again, or not, by their direction.
+    pub entries: u64,
+    /// Entries whose direction no longer proved them.
+    pub failed: u64,
+    /// Pairs of boxes bounded anew.
+    pub bounds: u64,
+    /// Pairs of boxes bounded in double precision.
+    pub looks: u64,
+    /// Pairs of leaves judged.
+    pub leaves: u64,
+    /// Pairs of triangles or pieces measured.
+    pub measured: u64,
+    /// Pairs settled by a certified query of two polygons.
+    pub settled: u64,
+    /// Fronts cut.
+    pub cuts: u64,
+    /// Winding numbers taken.
+    pub windings: u64,
+}
+
+sum_of_counters!(MeshWork {
+    queries,
+    entries,
+    failed,
+    bounds,
+    looks,
+    leaves,
+    measured,
+    settled,
+    cuts,
+    windings,
+});

@@ -1,0 +1,230 @@
+//! Meshes of triangles: checked, welded and put in the order of their tree.
+
+mod build;
+mod edges;
+pub(super) mod hull;
+pub(super) mod measure;
+mod own;
+#[cfg(feature = "serde")]
+mod persist;
+mod report;
+pub(crate) mod tracker;
+mod vertices;
+
+use alloc::boxed::Box;
+use alloc::string::String;
+use alloc::vec::Vec;
+use nalgebra::{Point3, Vector3};
+
+pub use hull::HullFit;
+pub use report::{MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
+
+use crate::base::num::each::Each;
+use crate::base::num::extremes::Extremes;
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::sign;
+use crate::base::tolerance::PART_EXTENT_MIN;
+use crate::body::polyhedron::ConvexPolyhedron;
+use crate::body::polyhedron::obj;
+use crate::nonconvex::tree::Tree;
+use vertices::{Bending, Stiff};
+
+/// A body made of triangles: the mesh as the caller brought it, not a decomposition.
+///
+/// A closed mesh is a solid, any other a surface ([`kind`](Self::kind)). `Send + Sync`, cheap to
+/// share by reference or `Arc`; immutable but for [`set_vertices`](Self::set_vertices), by which it
+/// bends. Coordinates are those of the caller, in the body's own frame, in any unit; triangles run
+/// counter-clockwise seen from outside.
+///
+/// ```
+/// use lin_canny::nalgebra::Point3;
+/// use lin_canny::{Mesh, MeshKind};
+///
+/// let points =
+///     [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 0., 1.]].map(Point3::from);
+/// let wedge = Mesh::new(&points, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
+/// assert_eq!(wedge.kind(), MeshKind::Solid);
+/// let open = Mesh::new(&points, &[[0, 2, 1], [0, 1, 3]])?;
+/// assert_eq!(open.kind(), MeshKind::Surface);
+/// assert_eq!(open.report().boundary_edges.len(), 4);
+/// # Ok::<(), lin_canny::MeshError>(())
+/// ```
+#[doc(alias = "trimesh")]
+#[doc(alias = "triangle soup")]
+#[derive(Clone, Debug)]
+pub struct Mesh {
+    /// Given coordinates times `2^-exponent`, in the order in which the triangles use them.
+    pub(crate) points: Vec<Vector3<f64>>,
+    /// Vertices of each triangle, in the order of the tree's leaves.
+    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The caller's index of each vertex, the lowest among equal ones.
+    pub(crate) source_points: Vec<u32>,
+    /// The caller's index of each triangle.
+    pub(crate) source_triangles: Vec<u32>,
+    /// Four vertices of each connected part, far from each other.
+    pub(crate) part_vertices: Vec<[u32; 4]>,
+    pub(crate) tree: Tree,
+    /// Stored lengths times `2^exponent` are the caller's; zero for ordinary sizes.
+    pub(crate) exponent: i32,
+    /// Largest distance of a vertex from the origin, rounded up, in stored units.
+    pub(crate) radius: f64,
+    /// Corners of the bounding box, in stored coordinates.
+    pub(crate) low: Vector3<f64>,
+    pub(crate) high: Vector3<f64>,
+    /// How far a vertex may be off its place, in stored units: zero but for a mesh that stands for
+    /// placed pieces, whose vertices are rounded.
+    pub(crate) off: f64,
+    /// By which a tracker recognises the mesh: of all that is drawn from the tree by number, which
+    /// is points, triangles, the links of the tree and the caller's numbers, and of every change
+    /// since. So no number of one mesh is used in another of the same fingerprint.
+    pub(crate) fingerprint: Fingerprint,
+    report: MeshReport,
+    /// Why the vertices cannot be replaced, if they cannot.
+    stiff: Option<Stiff>,
+    /// Of a mesh whose vertices have been replaced.
+    bending: Option<Box<Bending>>,
+}
+
+impl Mesh {
+    /// Returns whether the mesh bounds a volume.
+    #[must_use]
+    pub fn kind(&self) -> MeshKind {
+        self.report.kind
+    }
+
+    /// Returns what building the mesh kept, dropped and found.
+    #[must_use]
+    pub fn report(&self) -> &MeshReport {
+        &self.report
+    }
+
+    /// Returns the number of triangles.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
+    /// Returns the number of vertices.
+    #[must_use]
+    pub fn vertex_count(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Returns the corners of the bounding box in the body's own frame.
+    #[must_use]
+    pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
+        (self.given(&self.low), self.given(&self.high))
+    }
+
+    /// Returns the bytes that the mesh holds on the heap, without its report.
+    #[must_use]
+    pub fn heap_bytes(&self) -> usize {
+        let numbers = self.source_points.len() + self.source_triangles.len() + 4 * self.part_vertices.len();
+        size_of_val(&self.points[..]) + size_of_val(&self.triangles[..]) + 4 * numbers + self.tree.heap_bytes()
+    }
+
+    /// Returns the corners of every triangle with its index as the caller gave it, in the order of
+    /// the tree.
+    pub fn triangles(&self) -> impl Iterator<Item = (u32, [Point3<f64>; 3])> + '_ {
+        let each = self.triangles.iter().zip(&self.source_triangles);
+        each.map(|(t, &source)| (source, t.each(|v| self.given(&self.points[v as usize]))))
+    }
+
+    /// Returns the mesh as the text of an OBJ file: its welded points, every bit kept, and its
+    /// triangles, in the order of the tree.
+    ///
+    /// ```
+    /// use lin_canny::{Mesh, polyhedron::solids};
+    ///
+    /// let mesh = Mesh::from_convex(&solids::icosahedron(1.0)?)?;
+    /// let text = mesh.to_obj(); // std::fs::write("mesh.obj", text)?;
+    /// assert_eq!(text.lines().count(), 12 + 20);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[doc(alias = "write")]
+    #[doc(alias = "export")]
+    #[must_use]
+    pub fn to_obj(&self) -> String {
+        let faces = self.triangles.iter().map(|t| t.iter().map(|v| *v as usize));
+        obj(self.points.iter().map(|p| self.given(p)), faces)
+    }
+
+    /// Returns the corners of the box of a node of the mesh's tree, to be drawn: corner k is at the
+    /// far end of axis i if bit i of k is set. The box as it is compared is in single precision,
+    /// right within a millionth of the mesh.
+    #[cfg(feature = "__internals")]
+    #[doc(hidden)]
+    #[must_use]
+    pub fn node_box(&self, node: u32) -> Option<[Point3<f64>; 8]> {
+        let b = self.tree.boxes.get(node as usize)?;
+        let (centre, half) = (b.centre(), b.half());
+        Some(core::array::from_fn(|k| {
+            let end = |i: usize| b.axis(i) * if k >> i & 1 == 1 { half[i] } else { -half[i] };
+            let place = centre + end(0) + end(1) + end(2);
+            self.given(&(place * self.tree.unit() + self.tree.centre))
+        }))
+    }
+
+    pub(crate) fn is_solid(&self) -> bool {
+        self.report.kind == MeshKind::Solid
+    }
+
+    /// Returns a stored point in the caller's coordinates.
+    pub(crate) fn given(&self, stored: &Vector3<f64>) -> Point3<f64> {
+        Point3::from(if self.exponent == 0 {
+            *stored
+        } else {
+            stored * self.unit()
+        })
+    }
+
+    /// One stored unit in the caller's.
+    pub(crate) fn unit(&self) -> f64 {
+        crate::body::polyhedron::power_of_two(self.exponent)
+    }
+
+    /// Returns the middle of a triangle in stored coordinates.
+    pub(crate) fn triangle_middle(&self, triangle: u32) -> Vector3<f64> {
+        let [a, b, c] = self.corners(triangle);
+        (a + b + c) / 3.0
+    }
+
+    /// Returns the corners of a triangle in stored coordinates.
+    #[inline(always)]
+    pub(crate) fn corners(&self, triangle: u32) -> [Vector3<f64>; 3] {
+        let [a, b, c] = self.triangles[triangle as usize];
+        [
+            self.points[a as usize],
+            self.points[b as usize],
+            self.points[c as usize],
+        ]
+    }
+
+    /// Returns a triangle as a convex body in the caller's units: a segment or a point if it has no
+    /// area; `None` if it is smaller than [`PART_EXTENT_MIN`].
+    pub(crate) fn polygon(&self, triangle: u32) -> Option<ConvexPolyhedron> {
+        let corners: [Point3<f64>; 3] = self.corners(triangle).each(|p| self.given(&p));
+        ConvexPolyhedron::polygon_of(&corners, PART_EXTENT_MIN)
+            .ok()
+            .or_else(|| line(&corners))
+    }
+}
+
+/// Returns the segment or the point that three points on a line span.
+#[cold]
+fn line([a, b, c]: &[Point3<f64>; 3]) -> Option<ConvexPolyhedron> {
+    if sign::projection(&a.coords, &b.coords, &c.coords).is_some() {
+        return None;
+    }
+    // The ends are apart along the axis of the longest side.
+    let sides = [b - a, c - b, a - c];
+    let axis = sides.each(|s| s.iamax()).into_iter().max_by(|&i, &j| {
+        let longest = |k: usize| sides.iter().fold(0.0f64, |m, s| m.larger(s[k].abs()));
+        longest(i).total_cmp(&longest(j))
+    })?;
+    let mut ends = [*a, *b, *c];
+    ends.sort_by(|p, q| p[axis].total_cmp(&q[axis]));
+    ConvexPolyhedron::segment_of(ends[0], ends[2], PART_EXTENT_MIN)
+        .or_else(|_| ConvexPolyhedron::point(*a))
+        .ok()
+}

@@ -1,0 +1,447 @@
+//! Reasons to refuse a mesh, the report of a build (kept, dropped, found), and an inspection: where
+//! a mesh crosses itself, where its faces cancel, and which of its parts lie in others.
+//!
+//! Faces cancel that lie on each other in one plane and face opposite ways:
+//!
+//! ```text
+//!     wall            ----->-----+----->-----      outer face
+//!     window (cavity)   --<--    |                 its end, in the same plane
+//! ```
+
+use alloc::vec::Vec;
+use core::fmt;
+use core::ops::ControlFlow;
+use nalgebra::{Isometry3, Vector3};
+
+use super::Mesh;
+use crate::base::notice::{Progress, Stopped, Watch};
+use crate::base::num::each::Each;
+use crate::base::num::scalar::sqrt;
+use crate::base::num::sign;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::ONE_PLANE;
+use crate::nonconvex::meet::box_gaps::{BoundAim, WIDTH, bounds};
+use crate::nonconvex::meet::frame::{TreeFrame, split_pair};
+use crate::nonconvex::meet::triangle::{self, Triangle};
+use crate::nonconvex::parts::Parted;
+use crate::nonconvex::tree::Below;
+
+/// Reason why points and triangles make no mesh. Indices are the caller's, lengths in the caller's
+/// unit.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// A coordinate is infinite or not a number.
+    #[error("point {index} has a coordinate that is not finite")]
+    NotFinite {
+        /// The first such point.
+        index: usize,
+    },
+    /// A triangle names a point that does not exist.
+    #[error("triangle {triangle} names point {index}, which does not exist")]
+    IndexOutOfRange {
+        /// The triangle.
+        triangle: usize,
+        /// The index named.
+        index: usize,
+    },
+    /// More points or triangles than ids of 27 bits can name.
+    #[error("{count} points or triangles are more than ids can name")]
+    TooMany {
+        /// Points or triangles given.
+        count: usize,
+    },
+    /// No triangle is left: none was given, or all are degenerate.
+    #[error("no triangle is left of {given}")]
+    Empty {
+        /// Triangles given.
+        given: usize,
+    },
+    /// The longest side of the bounding box is below 1e-100 or above 1e100, or a coordinate is
+    /// above 1e116.
+    #[error("the extent {extent:e} lies outside 1e-100..1e100, or a coordinate is above 1e116")]
+    OutOfRange {
+        /// The longest side of the bounding box.
+        extent: f64,
+    },
+    /// A piece of a compound that is rounded or curved, and has no triangles.
+    #[error("piece {piece} is rounded or curved")]
+    Curved {
+        /// The piece.
+        piece: usize,
+    },
+    /// Triangles cannot be turned to close a mesh: two must meet at every edge. Returned by
+    /// [`Mesh::oriented`](super::Mesh::oriented).
+    #[error("{triangles} triangles meet at the edge of points {} and {}: only a mesh with two at every edge is oriented", edge[0], edge[1])]
+    NotTwo {
+        /// The points of the first such edge.
+        edge: [u32; 2],
+        /// Triangles that meet there.
+        triangles: usize,
+    },
+    /// Triangles cannot be turned to agree: the surface has one side, as a Moebius strip. Returned
+    /// by [`Mesh::oriented`](super::Mesh::oriented).
+    #[error("the surface has one side: its triangles cannot agree at the edge of points {} and {}", edge[0], edge[1])]
+    OneSided {
+        /// The points of an edge at which the triangles do not agree.
+        edge: [u32; 2],
+    },
+    /// A piece of a compound that is a point or a segment, or so thin that triangles of its faces
+    /// have no area where the piece is placed.
+    #[error("piece {piece} is a point, a segment, or too thin to have triangles")]
+    Thin {
+        /// The piece.
+        piece: usize,
+    },
+    /// Data of a stored mesh that do not describe one.
+    #[error("the stored mesh is damaged: {what}")]
+    Damaged {
+        /// The data that do not fit.
+        what: &'static str,
+    },
+    /// The caller's callback of progress has stopped the call.
+    #[error("the caller has stopped the build")]
+    Stopped,
+}
+
+impl From<Stopped> for MeshError {
+    fn from(_: Stopped) -> Self {
+        Self::Stopped
+    }
+}
+
+/// Reason why the vertices of a mesh cannot be replaced. Vertices are named by their numbers in
+/// [`Mesh::vertices`](super::Mesh::vertices), lengths are in the caller's unit.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum VertexError {
+    /// Another number of vertices than the mesh has.
+    #[error("{given} vertices were given for the {count} of the mesh")]
+    Count {
+        /// Vertices given.
+        given: usize,
+        /// Vertices of the mesh, without points that were welded or are not used.
+        count: usize,
+    },
+    /// A vertex that does not exist.
+    #[error("vertex {index} does not exist: the mesh has {count}")]
+    Missing {
+        /// The first such vertex.
+        index: usize,
+        /// Vertices of the mesh.
+        count: usize,
+    },
+    /// A coordinate is infinite or not a number.
+    #[error("vertex {index} has a coordinate that is not finite")]
+    NotFinite {
+        /// The first such vertex.
+        index: usize,
+    },
+    /// The longest side of the bounding box would be below 1e-100 or above 1e100, or a coordinate
+    /// above 1e116.
+    #[error("the extent {extent:e} lies outside 1e-100..1e100, or a coordinate is above 1e116")]
+    OutOfRange {
+        /// The longest side of the bounding box, or the coordinate.
+        extent: f64,
+    },
+    /// The build has dropped a triangle whose corners were on a line: it might have an area now.
+    #[error("triangle {triangle} was dropped when the mesh was built: its corners were on a line")]
+    Dropped {
+        /// The first such triangle, by the caller's index.
+        triangle: u32,
+    },
+    /// Edges that lie on others along a line close the mesh: the surface might open there.
+    #[error("the mesh is closed only along lines, where an edge faces two shorter ones")]
+    ClosedAlongLines,
+}
+
+/// Whether a mesh bounds a volume.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub enum MeshKind {
+    /// Closed: along every line as many edges of triangles run one way as the other, all along the
+    /// line; an edge may face two shorter ones. Points with a winding number other than zero are
+    /// inside and belong to the body.
+    Solid,
+    /// Not closed: the body is the triangles alone and has no inside.
+    Surface,
+}
+
+impl fmt::Display for MeshKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Solid => "solid",
+            Self::Surface => "surface",
+        })
+    }
+}
+
+/// A connected part of a mesh: triangles that share vertices.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshPart {
+    /// One triangle of the part, by the caller's index.
+    pub triangle: u32,
+    /// Number of triangles.
+    pub triangles: u32,
+    /// Signed volume if the mesh is a solid, in the caller's unit cubed: negative if the triangles
+    /// run clockwise seen from outside, as the triangles of a cavity do.
+    pub volume: f64,
+}
+
+/// What building a mesh kept, dropped and found. Indices are the caller's.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshReport {
+    /// Whether the mesh is closed.
+    pub kind: MeshKind,
+    /// Points given.
+    pub input_points: usize,
+    /// Triangles given.
+    pub input_triangles: usize,
+    /// Vertices of the mesh.
+    pub vertices: usize,
+    /// Triangles of the mesh.
+    pub triangles: usize,
+    /// Points that were welded to an earlier point with the same coordinates.
+    pub welded: usize,
+    /// Points that no triangle kept uses.
+    pub unused: usize,
+    /// Triangles dropped because their corners are collinear or equal. They close nothing: the kind
+    /// of the mesh is the same with them.
+    pub degenerate: Vec<u32>,
+    /// `(dropped, kept)`: triangles with the same corners in the same sense. None is dropped if the
+    /// mesh is closed only when they are counted.
+    pub repeated: Vec<(u32, u32)>,
+    /// Edges of one triangle. In a solid they lie on other edges along the same line.
+    pub boundary_edges: Vec<[u32; 2]>,
+    /// Edges of more than two triangles.
+    pub non_manifold_edges: Vec<[u32; 2]>,
+    /// Edges of two triangles that run along it in the same sense: one of them is turned over.
+    /// [`Mesh::oriented`](super::Mesh::oriented) turns it back.
+    pub misoriented_edges: Vec<[u32; 2]>,
+    /// Connected parts, by their first triangle.
+    pub parts: Vec<MeshPart>,
+    /// Coordinates replaced by zero: below `2^-200` of the extent, below which exact predicates
+    /// would run out of range.
+    pub flushed_coordinates: usize,
+}
+
+impl fmt::Display for MeshReport {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} of {} vertices and {} triangles in {} parts",
+            self.kind,
+            self.vertices,
+            self.triangles,
+            self.parts.len()
+        )?;
+        let found = [
+            (self.welded, "points welded"),
+            (self.unused, "points unused"),
+            (self.degenerate.len(), "degenerate triangles dropped"),
+            (self.repeated.len(), "repeated triangles dropped"),
+            (self.boundary_edges.len(), "boundary edges"),
+            (self.non_manifold_edges.len(), "non-manifold edges"),
+            (self.misoriented_edges.len(), "edges of triangles turned over"),
+            (self.flushed_coordinates, "coordinates flushed to zero"),
+        ];
+        for (count, what) in found.into_iter().filter(|x| x.0 > 0) {
+            write!(f, ", {count} {what}")?;
+        }
+        let inward = self.parts.iter().filter(|p| p.volume < 0.0).count();
+        if inward > 0 {
+            write!(f, ", {inward} parts facing inward")?;
+        }
+        Ok(())
+    }
+}
+
+/// What a mesh has that a clean solid does not. Indices are the caller's.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct MeshInspection {
+    /// Pairs of triangles of which an edge of one passes through the inside of the other: exact.
+    /// Triangles that overlap in one plane, or meet at edges, are not counted.
+    pub crossings: Vec<[u32; 2]>,
+    /// Pairs of triangles that lie on each other in one plane and face opposite ways, up to the
+    /// rounding of coordinates: their faces cancel. Between two parts in contact they are inside
+    /// the solid. A cavity that goes through a wall, as a window may be written, leaves
+    /// a sheet without thickness: the distance to the mesh is that to the sheet, and a body that
+    /// crosses the sheet counts as overlapping the mesh.
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub cancelling: Vec<[u32; 2]>,
+    /// Whether all crossings and cancelling faces are named: false if a list was full.
+    pub is_complete: bool,
+    /// Parts, by their number in [`MeshReport::parts`](super::MeshReport::parts), that lie in other
+    /// parts, and the winding number of the others about a vertex of the part: 1 for a part in a
+    /// solid, whose points have winding number 2, and for a cavity.
+    pub inner_parts: Vec<(u32, i32)>,
+}
+
+impl Mesh {
+    /// Looks for triangles that cross or cancel and parts in parts, up to `most` pairs of each.
+    /// Takes `n log n` time for meshes with few crossings, some ten times that of the build. None
+    /// is an error: distances and winding numbers are right for such meshes too.
+    #[must_use]
+    pub fn inspect(&self, most: usize) -> MeshInspection {
+        self.inspect_watched(most, &mut Watch::none())
+    }
+
+    /// Looks as [`inspect`](Self::inspect) does, and tells the caller how far it is. A caller who
+    /// stops it gets what was found so far, and an inspection that is not complete.
+    #[must_use]
+    pub fn inspect_with_progress(
+        &self,
+        most: usize,
+        progress: &mut dyn FnMut(Progress) -> ControlFlow<()>,
+    ) -> MeshInspection {
+        self.inspect_watched(most, &mut Watch::new(progress))
+    }
+
+    fn inspect_watched(&self, most: usize, watch: &mut Watch<'_>) -> MeshInspection {
+        let mut found = MeshInspection {
+            is_complete: true,
+            ..MeshInspection::default()
+        };
+        let pose = RelativePose::from_isometry(&Isometry3::identity());
+        if let Some(frame) = pose
+            .ok()
+            .and_then(|pose| TreeFrame::new(self.side(), self.side(), &pose))
+        {
+            self.cross(&frame, most, &mut found, watch);
+        }
+        found.crossings.sort_unstable();
+        found.cancelling.sort_unstable();
+        if self.is_solid() && watch.stage("parts in parts", None).is_ok() {
+            self.nest(&mut found);
+        }
+        found.is_complete &= watch.check().is_ok();
+        found
+    }
+
+    fn cross(&self, frame: &TreeFrame, most: usize, found: &mut MeshInspection, watch: &mut Watch<'_>) {
+        let (tree, aim) = (&self.tree, BoundAim::to(frame.single.error.next_up()));
+        let (mut stack, mut done) = (alloc::vec![[0, 0]], 0);
+        found.is_complete = watch.stage("crossings", None).is_ok();
+        while found.is_complete && !stack.is_empty() {
+            let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
+            let gaps = bounds(&frame.single, (tree, tree), &batch, &aim);
+            done += batch.len();
+            found.is_complete &= watch.done(done);
+            for (&[x, y], gap) in batch.iter().zip(gaps.gap) {
+                if gap > frame.single.error {
+                    continue;
+                }
+                match (x == y, tree.below(x)) {
+                    (true, Below::Children(c)) => stack.extend([[c, c], [c, c + 1], [c + 1, c + 1]]),
+                    _ => match split_pair((tree, tree), frame, [x, y]) {
+                        Some(two) => stack.extend(two),
+                        None => self.cross_leaves([x, y], most, found),
+                    },
+                }
+            }
+        }
+    }
+
+    fn cross_leaves(&self, nodes: [u32; 2], most: usize, found: &mut MeshInspection) {
+        let [(i, m), (j, n)] = nodes.each(|x| self.tree.range(x));
+        for t in i..m {
+            for u in if nodes[0] == nodes[1] { t + 1 } else { j }..n {
+                let (p, q) = (self.corners(t), self.corners(u));
+                let list = if passes(&p, &q) || passes(&q, &p) {
+                    &mut found.crossings
+                } else if self.cancel(&p, &q) {
+                    &mut found.cancelling
+                } else {
+                    continue;
+                };
+                if list.len() == most {
+                    found.is_complete = false;
+                    return;
+                }
+                let names = [t, u].each(|k| self.source_triangles[k as usize]);
+                list.push([names[0].min(names[1]), names[0].max(names[1])]);
+            }
+        }
+    }
+
+    /// Winding numbers of the other parts about a vertex of each.
+    fn nest(&self, found: &mut MeshInspection) {
+        if self.part_vertices.len() < 2 {
+            return;
+        }
+        let labels = self.labels();
+        for (part, own_vertices) in (0u32..).zip(&self.part_vertices) {
+            let own = labels[own_vertices[0] as usize];
+            let is_other = |t: u32| labels[self.triangles[t as usize][0] as usize] != own;
+            let winding = self.winding_of(&self.points[own_vertices[0] as usize], is_other);
+            if let Some(w) = winding.filter(|w| *w != 0) {
+                found.inner_parts.push((part, w));
+            }
+        }
+    }
+
+    /// Returns a number of the part of every vertex.
+    fn labels(&self) -> Vec<u32> {
+        let mut label: Vec<u32> = (0..self.points.len() as u32).collect();
+        for t in &self.triangles {
+            let [a, b, c] = t.each(|v| super::edges::find(&mut label, v));
+            let least = a.min(b).min(c);
+            [a, b, c].iter().for_each(|&r| label[r as usize] = least);
+        }
+        (0..label.len() as u32)
+            .map(|v| super::edges::find(&mut label, v))
+            .collect()
+    }
+}
+
+/// Returns whether an edge of one triangle passes through the inside of another: all signs exact.
+fn passes(x: &[Vector3<f64>; 3], [a, b, c]: &[Vector3<f64>; 3]) -> bool {
+    let heights = [0, 1, 2].each(|i| sign::side(a, b, c, &x[i]));
+    (0..3).any(|i| {
+        let (from, to) = (&x[i], &x[(i + 1) % 3]);
+        if !(heights[i] < 0.0 && heights[(i + 1) % 3] > 0.0 || heights[i] > 0.0 && heights[(i + 1) % 3] < 0.0) {
+            return false;
+        }
+        let turns = [
+            sign::side(from, to, a, b),
+            sign::side(from, to, b, c),
+            sign::side(from, to, c, a),
+        ];
+        turns.iter().all(|t| *t > 0.0) || turns.iter().all(|t| *t < 0.0)
+    })
+}
+
+impl Mesh {
+    /// Returns whether two triangles cancel over an area, up to the rounding of coordinates.
+    fn cancel(&self, p: &Triangle, q: &Triangle) -> bool {
+        let (m, n) = (triangle::normal(p), triangle::normal(q));
+        if !(m.dot(&n) < 0.0) {
+            return false;
+        }
+        // The plane of the larger one is the better known.
+        let (large, normal, small) = if m.norm_squared() < n.norm_squared() {
+            (q, n, p)
+        } else {
+            (p, m, q)
+        };
+        let (doubt, length) = (ONE_PLANE * self.radius, sqrt(normal.norm_squared()));
+        let is_off = |x: &Vector3<f64>| !(normal.dot(&(x - large[0])).abs() <= doubt * length);
+        if small.iter().any(is_off) {
+            return false;
+        }
+        let is_beside = |x: &Triangle, y: &Triangle, out: f64| {
+            (0..3).any(|i| {
+                let side = (x[(i + 1) % 3] - x[i]).cross(&normal) * out;
+                let length = sqrt(side.norm_squared());
+                y.iter().all(|v| side.dot(&(v - x[i])) >= -doubt * length)
+            })
+        };
+        !(is_beside(large, small, 1.0) || is_beside(small, large, -1.0))
+    }
+}

@@ -1,0 +1,373 @@
+//! Two meshes: the state of the pair, its queries, and the questions that a search asks about
+//! triangles at a pose ([`TriangleJudge`]).
+
+use alloc::boxed::Box;
+use nalgebra::Vector3;
+
+use crate::base::num::Counter;
+use crate::base::num::each::Each;
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, Feature, VertexId};
+use crate::convex::tracker::Tracker;
+use crate::nonconvex::front::memory::FrontMemory;
+use crate::nonconvex::front::{FrontFault, NodePair, audit};
+use crate::nonconvex::meet::frame::TreeFrame;
+use crate::nonconvex::meet::overlap::Touching;
+use crate::nonconvex::meet::search::MeshWork;
+use crate::nonconvex::meet::search::{Judge, Measured};
+use crate::nonconvex::meet::state::{PosedTrees, TreeAnswer, TreeState};
+use crate::nonconvex::meet::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::mesh::own::SelfState;
+use crate::nonconvex::parts::Parted;
+use crate::pair::outcome::Outcome;
+use crate::pair::spot::{Answer, Spot};
+
+/// The front of the last answer for one pair of meshes, from which the next query starts, and
+/// counters.
+///
+/// Owns no mesh. State changes time, never an answer: a tracker that comes from another
+/// pair, or is out of date, is allowed. Saving a tracker (feature `serde`) keeps its counters
+/// alone.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct MeshTracker {
+    pub(super) state: TreeState,
+    /// Of A against itself.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) own: Option<Box<SelfState>>,
+}
+
+impl MeshTracker {
+    /// Returns the work of all queries so far.
+    #[must_use]
+    pub(crate) fn work(&self) -> MeshWork {
+        self.state.kept.work
+    }
+
+    pub(crate) fn kept(&self) -> &FrontMemory {
+        &self.state.kept
+    }
+
+    pub(crate) fn count_windings(&mut self, taken: u64) {
+        self.state.kept.work.windings.count(taken);
+    }
+
+    /// Returns the number of entries of the front that is kept.
+    #[must_use]
+    pub(crate) fn front_len(&self) -> usize {
+        self.state.kept.front.len() + self.own.as_ref().map_or(0, |own| own.front.len())
+    }
+
+    /// Returns the front that is kept: pairs of nodes of A's and B's trees that are proven farther
+    /// apart than the distance.
+    #[cfg(feature = "__internals")]
+    pub(crate) fn front(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        self.state.kept.front.pairs()
+    }
+
+    /// Checks the front that is kept against all vertices, at the pose of the last
+    /// [`closest`](Self::closest), and what is claimed of A against itself: for debugging, in time
+    /// that is entries times triangles.
+    ///
+    /// # Errors
+    ///
+    /// The first claim that is false, or a pair that is not covered.
+    pub(crate) fn audit(&self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Result<(), FrontFault> {
+        if let Some(own) = &self.own {
+            own.audit(a)?;
+        }
+        match PosedTrees::new(a, b, a_from_b) {
+            Some(posed) if !self.state.kept.front.is_empty() => audit(&self.state.kept.front, a, b, &posed.frame),
+            _ => Ok(()),
+        }
+    }
+
+    /// Adds to the claim of an entry.
+    #[cfg(test)]
+    pub(crate) fn spoil(&mut self, entry: usize, by: f32) {
+        let front = &mut self.state.kept.front;
+        front.corrupt(front.place(entry % front.len()), by);
+    }
+
+    /// Loses an entry.
+    #[cfg(test)]
+    pub(crate) fn drop_entry(&mut self, entry: usize) {
+        let front = &mut self.state.kept.front;
+        front.remove(front.place(entry % front.len()));
+    }
+
+    /// Returns the bytes kept on the heap.
+    #[must_use]
+    pub(crate) fn heap_bytes(&self) -> usize {
+        let own = self.own.as_ref();
+        self.state.kept.heap_bytes() + own.map_or(0, |own| size_of::<SelfState>() + own.front.heap_bytes())
+    }
+
+    /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`.
+    /// Bodies in contact end the search early: surfaces at the first pair in contact, solids after
+    /// 128 of them if inner points of both are found.
+    pub(crate) fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Answer {
+        if PosedTrees::is_turned(a, b, a_from_b) {
+            return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
+        }
+        self.state.recognise(a, b);
+        self.state.kept.work.queries.count(1);
+        let answer = match PosedTrees::new(a, b, a_from_b) {
+            Some(posed) => self.state.closest(&posed, TriangleJudge::new(&posed, None)),
+            None => PosedTrees::far(a, b, a_from_b),
+        };
+        answered(a, b, &answer)
+    }
+
+    /// Returns whether the bodies are at most `d` apart, as told at `PairTracker::within`. Exact
+    /// with the feature `exact`; without it ties count as within. False for a negative `d` and for
+    /// NaN.
+    pub(crate) fn within(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose, d: f64) -> bool {
+        if !(d >= 0.0) {
+            return false;
+        }
+        if PosedTrees::is_turned(a, b, a_from_b) {
+            return self.within(b, a, &a_from_b.swapped(), d);
+        }
+        self.state.recognise(a, b);
+        self.state.kept.work.queries.count(1);
+        match PosedTrees::new(a, b, a_from_b) {
+            Some(posed) => {
+                let judge = TriangleJudge::new(&posed, Some(d));
+                self.state.within(&posed, judge, d / a.unit())
+            }
+            None => PosedTrees::far::<()>(a, b, a_from_b).lower <= d,
+        }
+    }
+
+    /// Returns a lower bound of the distance in one pass over the front, without looking for the
+    /// closest pair; zero if nothing better is known.
+    pub(crate) fn lower_bound(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> f64 {
+        if PosedTrees::is_turned(a, b, a_from_b) {
+            return self.lower_bound(b, a, &a_from_b.swapped());
+        }
+        self.state.recognise(a, b);
+        PosedTrees::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
+    }
+}
+
+fn answered(a: &Mesh, b: &Mesh, found: &TreeAnswer<[TriangleSpot; 2]>) -> Answer {
+    let (pair, features) = found.of.unwrap_or(([0, 0], [TriangleSpot::Vertex(0); 2]));
+    found.on(spots(a, b, pair, features))
+}
+
+/// Triangles nearer than this part of L take the direction of a face or of two edges if one proves
+/// as much as the direction of the witnesses: two more gaps for directions that prove flush
+/// neighbours. Plates of 3,000 triangles at a gap of 1e-3: 300 bounds a query without.
+const SHARP: f64 = 1.0 / 256.0;
+
+/// Judges pairs of triangles.
+pub(super) struct TriangleJudge<'a> {
+    posed: &'a PosedTrees<'a, Mesh, Mesh>,
+    /// The distance in question, in the caller's unit, if that is the question.
+    within: Option<f64>,
+    /// Pairs settled by polygons.
+    settled: u64,
+}
+
+impl<'a> TriangleJudge<'a> {
+    pub(super) fn new(posed: &'a PosedTrees<'a, Mesh, Mesh>, within: Option<f64>) -> Self {
+        Self {
+            posed,
+            within,
+            settled: 0,
+        }
+    }
+
+    /// Two triangles as polygons, and the answer of the certified query for them, in A's stored
+    /// units.
+    #[cold]
+    fn settle(&mut self, frame: &TreeFrame, pair: NodePair, found: &Closest) -> Option<Measured<[TriangleSpot; 2]>> {
+        self.settled += 1;
+        let (p, q) = self.polygons(pair)?;
+        let o: Outcome = Tracker::new().closest(&p, &q, self.posed.pose);
+        let unit = 1.0 / self.posed.a.unit();
+        let distance = (o.distance * unit).at_least(0.0);
+        let (lower, upper) = (o.lower * unit - frame.off, o.upper * unit + frame.off);
+        Some(Measured {
+            pair,
+            distance,
+            lower: lower.at_least(0.0).smaller(distance),
+            upper: upper.larger(distance),
+            normal: *o.normal,
+            on_a: o.point_on_a.coords * unit,
+            on_b: o.point_on_b.coords / self.posed.b.unit(),
+            features: found.spots,
+            crosses: upper < 0.0,
+        })
+        .filter(|m| m.lower >= m.distance - frame.tie)
+    }
+
+    fn is_within(&mut self, pair: NodePair, d: f64) -> bool {
+        self.settled += 1;
+        self.polygons(pair)
+            .is_none_or(|(p, q)| Tracker::new().within(&p, &q, self.posed.pose, d))
+    }
+
+    fn polygons(&self, [i, j]: NodePair) -> Option<(ConvexPolyhedron, ConvexPolyhedron)> {
+        Some((self.posed.a.polygon(i)?, self.posed.b.polygon(j)?))
+    }
+
+    /// Decides exactly (feature `exact`) whether two triangles are within the distance in question,
+    /// if the bounds do not. Ties of points that may be off their places count as within.
+    fn decide(&mut self, frame: &TreeFrame, m: &mut Measured<[TriangleSpot; 2]>) {
+        let Some(d) = self.within else { return };
+        let stored = d / self.posed.a.unit();
+        if m.lower > stored || m.upper <= stored {
+            return;
+        }
+        let is_within = frame.off > 0.0 || self.is_within(m.pair, d);
+        if is_within {
+            m.upper = m.upper.smaller(stored);
+            m.distance = m.distance.smaller(stored);
+            m.lower = m.lower.smaller(stored);
+        } else {
+            m.lower = stored.next_up();
+            m.distance = m.distance.larger(m.lower);
+            m.upper = m.upper.larger(m.lower) + frame.error;
+        }
+    }
+}
+
+/// Returns the triangles of a pair of items by the caller's numbers, and their features.
+pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> [Spot; 2] {
+    [spot(a, i, spots[0]), spot(b, j, spots[1])]
+}
+
+/// Returns the triangle of an item by the caller's number, and its feature.
+pub(super) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
+    let corners = mesh.triangles[item as usize].each(|v| mesh.source_points[v as usize]);
+    let at = |k: u8| corners[k as usize % 3];
+    let triangle = mesh.source_triangles[item as usize];
+    let feature = match spot {
+        TriangleSpot::Vertex(k) => Feature::Vertex(VertexId(at(k))),
+        TriangleSpot::Edge(k) => Feature::Edge(EdgeId(at(k))),
+        TriangleSpot::Inside => Feature::Face(FaceId(triangle)),
+    };
+    Spot::new(triangle, feature)
+}
+
+/// Returns the gap of two placed triangles along a direction.
+#[inline(always)]
+fn gap(p: &Triangle, q: &Triangle, n: &Vector3<f64>) -> f64 {
+    let high = p.iter().map(|x| n.dot(x)).fold(f64::NEG_INFINITY, f64::larger);
+    let low = q.iter().map(|x| n.dot(x)).fold(f64::INFINITY, f64::smaller);
+    low - high
+}
+
+/// Directions of the triangles themselves, the likelier first: outward from either, for flush
+/// triangles; perpendicular to both features.
+fn candidates(p: &Triangle, q: &Triangle, found: &Closest) -> [Vector3<f64>; 4] {
+    let edge = |t: &Triangle, k: u8| t[(k as usize + 1) % 3] - t[k as usize % 3];
+    let (of_p, of_q) = (triangle::normal(p), triangle::normal(q));
+    let across = match found.spots {
+        [TriangleSpot::Edge(i), TriangleSpot::Edge(j)] => edge(p, i).cross(&edge(q, j)),
+        // A vertex at an edge: perpendicular to the edge, in the plane of its triangle.
+        [TriangleSpot::Edge(i), _] => edge(p, i).cross(&of_p),
+        [_, TriangleSpot::Edge(j)] => of_q.cross(&edge(q, j)),
+        [TriangleSpot::Inside, _] => -of_p,
+        _ => of_q,
+    };
+    [of_p, -of_q, across, -across]
+}
+
+/// Returns the unit vector of a direction; `None` for a zero direction and for NaN.
+fn unit(v: &Vector3<f64>) -> Option<Vector3<f64>> {
+    let n = v / sqrt(v.norm_squared());
+    // Written so that NaN is none.
+    (n.norm_squared() > 0.5).then_some(n)
+}
+
+impl Judge for TriangleJudge<'_> {
+    type Features = [TriangleSpot; 2];
+
+    #[inline(always)]
+    fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        self.posed.a.highest(item, n)
+    }
+
+    #[inline(always)]
+    fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        let [a, b, c] = self.posed.b.corners(item);
+        n.dot(&a).at_most(n.dot(&b)).at_most(n.dot(&c))
+    }
+
+    fn settled(&self) -> u64 {
+        self.settled
+    }
+
+    fn shares_inside(&self, touching: &Touching, found: &Measured<[TriangleSpot; 2]>) -> (bool, u64) {
+        self.posed.shares_inside(touching, found, false)
+    }
+
+    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, known: f64) -> Measured<[TriangleSpot; 2]> {
+        let p = self.posed.a.corners(pair[0]);
+        let local = self.posed.b.corners(pair[1]);
+        let q = local.each(|x| frame.point(&x));
+        let found = triangle::closest(&p, &q);
+        let distance = sqrt(found.square);
+        let crosses = found.pierces && certainly_cross(&p, &q, frame.error);
+        // Witnesses nearer than rounding have no direction.
+        let between = if distance > frame.error {
+            unit(&(found.on_q - found.on_p))
+        } else {
+            None
+        };
+        let mut best = between.map_or(f64::NEG_INFINITY, |n| gap(&p, &q, &n));
+        let mut normal = between.unwrap_or_else(Vector3::x);
+        // For `within`, the bound must exceed the threshold.
+        let known = if self.within.is_some() {
+            known + frame.tie + frame.error
+        } else {
+            known
+        };
+        let enough = distance.smaller(known) - frame.tie + frame.error;
+        if best >= enough {
+            // Witnesses so near have a direction that errs by rounding over their distance, which
+            // long triangles and whole plates in flush contact show.
+            if distance < SHARP * frame.size {
+                let level = enough.larger(best - frame.error);
+                let sharp = |n: &Vector3<f64>| gap(&p, &q, n) >= level;
+                if let Some(n) = candidates(&p, &q, &found).iter().filter_map(unit).find(sharp) {
+                    (best, normal) = (gap(&p, &q, &n), n);
+                }
+            }
+        } else {
+            for n in candidates(&p, &q, &found).iter().filter_map(unit) {
+                let along = gap(&p, &q, &n);
+                if along > best + frame.error {
+                    (best, normal) = (along, n);
+                }
+            }
+        }
+        let mut m = Measured {
+            pair,
+            distance,
+            lower: (best - frame.error).at_least(0.0),
+            upper: distance + frame.error,
+            normal,
+            on_a: found.on_p,
+            on_b: frame.rotation.tr_mul(&(found.on_q - frame.translation))
+                * (self.posed.a.unit() / self.posed.b.unit()),
+            features: found.spots,
+            crosses,
+        };
+        if crosses {
+            (m.lower, m.upper) = (0.0, 0.0);
+        } else if !(best >= enough)
+            && let Some(settled) = self.settle(frame, pair, &found)
+        {
+            m = settled;
+        }
+        self.decide(frame, &mut m);
+        m
+    }
+}

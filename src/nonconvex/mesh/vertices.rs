@@ -1,0 +1,456 @@
+//! Vertices of a mesh, and their replacement: meshes that bend.
+//!
+//! Triangles, their order in the tree and whether the mesh is closed stay; points, boxes, the
+//! bounding box and the fingerprint change. The fingerprint is that of the whole history, since
+//! the boxes of a node are those of a history; a tracker recognises its own state of the mesh among
+//! the last ones, and knows by the paths of the nodes how far the points have moved since.
+
+use alloc::boxed::Box;
+use alloc::vec::Vec;
+use nalgebra::{Point3, Vector3};
+
+use super::build::InTreeOrder;
+use super::build::Units;
+use super::{Mesh, VertexError};
+use crate::base::notice::Watch;
+use crate::base::num::each::Each;
+use crate::base::num::extremes::{Bounded, Extremes, largest};
+use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{EXTENT_MAX, EXTENT_MIN, PLACE_MAX, UNIT};
+use crate::body::polyhedron::power_of_two;
+use crate::nonconvex::tree::{Paths, Refit};
+
+/// The last states of a mesh whose vertices are replaced by which a tracker recognises the mesh: a
+/// tracker that has missed more replacements begins anew. Not measured.
+const STATES: usize = 16;
+
+/// A tree gets another origin and unit if a vertex is farther from the origin than this along an
+/// axis, or half the diagonal of the box shorter than this, in units of the tree; a tree has a half
+/// diagonal between one and two when it is made. Two bits of single precision are lost at most.
+const GROWN: f64 = 4.0;
+const SHRUNK: f64 = 0.5;
+
+/// The upper part of a tree is made anew if so many times as many of its boxes hold points of the
+/// surface as when it was made. Sheets of 20,000 triangles that are rolled up thrice in 100 frames
+/// have 2,790 bounds a query instead of 3,670 (a whole new tree 1,570), ones that are folded thrice
+/// 1,630 instead of 2,080 (1,060) on the way, tori twisted by half a turn 3,070 instead of 3,670
+/// (2,050). Crumpled ones gain nothing and lose up to a fifth.
+const LOOSE: f64 = 1.25;
+
+/// Boxes are counted again once the longest moves of a vertex since the last count add up to this,
+/// in units of the tree: a count takes a tenth of a refit of 100,000 triangles.
+const COUNT_PATH: f64 = 1.0 / 16.0;
+
+/// The upper part of a tree is made anew after so many replacements of all vertices at the
+/// earliest, in the time of some ten of them.
+const REBUILD_WORK: usize = 16;
+
+/// Why the vertices of a mesh cannot be replaced: its triangles would not be the same body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Stiff {
+    /// A triangle was dropped because its corners were on a line, and might have an area now.
+    Dropped { triangle: u32 },
+    /// Edges that lie on others along a line close the mesh, and might part.
+    ClosedAlongLines,
+}
+
+/// What a mesh keeps once its vertices have been replaced.
+#[derive(Clone, Debug)]
+pub(super) struct Bending {
+    /// The vertex of each number.
+    order: Vec<u32>,
+    /// The vertices as built, by number.
+    pub(super) built: Vec<Point3<f64>>,
+    refit: Refit,
+    /// How many boxes held points of the surface when the tree was made.
+    held: u64,
+    /// The path of the tree beyond which boxes are counted.
+    tight_until: u64,
+    /// Vertices given since the tree was made.
+    given: usize,
+    /// Of the mesh as built.
+    lineage: Fingerprint,
+    /// Of the mesh before its last replacements.
+    past: [Fingerprint; STATES],
+    replacements: usize,
+    /// Buffers: the next points, and how far each vertex moves.
+    next: Vec<Vector3<f64>>,
+    steps: Vec<u32>,
+}
+
+/// Returns the vertices by their number, if these are the caller's indices of them.
+pub(super) fn by_source(sources: &[u32]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..sources.len() as u32).collect();
+    order.sort_unstable_by_key(|&k| sources[k as usize]);
+    order
+}
+
+impl Bending {
+    fn new(mesh: &Mesh) -> Self {
+        let order = by_source(&mesh.source_points);
+        Self {
+            built: order.iter().map(|&v| mesh.given(&mesh.points[v as usize])).collect(),
+            order,
+            refit: Refit::new(&mesh.tree, &mesh.points, &mesh.triangles),
+            held: mesh.tree.held(&mesh.points, &mesh.triangles),
+            tight_until: Paths::units(COUNT_PATH).map_or(0, u64::from),
+            given: 0,
+            lineage: mesh.fingerprint,
+            past: [mesh.fingerprint; STATES],
+            replacements: 0,
+            next: Vec::new(),
+            steps: Vec::new(),
+        }
+    }
+
+    /// Returns the fingerprint of a mesh some vertices of which are replaced.
+    fn fingerprint(before: Fingerprint, first: usize, vertices: &[Point3<f64>]) -> Fingerprint {
+        let mut all = Fingerprinter::new(*b"vertices");
+        all.fingerprint(before);
+        all.word(first as u64);
+        all.word(vertices.len() as u64);
+        vertices.iter().for_each(|p| all.vector(&p.coords));
+        all.end()
+    }
+}
+
+impl Mesh {
+    /// Returns the vertices in the order of their numbers: that of the points of which the mesh was
+    /// built, without points that were welded to an earlier one and points that no triangle uses.
+    /// If there were none of these, the numbers are the caller's indices.
+    #[must_use]
+    pub fn vertices(&self) -> Vec<Point3<f64>> {
+        let order = by_source(&self.source_points);
+        order.iter().map(|&v| self.given(&self.points[v as usize])).collect()
+    }
+
+    /// Returns the caller's index of every vertex in the order of the vertices' numbers, the lowest
+    /// among equal points.
+    #[must_use]
+    pub fn vertex_sources(&self) -> Vec<u32> {
+        let mut sources = self.source_points.clone();
+        sources.sort_unstable();
+        sources
+    }
+
+    /// Returns the vertices of every triangle by their numbers, those of
+    /// [`vertices`](Self::vertices), in the order of the caller's triangles, those left out that
+    /// the [report](Self::report) names as dropped.
+    #[must_use]
+    pub fn triangle_vertices(&self) -> Vec<[u32; 3]> {
+        let mut numbers = alloc::vec![0; self.points.len()];
+        for (number, v) in (0..).zip(by_source(&self.source_points)) {
+            numbers[v as usize] = number;
+        }
+        let order = by_source(&self.source_triangles);
+        let corners = |t: u32| self.triangles[t as usize].each(|v| numbers[v as usize]);
+        order.into_iter().map(corners).collect()
+    }
+
+    /// Replaces all vertices, in the order of [`vertices`](Self::vertices): the mesh bends.
+    ///
+    /// The triangles stay, and so does the [`kind`](Self::kind): a closed mesh remains closed
+    /// whatever its vertices do, and points with a winding number other than zero are inside.
+    /// Vertices may come to equal places and triangles lose their area; what is left of a triangle,
+    /// a segment or a point, is measured. Welded points remain one vertex. Answers are as those of
+    /// a mesh built anew; a tracker of the mesh goes on from where it was, and so does one of a
+    /// mesh whose last few replacements it has not seen. The [report](Self::report) remains that of
+    /// the build.
+    ///
+    /// The tree is fitted to the vertices. Its upper part is made anew, over parts of up to 64
+    /// triangles, once the tree has become loose: if a quarter more of its boxes hold points of the
+    /// surface than when it was made, as of a sheet that is rolled up. Boxes are counted each time
+    /// the vertices have moved by some hundredths of the size of the mesh, and not before all
+    /// vertices have been replaced 16 times since the last tree was made, calls that move none left
+    /// out. So a call now and then
+    /// takes some ten times as long as others, and trackers begin anew after it; when, is settled
+    /// by the vertices given alone, not by queries.
+    ///
+    /// Flush contacts of large flat parts take longer until [`rebuild`](Self::rebuild) makes a
+    /// whole new tree. If a mesh has moved, grown or shrunk by twice its size and more, trackers
+    /// begin anew. The first call makes what later ones need.
+    ///
+    /// ```
+    /// use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
+    /// use lin_canny::polyhedron::solids;
+    /// use lin_canny::{Mesh, PairTracker, RelativePose};
+    ///
+    /// let mut ball = Mesh::from_convex(&solids::icosahedron(1.0)?)?;
+    /// let floor = solids::cuboid(Vector3::new(4.0, 4.0, 1.0))?;
+    /// let at = Isometry3::translation(0.0, 0.0, -3.0);
+    /// let pose = RelativePose::from_isometry(&at)?;
+    /// let rest = ball.vertices();
+    /// let lowest = rest.iter().fold(0.0, |z: f64, p| z.min(p.z));
+    /// let mut tracker = PairTracker::new();
+    /// for frame in 1..10 {
+    ///     let long = 1.0 + 0.1 * f64::from(frame);
+    ///     let now: Vec<_> = rest
+    ///         .iter()
+    ///         .map(|p| Point3::new(p.x, p.y, p.z * long))
+    ///         .collect();
+    ///     ball.set_vertices(&now)?;
+    ///     let found = tracker.closest(&ball, &floor, &pose);
+    ///     assert!((found.distance - (2.0 + lowest * long)).abs() < 1e-14);
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// Another number of vertices, a coordinate that is not finite, an extent or a coordinate out
+    /// of the range of meshes; a mesh of which the build dropped a triangle whose three corners
+    /// were on a line, or that is closed only along lines. The mesh is then as before.
+    #[doc(alias = "deform")]
+    #[doc(alias = "refit")]
+    pub fn set_vertices(&mut self, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
+        self.move_all(vertices).map(|_| ())
+    }
+
+    /// Replaces the vertices from number `first` on, as [`set_vertices`](Self::set_vertices) does:
+    /// only the boxes about them are fitted anew.
+    ///
+    /// # Errors
+    ///
+    /// As [`set_vertices`](Self::set_vertices); a vertex that does not exist instead of another
+    /// number of vertices.
+    pub fn set_vertices_from(&mut self, first: usize, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
+        self.move_vertices(first, vertices).map(|_| ())
+    }
+
+    /// Replaces all vertices; returns an upper bound of how far any point of the mesh has moved, in
+    /// the caller's unit.
+    pub(crate) fn move_all(&mut self, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
+        let (given, count) = (vertices.len(), self.vertex_count());
+        if given != count {
+            return Err(VertexError::Count { given, count });
+        }
+        self.move_vertices(0, vertices)
+    }
+
+    fn move_vertices(&mut self, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
+        let count = self.vertex_count();
+        if first.checked_add(vertices.len()).is_none_or(|end| end > count) {
+            return Err(VertexError::Missing {
+                index: first.max(count),
+                count,
+            });
+        }
+        if let Some(k) = vertices.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(VertexError::NotFinite { index: first + k });
+        }
+        match self.stiff {
+            Some(Stiff::Dropped { triangle }) => return Err(VertexError::Dropped { triangle }),
+            Some(Stiff::ClosedAlongLines) => return Err(VertexError::ClosedAlongLines),
+            None => {}
+        }
+        let mut bending = self.take_bending();
+        let before = self.fingerprint;
+        let result = self.replace(&mut bending, first, vertices);
+        // Calls that the fingerprint does not see change nothing else either.
+        let is_loose = self.fingerprint != before && {
+            bending.given = bending.given.saturating_add(vertices.len());
+            self.is_loose(&mut bending)
+        };
+        self.bending = Some(bending);
+        if is_loose {
+            let new = InTreeOrder::with_new_top(&self.tree, &self.points, &self.triangles);
+            self.take_tree(*b"new top ", new);
+        }
+        result
+    }
+
+    /// Takes what bending needs out of the mesh, made at the first call.
+    fn take_bending(&mut self) -> Box<Bending> {
+        self.bending.take().unwrap_or_else(|| {
+            Box::new(Bending {
+                // The tree of the build may be made anew at once.
+                given: REBUILD_WORK * self.vertex_count(),
+                ..Bending::new(self)
+            })
+        })
+    }
+
+    /// Returns the mesh in its own tree with the vertices of an earlier state; `None` if these are
+    /// not the same triangles.
+    pub(crate) fn as_before(&self, earlier: &Self) -> Option<Self> {
+        let is_same = self.stiff.is_none()
+            && self.vertex_sources() == earlier.vertex_sources()
+            && self.triangle_vertices() == earlier.triangle_vertices();
+        if !is_same {
+            return None;
+        }
+        let mut before = self.clone();
+        let mut bending = before.take_bending();
+        before.replace(&mut bending, 0, &earlier.vertices()).ok()?;
+        before.bending = Some(bending);
+        Some(before)
+    }
+
+    /// Returns whether the tree has become loose: counted if vertices have moved far since the last
+    /// count, and the tree has served for some time.
+    fn is_loose(&self, bending: &mut Bending) -> bool {
+        let is_early = bending.given < REBUILD_WORK * self.vertex_count();
+        if is_early || self.tree.paths.total < bending.tight_until {
+            return false;
+        }
+        bending.tight_until = self.tree.paths.total + Paths::units(COUNT_PATH).map_or(0, u64::from);
+        self.tree.held(&self.points, &self.triangles) as f64 > LOOSE * bending.held as f64
+    }
+
+    /// Makes the whole tree of the mesh anew, for vertices that were replaced: in the time of a
+    /// build. Trackers begin anew. Does nothing for a mesh whose vertices never were.
+    ///
+    /// [`set_vertices`](Self::set_vertices) makes the upper part anew once it is loose. A whole new
+    /// tree pays if the mesh stays nearly as it is for many queries, and for flush contacts of
+    /// large flat parts. If the mesh goes on to bend, the tree of the build may be better:
+    /// triangles near each other on the surface remain so, those of layers that slide on each other
+    /// do not.
+    pub fn rebuild(&mut self) {
+        if self.bending.is_none() {
+            return;
+        }
+        // A build that is not watched is not stopped.
+        let Ok(new) = InTreeOrder::new(&self.points, &self.triangles, &mut Watch::none()) else {
+            return;
+        };
+        self.take_tree(*b"new tree", new);
+    }
+
+    /// Takes another tree over the same triangles, as they are now, made in a way that `kind`
+    /// names. No state of a tracker is recognised any more.
+    pub(super) fn take_tree(&mut self, kind: [u8; 8], new: InTreeOrder) {
+        let Some(bending) = self.bending.take() else { return };
+        self.fingerprint = self.fingerprint_in(kind, &new);
+        self.source_triangles = new.sources(&self.source_triangles);
+        self.source_points = new.source.iter().map(|&v| self.source_points[v as usize]).collect();
+        let vertices = self.part_vertices.iter_mut().flatten();
+        vertices.for_each(|v| *v = new.number[*v as usize]);
+        (self.tree, self.points, self.triangles) = (new.tree, new.points, new.triangles);
+        let Bending { built, lineage, .. } = *bending;
+        self.bending = Some(Box::new(Bending {
+            built,
+            lineage,
+            ..Bending::new(self)
+        }));
+    }
+
+    /// Returns the fingerprint of the mesh as built: one for all places of its vertices.
+    pub(crate) fn lineage(&self) -> Fingerprint {
+        self.bending.as_ref().map_or(self.fingerprint, |b| b.lineage)
+    }
+
+    /// Returns whether the mesh has had a fingerprint before, one of the last few, and since then
+    /// the paths of its tree tell how far its points have moved.
+    pub(crate) fn came_from(&self, earlier: Fingerprint) -> bool {
+        self.bending.as_ref().is_some_and(|b| b.past.contains(&earlier))
+    }
+
+    /// Takes vertices that exist and are finite.
+    fn replace(&mut self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<f64, VertexError> {
+        self.place(bending, first, vertices)?;
+        let moves = self.moves(bending);
+        let extent = largest(&(moves.high - moves.low)) * self.unit();
+        if !(EXTENT_MIN..=EXTENT_MAX).contains(&extent) {
+            return Err(VertexError::OutOfRange { extent });
+        }
+        let units = Units::of(&((moves.high - moves.low) * self.unit()));
+        let is_near = self.is_near(&moves) && units.exponent == self.exponent;
+        if is_near && moves.longest == 0 {
+            return Ok(0.0);
+        }
+        let moved = sqrt(moves.square) * (1.0 + 8.0 * UNIT) * self.unit();
+        let before = self.fingerprint;
+        self.fingerprint = Bending::fingerprint(before, first, vertices);
+        self.take_points(bending, &units);
+        if is_near {
+            bending.past[bending.replacements % STATES] = before;
+            bending.replacements += 1;
+        } else {
+            bending.past.fill(self.fingerprint);
+            bending.steps.fill(1);
+            self.tree.centre_on(&self.low, &self.high);
+            bending.tight_until = 0;
+        }
+        self.tree
+            .refit(&mut bending.refit, &self.points, &self.triangles, &bending.steps);
+        Ok(moved)
+    }
+
+    /// Sets the next points.
+    fn place(&self, bending: &mut Bending, first: usize, vertices: &[Point3<f64>]) -> Result<(), VertexError> {
+        let replaced = &bending.order[first..first + vertices.len()];
+        let (next, stored) = (&mut bending.next, power_of_two(-self.exponent));
+        if vertices.len() < self.points.len() || next.len() < self.points.len() {
+            next.clone_from(&self.points);
+        }
+        for (&v, p) in replaced.iter().zip(vertices) {
+            if p.coords.amax() > PLACE_MAX {
+                return Err(VertexError::OutOfRange {
+                    extent: p.coords.amax(),
+                });
+            }
+            next[v as usize] = p.coords * stored;
+        }
+        Ok(())
+    }
+
+    /// Finds how far each vertex moves to its next place.
+    fn moves(&self, bending: &mut Bending) -> Moves {
+        let scale = 1.0 / self.tree.unit();
+        let start = Vector3::repeat(f64::INFINITY);
+        let mut moves = Moves {
+            low: start,
+            high: -start,
+            square: 0.0,
+            longest: 0,
+        };
+        bending.steps.resize(self.points.len(), 0);
+        for ((p, q), step) in self.points.iter().zip(&bending.next).zip(&mut bending.steps) {
+            let square = (q - p).norm_squared();
+            // Too long a step is longer than all others, and of no use.
+            *step = Paths::units(sqrt(square) * scale).unwrap_or(u32::MAX);
+            moves.longest = moves.longest.max(*step);
+            moves.square = moves.square.at_least(square);
+            moves.low = moves.low.zip_map(q, f64::at_most);
+            moves.high = moves.high.zip_map(q, f64::at_least);
+        }
+        moves
+    }
+
+    /// Returns whether the next places are near enough to the tree's origin, and far enough apart,
+    /// for the unit of the tree.
+    fn is_near(&self, moves: &Moves) -> bool {
+        let (low, high, scale) = (moves.low, moves.high, 1.0 / self.tree.unit());
+        let farthest = (low - self.tree.centre).abs().larger((high - self.tree.centre).abs());
+        let half = sqrt(((high - low) * 0.5).norm_squared()) * scale;
+        moves.longest < u32::MAX && farthest.amax() * scale < GROWN && half > SHRUNK
+    }
+
+    /// Makes the next points those of the mesh.
+    fn take_points(&mut self, bending: &mut Bending, units: &Units) {
+        core::mem::swap(&mut self.points, &mut bending.next);
+        let ratio = power_of_two((self.exponent - units.exponent).clamp(-1000, 1000));
+        let start = Vector3::repeat(f64::INFINITY);
+        let (mut low, mut high, mut square) = (start, -start, 0.0f64);
+        for p in &mut self.points {
+            *p = p.map(|x| units.flushed(x * ratio));
+            square = square.at_least(p.norm_squared());
+            (low, high) = (low.zip_map(p, f64::at_most), high.zip_map(p, f64::at_least));
+        }
+        self.exponent = units.exponent;
+        self.radius = sqrt(square) * (1.0 + 4.0 * UNIT);
+        (self.low, self.high) = (low, high);
+    }
+}
+
+/// How points move to their next places, in stored coordinates.
+struct Moves {
+    /// The corners of the box about the next places.
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+    /// The square of the longest move.
+    square: f64,
+    /// The longest step, in units of a path.
+    longest: u32,
+}

@@ -1,0 +1,264 @@
+//! Meshes and bodies of pieces as convex parts under a tree, and relative poses of parts that stand
+//! at poses of their own.
+
+use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+
+use crate::base::num::each::Each;
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::fingerprint::Fingerprint;
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::body::shape::Shape;
+#[cfg(feature = "exact")]
+use crate::convex::exact::place::ExactVector;
+use crate::nonconvex::meet::frame::TreeSide;
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::pieces::Compound;
+
+/// Triangles of a solid whose middles are asked on which side of another surface they are, if the
+/// vertices asked first all lie within rounding of it. Not measured.
+const MIDDLES: usize = 256;
+
+/// A mesh or a compound.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum PartsRef<'a> {
+    /// A mesh of triangles.
+    Mesh(&'a Mesh),
+    /// A body of pieces.
+    Pieces(&'a Compound),
+}
+
+/// A body of convex parts under a tree: a [`Mesh`], whose parts are its triangles, or a
+/// [`Compound`], whose parts are its pieces. Points and directions are in stored
+/// units of the body; an item is a part by its number in the tree.
+pub(crate) trait Parted {
+    /// Returns the body by its kind, for questions that meshes and pieces answer in other ways.
+    fn by_kind(&self) -> PartsRef<'_>;
+
+    /// Returns the body as its tree sees it.
+    fn side(&self) -> TreeSide<'_>;
+
+    /// Returns the number by which a tracker recognises the body.
+    fn fingerprint(&self) -> Fingerprint;
+
+    /// Returns whether the body has had a fingerprint before, and since then the paths of its tree
+    /// tell how far its points have moved.
+    fn came_from(&self, earlier: Fingerprint) -> bool;
+
+    /// Returns one stored unit in the caller's.
+    fn stored_unit(&self) -> f64;
+
+    /// Returns the corners of a bounding box in the body's own frame, right up to rounding.
+    fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
+
+    /// Returns half the diagonal of the bounding box, or the radius about the body's own origin if
+    /// that is less, in the caller's unit: how large the body is, wherever its origin lies.
+    fn half_size(&self) -> f64 {
+        let (low, high) = self.corners_of_box();
+        let radius = self.side().radius * self.stored_unit();
+        radius.smaller(0.5 * sqrt((high - low).norm_squared()))
+    }
+
+    /// Returns whether all parts stand in the frame of the body, so that no pose is composed.
+    fn is_in_place(&self) -> bool;
+
+    /// Returns an upper bound of the height of an item along a direction of any length.
+    fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
+
+    /// Returns the caller's number of an item.
+    fn number(&self, item: u32) -> u32;
+
+    /// Returns the shape of an item and its pose in the body; `None` for a triangle too small
+    /// beside its mesh to be a body of its own.
+    fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
+
+    /// Returns whether points inside belong to the body: not so for surfaces.
+    fn is_solid(&self) -> bool;
+
+    /// Returns whether [`holds`](Self::holds) can be true: for solid meshes alone.
+    fn may_hold(&self) -> bool;
+
+    /// Returns the number of connected parts, as far as it is known: of pieces, or of a mesh.
+    fn probe_count(&self) -> usize;
+
+    /// Returns points of a connected part that are far from each other: of a mesh not all in one
+    /// plane, if the part is not flat; of a piece first an inner one.
+    fn probe(&self, k: usize) -> [Vector3<f64>; 4];
+
+    /// Returns the middle of one of up to 256 triangles all over a mesh of one connected
+    /// part; `None` beyond the last, for other meshes, and for pieces.
+    fn further_probe(&self, k: usize) -> Option<Vector3<f64>>;
+
+    /// Returns a point of a connected part without rounding, in the caller's unit.
+    #[cfg(feature = "exact")]
+    fn exact_probe(&self, k: usize) -> ExactVector;
+
+    /// Returns whether a point that may be off its place by `doubt` is inside a solid mesh: false
+    /// for pieces, which are measured as solids. `None` if the surface is as near as the doubt, or
+    /// if every segment to the outside met an edge.
+    fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool>;
+}
+
+impl Parted for Mesh {
+    fn by_kind(&self) -> PartsRef<'_> {
+        PartsRef::Mesh(self)
+    }
+
+    fn side(&self) -> TreeSide<'_> {
+        TreeSide {
+            tree: &self.tree,
+            exponent: self.exponent,
+            radius: self.radius,
+            off: self.off,
+        }
+    }
+
+    fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
+    fn came_from(&self, earlier: Fingerprint) -> bool {
+        Mesh::came_from(self, earlier)
+    }
+
+    fn stored_unit(&self) -> f64 {
+        self.unit()
+    }
+
+    fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>) {
+        self.aabb()
+    }
+
+    fn is_in_place(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn highest(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        let [a, b, c] = self.corners(item);
+        n.dot(&a).at_least(n.dot(&b)).at_least(n.dot(&c))
+    }
+
+    fn number(&self, item: u32) -> u32 {
+        self.source_triangles[item as usize]
+    }
+
+    fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
+        Some((Shape::from(self.polygon(item)?), Isometry3::identity()))
+    }
+
+    fn is_solid(&self) -> bool {
+        Mesh::is_solid(self)
+    }
+
+    fn may_hold(&self) -> bool {
+        Mesh::is_solid(self)
+    }
+
+    fn probe_count(&self) -> usize {
+        self.part_vertices.len()
+    }
+
+    fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
+        self.part_vertices[k].each(|v| self.points[v as usize])
+    }
+
+    fn further_probe(&self, k: usize) -> Option<Vector3<f64>> {
+        let count = self.triangles.len();
+        let t = k * count.div_ceil(MIDDLES);
+        (self.part_vertices.len() == 1 && t < count).then(|| self.triangle_middle(t as u32))
+    }
+
+    #[cfg(feature = "exact")]
+    fn exact_probe(&self, k: usize) -> ExactVector {
+        let [first, ..] = self.probe(k);
+        ExactVector::new(&first).in_units(-self.exponent)
+    }
+
+    fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool> {
+        self.holds_point(point, doubt)
+    }
+}
+
+macro_rules! either {
+    ($parts:expr, $body:ident => $result:expr) => {
+        match *$parts {
+            PartsRef::Mesh($body) => $result,
+            PartsRef::Pieces($body) => $result,
+        }
+    };
+}
+
+macro_rules! forward {
+    ($(fn $name:ident(&self $(, $argument:ident: $kind:ty)*) -> $result:ty;)*) => {$(
+        fn $name(&self $(, $argument: $kind)*) -> $result {
+            either!(self, body => Parted::$name(body $(, $argument)*))
+        }
+    )*};
+}
+
+impl Parted for PartsRef<'_> {
+    fn by_kind(&self) -> PartsRef<'_> {
+        *self
+    }
+
+    #[cfg(feature = "exact")]
+    fn exact_probe(&self, k: usize) -> ExactVector {
+        either!(self, body => body.exact_probe(k))
+    }
+
+    forward! {
+        fn side(&self) -> TreeSide<'_>;
+        fn fingerprint(&self) -> Fingerprint;
+        fn came_from(&self, earlier: Fingerprint) -> bool;
+        fn stored_unit(&self) -> f64;
+        fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>);
+        fn is_in_place(&self) -> bool;
+        fn highest(&self, item: u32, n: &Vector3<f64>) -> f64;
+        fn number(&self, item: u32) -> u32;
+        fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)>;
+        fn is_solid(&self) -> bool;
+        fn may_hold(&self) -> bool;
+        fn probe_count(&self) -> usize;
+        fn probe(&self, k: usize) -> [Vector3<f64>; 4];
+        fn further_probe(&self, k: usize) -> Option<Vector3<f64>>;
+        fn holds(&self, point: &Vector3<f64>, doubt: f64) -> Option<bool>;
+    }
+}
+
+/// Returns B in A's frame, right up to rounding.
+pub(super) fn relative(pose: &RelativePose) -> Isometry3<f64> {
+    let (pose_a, pose_b) = pose.poses();
+    let unit = |q: UnitQuaternion<f64>| UnitQuaternion::new_normalize(q.into_inner());
+    let rotation = unit(unit(pose_a.rotation).inverse() * unit(pose_b.rotation));
+    Isometry3::from_parts(pose.translation().into(), rotation)
+}
+
+/// From the pose of two bodies to those of their parts.
+pub(crate) struct Placed<'a> {
+    pose: &'a RelativePose,
+    /// B in A's frame, if poses have to be composed.
+    composed: Option<Isometry3<f64>>,
+}
+
+impl<'a> Placed<'a> {
+    /// `is_in_place`: whether all parts of both bodies stand in the frames of the bodies.
+    pub(crate) fn new(pose: &'a RelativePose, is_in_place: bool) -> Self {
+        let composed = (!is_in_place).then(|| relative(pose));
+        Self { pose, composed }
+    }
+
+    pub(super) fn of(pose: &'a RelativePose, a: &impl Parted, b: &impl Parted) -> Self {
+        Self::new(pose, a.is_in_place() && b.is_in_place())
+    }
+
+    /// Returns the relative pose of two parts, and whether it is the bodies' own without rounding.
+    pub(crate) fn between(&self, p: &Isometry3<f64>, q: &Isometry3<f64>) -> (RelativePose, bool) {
+        let Some(composed) = &self.composed else {
+            return (*self.pose, true);
+        };
+        let mut placed = composed * q;
+        placed.rotation = UnitQuaternion::new_normalize(placed.rotation.into_inner());
+        RelativePose::new(p, &placed).map_or((*self.pose, false), |pose| (pose, false))
+    }
+}

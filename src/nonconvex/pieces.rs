@@ -1,0 +1,725 @@
+//! Bodies of placed convex pieces; the state of a pair of bodies of convex parts, and its queries.
+//!
+//! At a pose, pairs of parts are asked by trackers that are kept ([`PartJudge`]).
+
+use alloc::collections::BTreeMap;
+use alloc::string::String;
+use alloc::vec::Vec;
+use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
+
+use crate::base::notice::Watch;
+use crate::base::num::Counter;
+use crate::base::num::each::Each;
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::fingerprint::{Fingerprint, Fingerprinter};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::RelativePose;
+use crate::base::tolerance::{CERTIFICATE, EXPONENT_FREE, PLACE_MAX, PLACED, UNIT};
+use crate::body::polyhedron::{
+    BoxHint, BuildError, ConvexPolyhedron, FeaturePair, bounding_box, exponent_of, power_of_two,
+};
+use crate::body::shape::{Core, Mass, Shape};
+#[cfg(feature = "exact")]
+use crate::convex::exact::place::ExactVector;
+use crate::convex::shape_tracker::ShapeTracker;
+use crate::nonconvex::front::NodePair;
+use crate::nonconvex::front::memory::FrontMemory;
+use crate::nonconvex::meet::frame::{TreeFrame, TreeSide};
+use crate::nonconvex::meet::overlap::Touching;
+use crate::nonconvex::meet::search::MeshWork;
+use crate::nonconvex::meet::search::{Judge, Measured};
+use crate::nonconvex::meet::state::{PosedTrees, Recognised, TreeAnswer, TreeState};
+use crate::nonconvex::mesh::{Mesh, MeshError, MeshKind};
+use crate::nonconvex::parts::Placed;
+use crate::nonconvex::parts::{Parted, PartsRef};
+use crate::nonconvex::tree::Tree;
+use crate::pair::outcome::{ContactState, Outcome};
+use crate::pair::spot::{Answer, Spot};
+
+/// A convex piece of a [`Compound`]: a shape of any kind, its pose in the body's frame, and a
+/// name.
+#[derive(Clone, Debug)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Piece {
+    /// The caller's name; names may repeat.
+    pub name: String,
+    /// The shape in its own frame.
+    pub shape: Shape,
+    /// From the shape's frame to the body's. The rotation is normalised when the body is built.
+    pub pose: Isometry3<f64>,
+}
+
+impl Piece {
+    /// Returns a piece whose frame is the body's, without a name.
+    #[must_use]
+    pub fn new(shape: impl Into<Shape>) -> Self {
+        Self {
+            name: String::new(),
+            shape: shape.into(),
+            pose: Isometry3::identity(),
+        }
+    }
+
+    /// Returns the distance of the farthest point of the shape from the origin of its frame, plus
+    /// the length of the translation.
+    fn reach(&self) -> f64 {
+        let (centre, radius) = self.shape.bounding_ball();
+        sqrt(centre.coords.norm_squared()) + radius + sqrt(self.pose.translation.vector.norm_squared())
+    }
+}
+
+/// Reason why pieces make no body.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CompoundError {
+    /// No piece, or more than 2^27.
+    #[error("{count} pieces make no body")]
+    Count {
+        /// Pieces given.
+        count: usize,
+    },
+    /// A pose that is not finite, or a piece farther than 1e116 from the body's origin.
+    #[error("piece {piece} stands at no finite place")]
+    Pose {
+        /// The piece.
+        piece: usize,
+    },
+}
+
+/// A body made of placed convex pieces of every kind of [`Shape`], which may overlap: the links of
+/// URDF and MJCF files, or a decomposition. A body of one piece is a convex body against meshes and
+/// compounds.
+///
+/// The body is the union of the pieces, each a solid. Immutable, `Send + Sync`.
+///
+/// ```
+/// use lin_canny::nalgebra::{Isometry3, Vector3};
+/// use lin_canny::polyhedron::solids;
+/// use lin_canny::{Compound, PairTracker, Piece, RelativePose};
+///
+/// let beam = solids::cuboid(Vector3::new(1.0, 0.1, 0.1))?;
+/// let mut upright = Piece::new(beam.clone());
+/// let quarter = Vector3::z() * std::f64::consts::FRAC_PI_2;
+/// upright.pose = Isometry3::new(Vector3::new(1.0, 0.9, 0.0), quarter);
+/// let bracket = Compound::new(vec![Piece::new(beam), upright])?;
+/// let mut pair = PairTracker::new();
+/// let pose = Isometry3::translation(0.0, 0.0, 0.5);
+/// let a_from_b = RelativePose::from_isometry(&pose)?;
+/// let found = pair.closest(&bracket, &bracket, &a_from_b);
+/// assert!((found.distance - 0.3).abs() < 1e-14);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias = "compound")]
+#[derive(Clone, Debug)]
+pub struct Compound {
+    /// In the caller's order.
+    pieces: Vec<Piece>,
+    /// The piece of each leaf of the tree.
+    order: Vec<u32>,
+    /// Whether all frames are the body's, so that no pose is composed.
+    in_place: bool,
+    tree: Tree,
+    exponent: i32,
+    radius: f64,
+    low: Vector3<f64>,
+    high: Vector3<f64>,
+    /// An inner point of each piece and another of its points, in stored units.
+    probes: Vec<[Vector3<f64>; 2]>,
+    fingerprint: Fingerprint,
+}
+
+impl Compound {
+    /// Builds a body of pieces.
+    ///
+    /// # Errors
+    ///
+    /// No piece, or a pose that is not finite.
+    pub fn new(mut pieces: Vec<Piece>) -> Result<Self, CompoundError> {
+        if pieces.is_empty() || pieces.len() > 1 << 27 {
+            return Err(CompoundError::Count { count: pieces.len() });
+        }
+        let mut points = Vec::new();
+        let mut corners: Vec<Vec<u32>> = Vec::new();
+        for (k, piece) in pieces.iter_mut().enumerate() {
+            piece.pose.rotation = UnitQuaternion::new_normalize(piece.pose.rotation.into_inner());
+            let first = points.len();
+            extend_by_hull(&mut points, &piece.shape);
+            let placed = &mut points[first..];
+            placed
+                .iter_mut()
+                .for_each(|p| *p = (piece.pose * Point3::from(*p)).coords);
+            // Written so that NaN is refused.
+            if !placed.iter().all(|p: &Vector3<f64>| p.amax() < PLACE_MAX) {
+                return Err(CompoundError::Pose { piece: k });
+            }
+            corners.push((first as u32..points.len() as u32).collect());
+        }
+        Ok(Self::assemble(pieces, &points, &corners))
+    }
+
+    fn assemble(pieces: Vec<Piece>, given: &[Vector3<f64>], corners: &[Vec<u32>]) -> Self {
+        let (low, high) = bounding_box(given);
+        // A point, or a body far smaller than its distance from the origin, is as large as the
+        // rounding of its place.
+        let place = low.amax().larger(high.amax()) * UNIT;
+        let size = sqrt(((high - low) * 0.5).norm_squared()).larger(place);
+        // A point at the body's own origin has no size: any unit serves.
+        let size = if size > 0.0 { size } else { 1.0 };
+        let window = 2 * EXPONENT_FREE;
+        let exponent = (exponent_of(size) + EXPONENT_FREE).div_euclid(window) * window;
+        let scale = power_of_two(-exponent);
+        let stored: Vec<_> = given.iter().map(|p| p * scale).collect();
+        let (mut tree, order) = Tree::split(&stored, corners, 1, &mut Watch::none());
+        let mut points = Vec::with_capacity(stored.len());
+        let items: Vec<Vec<u32>> = order
+            .iter()
+            .map(|&k| {
+                let first = points.len() as u32;
+                points.extend(corners[k as usize].iter().map(|&v| stored[v as usize]));
+                (first..points.len() as u32).collect()
+            })
+            .collect();
+        let farthest = pieces.iter().map(Piece::reach).fold(0.0, f64::larger) * scale;
+        tree.fit(&points, &items, CERTIFICATE * UNIT * farthest, &mut Watch::none());
+        let (low, high) = bounding_box(&points);
+        Self {
+            fingerprint: fingerprint(&pieces),
+            in_place: pieces.iter().all(|p| p.pose == Isometry3::identity()),
+            radius: farthest * (1.0 + 64.0 * UNIT),
+            probes: pieces.iter().map(|p| probe(p).each(|x| x * scale)).collect(),
+            pieces,
+            order,
+            tree,
+            exponent,
+            low,
+            high,
+        }
+    }
+
+    /// Returns the hash of shapes and poses.
+    pub(crate) fn recognised(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
+    /// Returns the pieces in the caller's order.
+    #[must_use]
+    pub fn pieces(&self) -> &[Piece] {
+        &self.pieces
+    }
+
+    /// Returns the corners of a bounding box in the body's own frame, right up to rounding.
+    #[must_use]
+    pub fn aabb(&self) -> (Point3<f64>, Point3<f64>) {
+        let unit = self.unit();
+        (Point3::from(self.low * unit), Point3::from(self.high * unit))
+    }
+
+    /// Returns the surfaces of all pieces as one solid mesh, whose parts may overlap. Vertices of
+    /// placed pieces are rounded.
+    ///
+    /// # Errors
+    ///
+    /// A piece that is rounded or curved ([`MeshError::Curved`]); a piece that would be missing
+    /// from the mesh ([`MeshError::Thin`]); an extent outside 1e-100..1e100.
+    pub fn to_mesh(&self) -> Result<Mesh, MeshError> {
+        let (mut points, mut triangles, mut ends) = (Vec::new(), Vec::new(), Vec::new());
+        for (k, piece) in self.pieces.iter().enumerate() {
+            let (Core::Polyhedron(shape), 0.0) = (piece.shape.core(), piece.shape.round()) else {
+                return Err(MeshError::Curved { piece: k });
+            };
+            if shape.face_count() == 0 {
+                return Err(MeshError::Thin { piece: k });
+            }
+            let base = points.len() as u32;
+            points.extend(shape.vertex_points().map(|p| piece.pose * p));
+            for face in shape.faces() {
+                let rim: Vec<u32> = shape.face_vertices(face).map(|v| base + v.index() as u32).collect();
+                triangles.extend(rim.windows(2).skip(1).map(|w| [rim[0], w[0], w[1]]));
+            }
+            ends.push(triangles.len());
+        }
+        let lost = |triangle: u32| MeshError::Thin {
+            piece: ends.partition_point(|end| *end <= triangle as usize),
+        };
+        match Mesh::new(&points, &triangles) {
+            Ok(mesh) => match mesh.report().degenerate.first() {
+                Some(&triangle) => Err(lost(triangle)),
+                None => Ok(mesh),
+            },
+            Err(MeshError::Empty { .. }) => Err(lost(0)),
+            Err(other) => Err(other),
+        }
+    }
+
+    /// Returns the mesh that is the same body as the pieces, but for the rounding of placed ones,
+    /// by which its points are known to be off their places. `None` if there is no such mesh: a
+    /// piece without volume, or one whose surface the mesh would change.
+    pub(crate) fn stand_in(&self) -> Option<Mesh> {
+        let has_volume = |p: &Piece| matches!(p.shape.core(), Core::Polyhedron(body) if body.face_count() > 2);
+        if !self.pieces.iter().all(has_volume) {
+            return None;
+        }
+        let mesh = self.to_mesh().ok()?;
+        // Welded points and repeated triangles leave the set of points, and what it encloses.
+        let is_same = mesh.kind() == MeshKind::Solid && mesh.report().flushed_coordinates == 0;
+        is_same.then(|| mesh.with_points_off(self.off()))
+    }
+
+    /// Returns how far a vertex of a placed piece may be off its place, in the caller's unit.
+    fn off(&self) -> f64 {
+        let placed = self.pieces.iter().filter(|p| p.pose != Isometry3::identity());
+        PLACED * placed.map(Piece::reach).fold(0.0, f64::larger)
+    }
+
+    /// Returns volume, centre of mass and inertia at unit density, in the body's frame: what pieces
+    /// share is counted as often, and bodies without volume have the mean of the pieces' centres.
+    /// `None` if the mass of a piece has no closed form ([`Shape::mass`]).
+    #[must_use]
+    pub fn mass(&self) -> Option<Mass> {
+        let own: Vec<Mass> = self.pieces.iter().map(|p| p.shape.mass()).collect::<Option<_>>()?;
+        let placed = || self.pieces.iter().zip(&own);
+        let volume: f64 = own.iter().map(|m| m.volume).sum();
+        let weight = |m: &Mass| {
+            if volume > 0.0 {
+                m.volume / volume
+            } else {
+                1.0 / own.len() as f64
+            }
+        };
+        let parts = placed().map(|(p, m)| (p.pose * m.centroid).coords * weight(m));
+        let centroid = Point3::from(parts.sum::<Vector3<f64>>());
+        let inertia = placed().map(|(p, m)| {
+            let turn = p.pose.rotation.to_rotation_matrix().into_inner();
+            let d = p.pose * m.centroid - centroid;
+            let shift = Matrix3::identity() * d.norm_squared() - d * d.transpose();
+            turn * m.inertia * turn.transpose() + shift * m.volume
+        });
+        Some(Mass {
+            volume,
+            centroid,
+            inertia: inertia.sum(),
+        })
+    }
+
+    /// Returns a polyhedron about all pieces: the hull, if all are polyhedra without a radius; else
+    /// with the boxes of the others.
+    pub(super) fn hull(&self) -> Result<ConvexPolyhedron, BuildError> {
+        let mut points = Vec::new();
+        for piece in &self.pieces {
+            let mut own = Vec::new();
+            extend_by_hull(&mut own, &piece.shape);
+            points.extend(own.into_iter().map(|p| piece.pose * Point3::from(p)));
+        }
+        ConvexPolyhedron::from_points(&points)
+    }
+
+    fn unit(&self) -> f64 {
+        power_of_two(self.exponent)
+    }
+}
+
+impl From<Shape> for Compound {
+    /// Returns a body of one piece in its own frame.
+    fn from(shape: Shape) -> Self {
+        let mut points = Vec::new();
+        extend_by_hull(&mut points, &shape);
+        let corners = [(0..points.len() as u32).collect()];
+        Self::assemble(alloc::vec![Piece::new(shape)], &points, &corners)
+    }
+}
+
+impl Parted for Compound {
+    fn by_kind(&self) -> PartsRef<'_> {
+        PartsRef::Pieces(self)
+    }
+
+    fn side(&self) -> TreeSide<'_> {
+        TreeSide {
+            tree: &self.tree,
+            exponent: self.exponent,
+            radius: self.radius,
+            // Judges of pieces count the rounding of composed poses.
+            off: 0.0,
+        }
+    }
+
+    fn fingerprint(&self) -> Fingerprint {
+        self.fingerprint
+    }
+
+    fn came_from(&self, _: Fingerprint) -> bool {
+        false
+    }
+
+    fn stored_unit(&self) -> f64 {
+        self.unit()
+    }
+
+    fn corners_of_box(&self) -> (Point3<f64>, Point3<f64>) {
+        self.aabb()
+    }
+
+    fn is_in_place(&self) -> bool {
+        self.in_place
+    }
+
+    fn highest(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        let piece = &self.pieces[self.order[item as usize] as usize];
+        let scale = power_of_two(-self.exponent);
+        if self.in_place {
+            return piece.shape.support_height(n) * scale;
+        }
+        let pose = &piece.pose;
+        let local = pose.rotation.inverse_transform_vector(n);
+        let height = pose.translation.vector.dot(n) + piece.shape.support_height(&local);
+        height * scale + CERTIFICATE * UNIT * self.radius * (n.x.abs() + n.y.abs() + n.z.abs())
+    }
+
+    fn number(&self, item: u32) -> u32 {
+        self.order[item as usize]
+    }
+
+    fn part(&self, item: u32) -> Option<(Shape, Isometry3<f64>)> {
+        let piece = &self.pieces[self.order[item as usize] as usize];
+        Some((piece.shape.clone(), piece.pose))
+    }
+
+    fn is_solid(&self) -> bool {
+        true
+    }
+
+    fn may_hold(&self) -> bool {
+        false
+    }
+
+    fn probe_count(&self) -> usize {
+        self.probes.len()
+    }
+
+    fn probe(&self, k: usize) -> [Vector3<f64>; 4] {
+        let [inner, other] = self.probes[k];
+        [inner, other, inner, other]
+    }
+
+    fn further_probe(&self, _: usize) -> Option<Vector3<f64>> {
+        None
+    }
+
+    #[cfg(feature = "exact")]
+    fn exact_probe(&self, k: usize) -> ExactVector {
+        let piece = &self.pieces[k];
+        let vertex = match piece.shape.core() {
+            Core::Polyhedron(body) => body.vertex_points().next(),
+            _ => None,
+        };
+        let point = ExactVector::new(&vertex.unwrap_or_else(Point3::origin).coords);
+        if piece.pose == Isometry3::identity() {
+            point
+        } else {
+            point.placed(&piece.pose)
+        }
+    }
+
+    fn holds(&self, _: &Vector3<f64>, _: f64) -> Option<bool> {
+        Some(false)
+    }
+}
+
+/// Returns an inner point of a piece and another of its points, in the caller's unit and the body's
+/// frame.
+fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
+    let two = match piece.shape.core() {
+        Core::Polyhedron(body) => [Some(body.centroid()), body.vertex_points().next()],
+        _ => [None; 2],
+    };
+    two.each(|p| (piece.pose * p.unwrap_or_else(Point3::origin)).coords)
+}
+
+/// Adds points in whose hull a shape lies: the vertices of a polyhedron, the corners of a box of
+/// any other shape.
+fn extend_by_hull(points: &mut Vec<Vector3<f64>>, shape: &Shape) {
+    match (shape.core(), shape.round()) {
+        (Core::Polyhedron(body), 0.0) => points.extend(body.vertex_points().map(|p| p.coords)),
+        _ => {
+            let (low, high) = shape.aabb_at(&Isometry3::identity(), &mut BoxHint::default());
+            let end = |k: usize, i: usize| if k >> i & 1 == 1 { high[i] } else { low[i] };
+            points.extend((0..8).map(|k| Vector3::new(end(k, 0), end(k, 1), end(k, 2))));
+        }
+    }
+}
+
+/// Returns the fingerprint of shapes and poses.
+fn fingerprint(pieces: &[Piece]) -> Fingerprint {
+    let mut all = Fingerprinter::new(*b"pieces  ");
+    all.word(pieces.len() as u64);
+    for Piece { shape, pose, .. } in pieces {
+        all.fingerprint(shape.fingerprint());
+        pose.rotation.coords.iter().for_each(|x| all.number(*x));
+        all.vector(&pose.translation.vector);
+    }
+    all.end()
+}
+
+#[cfg(feature = "serde")]
+impl serde::Serialize for Compound {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.pieces.serialize(serializer)
+    }
+}
+
+#[cfg(feature = "serde")]
+impl<'de> serde::Deserialize<'de> for Compound {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::new(Vec::deserialize(deserializer)?).map_err(serde::de::Error::custom)
+    }
+}
+
+/// Trackers of pairs of pieces that are kept for each entry of the front; more are forgotten. Not
+/// measured.
+const TRACKERS: usize = 4;
+
+/// The front of the last answer for one pair of bodies of convex parts, and a
+/// `ShapeTracker` for each pair of parts that came near.
+///
+/// Either body is a [`Compound`](crate::Compound) or a [`Mesh`](crate::Mesh); a
+/// `MeshTracker` is faster for two meshes. A convex body against a mesh is a
+/// compound of one piece, which is one leaf with its own support points.
+///
+/// Owns no body. State changes time, never an answer. Saving a tracker (feature `serde`)
+/// keeps its counters alone.
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub(crate) struct CompoundTracker {
+    state: TreeState,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    near: BTreeMap<NodePair, NearParts>,
+}
+
+impl CompoundTracker {
+    /// Returns a tracker without a start.
+    #[must_use]
+    pub(crate) fn new() -> Self {
+        Self::default()
+    }
+
+    /// Returns the work of all queries so far; `measured` counts queries of two parts.
+    #[must_use]
+    pub(crate) fn work(&self) -> MeshWork {
+        self.state.kept.work
+    }
+
+    pub(super) fn kept(&self) -> &FrontMemory {
+        &self.state.kept
+    }
+
+    pub(super) fn count_windings(&mut self, taken: u64) {
+        self.state.kept.work.windings.count(taken);
+    }
+
+    /// Returns the number of entries of the front that is kept.
+    #[must_use]
+    pub(crate) fn front_len(&self) -> usize {
+        self.state.kept.front.len()
+    }
+
+    /// Returns the bytes of the front on the heap.
+    pub(crate) fn heap_bytes(&self) -> usize {
+        self.state.kept.heap_bytes()
+    }
+
+    /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`:
+    /// half as wide again if pieces have poses of their own. Curved pieces add the width of their
+    /// own bounds.
+    pub(crate) fn closest<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> Answer {
+        if PosedTrees::is_turned(a, b, a_from_b) {
+            return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
+        }
+        self.recognise(a, b);
+        self.state.kept.work.queries.count(1);
+        let answer = match PosedTrees::new(a, b, a_from_b) {
+            Some(posed) => {
+                let judge = PartJudge::new(&posed, None, &mut self.near);
+                self.state.closest(&posed, judge)
+            }
+            None => PosedTrees::far(a, b, a_from_b),
+        };
+        self.forget_some();
+        answered(a, b, &answer)
+    }
+
+    /// Returns whether the bodies are at most `d` apart: as exact as `PairTracker::intersects`,
+    /// with the limits of `MeshTracker::within`. False for a negative `d` and NaN.
+    pub(crate) fn within<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose, d: f64) -> bool {
+        if !(d >= 0.0) {
+            return false;
+        }
+        if PosedTrees::is_turned(a, b, a_from_b) {
+            return self.within(b, a, &a_from_b.swapped(), d);
+        }
+        self.recognise(a, b);
+        self.state.kept.work.queries.count(1);
+        let Some(posed) = PosedTrees::new(a, b, a_from_b) else {
+            return PosedTrees::far::<()>(a, b, a_from_b).lower <= d;
+        };
+        let judge = PartJudge::new(&posed, Some(d), &mut self.near);
+        let is_within = self.state.within(&posed, judge, d / a.stored_unit());
+        self.forget_some();
+        is_within
+    }
+
+    /// Returns a lower bound of the distance in one pass over the front, without looking for the
+    /// closest pair; zero if nothing better is known.
+    pub(crate) fn lower_bound<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> f64 {
+        if PosedTrees::is_turned(a, b, a_from_b) {
+            return self.lower_bound(b, a, &a_from_b.swapped());
+        }
+        self.recognise(a, b);
+        PosedTrees::new(a, b, a_from_b).map_or(0.0, |posed| self.state.lower_bound(&posed))
+    }
+
+    fn recognise<A: Parted, B: Parted>(&mut self, a: &A, b: &B) {
+        // The parts near each other are copies.
+        if self.state.recognise(a, b) != Recognised::Same {
+            self.near.clear();
+        }
+    }
+
+    fn forget_some(&mut self) {
+        if self.near.len() > TRACKERS * self.state.kept.front.len() + 64 {
+            self.near.clear();
+        }
+    }
+}
+
+fn answered<A: Parted, B: Parted>(a: &A, b: &B, found: &TreeAnswer<FeaturePair>) -> Answer {
+    let ([i, j], features) = found.of.unwrap_or(([0, 0], FeaturePair::FIRST));
+    found.on([Spot::new(a.number(i), features.a), Spot::new(b.number(j), features.b)])
+}
+
+/// Two parts that came near.
+#[derive(Clone, Debug)]
+struct NearParts {
+    parts: [(Shape, Isometry3<f64>); 2],
+    tracker: ShapeTracker,
+}
+
+/// Judges pairs of parts.
+struct PartJudge<'a, A, B> {
+    posed: &'a PosedTrees<'a, A, B>,
+    placed: Placed<'a>,
+    /// The distance in question, in the caller's unit, if that is the question.
+    within: Option<f64>,
+    near: &'a mut BTreeMap<NodePair, NearParts>,
+}
+
+impl<'a, A: Parted, B: Parted> PartJudge<'a, A, B> {
+    pub(super) fn new(
+        posed: &'a PosedTrees<'a, A, B>,
+        within: Option<f64>,
+        near: &'a mut BTreeMap<NodePair, NearParts>,
+    ) -> Self {
+        Self {
+            posed,
+            placed: Placed::of(posed.pose, posed.a, posed.b),
+            within,
+            near,
+        }
+    }
+
+    /// Returns the bounds of two parts about which nothing is known.
+    fn unknown(&self, frame: &TreeFrame, pair: NodePair) -> Measured<FeaturePair> {
+        let (on_a, on_b) = (self.posed.a.side().tree.centre, self.posed.b.side().tree.centre);
+        Measured {
+            pair,
+            distance: frame.size,
+            lower: 0.0,
+            upper: frame.size,
+            normal: Vector3::x(),
+            on_a,
+            on_b,
+            features: FeaturePair::FIRST,
+            crosses: false,
+        }
+    }
+}
+
+impl<A: Parted, B: Parted> Judge for PartJudge<'_, A, B> {
+    type Features = FeaturePair;
+
+    fn highest_in_a(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        self.posed.a.highest(item, n)
+    }
+
+    fn lowest_in_b(&self, item: u32, n: &Vector3<f64>) -> f64 {
+        -self.posed.b.highest(item, &-n)
+    }
+
+    fn shares_inside(&self, touching: &Touching, found: &Measured<FeaturePair>) -> (bool, u64) {
+        self.posed.shares_inside(touching, found, false)
+    }
+
+    fn measure(&mut self, frame: &TreeFrame, pair: NodePair, _: f64) -> Measured<FeaturePair> {
+        let (a, b) = (self.posed.a, self.posed.b);
+        if !self.near.contains_key(&pair) {
+            let (Some(p), Some(q)) = (a.part(pair[0]), b.part(pair[1])) else {
+                return self.unknown(frame, pair);
+            };
+            let near = NearParts {
+                parts: [p, q],
+                tracker: ShapeTracker::new(),
+            };
+            self.near.insert(pair, near);
+        }
+        let Some(NearParts { parts, tracker }) = self.near.get_mut(&pair) else {
+            return self.unknown(frame, pair);
+        };
+        let [(p, at_p), (q, at_q)] = parts;
+        let (pose, exact) = self.placed.between(at_p, at_q);
+        let mut o: Outcome = tracker.closest_or_class(p, q, &pose);
+        if !exact && o.state == ContactState::Overlapping {
+            // Only a depth beyond the rounding of composed poses proves an overlap.
+            o = tracker.closest(p, q, &pose);
+        }
+        let unit = 1.0 / a.stored_unit();
+        // The rounding of composed poses: two products of rotations and two sums.
+        let error = if exact { 0.0 } else { 2.0 * frame.error };
+        let meets = o.state == ContactState::Overlapping;
+        let distance = if meets { 0.0 } else { (o.distance * unit).at_least(0.0) };
+        let mut m = Measured {
+            pair,
+            distance,
+            lower: if meets {
+                0.0
+            } else {
+                (o.lower * unit - error).at_least(0.0)
+            },
+            // An overlap no deeper than rounding may be a gap.
+            upper: if meets {
+                (o.upper * unit + error).at_least(0.0)
+            } else {
+                (o.upper * unit).larger(distance) + error
+            },
+            normal: at_p.rotation * *o.normal,
+            on_a: (*at_p * o.point_on_a).coords * unit,
+            on_b: (*at_q * o.point_on_b).coords / b.stored_unit(),
+            features: o.features,
+            crosses: meets && (exact || o.upper * unit < -error),
+        };
+        let Some(d) = self.within else { return m };
+        let stored = d * unit;
+        if !(m.lower > stored || m.upper <= stored) {
+            if !exact || tracker.within(p, q, &pose, d) {
+                (m.lower, m.distance, m.upper) = (
+                    m.lower.smaller(stored),
+                    m.distance.smaller(stored),
+                    m.upper.smaller(stored),
+                );
+            } else {
+                m.lower = stored.next_up();
+                m.distance = m.distance.larger(m.lower);
+                m.upper = m.upper.larger(m.lower);
+            }
+        }
+        m
+    }
+}

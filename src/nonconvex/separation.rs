@@ -1,0 +1,387 @@
+//! Pairs of compounds and of meshes over time: how long two bodies of many parts stay apart.
+//!
+//! No plane separates bodies that reach into each other's hollows, so a look ahead bounds every
+//! pair of nodes of the two trees along a direction of its own ([`LookAhead`]), and the
+//! displacement of all points: bodies that are `d` apart stay apart until their points, seen from
+//! each other, may have moved by `d` (Mirtich 1996, conservative advancement). The longer time
+//! counts.
+//!
+//! Let n be a unit direction that turns with one body P, Q the other, c the centre of a ball of
+//! radius rho about the node of Q, and `g` the gap of the two nodes along n at the instant. With
+//! the velocities of a [`Flight`], `D` from P's pivot to c, `V` the velocity of c less that of P's
+//! pivot and `a` the arm of c about Q's pivot, the height of c over P's pivot along n changes by at
+//! least
+//!
+//! `s ((wP x n) . D + n . V) - s^2 / 2 (|wP|^2 |D| + 2 |wP| |V| + |acceleration| + |wQ|^2 |a|)`
+//!
+//! within a horizon over which the lengths in the last term are bounded; the height of P's node
+//! over its pivot does not change, and that of Q's node over c by at most `rho |wP - wQ| s`. So
+//! each pair of nodes has a time of its own, long if the bodies move across its direction. The
+//! bodies stay apart for the least of these times over any set of pairs under which all pairs of
+//! parts lie: a front, or both roots. Pairs that last less than the closest pair are split.
+//!
+//! Sources: conservative advancement with the speed along the closest direction, Mirtich 1996; over
+//! pairs of nodes, Tang, Kim and Manocha 2009. Departures: 1. the direction of each pair is the
+//! one that separates its boxes; 2. the bound holds with acceleration and drift, second order kept.
+
+use alloc::vec::Vec;
+use nalgebra::{Isometry3, Point3, Vector3};
+
+use crate::base::motion::{Course, Drift, length};
+use crate::base::num::each::Each;
+use crate::base::num::extremes::{Bounded, Extremes};
+use crate::base::num::scalar::sqrt;
+use crate::base::pose::{Operand, RelativePose};
+use crate::base::tolerance::{BOX_TURNED, LEAST_SQUARE, ROOT};
+use crate::nonconvex::front::NodePair;
+use crate::nonconvex::front::memory::FrontMemory;
+use crate::nonconvex::meet::box_gaps::{BoundAim, bounds};
+use crate::nonconvex::meet::frame::split_pair;
+use crate::nonconvex::meet::state::PosedTrees;
+use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::mesh::tracker::MeshTracker;
+use crate::nonconvex::parts::{Parted, PartsRef};
+use crate::nonconvex::pieces::CompoundTracker;
+use crate::nonconvex::tree::height;
+use crate::pair::outcome::Decision;
+use crate::pair::question::Question;
+use crate::pair::spot::Answer;
+use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
+
+/// Two compounds, or a compound and a mesh, that can be measured over time.
+#[derive(Debug)]
+pub(crate) struct CompoundPair<'a> {
+    pub(crate) a: PartsRef<'a>,
+    pub(crate) b: PartsRef<'a>,
+    pub(crate) tracker: &'a mut CompoundTracker,
+}
+
+/// Two meshes that can be measured over time.
+#[derive(Debug)]
+pub(crate) struct MeshPair<'a> {
+    pub(crate) a: &'a Mesh,
+    pub(crate) b: &'a Mesh,
+    pub(crate) tracker: &'a mut MeshTracker,
+}
+
+impl CompoundPair<'_> {
+    /// Returns the closest points.
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> Answer {
+        self.tracker.closest(&self.a, &self.b, a_from_b).without_depth()
+    }
+
+    /// Returns whether the bodies are at most `d` apart.
+    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+        Decision::of(self.tracker.within(&self.a, &self.b, a_from_b, d))
+    }
+}
+
+impl MeshPair<'_> {
+    /// Returns the closest points.
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> Answer {
+        self.tracker.closest(self.a, self.b, a_from_b).without_depth()
+    }
+
+    /// Returns whether the meshes are at most `d` apart.
+    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+        Decision::of(self.tracker.within(self.a, self.b, a_from_b, d))
+    }
+}
+
+/// Returns the ball about a bounding box that is right up to rounding.
+pub(crate) fn ball_about((low, high): (Point3<f64>, Point3<f64>)) -> (Point3<f64>, f64) {
+    let half: Vector3<f64> = (high - low) * 0.5;
+    let centre = low + half;
+    let far = centre.coords.abs().sum() + half.sum();
+    (centre, sqrt(half.norm_squared()) + BOX_TURNED * far)
+}
+
+/// Returns how long the lower bound of a distance lasts, or the pairs of nodes stay apart.
+fn ahead<S: Separation, A: Parted, B: Parted>(
+    pair: &S,
+    (a, b, kept): (&A, &B, &FrontMemory),
+    seen: &Measure,
+    flight: &Flight,
+) -> Free {
+    let (timed, tick) = flight.on_own_clock();
+    let flight = &timed;
+    let apart = flight.apart(pair);
+    let mut span = flight.held(pair, seen.lower - flight.keep - apart.noise);
+    if span < flight.span
+        && seen.lower > flight.keep
+        && let Ok(pose) = RelativePose::new(&flight.pose_a, &flight.pose_b)
+        && let Some(posed) = PosedTrees::new(a, b, &pose)
+    {
+        span = span.larger(LookAhead::new(&posed, flight, apart.noise, apart.radii).span(kept, seen));
+    }
+    Free {
+        span: span * tick,
+        proof: Proof::Own,
+    }
+}
+
+impl Separation for CompoundPair<'_> {
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        ball_about(if of == Operand::A { self.a } else { self.b }.corners_of_box())
+    }
+
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        Measure::from(&self.tracker.closest(&self.a, &self.b, a_from_b))
+    }
+
+    /// By `CompoundTracker::within`: ties count as met.
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+        self.tracker.within(&self.a, &self.b, a_from_b, distance)
+    }
+
+    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+        ahead(self, (&self.a, &self.b, self.tracker.kept()), seen, flight)
+    }
+}
+
+impl Separation for MeshPair<'_> {
+    fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
+        ball_about(if of == Operand::A { self.a } else { self.b }.aabb())
+    }
+
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+        Measure::from(&self.tracker.closest(self.a, self.b, a_from_b))
+    }
+
+    /// By `MeshTracker::within`: ties count as met.
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+        self.tracker.within(self.a, self.b, a_from_b, distance)
+    }
+
+    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+        ahead(self, (self.a, self.b, self.tracker.kept()), seen, flight)
+    }
+}
+
+/// Pairs of nodes that a look ahead splits at most. Not measured.
+const AHEAD_PAIRS: usize = 2048;
+
+/// Parts of a node that are few enough to be looked at one by one in a look ahead. Not measured.
+const AHEAD_ITEMS: u32 = 8;
+
+/// Horizons over which the second order of a look ahead is bounded, each a half of the last or
+/// less. Not measured.
+const HORIZONS: usize = 6;
+
+/// One body at the instant.
+struct Mover {
+    pose: Isometry3<f64>,
+    course: Course,
+    /// The pivot in the world, from the origin of A's frame.
+    pivot: Vector3<f64>,
+    /// The origin of the body's frame in the world, from that of A's.
+    origin: Vector3<f64>,
+    rate: f64,
+}
+
+impl Mover {
+    fn new(pose: &Isometry3<f64>, course: &Course, origin: Vector3<f64>) -> Self {
+        Self {
+            pose: *pose,
+            course: *course,
+            pivot: origin + pose.rotation * course.pivot.coords,
+            origin,
+            rate: length(&course.angular),
+        }
+    }
+}
+
+/// The bodies on a flight.
+struct LookAhead<'a, A, B> {
+    posed: &'a PosedTrees<'a, A, B>,
+    flight: &'a Flight,
+    movers: [Mover; 2],
+    drift: Drift,
+    /// The distance to stay beyond, and what rounding takes.
+    keep: f64,
+    /// Pairs of nodes that may still be split.
+    left: usize,
+}
+
+/// Two nodes, a unit direction from A to B in A's frame, and the gap in the caller's unit.
+type Claim = (NodePair, Vector3<f64>, f64);
+
+impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
+    /// `noise` is the effect of rounding on a distance, `radii` those about the pivots.
+    pub(super) fn new(posed: &'a PosedTrees<'a, A, B>, flight: &'a Flight, noise: f64, radii: [f64; 2]) -> Self {
+        let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
+        let (a, b) = (&flight.course_a, &flight.course_b);
+        Self {
+            posed,
+            flight,
+            movers: [
+                Mover::new(&flight.pose_a, a, Vector3::zeros()),
+                Mover::new(&flight.pose_b, b, offset),
+            ],
+            drift: a.drift(radii[0]) + b.drift(radii[1]),
+            keep: flight.keep + noise,
+            left: AHEAD_PAIRS,
+        }
+    }
+
+    /// Returns the time for which all pairs of parts are proven apart: at most the flight's span.
+    pub(super) fn span(&mut self, kept: &FrontMemory, seen: &Measure) -> f64 {
+        let goal = self.goal(seen);
+        let mut stack: Vec<Claim> = Vec::new();
+        let (single, unit) = (&self.posed.frame.single, self.posed.a.stored_unit());
+        kept.front.gaps(single, |place, pair, gap| {
+            let n = Vector3::from(kept.front.normal(single, place).each(f64::from));
+            let length = sqrt(n.norm_squared());
+            let claim = if length > 0.5 {
+                (pair, n / length, f64::from(gap) * single.unit * unit)
+            } else {
+                (pair, *seen.normal, f64::NEG_INFINITY)
+            };
+            stack.push(claim);
+        });
+        if stack.is_empty() {
+            stack.push(([0, 0], *seen.normal, f64::NEG_INFINITY));
+        }
+        let mut least = goal;
+        while let Some(claim) = stack.pop() {
+            least = least.smaller(self.settle(claim, seen, least, &mut stack));
+            if !(least > 0.0) {
+                return 0.0;
+            }
+        }
+        least
+    }
+
+    /// Returns the time of the closest points along their own direction: no pair needs more. The
+    /// whole span if they do not come nearer.
+    fn goal(&self, seen: &Measure) -> f64 {
+        let [a, b] = &self.movers;
+        let n = a.pose.rotation * seen.normal.into_inner();
+        let velocity = |m: &Mover, p: Vector3<f64>| m.course.linear + m.course.angular.cross(&(p - m.pivot));
+        let on_a = a.origin + a.pose.rotation * seen.point_on_a.coords;
+        let on_b = b.origin + b.pose.rotation * seen.point_on_b.coords;
+        let approach = -n.dot(&(velocity(b, on_b) - velocity(a, on_a)));
+        let way = seen.lower - self.keep;
+        if approach * self.flight.span <= way {
+            self.flight.span
+        } else {
+            way / approach
+        }
+    }
+
+    /// Returns the time of a pair; infinite if the pair lasts for `goal`, or was split.
+    fn settle(&mut self, (pair, n, gap): Claim, seen: &Measure, goal: f64, stack: &mut Vec<Claim>) -> f64 {
+        let mut time = self.time(pair, &n, gap);
+        if time >= goal {
+            return f64::INFINITY;
+        }
+        for n in [&*seen.normal, &n] {
+            time = time.larger(self.time(pair, n, self.gap(pair, n)));
+            if time >= goal {
+                return f64::INFINITY;
+            }
+        }
+        let trees = (self.posed.a.side().tree, self.posed.b.side().tree);
+        let Some(halves) = split_pair(trees, &self.posed.frame, pair).filter(|_| self.left > 0) else {
+            return time;
+        };
+        self.left -= 1;
+        let frame = &self.posed.frame;
+        let found = bounds(&frame.single, trees, &halves, &BoundAim::to(f32::MAX));
+        for (k, half) in halves.into_iter().enumerate() {
+            let m = Vector3::from(found.normal[k].each(f64::from));
+            let length = sqrt(m.norm_squared());
+            let claim = if frame.single.error.is_finite() && length > 0.5 {
+                let gap = f64::from(found.gap[k] - frame.single.error) * frame.single.unit;
+                (half, m / length, gap * self.posed.a.stored_unit())
+            } else {
+                (half, n, f64::NEG_INFINITY)
+            };
+            stack.push(claim);
+        }
+        f64::INFINITY
+    }
+
+    /// Returns the gap of two nodes along a unit direction, by boxes and slabs, or by the parts if
+    /// they are few.
+    fn gap(&self, [x, y]: NodePair, n: &Vector3<f64>) -> f64 {
+        let PosedTrees { a, b, frame, .. } = self.posed;
+        let (of_a, of_b) = (a.side().tree, b.side().tree);
+        let in_b = -frame.direction_in_b(n);
+        let few = |(first, last): (u32, u32)| (last - first <= AHEAD_ITEMS).then_some(first..last);
+        let top = |items: core::ops::Range<u32>| items.map(|k| a.highest(k, n)).fold(f64::NEG_INFINITY, f64::larger);
+        let bottom =
+            |items: core::ops::Range<u32>| items.map(|k| b.highest(k, &in_b)).fold(f64::NEG_INFINITY, f64::larger);
+        let high = few(of_a.range(x)).map_or_else(|| height(of_a, x, n), top);
+        let low = -few(of_b.range(y)).map_or_else(|| height(of_b, y, &in_b), bottom);
+        (low + n.dot(&frame.translation) - 2.0 * frame.error - high) * a.stored_unit()
+    }
+
+    /// Returns the time for which two nodes stay apart along a direction, by the gap at the
+    /// instant: at most the flight's span.
+    fn time(&self, [x, y]: NodePair, n: &Vector3<f64>, gap: f64) -> f64 {
+        let way = gap - self.keep;
+        if !(way > 0.0) {
+            return 0.0;
+        }
+        let (a, b) = (self.posed.a, self.posed.b);
+        let ball = |tree: &crate::nonconvex::tree::Tree, node: u32, unit: f64| {
+            let of = &tree.boxes[node as usize];
+            let scale = tree.unit() * unit;
+            (tree.centre * unit + of.centre() * scale, f64::from(of.radius()) * scale)
+        };
+        let of_a = ball(a.side().tree, x, a.stored_unit());
+        let of_b = ball(b.side().tree, y, b.stored_unit());
+        let n = self.movers[0].pose.rotation * n;
+        // The direction turns with the body of the larger node.
+        if of_b.1 <= of_a.1 {
+            self.time_with([0, 1], &n, of_b, way)
+        } else {
+            self.time_with([1, 0], &-n, of_a, way)
+        }
+    }
+
+    /// Returns the time of a ball of Q, by its centre in the body's frame and its radius, over a
+    /// node of P along a direction in the world that leads from P to Q.
+    fn time_with(&self, [p, q]: [usize; 2], n: &Vector3<f64>, (centre, radius): (Vector3<f64>, f64), way: f64) -> f64 {
+        let (p, q) = (&self.movers[p], &self.movers[q]);
+        let place = q.origin + q.pose.rotation * centre;
+        let (between, arm) = (place - p.pivot, place - q.pivot);
+        let (of_p, of_q) = (&p.course, &q.course);
+        let velocity = of_q.linear - of_p.linear + of_q.angular.cross(&arm);
+        let push = of_q.acceleration - of_p.acceleration;
+        let rise = of_p.angular.cross(n).dot(&between) + n.dot(&velocity);
+        let pace = radius * length(&(of_p.angular - of_q.angular)) - rise;
+        let (pushed, swung) = (length(&push), q.rate * length(&arm));
+        let straight = length(&(of_q.linear - of_p.linear)) + swung;
+        let (mut horizon, mut best) = (self.flight.span, 0.0f64);
+        for _ in 0..HORIZONS {
+            let fastest = straight + pushed * horizon;
+            let farthest = length(&between) + fastest * horizon;
+            let bend = p.rate * p.rate * farthest + 2.0 * p.rate * fastest + pushed + q.rate * swung;
+            let time = first_root(way - self.drift.at(horizon), pace, bend) * (1.0 - ROOT);
+            best = best.larger(time.smaller(horizon));
+            if time >= horizon {
+                break;
+            }
+            horizon = (2.0 * time).clamped(horizon / 64.0, horizon / 2.0);
+        }
+        best
+    }
+}
+
+/// Returns the first time at which `way - pace s - bend s^2 / 2` is zero, for a bend that is not
+/// negative; infinite if never, zero if the way is not positive or the square of the way is lost.
+fn first_root(way: f64, pace: f64, bend: f64) -> f64 {
+    // Written so that NaN is zero.
+    if !(way > 0.0 && way * way > LEAST_SQUARE) {
+        return 0.0;
+    }
+    let root = sqrt(pace * pace + 2.0 * bend * way);
+    let below = pace + root;
+    if below <= 0.0 {
+        f64::INFINITY
+    } else {
+        (2.0 * way / below).at_least(0.0)
+    }
+}

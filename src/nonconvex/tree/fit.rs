@@ -1,0 +1,375 @@
+//! Extents of the boxes, rounded outward.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use super::{Below, OrientedBox, Slab, Tree};
+use crate::base::notice::Watch;
+use crate::base::num::each::Each;
+use crate::base::num::extremes::Extremes;
+use crate::base::num::scalar::sqrt;
+use crate::base::tolerance::{BOX_EXTENT, SLAB_HEIGHT, UNIT};
+
+/// Nodes of fewer items have no slab: their corners are looked at one by one.
+const SLAB_ITEMS: usize = 32;
+
+/// A node thinner than this part of the tree's size gets a slab: about as thin as single precision
+/// can say.
+const SLAB: f64 = 1.0 / 131_072.0;
+
+/// Below a node with a slab, only nodes thinner by this factor get a slab of their own: memory for
+/// the ties that only they prove.
+const THINNER: f64 = 1.0 / 16.0;
+
+/// Square of the least sine of the angle of an axis in a plane and the plane's normal, before it is
+/// made perpendicular: what rounding leaves grows with the cosine.
+const FLAT: f64 = 0.99;
+
+/// Vertices in the tree's coordinates, by the range of triangles or pieces that use them.
+struct Vertices<'a, I> {
+    places: Vec<Vector3<f64>>,
+    /// The same in stored coordinates of the body.
+    stored: &'a [Vector3<f64>],
+    /// By how much a height of a stored vertex may be off.
+    doubt: f64,
+    items: &'a [I],
+    /// The number of vertices that the items before each use.
+    before: Vec<u32>,
+}
+
+impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
+    fn new(places: Vec<Vector3<f64>>, stored: &'a [Vector3<f64>], doubt: f64, items: &'a [I]) -> Self {
+        let mut most = 0;
+        let mut before = vec![0];
+        for item in items {
+            most = item.as_ref().iter().fold(most, |m, &v| m.max(v + 1));
+            before.push(most);
+        }
+        Self {
+            places,
+            stored,
+            doubt,
+            items,
+            before,
+        }
+    }
+
+    /// Calls `visit` with every vertex of the items from `first` to `last`: those that come up
+    /// there first are consecutive, and corners of earlier ones are few.
+    fn visit(&self, range: (usize, usize), visit: impl FnMut(&Vector3<f64>)) {
+        self.visit_of(&self.places, range, visit);
+    }
+
+    fn visit_stored(&self, range: (usize, usize), visit: impl FnMut(&Vector3<f64>)) {
+        self.visit_of(self.stored, range, visit);
+    }
+
+    fn visit_of(&self, points: &[Vector3<f64>], (first, last): (usize, usize), mut visit: impl FnMut(&Vector3<f64>)) {
+        let (low, high) = (self.before[first], self.before[last]);
+        points[low as usize..high as usize].iter().for_each(&mut visit);
+        let older = self.items[first..last]
+            .iter()
+            .flat_map(|i| i.as_ref())
+            .filter(|v| **v < low);
+        older.for_each(|&v| visit(&points[v as usize]));
+    }
+}
+
+impl Tree {
+    /// Sets the extents of every box. Triangles or pieces are in the tree's order, vertices in the
+    /// order in which these use them. No vertex is off its place by more than `error`.
+    pub(crate) fn fit<I: AsRef<[u32]>>(
+        &mut self,
+        points: &[Vector3<f64>],
+        items: &[I],
+        error: f64,
+        watch: &mut Watch<'_>,
+    ) {
+        let (vertices, slack) = self.vertices(points, items, error);
+        let ranges = self.ranges();
+        self.nearest = vec![u32::MAX; ranges.len()];
+        for (node, &range) in ranges.iter().enumerate().take_while(|(node, _)| watch.done(*node)) {
+            self.fit_node(node, range, &vertices, slack);
+            if let Below::Children(c) = self.below(node as u32) {
+                let own = self.nearest[node];
+                self.nearest[c as usize..c as usize + 2].fill(own);
+            }
+        }
+        if self.slabs.is_empty() {
+            self.nearest = Vec::new();
+        }
+        self.slabs.shrink_to_fit();
+        self.set_reach();
+    }
+
+    /// Sets the extents of the boxes of some nodes as [`fit`](Self::fit) does, of a tree without
+    /// slabs.
+    pub(crate) fn fit_again<I: AsRef<[u32]>>(&mut self, points: &[Vector3<f64>], items: &[I], nodes: &[u32]) {
+        let (vertices, slack) = self.vertices(points, items, 0.0);
+        let ranges = self.ranges();
+        self.nearest = vec![u32::MAX; ranges.len()];
+        for &node in nodes {
+            self.fit_node(node as usize, ranges[node as usize], &vertices, slack);
+        }
+        (self.slabs, self.nearest) = (Vec::new(), Vec::new());
+        self.set_reach();
+    }
+
+    /// Returns vertices in the tree's coordinates, and by how much they may be off.
+    fn vertices<'a, I: AsRef<[u32]>>(
+        &self,
+        points: &'a [Vector3<f64>],
+        items: &'a [I],
+        error: f64,
+    ) -> (Vertices<'a, I>, f64) {
+        let scale = crate::body::polyhedron::power_of_two(-self.exponent);
+        let places: Vec<_> = points.iter().map(|p| (p - self.centre) * scale).collect();
+        // The rounding of the shift to the tree's origin.
+        let farthest = points.iter().fold(self.centre.amax(), |m, p| m.larger(p.amax()));
+        let slack = BOX_EXTENT * (1.0 + farthest * scale) + error * scale;
+        let farthest = points.iter().fold(0.0, |m: f64, p| m.larger(p.norm_squared()));
+        let doubt = SLAB_HEIGHT * sqrt(farthest) + error;
+        (Vertices::new(places, points, doubt, items), slack)
+    }
+
+    fn set_reach(&mut self) {
+        let reach = |b: &OrientedBox| sqrt(b.centre().norm_squared()) + f64::from(b.radius());
+        let reach = self.boxes.iter().map(reach).fold(0.0, f64::larger);
+        self.reach = up(reach * (1.0 + 8.0 * UNIT));
+    }
+
+    /// First and last triangle of every node. Children have higher numbers than their parents.
+    pub(super) fn ranges(&self) -> Vec<(usize, usize)> {
+        let mut ranges = vec![(0, 0); self.links.len()];
+        for node in (0..self.links.len()).rev() {
+            ranges[node] = match self.below(node as u32) {
+                Below::Leaf(first, count) => (first as usize, (first + count) as usize),
+                Below::Children(c) => (ranges[c as usize].0, ranges[c as usize + 1].1),
+            };
+        }
+        ranges
+    }
+
+    fn fit_node<I: AsRef<[u32]>>(&mut self, node: usize, range: (usize, usize), vertices: &Vertices<I>, slack: f64) {
+        let (mut low, mut high) = extents(&self.boxes[node], range, vertices);
+        let sides = high - low;
+        if sides[2] < sides[0] / 64.0 {
+            // Nearly flat: the normal of the largest triangle is as good an axis as there is.
+            if let Some(axes) = self.flat_axes(node, range, vertices) {
+                self.boxes[node].set_axes(&axes);
+                (low, high) = extents(&self.boxes[node], range, vertices);
+                if range.1 - range.0 >= SLAB_ITEMS {
+                    self.push_slab(node, &axes, heights(&axes, range, vertices), vertices.doubt);
+                }
+            }
+        }
+        self.sort_axes(node, &mut low, &mut high);
+        self.store_extents(node, &low, &high, range, vertices, slack);
+    }
+
+    /// Returns the normal of the largest triangle as the third axis; the first is the axis of the
+    /// spread or an edge of that triangle, whichever gives the rectangle of least area and
+    /// circumference.
+    fn flat_axes<I: AsRef<[u32]>>(
+        &self,
+        node: usize,
+        range: (usize, usize),
+        vertices: &Vertices<I>,
+    ) -> Option<[Vector3<f64>; 3]> {
+        let ([a, b, c], normal) = largest_triangle(range, vertices)?;
+        let flat = [self.boxes[node].axis(0), b - a, c - b, a - c].each(|v| {
+            let across = v - normal * normal.dot(&v);
+            let square = across.norm_squared();
+            // The normal of a sliver may be rounding, and not perpendicular to its edges.
+            let is_flat = square > FLAT * v.norm_squared();
+            let long = across / if is_flat { sqrt(square) } else { f64::NAN };
+            [long, normal.cross(&long)]
+        });
+        let (mut low, mut high) = ([[f64::INFINITY; 2]; 4], [[f64::NEG_INFINITY; 2]; 4]);
+        vertices.visit(range, |p| {
+            for ((axes, low), high) in flat.iter().zip(&mut low).zip(&mut high) {
+                for k in 0..2 {
+                    let h = axes[k].dot(p);
+                    (low[k], high[k]) = (low[k].smaller(h), high[k].larger(h));
+                }
+            }
+        });
+        // Rectangles about a triangle along any of its edges have one area: the shortest round it
+        // is the one that a right triangle fills.
+        let size = |k: &usize| {
+            let (length, width) = (high[*k][0] - low[*k][0], high[*k][1] - low[*k][1]);
+            length * width * (length + width)
+        };
+        let best = (0..4)
+            .filter(|&k| flat[k][0].iter().all(|x| x.is_finite()))
+            .min_by(|i, j| size(i).total_cmp(&size(j)))?;
+        let [long, wide] = flat[best];
+        Some([long, wide, normal])
+    }
+
+    /// Keeps a slab, in stored coordinates of the body, if the node is thin, and much thinner than
+    /// the nearest ancestor with a slab. Heights are off by at most `slack`.
+    fn push_slab(&mut self, node: usize, axes: &[Vector3<f64>; 3], heights: (Vector3<f64>, Vector3<f64>), slack: f64) {
+        let (low, high) = heights;
+        let (unit, thickness) = (self.unit(), high.z - low.z);
+        let above = self.slab(node as u32).map(|s| s.high[2] - s.low[2]);
+        if !(thickness < SLAB * unit && above.is_none_or(|above| thickness < THINNER * above)) {
+            return;
+        }
+        self.nearest[node] = self.slabs.len() as u32;
+        self.slabs.push(Slab {
+            axes: *axes,
+            low: low.add_scalar(-slack).into(),
+            high: high.add_scalar(slack).into(),
+            doubt: 2.0 * slack,
+        });
+    }
+
+    /// Puts the axis of the longest side first, and the others in order.
+    fn sort_axes(&mut self, node: usize, low: &mut Vector3<f64>, high: &mut Vector3<f64>) {
+        let sides = *high - *low;
+        let mut order = [0, 1, 2];
+        order.sort_by(|&i, &j| sides[j].total_cmp(&sides[i]));
+        let axes = order.each(|k| self.boxes[node].axis(k));
+        self.boxes[node].set_axes(&axes);
+        (*low, *high) = (order.each(|k| low[k]).into(), order.each(|k| high[k]).into());
+    }
+
+    /// Centre and half extents: the centre is rounded first, then every point's coordinates about
+    /// it are taken along the dual axes, so that the axes as stored, which are not quite
+    /// orthonormal, span every point.
+    fn store_extents<I: AsRef<[u32]>>(
+        &mut self,
+        node: usize,
+        low: &Vector3<f64>,
+        high: &Vector3<f64>,
+        range: (usize, usize),
+        vertices: &Vertices<I>,
+        slack: f64,
+    ) {
+        let dual = dual_axes(&self.boxes[node]);
+        let middle = (low + high) * 0.5;
+        let axes = [0, 1, 2].each(|k| self.boxes[node].axis(k));
+        let centre = axes[0] * middle.x + axes[1] * middle.y + axes[2] * middle.z;
+        let stored = [centre.x as f32, centre.y as f32, centre.z as f32];
+        let centre = Vector3::from(stored.each(f64::from));
+        let (mut half, mut square): (Vector3<f64>, f64) = (Vector3::zeros(), 0.0);
+        vertices.visit(range, |p| {
+            let d = p - centre;
+            half = half.larger(Vector3::from_fn(|k, _| dual[k].dot(&d).abs()));
+            square = square.larger(d.norm_squared());
+        });
+        let rows = &mut self.boxes[node].rows;
+        for k in 0..3 {
+            rows[2][1 + k] = stored[k];
+            rows[3][k] = up(half[k] + slack);
+        }
+        rows[3][3] = up(sqrt(square) + slack);
+    }
+}
+
+/// Coordinates along the axes that hold all vertices.
+fn extents<I: AsRef<[u32]>>(
+    b: &OrientedBox,
+    range: (usize, usize),
+    vertices: &Vertices<I>,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let dual = dual_axes(b);
+    let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    vertices.visit(range, |p| {
+        let s = Vector3::new(dual[0].dot(p), dual[1].dot(p), dual[2].dot(p));
+        (low, high) = (low.smaller(s), high.larger(s));
+    });
+    (low, high)
+}
+
+/// Least and greatest heights along three axes, in stored coordinates of the body.
+fn heights<I: AsRef<[u32]>>(
+    axes: &[Vector3<f64>; 3],
+    range: (usize, usize),
+    vertices: &Vertices<I>,
+) -> (Vector3<f64>, Vector3<f64>) {
+    let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
+    vertices.visit_stored(range, |p| {
+        let h = Vector3::new(axes[0].dot(p), axes[1].dot(p), axes[2].dot(p));
+        (low, high) = (low.smaller(h), high.larger(h));
+    });
+    (low, high)
+}
+
+/// Vectors of which each is perpendicular to two of the axes and has product one with the third.
+fn dual_axes(b: &OrientedBox) -> [Vector3<f64>; 3] {
+    let [x, y, z] = [0, 1, 2].each(|k| b.axis(k));
+    let volume = x.dot(&y.cross(&z));
+    [y.cross(&z) / volume, z.cross(&x) / volume, x.cross(&y) / volume]
+}
+
+/// Returns the largest triangle of a range, of a piece's first three corners, and its unit normal.
+fn largest_triangle<I: AsRef<[u32]>>(
+    (first, last): (usize, usize),
+    vertices: &Vertices<I>,
+) -> Option<([Vector3<f64>; 3], Vector3<f64>)> {
+    let normal = |item: &I| {
+        let corners = item.as_ref().first_chunk::<3>()?.each(|v| vertices.places[v as usize]);
+        let [a, b, c] = corners;
+        Some((corners, (b - a).cross(&(c - a))))
+    };
+    let all = vertices.items[first..last].iter().filter_map(normal);
+    let (corners, largest) = all.reduce(|m, n| if n.1.norm_squared() > m.1.norm_squared() { n } else { m })?;
+    let unit = largest / sqrt(largest.norm_squared());
+    unit.iter().all(|x| x.is_finite()).then_some((corners, unit))
+}
+
+/// Returns the least number of single precision that is not below `x`.
+pub(crate) fn up(x: f64) -> f32 {
+    let near = x as f32;
+    if f64::from(near) < x { near.next_up() } else { near }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use super::*;
+    use crate::base::tolerance::UNIT_SINGLE;
+    use crate::nonconvex::mesh::Mesh;
+    use crate::rng::Rng;
+    use nalgebra::{Matrix3, Point3};
+    use std::vec::Vec;
+
+    /// Triangles whose corners all but lie on a line: their normals are rounding, some parallel to
+    /// their edges.
+    #[test]
+    fn axes_of_slivers_are_orthonormal() {
+        let mut rng = Rng::new(5);
+        let (mut slabs, mut worst, mut worst_slab) = (0, 0.0f64, 0.0f64);
+        for case in 0..2000 {
+            let aside = 10f64.powi(-(case % 8));
+            let e = Vector3::new(1.0, aside, aside);
+            let mut points = Vec::new();
+            for k in 0..3 * 40 {
+                let at = e * (rng.range(0.0, 0.3) + f64::from(k / 3) / 40.0);
+                points.push(Point3::from(
+                    at.map(|x| x * (1.0 + f64::from(rng.below(3) as u32) * f64::EPSILON)),
+                ));
+            }
+            let triangles: Vec<[u32; 3]> = (0..40).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+            let Ok(mesh) = Mesh::new(&points, &triangles) else {
+                continue;
+            };
+            let gram = |axes: [Vector3<f64>; 3]| {
+                let m = Matrix3::from_columns(&axes);
+                (m.transpose() * m - Matrix3::identity()).amax()
+            };
+            for b in &mesh.tree.boxes {
+                worst = worst.max(gram([0, 1, 2].map(|k| b.axis(k))));
+            }
+            for s in &mesh.tree.slabs {
+                slabs += 1;
+                worst_slab = worst_slab.max(gram(s.axes));
+            }
+        }
+        assert!(slabs > 1000, "{slabs}");
+        assert!(worst < 8.0 * UNIT_SINGLE && worst_slab < 8.0 * UNIT);
+    }
+}

@@ -1,0 +1,261 @@
+//! When a tree whose points have moved is worth a new one, and a new upper part over its lower
+//! parts.
+//!
+//! A tree is loose if many of its boxes hold a point of the surface, against how many did when the
+//! tree was made: a search near a point of the surface goes down into all boxes that hold it. Areas
+//! of boxes are no measure: they also grow where a surface becomes rough, which no other tree
+//! mends, and not where sheets slide into each other. The count is taken of the vertices alone,
+//! never of queries.
+//!
+//! Small parts of a surface remain small when it bends, large ones come to lie in each other. So
+//! the upper part alone is made anew. A whole new tree is better at first, but puts triangles
+//! together that are near each other by chance and part again: of a sheet that is crumpled further
+//! it soon has five times the bounds.
+
+use alloc::vec;
+use alloc::vec::Vec;
+use nalgebra::Vector3;
+
+use super::split::Splitter;
+use super::{Below, COUNT_SHIFT, LEAF_MARK, OrientedBox, Tree};
+use crate::base::notice::Watch;
+use crate::base::num::each::Each;
+
+/// How far beyond a box a point is still held, in units of the tree, which is one or two in size.
+/// With 0.03 and 0.1 boxes of the size of the reach hide what is too many.
+const SURFACE_REACH: f32 = 1.0 / 128.0;
+
+/// Items whose middles are counted. Not measured.
+const SURFACE_SAMPLES: usize = 512;
+
+impl Tree {
+    /// Returns how many boxes hold the middles of some of the items, in all.
+    pub(crate) fn held(&self, points: &[Vector3<f64>], items: &[[u32; 3]]) -> u64 {
+        let (samples, scale) = (items.len().min(SURFACE_SAMPLES), 1.0 / self.unit());
+        let (mut held, mut stack) = (0, vec![]);
+        for sample in 0..samples {
+            let item = (2 * sample + 1) * items.len() / (2 * samples);
+            let [a, b, c] = items[item].each(|v| points[v as usize] - self.centre);
+            let middle = ((a + b + c) * (scale / 3.0)).map(|x| x as f32);
+            stack.push(0);
+            while let Some(node) = stack.pop() {
+                if self.holds(node, &middle) {
+                    held += 1;
+                    if let Below::Children(c) = self.below(node) {
+                        stack.extend([c, c + 1]);
+                    }
+                }
+            }
+        }
+        held
+    }
+
+    /// Returns whether a point is in a box, or not far from it, up to rounding.
+    fn holds(&self, node: u32, point: &Vector3<f32>) -> bool {
+        let [[xx, xy, xz, yx], [yy, yz, zx, zy], [zz, cx, cy, cz], [a, b, c, _]] = self.boxes[node as usize].rows;
+        let (x, y, z) = (point.x - cx, point.y - cy, point.z - cz);
+        (xx * x + xy * y + xz * z).abs() <= a + SURFACE_REACH
+            && (yx * x + yy * y + yz * z).abs() <= b + SURFACE_REACH
+            && (zx * x + zy * y + zz * z).abs() <= c + SURFACE_REACH
+    }
+}
+
+/// The upper part of a tree is what is above nodes of so many items.
+const LOWER_PART: u32 = 64;
+
+/// Where a node comes from.
+#[derive(Clone, Copy)]
+enum NodeOrigin {
+    /// The new upper part, by its own number.
+    Top(u32),
+    /// The tree before.
+    Old(u32),
+}
+
+impl Tree {
+    /// Divides the largest nodes of few items among new nodes above them: the tree, the order of
+    /// the items, and the new nodes, which have axes and no extents.
+    pub(crate) fn with_new_top(&self, points: &[Vector3<f64>], items: &[[u32; 3]]) -> (Self, Vec<u32>, Vec<u32>) {
+        let lower = self.lower_parts();
+        let vertices = |&node: &u32| {
+            let (first, last) = self.range(node);
+            let mut all = items[first as usize..last as usize].as_flattened().to_vec();
+            all.sort_unstable();
+            all.dedup();
+            all
+        };
+        let parts: Vec<Vec<u32>> = lower.iter().map(vertices).collect();
+        let splitter = Splitter::new((self.centre, self.exponent), points, &parts, 1);
+        let (top, order) = splitter.divided(&mut Watch::none());
+        let mut tree = Self {
+            centre: self.centre,
+            exponent: self.exponent,
+            ..Self::default()
+        };
+        let (mut of_items, mut fresh) = (Vec::with_capacity(items.len()), Vec::new());
+        tree.push();
+        let mut tasks = vec![(0, NodeOrigin::Top(0))];
+        while let Some((node, origin)) = tasks.pop() {
+            let origin = match origin {
+                NodeOrigin::Top(t) => match top.below(t) {
+                    Below::Leaf(k, _) => NodeOrigin::Old(lower[order[k as usize] as usize]),
+                    Below::Children(_) => origin,
+                },
+                NodeOrigin::Old(_) => origin,
+            };
+            let (from, number) = match origin {
+                NodeOrigin::Top(t) => (&top, t),
+                NodeOrigin::Old(o) => (self, o),
+            };
+            if let NodeOrigin::Top(_) = origin {
+                fresh.push(node);
+            }
+            tree.boxes[node as usize] = from.boxes[number as usize];
+            tree.links[node as usize] = match from.below(number) {
+                Below::Leaf(first, count) => {
+                    let at = of_items.len() as u32;
+                    of_items.extend(first..first + count);
+                    LEAF_MARK | (count - 1) << COUNT_SHIFT | at
+                }
+                Below::Children(c) => {
+                    let child = tree.push();
+                    tree.push();
+                    let of = |k: u32| match origin {
+                        NodeOrigin::Top(_) => NodeOrigin::Top(k),
+                        NodeOrigin::Old(_) => NodeOrigin::Old(k),
+                    };
+                    tasks.push((child + 1, of(c + 1)));
+                    tasks.push((child, of(c)));
+                    child
+                }
+            };
+        }
+        (tree, of_items, fresh)
+    }
+
+    /// Adds a node and returns its number.
+    fn push(&mut self) -> u32 {
+        self.boxes.push(OrientedBox::default());
+        self.links.push(0);
+        self.links.len() as u32 - 1
+    }
+
+    /// Returns the largest nodes of at most [`LOWER_PART`] items.
+    fn lower_parts(&self) -> Vec<u32> {
+        let (mut parts, mut stack) = (Vec::new(), vec![0]);
+        while let Some(node) = stack.pop() {
+            let (first, last) = self.range(node);
+            match self.below(node) {
+                Below::Children(c) if last - first > LOWER_PART => stack.extend([c + 1, c]),
+                _ => parts.push(node),
+            }
+        }
+        parts
+    }
+
+    /// Returns the highest number of a node below a node: the nodes below it are consecutive.
+    pub(super) fn last_below(&self, node: u32) -> u32 {
+        let (mut last, mut at) = (node, node);
+        while let Below::Children(c) = self.below(at) {
+            last = c + 1;
+            // The nodes below the right child come last, or those below the left if that is a leaf.
+            at = if self.is_leaf(c + 1) { c } else { c + 1 };
+        }
+        last
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use core::f64::consts::TAU;
+    use nalgebra::Point3;
+    use std::vec::Vec;
+
+    use super::*;
+    use crate::nonconvex::mesh::Mesh;
+
+    /// A strip of 80 by 20 squares of side 1 / 40 about the origin.
+    fn strip() -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+        let at = |i: u32, j: u32| Point3::new(f64::from(i) / 40.0 - 1.0, f64::from(j) / 40.0, 0.0);
+        let points = (0..=80).flat_map(|i| (0..=20).map(move |j| at(i, j))).collect();
+        let square = |i: u32, j: u32| {
+            let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(k, l)| (i + k) * 21 + j + l);
+            [[a, b, c], [a, c, d]]
+        };
+        (
+            points,
+            (0..80).flat_map(|i| (0..20).flat_map(move |j| square(i, j))).collect(),
+        )
+    }
+
+    /// Rolls up what is beyond x = 0 by so many turns: a spiral whose layers are some way apart.
+    fn rolled(p: &Point3<f64>, turns: f64) -> Point3<f64> {
+        if p.x <= 0.0 || turns == 0.0 {
+            return *p;
+        }
+        let angle = turns * TAU * p.x;
+        let radius = (1.0 + 0.02 * angle) / (turns * TAU);
+        let start = 1.0 / (turns * TAU);
+        Point3::new(radius * angle.sin(), p.y, start - radius * angle.cos())
+    }
+
+    /// Checks that all boxes hold their vertices and that the leaves have every triangle once.
+    fn check(mesh: &Mesh) {
+        let tree = &mesh.tree;
+        let mut next = 0;
+        let mut stack = vec![0];
+        while let Some(node) = stack.pop() {
+            let (first, last) = tree.range(node);
+            let b = &tree.boxes[node as usize];
+            for v in mesh.triangles[first as usize..last as usize].as_flattened() {
+                let d = (mesh.points[*v as usize] - tree.centre) / tree.unit() - b.centre();
+                assert!((0..3).all(|k| b.axis(k).dot(&d).abs() <= b.half()[k] + 1e-6), "{node}");
+            }
+            match tree.below(node) {
+                Below::Children(c) => stack.extend([c + 1, c]),
+                Below::Leaf(first, count) => {
+                    assert_eq!(first, next);
+                    next += count;
+                }
+            }
+        }
+        assert_eq!(next as usize, mesh.triangle_count());
+    }
+
+    #[test]
+    fn a_strip_that_is_rolled_up_gets_another_upper_part() {
+        let (points, triangles) = strip();
+        let mut mesh = Mesh::new(&points, &triangles).unwrap();
+        let mut other = mesh.clone();
+        let mut anew = 0;
+        for frame in 1..=120 {
+            let turns = 4.0 * (f64::from(frame) * core::f64::consts::PI / 120.0).sin();
+            let now: Vec<_> = points.iter().map(|p| rolled(p, turns)).collect();
+            let before = mesh.source_triangles.clone();
+            mesh.set_vertices(&now).unwrap();
+            check(&mesh);
+            anew += u32::from(before != mesh.source_triangles);
+            assert_eq!(mesh.vertices(), now);
+            // The same calls, with a tracker's queries or without: the same bits.
+            other.set_vertices(&now).unwrap();
+            assert!(other.tree == mesh.tree && other.fingerprint == mesh.fingerprint);
+        }
+        assert!((1..=8).contains(&anew), "{anew}");
+    }
+
+    #[test]
+    fn a_mesh_that_moves_as_a_whole_or_waves_keeps_its_tree() {
+        let (points, triangles) = strip();
+        let mut mesh = Mesh::new(&points, &triangles).unwrap();
+        let order = mesh.source_triangles.clone();
+        for frame in 0..100 {
+            let t = f64::from(frame) * 0.05;
+            let moved = |p: &Point3<f64>| Point3::new(p.x + t, p.y, p.z + 0.2 * (5.0 * p.x + t).sin());
+            mesh.set_vertices(&points.iter().map(moved).collect::<Vec<_>>())
+                .unwrap();
+        }
+        assert_eq!(mesh.source_triangles, order);
+        check(&mesh);
+    }
+}
