@@ -113,7 +113,7 @@ fn fallbacks(c: &mut Criterion) {
             let mut tracker = Tracker::new();
             for f in &frames(&a, &b, None, &mut rng) {
                 let before = tracker.clone();
-                if tracker.closest(&a, &b, &relative(f)).solver == Solver::Fallback {
+                if tracker.closest(&a, &b, &relative(f)).solver == Solver::Gjk {
                     cases.push((before, relative(f)));
                 }
             }

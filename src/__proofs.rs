@@ -32,7 +32,7 @@ use crate::pair::difference::{MinkowskiPoint, support};
 use crate::pair::posed::PosedPair;
 use crate::pair::transform::Transform;
 use crate::pair::{draft, star};
-use crate::patch::{bezier, net, nurbs};
+use crate::surface::{bezier, net, nurbs};
 use crate::time::separation::{balls, bernstein, pairs, plane};
 
 type Triple = [f64; 3];

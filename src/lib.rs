@@ -62,7 +62,7 @@
 //! | How far is a mesh from itself, which of its triangles are near each other? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`Answer`]s, for triangles that share no vertex |
 //! | Where does a ray enter a body? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a proven bracket, point, normal, feature |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
-//! | The same of any two geometries: curved and rounded `Shape`s, `Compound`s, `Mesh`es, `patch::Surface`s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
+//! | The same of any two geometries: curved and rounded `Shape`s, `Compound`s, `Mesh`es, `surface::BezierSurface`s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
 //! | Which points hold any two solids apart, how deep are they? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`PatchContacts`]: points by direction, with names that last; [`PenetrationBounds`]: an interval |
 //! | Many bodies: who overlaps, is near, meets when; the closest pair of two groups? | [`scene::Scene`] | events, impacts and answers for the queries that are enabled |
 //! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
@@ -143,7 +143,7 @@
 //!   `within` return true unless a search of their own proves the shapes apart. Depths of curved
 //!   shapes are searched to `2^-19 L` if no ball inside the shapes proves them, and may stay wider
 //!   about a common centre: see [`PairTracker`].
-//! * Surfaces of patches ([`patch`]) have an interval of a width asked for. If the interval holds
+//! * Bézier surfaces ([`surface`]) have an interval of a width asked for. If the interval holds
 //!   both answers, `intersects` and `within` are undecided, at one pose perhaps warm and not cold.
 //!   Surfaces that are equally far along a curve or over an area keep wide intervals. Coordinates
 //!   are at most 2^200 (1.6e60), and pairs with L below 2^-300 (5e-91) are measured by their
@@ -225,7 +225,7 @@
 //! | `std` | yes | square roots by the machine, `std::error::Error` everywhere; without it the crate is `no_std` with `alloc` |
 //! | `exact` | yes | exact integers behind the filters: every contact state and predicate decided, distances of separated bodies to the last bit |
 //! | `meshes` | yes | compounds and meshes, their contacts, bounds of penetration depths |
-//! | `surfaces` | yes | Bezier and NURBS surfaces; needs `meshes` |
+//! | `surfaces` | yes | Bézier and NURBS surfaces; needs `meshes` |
 //! | `serde` | no | bodies, poses, trackers, manifolds, scenes, ids and answers in files; bodies are checked again when read; `serde_json` keeps every bit with its feature `float_roundtrip` |
 //! | `parallel` | no | threads in the broad phase, and in scenes from 625 queries a step on; the same answers bit for bit for any number |
 //! | `tracing` | no | events for a subscriber of `tracing`: solvers that fall back, budgets spent, input refused |
@@ -246,7 +246,7 @@
 //! | thesis | here |
 //! |---|---|
 //! | chapter 3, incremental distance computation | [`polyhedron`], [`Tracker`] |
-//! | chapter 4, curved bodies | [`shape`], [`PairTracker`]; curved surfaces: [`patch`] |
+//! | chapter 4, curved bodies | [`shape`], [`PairTracker`]; Bézier surfaces: [`surface`] |
 //! | chapter 4, non-convex bodies | [`nonconvex`] |
 //! | chapter 5, many moving bodies | [`broad`], [`scene`]; scheduling by time: [`impact`], [`schedule`] |
 //! | chapter 6, path planning | the crate `lin-canny-plan` |
@@ -302,13 +302,13 @@ pub mod __proofs;
 pub mod guide;
 mod pair;
 mod pair_tracker;
-#[cfg(feature = "surfaces")]
-pub mod patch;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
 #[path = "../tests/support/rng.rs"]
 mod rng;
 pub mod scene;
+#[cfg(feature = "surfaces")]
+pub mod surface;
 mod time;
 
 pub use base::motion::Velocity;

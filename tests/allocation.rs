@@ -92,7 +92,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
             let is_plain = o.work.exacts == 0 && (o.state != ContactState::Overlapping || o.work.double_doubles == 0);
             let is_small = kept_points + o.work.points_added <= (256 - 4) / 2;
             kept_points = match o.solver {
-                Solver::Surface => kept_points + o.work.points_added,
+                Solver::Polytope => kept_points + o.work.points_added,
                 _ => o.work.points_added,
             };
             if is_plain && is_small {
@@ -102,7 +102,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
                 assert!(manifolds[0].points().is_empty() || kept == 0, "{o:?}");
                 separated += u32::from(o.state == ContactState::Separated);
                 overlapping += u32::from(o.state == ContactState::Overlapping);
-                tracked += u32::from(o.solver == Solver::Surface);
+                tracked += u32::from(o.solver == Solver::Polytope);
                 fallbacks += o.work.fallbacks;
             }
         }

@@ -80,7 +80,7 @@ fn convexity(mesh: &truth::meshes::Mesh, body: &ConvexPolyhedron) -> Result<Stri
             "the mesh is open: {count} edges have a triangle on one side only (one from v{p} to v{q}); the hull is used"
         ));
     }
-    if surface.kind() == MeshKind::Surface {
+    if surface.kind() == MeshKind::Open {
         return Ok(format!("the mesh is not a solid ({report}); the hull is used"));
     }
     let fit = surface.hull_fit(body);

@@ -187,7 +187,7 @@ fn summary(run: &Run) {
     let layers = [
         (Solver::Walk, "walk"),
         (Solver::Restart, "restarted walk"),
-        (Solver::Fallback, "fallback"),
+        (Solver::Gjk, "fallback"),
         (Solver::DoubleDouble, "double-double"),
         (Solver::Exact, "exact"),
         (Solver::Far, "far"),

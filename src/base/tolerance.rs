@@ -697,7 +697,7 @@ pub(crate) const PATH_VOLUME: f64 = 160.0 * UNIT;
 /// such by 8 more; products with n and sums by three roundings of eight, 24. Sum: 128.
 pub(crate) const PATH_AREA: f64 = 160.0 * UNIT;
 
-// Bezier and NURBS patches.
+// Bézier and NURBS patches.
 //
 // Sums `sum of c_k w_k P_k` of a patch have factors `c_k` and weights `w_k` that are not negative.
 // If each term errs by `e` of itself, the sum errs by at most `e R sum of c_k w_k`, with R the
@@ -781,7 +781,7 @@ pub(crate) const CURVATURE: f64 = 12.0 * UNIT;
 /// UNIT, the product with c, at most R, two, and the difference two.
 pub(crate) const COEFFICIENT: f64 = 8.0 * UNIT;
 
-/// Error of a coefficient of a height above a bowl (`patch::bowl`), times the denominator's
+/// Error of a coefficient of a height above a bowl (`surface::bowl`), times the denominator's
 /// coefficient, R and the distance of the point of contact from the origin. Where the gradient of
 /// the quadratic part is at most one, that part is no larger than the height; a larger gradient
 /// multiplies the error. A term of the numerator passes 50 roundings: two of the shift by the point
@@ -809,7 +809,7 @@ pub(crate) const CARRIED: f64 = 256.0 * UNIT;
 /// some 1,000 UNIT times the size of a node.
 pub(crate) const PATCH_LIMIT: f64 = 1.0 / (1u64 << 42) as f64;
 
-/// Error of a first derivative of a patch, times its bound `3 d R omega` (`patch::crossing`): the
+/// Error of a first derivative of a patch, times its bound `3 d R omega` (`surface::crossing`): the
 /// differences of control points and up to 14 steps of three roundings are 45 UNIT, each of
 /// numerator and denominator and of the point that multiplies the derivative of the denominator,
 /// times omega (counted in the bound); the turn into the other frame 80 UNIT. A product with the

@@ -120,7 +120,7 @@ pub enum Solver {
     /// The walk, restarted from the support vertices.
     Restart,
     /// The minimum-norm solver in f64.
-    Fallback,
+    Gjk,
     /// The minimum-norm solver in double-double.
     DoubleDouble,
     /// Exact integers (feature `exact`). The contact state is exact, and the distance is right to
@@ -135,7 +135,7 @@ pub enum Solver {
     /// over facets; else a surface kept from the last answer, or begun at the nearest facet. If no
     /// depth is requested, four points kept from the last answer; if a local depth is, a pyramid or
     /// four points.
-    Surface,
+    Polytope,
 }
 
 impl Solver {
@@ -143,11 +143,11 @@ impl Solver {
     pub const ALL: &'static [Self] = &[
         Self::Walk,
         Self::Restart,
-        Self::Fallback,
+        Self::Gjk,
         Self::DoubleDouble,
         Self::Exact,
         Self::Far,
-        Self::Surface,
+        Self::Polytope,
     ];
 
     /// Number of solvers: the length of a table with one entry for each.
@@ -159,11 +159,11 @@ impl core::fmt::Display for Solver {
         f.pad(match self {
             Self::Walk => "walk",
             Self::Restart => "restart",
-            Self::Fallback => "fallback",
+            Self::Gjk => "gjk",
             Self::DoubleDouble => "double-double",
             Self::Exact => "exact",
             Self::Far => "far",
-            Self::Surface => "surface",
+            Self::Polytope => "polytope",
         })
     }
 }

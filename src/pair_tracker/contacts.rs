@@ -65,7 +65,7 @@ pub(crate) fn patches_of(own: GeometryRef) -> Option<ContactPatches> {
         Lent::Compound(body) => Some(ContactPatches::of_pieces(body.to_arc())),
         Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ContactPatches::from((*s).clone())),
         #[cfg(feature = "surfaces")]
-        Lent::Surface(_) => None,
+        Lent::BezierSurface(_) => None,
     }
 }
 

@@ -20,7 +20,7 @@ use crate::pair::question::Question;
 use crate::pair::spot::Answer;
 use crate::pair_tracker::geometry::GeometryRef;
 #[cfg(feature = "surfaces")]
-use crate::patch::{SurfaceCompoundTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
+use crate::surface::{SurfaceCompoundTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
 use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair, SupportPoint};
 
 /// Two geometries, or what stands in for them, and the tracker of their

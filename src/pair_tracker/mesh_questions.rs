@@ -138,7 +138,7 @@ impl Decomposition {
     ) -> Distance {
         let other = other.into();
         let pieces = GeometryRef::from(self.pieces());
-        if other.kind() == ShapeKind::Surface {
+        if other.kind() == ShapeKind::BezierSurface {
             return tracker.distance(self.mesh(), other, mesh_from_other);
         }
         tracker.distance_by_pieces([pieces, other], mesh_from_other, |found, other| {
@@ -156,7 +156,7 @@ mod fronts {
     use crate::pair_tracker::PairTracker;
     use crate::pair_tracker::engine::Engine;
     #[cfg(feature = "surfaces")]
-    use crate::patch::{Surface, SurfacePart};
+    use crate::surface::{BezierSurface, SurfacePart};
 
     #[doc(hidden)]
     impl PairTracker {
@@ -176,7 +176,7 @@ mod fronts {
         /// that are proven apart. Empty for surfaces other than those of the last query.
         #[cfg(feature = "surfaces")]
         #[must_use]
-        pub fn surface_front(&self, a: &Surface, b: &Surface) -> Vec<[SurfacePart; 2]> {
+        pub fn surface_front(&self, a: &BezierSurface, b: &BezierSurface) -> Vec<[SurfacePart; 2]> {
             match self.followed.as_ref().map(|followed| &followed.engine) {
                 Some(Engine::Surfaces(engine)) => engine.tracker.front(a, b).collect(),
                 _ => Vec::new(),

@@ -15,8 +15,8 @@ use crate::base::pose::Operand;
 use crate::body::shape::Shape;
 use crate::nonconvex::pieces::Compound;
 use crate::pair_tracker::geometry::{GeometryRef, Lent};
-use crate::patch::{
-    Surface, SurfaceCompoundTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair, SurfaceTracker,
+use crate::surface::{
+    BezierSurface, SurfaceCompoundTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair, SurfaceTracker,
 };
 
 /// Two surfaces, or a surface and a mesh, for which one of flat patches stands in.
@@ -24,7 +24,7 @@ use crate::patch::{
 pub(crate) struct SurfaceEngine {
     pub(super) tracker: SurfaceTracker,
     /// With the fingerprint of the mesh when the surface was made.
-    stand_ins: [Option<(Fingerprint, Arc<Surface>)>; 2],
+    stand_ins: [Option<(Fingerprint, Arc<BezierSurface>)>; 2],
 }
 
 /// A surface and a convex shape.
@@ -37,7 +37,7 @@ pub(super) type SurfacePieceEngine = WithStandIns<SurfaceCompoundTracker, Compou
 pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
     let (_, other, _) = surface_first([a, b])?;
     Some(match other.0 {
-        Lent::Surface(_) | Lent::Mesh(_) => Engine::Surfaces(Box::default()),
+        Lent::BezierSurface(_) | Lent::Mesh(_) => Engine::Surfaces(Box::default()),
         Lent::Compound(_) => Engine::SurfaceAndPieces(Box::new(WithStandIns::new([None, None]))),
         Lent::Polyhedron(_) | Lent::Convex(_) => {
             let stand_ins = [a, b].each(GeometryRef::polyhedron_as_shape);
@@ -47,7 +47,7 @@ pub(super) fn engine([a, b]: [GeometryRef<'_>; 2]) -> Option<Engine> {
 }
 
 /// Returns the surface of a pair with one, the other geometry, and which of both is the surface.
-fn surface_first<'p>([a, b]: [GeometryRef<'p>; 2]) -> Option<(&'p Surface, GeometryRef<'p>, Operand)> {
+fn surface_first<'p>([a, b]: [GeometryRef<'p>; 2]) -> Option<(&'p BezierSurface, GeometryRef<'p>, Operand)> {
     match (a.surface(), b.surface()) {
         (Some(surface), _) => Some((surface, b, Operand::A)),
         (None, Some(surface)) => Some((surface, a, Operand::B)),
@@ -77,7 +77,7 @@ impl SurfaceEngine {
         for (body, stand_in) in bodies.into_iter().zip(&mut self.stand_ins) {
             let Some(mesh) = body.mesh() else { continue };
             if stand_in.as_ref().is_none_or(|(of, _)| *of != mesh.fingerprint) {
-                let surface = Surface::from_mesh(mesh).ok();
+                let surface = BezierSurface::from_mesh(mesh).ok();
                 *stand_in = surface.map(|surface| (mesh.fingerprint, Arc::new(surface)));
             }
         }

@@ -20,7 +20,7 @@ use crate::pair_tracker::engine::Engine;
 use crate::pair_tracker::geometry::{GeometryRef, ShapeKind};
 use crate::pair_tracker::lent_pair::{LentPair, OverTime};
 #[cfg(feature = "surfaces")]
-use crate::patch::SurfaceWork;
+use crate::surface::SurfaceWork;
 #[cfg(feature = "meshes")]
 use alloc::boxed::Box;
 use alloc::string::String;
@@ -231,7 +231,7 @@ impl PairTracker {
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Point3};
-    /// use lin_canny::patch::{Patch, Surface};
+    /// use lin_canny::surface::{BezierPatch, BezierSurface};
     /// use lin_canny::{PairTracker, Question, RelativePose, Shape};
     ///
     /// // A ball over the top of a dome.
@@ -240,8 +240,8 @@ impl PairTracker {
     ///     Point3::new(x, y, -x.abs() - y.abs())
     /// };
     /// let points: Vec<_> = (0..9).map(at).collect();
-    /// let patch = Patch::polynomial([2, 2], &points)?;
-    /// let dome = Surface::new(vec![patch])?;
+    /// let patch = BezierPatch::polynomial([2, 2], &points)?;
+    /// let dome = BezierSurface::new(vec![patch])?;
     /// let ball = Shape::ball(0.5)?;
     /// let pose = Isometry3::translation(0.1, 0.0, 2.0);
     /// let pose = RelativePose::from_isometry(&pose)?;

@@ -425,7 +425,7 @@ fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static 
     if effects.depth || effects.local_depth {
         return Some(if effects.depth { "depth" } else { "local_depth" });
     }
-    let is_surface = |kind: ShapeKind| kind == ShapeKind::Surface;
+    let is_surface = |kind: ShapeKind| kind == ShapeKind::BezierSurface;
     if !is_surface(a) && !is_surface(b) {
         return None;
     }

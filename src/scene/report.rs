@@ -87,7 +87,7 @@ impl Counts {
     /// Counts a query.
     #[inline]
     pub(super) fn note(&mut self, outcome: &Outcome, facets: usize) {
-        let surface = outcome.solver == Solver::Surface;
+        let surface = outcome.solver == Solver::Polytope;
         self.queries += 1;
         self.answered[outcome.solver as usize] += 1;
         self.separated += u64::from(outcome.lower > 0.0);

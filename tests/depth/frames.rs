@@ -81,7 +81,7 @@ fn warm_and_cold_agree_and_come_back() {
                 continue;
             }
             frames += 1;
-            kept += u32::from(warm.solver == Solver::Surface);
+            kept += u32::from(warm.solver == Solver::Polytope);
             work[0] += warm.work.points_added;
             work[1] += cold.work.points_added;
             let size = support::size(&a, &b, &frame);
@@ -134,7 +134,7 @@ fn faces_that_tremble_on_faces() {
             assert!((warm.distance - cold.distance).abs() <= 1e-14 * size, "{told}");
             assert!(warm.lower <= cold.upper && cold.lower <= warm.upper, "{told}");
             frames += 1;
-            grown += u32::from(warm.work.points_added > 0 || warm.solver != Solver::Surface);
+            grown += u32::from(warm.work.points_added > 0 || warm.solver != Solver::Polytope);
             open += u32::from(warm.upper - warm.lower > 1e-13 * size);
         }
     }
@@ -203,7 +203,7 @@ fn bodies_without_faces_keep_their_depth_over_frames() {
                     let cold = closest(body, small, &frame);
                     assert!((o.distance - cold.distance).abs() <= 1e-14, "{o:?} {cold:?}");
                     assert!((p.distance - cold.distance).abs() <= 1e-14, "{p:?} {cold:?}");
-                    surface += usize::from(o.solver == Solver::Surface);
+                    surface += usize::from(o.solver == Solver::Polytope);
                 }
             }
         }

@@ -187,7 +187,7 @@ fn witnesses_of_far_bodies_are_as_good_as_their_coordinates() {
 fn witnesses_among_needles_are_behind_each_other() {
     let replay: Replay = include_str!("../replays/needles.txt").parse().expect("a replay");
     let o = replay.tracker().closest(&replay.a, &replay.b, &replay.pose);
-    assert_eq!((o.state, o.solver), (ContactState::Overlapping, Solver::Surface));
+    assert_eq!((o.state, o.solver), (ContactState::Overlapping, Solver::Polytope));
     let (pa, pb) = replay.pose.poses();
     let (n, between) = (pa * o.normal.into_inner(), pb * o.point_on_b - pa * o.point_on_a);
     let aside = (between - n * n.dot(&between)).norm();

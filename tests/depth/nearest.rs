@@ -114,7 +114,7 @@ fn nearest_facets_are_the_exact_depth() {
                 );
                 assert!(o.upper - o.lower <= 1e-13 * size, "{k} {o:?}");
                 if o.state == ContactState::Overlapping {
-                    let is_surface = o.solver == Solver::Surface;
+                    let is_surface = o.solver == Solver::Polytope;
                     // No point but those of the pyramid, or of a surface kept.
                     count.facets += usize::from(is_surface && o.work.facets > 0 && o.work.points_added == 0);
                     count.surfaces += usize::from(is_surface && o.work.points_added > 0);

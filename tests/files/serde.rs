@@ -41,7 +41,7 @@ fn answers_come_back() {
     for layer in [
         Solver::Walk,
         Solver::Restart,
-        Solver::Fallback,
+        Solver::Gjk,
         Solver::DoubleDouble,
         Solver::Exact,
         Solver::Far,
@@ -284,11 +284,11 @@ fn a_tracker_of_any_pair_comes_back() {
 #[test]
 fn surfaces_come_back() {
     use lin_canny::nalgebra::{Isometry3, Point3};
-    use lin_canny::patch::{Nurbs, Patch, PatchError, Surface};
+    use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs, SurfaceError};
     fn shared<T: Send + Sync>(_: &T) {}
     let at = |i: usize| [(i / 3) as f64, (i % 3) as f64, (i % 2) as f64];
     let points: Vec<_> = (0..12).map(|i| Point3::from(at(i))).collect();
-    let spline = Surface::from_nurbs(&Nurbs {
+    let spline = BezierSurface::from_nurbs(&Nurbs {
         degrees: [2, 2],
         knots: [&[0.0, 0.0, 0.0, 1.0, 2.5, 2.5, 2.5], &[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]],
         points: &points,
@@ -296,17 +296,17 @@ fn surfaces_come_back() {
     })
     .expect("a surface");
     let weights = [1.0, 0.3, 2.0, 0.7, 1.0, 0.9];
-    let triangle = Patch::triangular(2, &points[..6], Some(&weights)).expect("a patch");
-    let both = Surface::new(vec![
+    let triangle = BezierPatch::triangular(2, &points[..6], Some(&weights)).expect("a patch");
+    let both = BezierSurface::new(vec![
         triangle.clone(),
-        Patch::polynomial([2, 3], &points).expect("a patch"),
+        BezierPatch::polynomial([2, 3], &points).expect("a patch"),
     ]);
     round_trip(&triangle);
     triangle.split(0).iter().for_each(|half| drop(round_trip(half)));
     let pose = RelativePose::from_isometry(&Isometry3::translation(0.3, 0.2, 4.0)).expect("a pose");
     for surface in [spline, both.expect("a surface")] {
         let text = serde_json::to_string(&surface).expect("serialises");
-        let back: Surface = serde_json::from_str(&text).expect("deserialises");
+        let back: BezierSurface = serde_json::from_str(&text).expect("deserialises");
         assert_eq!(serde_json::to_string(&back).expect("serialises"), text);
         assert_eq!(back.patches(), surface.patches());
         let mut tracker = PairTracker::new();
@@ -325,7 +325,7 @@ fn surfaces_come_back() {
         // The knots of the first patch, its first weight, the reach and the degrees.
         let wrong = |from: &str, to: &str| {
             assert!(text.contains(from), "{text}");
-            serde_json::from_str::<Surface>(&text.replacen(from, to, 1)).map(drop)
+            serde_json::from_str::<BezierSurface>(&text.replacen(from, to, 1)).map(drop)
         };
         assert!(wrong("\"degrees\":[2,2]", "\"degrees\":[2,9]").is_err());
         assert!(wrong("\"degrees\":[2,2]", "\"degrees\":[3,2]").is_err());
@@ -334,11 +334,11 @@ fn surfaces_come_back() {
         assert!(wrong("\"domains\":[", "\"domains\":[[[0.0,1.0],[0.0,1.0]],").is_err());
     }
     let bad = r#"{"degrees":[1,1],"net":[[0,0,0,1],[1,0,0,1],[0,1,0,-1],[1,1,0,1]],"is_triangular":false,"source":"Points","reach":2}"#;
-    let error = serde_json::from_str::<Patch>(bad)
+    let error = serde_json::from_str::<BezierPatch>(bad)
         .expect_err("a weight below zero")
         .to_string();
     assert!(
-        error.contains(&PatchError::Weight { index: 2, value: -1.0 }.to_string()),
+        error.contains(&SurfaceError::Weight { index: 2, value: -1.0 }.to_string()),
         "{error}"
     );
 }

@@ -3,9 +3,9 @@
 use crate::Rng;
 use lin_canny::motion::{Course, Drift, Motion};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Surface, revolution};
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Separation;
+use lin_canny::surface::{BezierSurface, revolution};
 use lin_canny::{Compound, ConvexPolyhedron, Mesh, Shape};
 use lin_canny::{PairTracker, Tracker};
 
@@ -19,7 +19,7 @@ pub(crate) struct Bodies {
     cone: Shape,
     pieces: Compound,
     mesh: Mesh,
-    surface: Option<Surface>,
+    surface: Option<BezierSurface>,
 }
 
 /// A cuboid as a mesh of twelve triangles.

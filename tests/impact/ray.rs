@@ -1,9 +1,9 @@
 //! Promise: a ray cast brackets the first point of a ray in a body, of every kind, at any scale.
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
+use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, Ray, RayCast, RayCaster, RayError, RayHit, Shape};
 use truth::rng::Rng;
 
@@ -184,8 +184,8 @@ fn a_surface_of_patches_is_near() {
     let points: Vec<Point3<f64>> = (0..4)
         .map(|k| Point3::new(f64::from(k / 2), f64::from(k % 2), 0.0))
         .collect();
-    let patch = Patch::polynomial([1, 1], &points).expect("a patch");
-    let surface = Surface::new(vec![patch]).expect("a surface");
+    let patch = BezierPatch::polynomial([1, 1], &points).expect("a patch");
+    let surface = BezierSurface::new(vec![patch]).expect("a surface");
     let ray = Ray::new(Point3::new(0.3, 0.4, 2.0), -Vector3::z()).expect("a direction");
     let found = RayCaster::new().cast(&surface, &Isometry3::identity(), &ray, 9.0);
     assert!(

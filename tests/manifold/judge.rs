@@ -74,7 +74,7 @@ pub(crate) fn judge(
         assert!(support::are_of(p.features, a, b), "{}", told());
         let (from_a, from_b) = (off(a, p.features.a, on_a), off(b, p.features.b, on_b));
         // Where rounding has split faces, the features a solver names need not hold its witnesses.
-        let of_answer = p.features == outcome.features && outcome.solver >= Solver::Fallback;
+        let of_answer = p.features == outcome.features && outcome.solver >= Solver::Gjk;
         assert!(
             of_answer || from_a.max(from_b) <= 1e-13 * size,
             "{from_a:e} {from_b:e} {p:?}\n{}",

@@ -308,7 +308,7 @@ fn closed_meshes_remain_solids_and_surfaces_surfaces() {
             }
         }
     }
-    assert_eq!(mesh(&sheet(3)).kind(), MeshKind::Surface);
+    assert_eq!(mesh(&sheet(3)).kind(), MeshKind::Open);
 }
 
 #[test]

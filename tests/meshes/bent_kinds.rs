@@ -5,8 +5,8 @@ use super::bending::{anew, bent, sheet, vertices};
 use super::contacts::{check, deepest, within};
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
     Answer, Compound, ContactState, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairTracker, Piece, Ray,
     RayCast, RayCaster, RelativePose, Shape,
@@ -295,7 +295,7 @@ fn a_surface_is_as_far_from_a_bent_mesh_as_from_one_built_anew() {
     let points: Vec<_> = (0..9)
         .map(|k| Point3::new((k / 3) as f64 - 1.0, (k % 3) as f64 - 1.0, 0.3 * rng.unit()[0]))
         .collect();
-    let surface = Geometry::from(Surface::new(vec![Patch::polynomial([2, 2], &points).unwrap()]).unwrap());
+    let surface = Geometry::from(BezierSurface::new(vec![BezierPatch::polynomial([2, 2], &points).unwrap()]).unwrap());
     let mut apart = 0;
     for (k, rest) in bodies().iter().enumerate() {
         let (mut m, mut there, mut back) = (mesh(rest), PairTracker::new(), PairTracker::new());

@@ -57,7 +57,7 @@ fn an_open_mesh_holds_nothing_and_may_be_held() {
     let mut open = soups::sphere(2);
     open.triangles.pop();
     let bowl = mesh(&open);
-    assert_eq!(bowl.kind(), MeshKind::Surface);
+    assert_eq!(bowl.kind(), MeshKind::Open);
     let pebble = mesh(&soups::sphere(1).map(|p| scale(p, 0.05)));
     let found = PairTracker::new().closest(&bowl, &pebble, &relative(&Pose::IDENTITY));
     assert_eq!(found.state, ContactState::Separated);

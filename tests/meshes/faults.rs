@@ -104,7 +104,7 @@ fn a_fan_of_triangles_without_area_builds_in_time() {
         let mut open = cut_fan(n);
         open.points[2 + n as usize + 7][2] += 1.0 / 1_048_576.0;
         open.triangles.retain(|t| *t != [0, 9, 9 + n]);
-        assert_eq!(mesh(&open).kind(), MeshKind::Surface, "{n}");
+        assert_eq!(mesh(&open).kind(), MeshKind::Open, "{n}");
     }
 }
 
@@ -119,7 +119,7 @@ fn a_border_stays_a_border() {
         soup.points[last][k % 3] += 2f64.powi(-40);
         let m = mesh(&soup);
         // A cap with area closes it again.
-        let kind = if k % 2 == 0 { MeshKind::Solid } else { MeshKind::Surface };
+        let kind = if k % 2 == 0 { MeshKind::Solid } else { MeshKind::Open };
         assert_eq!(m.kind(), kind, "{k}: {}", m.report());
     }
     // A strip whose long borders are straight lines of several edges.
@@ -135,5 +135,5 @@ fn a_border_stays_a_border() {
         points,
         triangles: triangles.collect(),
     };
-    assert_eq!(mesh(&strip).kind(), MeshKind::Surface);
+    assert_eq!(mesh(&strip).kind(), MeshKind::Open);
 }

@@ -5,7 +5,7 @@ use super::bending::{WAYS, anew, bent, sheet, vertices};
 use super::own::judge_answer;
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::patch::{Patch, Surface};
+use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{ContactState, Geometry, Mesh, MeshKind, PairTracker, Ray, RayCast, RayCaster};
 use lin_canny_plan::{Checker, RigidSpace, World};
 use truth::exact_meshes::{apart, itself};
@@ -136,7 +136,7 @@ impl Tally {
         let points: Vec<_> = (0..9)
             .map(|k| Point3::new((k / 3) as f64 - 1.0, (k % 3) as f64 - 1.0, 0.3 * rng.unit()[0]))
             .collect();
-        let surface = Surface::new(vec![Patch::polynomial([2, 2], &points).unwrap()]).unwrap();
+        let surface = BezierSurface::new(vec![BezierPatch::polynomial([2, 2], &points).unwrap()]).unwrap();
         let [p, q] = [m, &fresh].map(|mesh| PairTracker::new().closest(mesh, &surface, &at));
         assert!(
             p.lower <= q.upper + 1e-9 && q.lower <= p.upper + 1e-9,

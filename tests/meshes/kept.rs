@@ -16,8 +16,8 @@
 
 use super::relative;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{
     Answer, Compound, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose,
     Shape, Tracker,
@@ -100,7 +100,11 @@ fn numbers_of_vertices_tell_meshes_apart() {
     let die = cuboid([0.1, 0.15, 0.05]);
     in_turn(&bodies, &Mesh::from_convex(&die).unwrap().into(), &poses(40, 1.0, 1));
     in_turn(&bodies, &die.clone().into(), &poses(20, 1.0, 2));
-    in_turn(&bodies, &Surface::from_convex(&die).unwrap().into(), &poses(9, 2.0, 3));
+    in_turn(
+        &bodies,
+        &BezierSurface::from_convex(&die).unwrap().into(),
+        &poses(9, 2.0, 3),
+    );
     let mut tracker = PairTracker::new();
     for k in 0..12 {
         let mesh = &meshes[k % 3];

@@ -93,8 +93,8 @@ fn turned_triangles_are_turned_back() {
         for k in 0..20 {
             let (points, triangles, turned) = mixed(soup, [0.02, 0.2][k % 2], &mut rng);
             let given = Mesh::new(&points, &triangles).unwrap();
-            surfaces += u32::from(given.kind() == MeshKind::Surface);
-            assert_eq!(given.kind() == MeshKind::Surface, !turned.is_empty());
+            surfaces += u32::from(given.kind() == MeshKind::Open);
+            assert_eq!(given.kind() == MeshKind::Open, !turned.is_empty());
             assert_eq!(given.report().misoriented_edges.is_empty(), turned.is_empty());
             let (solid, found) = Mesh::oriented(&points, &triangles).unwrap();
             assert_eq!((solid.kind(), &found), (MeshKind::Solid, &turned));

@@ -3,8 +3,8 @@
 use core::f64::consts::TAU;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
 use truth::driven::stand_ins::{self, Mix};
 use truth::rng::Rng;
@@ -259,7 +259,7 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
             Compound::new(vec![placed]).unwrap().into(),
         ];
         assert_eq!(Mesh::from_convex(&body).is_ok(), body.face_count() > 0);
-        assert_eq!(Surface::from_convex(&body).is_ok(), body.face_count() > 0);
+        assert_eq!(BezierSurface::from_convex(&body).is_ok(), body.face_count() > 0);
         forms.extend(Mesh::from_convex(&body).ok().map(Geometry::from));
         for _ in 0..12 {
             let pose = truth::Pose {

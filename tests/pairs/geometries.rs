@@ -3,9 +3,9 @@
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Separation;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{
     Answer, Compound, ContactState, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh,
     PairTracker, PairWork, PatchContact, Question, RelativePose, Shape, Velocity,
@@ -139,7 +139,7 @@ fn a_mesh_beside_a_surface_is_a_solid() {
     let sheet = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.2], [1.0, 1.0, 0.5]].map(Point3::from);
     let sheet = Mesh::new(&sheet, &[[0, 1, 2], [2, 1, 3]]).unwrap();
     let mesh = Mesh::from_convex(&hull).unwrap();
-    let [small, open] = [sphere(0.05), Surface::from_mesh(&sheet).unwrap()];
+    let [small, open] = [sphere(0.05), BezierSurface::from_mesh(&sheet).unwrap()];
     let narrow = Question::new().width(1e-9);
     let (mut kept, mut classes, mut inside) = (PairTracker::new(), [0; 4], 0);
     for k in 0..600 {
@@ -233,7 +233,7 @@ fn contacts_of_any_two_geometries() {
     let refused = tracker.contacts(&floor, &shell, &at, &options).unwrap_err();
     assert_eq!(
         refused.to_string(),
-        "a polyhedron and a surface of patches have no contacts"
+        "a polyhedron and a Bézier surface have no contacts"
     );
     let refused = tracker.manifold(&ground, &die, &at, &options, &mut Manifold::new());
     assert_eq!(

@@ -113,7 +113,7 @@ fn no_query_takes_steps_in_proportion_to_the_corners() {
                     .iter()
                     .map(|f| pair.closest(&a, &b, &relative(f)).work.steps)
                     .collect();
-                let fallbacks = pair.work().answered_by(Solver::Fallback);
+                let fallbacks = pair.work().answered_by(Solver::Gjk);
                 assert!(fallbacks <= 6, "{x} and {y}, {n}: {fallbacks} fallbacks");
                 steps.iter().sum::<u32>() as f64 / steps.len() as f64
             };

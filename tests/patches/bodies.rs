@@ -2,19 +2,19 @@
 
 use lin_canny::RelativePose;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Patch, Surface, revolution};
+use lin_canny::surface::{BezierPatch, BezierSurface, revolution};
 pub(crate) use truth::forms::sphere;
 use truth::rng::Rng;
 
 pub(crate) const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// The side of a cylinder about z.
-pub(crate) fn tube(r: f64, h: f64) -> Surface {
+pub(crate) fn tube(r: f64, h: f64) -> BezierSurface {
     revolution(&[&[[r, -h, 1.0], [r, h, 1.0]]]).expect("a cylinder")
 }
 
 /// A torus about z as sixteen rational patches: the radius of the circle of middles, and of the tube.
-pub(crate) fn torus(middle: f64, r: f64) -> Surface {
+pub(crate) fn torus(middle: f64, r: f64) -> BezierSurface {
     let arc = |k: usize| {
         let [(s, c), (t, d)] = [k, k + 1].map(|k| (k as f64 * std::f64::consts::FRAC_PI_2).sin_cos());
         let corner = [middle + r * (c + d), r * (s + t), HALF];
@@ -26,16 +26,16 @@ pub(crate) fn torus(middle: f64, r: f64) -> Surface {
 }
 
 /// A vase of 32 patches.
-pub(crate) fn vase() -> Surface {
+pub(crate) fn vase() -> BezierSurface {
     let curves = truth::nets::vase();
     let curves: Vec<&[[f64; 3]]> = curves.iter().map(Vec::as_slice).collect();
     revolution(&curves).expect("a vase")
 }
 
 /// A bicubic patch over a square of size 2 with bumps.
-pub(crate) fn bumpy(rng: &mut Rng, degrees: [usize; 2], bump: f64) -> Patch {
+pub(crate) fn bumpy(rng: &mut Rng, degrees: [usize; 2], bump: f64) -> BezierPatch {
     let points = grid(rng, degrees, bump);
-    Patch::polynomial(degrees, &points).expect("a patch")
+    BezierPatch::polynomial(degrees, &points).expect("a patch")
 }
 
 pub(crate) fn grid(rng: &mut Rng, degrees: [usize; 2], bump: f64) -> Vec<Point3<f64>> {

@@ -3,8 +3,8 @@
 use lin_canny::impact::{Impact, Tolerance, cast, cast_within, free_until};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::patch::Surface;
 use lin_canny::separation::Separation;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{Decision, PairTracker, RelativePose, Shape, Velocity};
 use truth::rng::Rng;
 
@@ -115,7 +115,7 @@ fn patches_meet_shapes_never_late() {
     let (mut hits, mut misses) = (0, 0);
     for (k, shape) in kinds().iter().enumerate() {
         for _ in 0..12 {
-            let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
+            let surface = BezierSurface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
             let from = Vector3::from(rng.unit()) * rng.range(1.5, 2.5);
             let aside = Vector3::from(rng.unit()) * rng.range(0.0, 2.4);
             let (a, b) = (
@@ -157,8 +157,8 @@ fn patches_meet_patches_never_late() {
     let mut rng = Rng::new(43);
     let (mut hits, mut misses) = (0, 0);
     for k in 0..10 {
-        let a = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.5)]).expect("a surface");
-        let b = Surface::new(vec![bumpy(&mut rng, [2, 2], 0.5)]).expect("a surface");
+        let a = BezierSurface::new(vec![bumpy(&mut rng, [3, 3], 0.5)]).expect("a surface");
+        let b = BezierSurface::new(vec![bumpy(&mut rng, [2, 2], 0.5)]).expect("a surface");
         let from = Vector3::from(rng.unit()) * 3.0;
         let aside = Vector3::from(rng.unit()) * rng.range(0.0, 2.0);
         let (x, y) = (

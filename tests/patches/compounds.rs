@@ -3,7 +3,7 @@
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use lin_canny::patch::Surface;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{Compound, ContactState, Decision, PairTracker, Piece, Question, RelativePose, Velocity};
 use truth::rng::Rng;
 
@@ -33,7 +33,7 @@ fn the_closest_piece_is_found() {
     let mut rng = Rng::new(91);
     let (mut overlaps, mut apart, mut of) = (0, 0, [0; 3]);
     for k in 0..40 {
-        let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
+        let surface = BezierSurface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
         let body = body(&mut rng, k);
         let mut tracker = PairTracker::new();
         for _ in 0..5 {
@@ -80,7 +80,7 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
     let mut rng = Rng::new(92);
     let (mut hits, mut misses) = (0, 0);
     for k in 0..40 {
-        let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
+        let surface = BezierSurface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
         let body = body(&mut rng, k);
         let from = Vector3::from(rng.unit()) * rng.range(2.5, 3.5);
         let velocity = Vector3::from(rng.unit()) * rng.range(0.0, 2.5) - from * 1.2;
@@ -139,7 +139,7 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
 #[test]
 fn far_bodies_have_bounds() {
     let mut rng = Rng::new(93);
-    let surface = Surface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
+    let surface = BezierSurface::new(vec![bumpy(&mut rng, [3, 3], 0.6)]).expect("a surface");
     let body = body(&mut rng, 0);
     let mut tracker = PairTracker::new();
     for far in [1e3, 1e9, 1e30, 1e120, 1e200, 1e305, 10.0] {

@@ -1,8 +1,8 @@
 //! Closed forms: spheres, cylinders, boxes.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Answer, ContactState, PairTracker, Question, Shape, Tracker};
 use truth::rng::Rng;
 
@@ -72,8 +72,8 @@ fn flat_patches_are_polyhedra() {
         solids::octahedron(0.8).expect("an octahedron"),
     );
     let (a, b) = (
-        Surface::from_convex(&die).expect("faces"),
-        Surface::from_convex(&gem).expect("faces"),
+        BezierSurface::from_convex(&die).expect("faces"),
+        BezierSurface::from_convex(&gem).expect("faces"),
     );
     assert!(a.is_closed() && b.is_closed());
     let ball = sphere(0.8);
@@ -106,7 +106,7 @@ fn flat_patches_are_polyhedra() {
 #[test]
 fn flush_faces_are_no_harder() {
     let die = solids::cuboid(Vector3::repeat(0.5)).expect("a box");
-    let a = Surface::from_convex(&die).expect("faces");
+    let a = BezierSurface::from_convex(&die).expect("faces");
     for gap in [1e-12, 1e-6, 0.1] {
         let at = Isometry3::translation(0.2, 0.3, 1.0 + gap);
         let mut tracker = PairTracker::new();
@@ -123,7 +123,8 @@ fn flush_faces_are_no_harder() {
 fn a_cylinder_lies_along_a_plane() {
     let side = tube(0.5, 1.0);
     let corners = [[-2.0, -2.0], [-2.0, 2.0], [2.0, -2.0], [2.0, 2.0]].map(|[x, y]| Point3::new(x, y, 0.0));
-    let floor = Surface::new(vec![Patch::polynomial([1, 1], &corners).expect("a square")]).expect("a floor");
+    let floor =
+        BezierSurface::new(vec![BezierPatch::polynomial([1, 1], &corners).expect("a square")]).expect("a floor");
     let lying = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2);
     for gap in [0.0, 1e-9, 1e-3] {
         let at = Isometry3::from_parts(Translation3::new(0.1, 0.2, 0.5 + gap), lying);

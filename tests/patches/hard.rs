@@ -1,7 +1,7 @@
 //! Saddles, poles, cusps, tangent and crossing surfaces, refused input, budgets.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
-use lin_canny::patch::{Nurbs, Patch, PatchError, Surface, revolution};
+use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs, SurfaceError, revolution};
 use lin_canny::{ContactState, Decision, Mesh, PairTracker, Question, RelativePose};
 use truth::rng::Rng;
 
@@ -16,8 +16,8 @@ fn square(f: impl Fn(f64, f64) -> f64) -> Vec<Point3<f64>> {
     (0..9).map(at).collect()
 }
 
-fn one(degrees: [usize; 2], points: &[Point3<f64>]) -> Surface {
-    Surface::new(vec![Patch::polynomial(degrees, points).expect("a patch")]).expect("a surface")
+fn one(degrees: [usize; 2], points: &[Point3<f64>]) -> BezierSurface {
+    BezierSurface::new(vec![BezierPatch::polynomial(degrees, points).expect("a patch")]).expect("a surface")
 }
 
 #[test]
@@ -224,7 +224,7 @@ fn about_z(rng: &mut Rng) -> Isometry3<f64> {
 }
 
 /// Two surfaces that are equally far along a curve or over an area, one in the other; their place, and the distance.
-fn level(rng: &mut Rng, kind: usize) -> (Surface, Surface, Isometry3<f64>, f64) {
+fn level(rng: &mut Rng, kind: usize) -> (BezierSurface, BezierSurface, Isometry3<f64>, f64) {
     let (r, part) = (rng.range(0.3, 1.5), rng.range(0.2, 0.999));
     let s = r * part;
     match kind {
@@ -275,7 +275,7 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
     for k in 0..6 {
         let mut rng = Rng::of_case(72, k);
         let degrees = [1 + rng.below(4), 2 + rng.below(3)];
-        let patch = Surface::new(vec![bumpy(&mut rng, degrees, 0.7)]).expect("a surface");
+        let patch = BezierSurface::new(vec![bumpy(&mut rng, degrees, 0.7)]).expect("a surface");
         let up = rng.log_range(1e-8, 3e-6);
         let mut tracker = PairTracker::new();
         let found = tracker.intersects(&patch, &patch, &pose(&Isometry3::translation(0.0, 0.0, up)));
@@ -358,7 +358,7 @@ fn finer_meshes_come_closer() {
         let mesh = globe(n);
         let o = PairTracker::new().closest(&mesh, &mesh, &at);
         assert!(o.lower >= exact.upper - 1e-11, "an inscribed mesh is farther");
-        let flat = Surface::from_mesh(&mesh).expect("a surface");
+        let flat = BezierSurface::from_mesh(&mesh).expect("a surface");
         let p = PairTracker::new().ask(&flat, &flat, &at, &Question::new().width(1e-9));
         assert!(p.is_reached && p.lower <= o.upper && o.lower <= p.upper, "{o:?} {p:?}");
         errors.push(o.distance - exact.distance);
@@ -375,51 +375,51 @@ fn what_is_no_surface_is_named() {
     let bad = |k: usize, x: f64| {
         let mut q = p.clone();
         q[k].y = x;
-        Patch::polynomial([2, 2], &q)
+        BezierPatch::polynomial([2, 2], &q)
     };
     assert!(matches!(
         bad(4, f64::NAN),
-        Err(PatchError::Coordinate { index: 4, axis: 1, .. })
+        Err(SurfaceError::Coordinate { index: 4, axis: 1, .. })
     ));
     assert!(matches!(
         bad(7, 1e70),
-        Err(PatchError::Coordinate { index: 7, axis: 1, .. })
+        Err(SurfaceError::Coordinate { index: 7, axis: 1, .. })
     ));
     assert_eq!(
-        Patch::polynomial([8, 2], &p),
-        Err(PatchError::Degree {
+        BezierPatch::polynomial([8, 2], &p),
+        Err(SurfaceError::Degree {
             direction: 0,
             degree: 8
         })
     );
     assert_eq!(
-        Patch::polynomial([2, 0], &p),
-        Err(PatchError::Degree {
+        BezierPatch::polynomial([2, 0], &p),
+        Err(SurfaceError::Degree {
             direction: 1,
             degree: 0
         })
     );
     assert_eq!(
-        Patch::polynomial([2, 3], &p),
-        Err(PatchError::Count { given: 9, expected: 12 })
+        BezierPatch::polynomial([2, 3], &p),
+        Err(SurfaceError::Count { given: 9, expected: 12 })
     );
     assert_eq!(
-        Patch::triangular(2, &p, None),
-        Err(PatchError::Count { given: 9, expected: 6 })
+        BezierPatch::triangular(2, &p, None),
+        Err(SurfaceError::Count { given: 9, expected: 6 })
     );
     let weights = |k: usize, w: f64| {
         let mut all = vec![1.0; 9];
         all[k] = w;
-        Patch::rational([2, 2], &p, &all)
+        BezierPatch::rational([2, 2], &p, &all)
     };
     for w in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-20] {
-        assert!(matches!(weights(3, w), Err(PatchError::Weight { .. })), "{w}");
+        assert!(matches!(weights(3, w), Err(SurfaceError::Weight { .. })), "{w}");
     }
     assert_eq!(
-        Patch::rational([2, 2], &p, &[1.0; 8]),
-        Err(PatchError::WeightCount { given: 8, expected: 9 })
+        BezierPatch::rational([2, 2], &p, &[1.0; 8]),
+        Err(SurfaceError::WeightCount { given: 8, expected: 9 })
     );
-    assert!(matches!(Surface::new(vec![]), Err(PatchError::Empty)));
+    assert!(matches!(BezierSurface::new(vec![]), Err(SurfaceError::Empty)));
     let knots: [&[f64]; 2] = [&[0.0, 0.0, 0.0, 1.0, 1.0, 1.0]; 2];
     let good = Nurbs {
         degrees: [2, 2],
@@ -427,14 +427,14 @@ fn what_is_no_surface_is_named() {
         points: &p,
         ..Nurbs::default()
     };
-    assert!(Surface::from_nurbs(&good).is_ok());
-    let refused = |n: Nurbs| Surface::from_nurbs(&n).expect_err("refused");
+    assert!(BezierSurface::from_nurbs(&good).is_ok());
+    let refused = |n: Nurbs| BezierSurface::from_nurbs(&n).expect_err("refused");
     assert_eq!(
         refused(Nurbs {
             trimming_curves: 1,
             ..good
         }),
-        PatchError::Trimmed { curves: 1 }
+        SurfaceError::Trimmed { curves: 1 }
     );
     let late: &[f64] = &[0.0, 0.0, 0.0, 1.0, 0.5, 1.0];
     assert!(matches!(
@@ -442,7 +442,7 @@ fn what_is_no_surface_is_named() {
             knots: [late, late],
             ..good
         }),
-        PatchError::Knot {
+        SurfaceError::Knot {
             direction: 0,
             index: 4,
             ..
@@ -454,7 +454,7 @@ fn what_is_no_surface_is_named() {
             knots: [knots[0], torn],
             ..good
         }),
-        PatchError::Knot { direction: 1, .. }
+        SurfaceError::Knot { direction: 1, .. }
     ));
     let short: &[f64] = &[0.0, 1.0];
     assert!(matches!(
@@ -462,9 +462,9 @@ fn what_is_no_surface_is_named() {
             knots: [short, short],
             ..good
         }),
-        PatchError::KnotCount { direction: 0, .. }
+        SurfaceError::KnotCount { direction: 0, .. }
     ));
     assert!(revolution(&[&[[1.0, 0.0, 1.0]]]).is_err() && revolution(&[]).is_err());
-    let text = PatchError::Trimmed { curves: 2 }.to_string();
+    let text = SurfaceError::Trimmed { curves: 2 }.to_string();
     assert!(text.contains("trimm"), "{text}");
 }

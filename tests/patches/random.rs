@@ -3,8 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
-use lin_canny::patch::{Nurbs, Patch, Surface, revolution};
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs, revolution};
 use lin_canny::{PairTracker, Question};
 use truth::curved::{KINDS as SHAPES, Kind};
 use truth::rng::Rng;
@@ -35,16 +35,16 @@ fn weights(rng: &mut Rng, count: usize) -> Vec<f64> {
     (0..count).map(|_| rng.range(0.2, 3.0)).collect()
 }
 
-fn tensor(rng: &mut Rng, degrees: [usize; 2], points: &[Point3<f64>], is_rational: bool) -> Patch {
+fn tensor(rng: &mut Rng, degrees: [usize; 2], points: &[Point3<f64>], is_rational: bool) -> BezierPatch {
     if is_rational {
-        Patch::rational(degrees, points, &weights(rng, points.len())).expect("a patch")
+        BezierPatch::rational(degrees, points, &weights(rng, points.len())).expect("a patch")
     } else {
-        Patch::polynomial(degrees, points).expect("a patch")
+        BezierPatch::polynomial(degrees, points).expect("a patch")
     }
 }
 
 /// Border or inner points on top of each other: poles, cusps, folds.
-fn cusp(rng: &mut Rng, degrees: [usize; 2]) -> Patch {
+fn cusp(rng: &mut Rng, degrees: [usize; 2]) -> BezierPatch {
     let [p, q] = [degrees[0].max(2), degrees[1].max(2)];
     let mut points = grid(rng, [p, q], 0.8);
     match rng.below(4) {
@@ -58,7 +58,7 @@ fn cusp(rng: &mut Rng, degrees: [usize; 2]) -> Patch {
 }
 
 /// Of profiles that begin on the axis: poles and seams.
-fn revolved(rng: &mut Rng) -> Surface {
+fn revolved(rng: &mut Rng) -> BezierSurface {
     if rng.chance(0.3) {
         return crate::bodies::sphere(rng.range(0.4, 1.0));
     }
@@ -72,7 +72,7 @@ fn revolved(rng: &mut Rng) -> Surface {
 }
 
 /// A B-spline of several patches.
-fn spline(rng: &mut Rng) -> Surface {
+fn spline(rng: &mut Rng) -> BezierSurface {
     let degrees = [1 + rng.below(4), 1 + rng.below(4)];
     let counts = degrees.map(|d| d + 1 + rng.below(3));
     let mut knots = |d: usize, count: usize| {
@@ -94,7 +94,7 @@ fn spline(rng: &mut Rng) -> Surface {
     let (u, v) = (knots(degrees[0], counts[0]), knots(degrees[1], counts[1]));
     let points = grid(rng, counts.map(|c| c - 1), 0.7);
     let weights = rng.chance(0.5).then(|| weights(rng, points.len()));
-    Surface::from_nurbs(&Nurbs {
+    BezierSurface::from_nurbs(&Nurbs {
         degrees,
         knots: [&u, &v],
         points: &points,
@@ -104,7 +104,7 @@ fn spline(rng: &mut Rng) -> Surface {
     .expect("a surface")
 }
 
-pub(crate) fn surface(rng: &mut Rng, kind: &str) -> Surface {
+pub(crate) fn surface(rng: &mut Rng, kind: &str) -> BezierSurface {
     let degrees = [1 + rng.below(7), 1 + rng.below(7)];
     let bump = rng.range(0.1, 1.2);
     let patch = match kind {
@@ -116,14 +116,14 @@ pub(crate) fn surface(rng: &mut Rng, kind: &str) -> Surface {
                 1 => solids::octahedron(0.9),
                 _ => solids::icosahedron(0.8),
             };
-            return Surface::from_convex(&body.expect("a body")).expect("faces");
+            return BezierSurface::from_convex(&body.expect("a body")).expect("faces");
         }
         "triangle" => {
             let n = degrees[0];
             let count = (n + 1) * (n + 2) / 2;
             let points = &grid(rng, [n, n], bump)[..count];
             let weights = rng.chance(0.5).then(|| weights(rng, count));
-            Patch::triangular(n, points, weights.as_deref()).expect("a patch")
+            BezierPatch::triangular(n, points, weights.as_deref()).expect("a patch")
         }
         "saddle" => {
             let (a, b) = (rng.range(0.1, 1.0), rng.range(-1.0, -0.1));
@@ -141,11 +141,11 @@ pub(crate) fn surface(rng: &mut Rng, kind: &str) -> Surface {
             tensor(rng, degrees, &points, kind == "rational")
         }
     };
-    Surface::new(vec![patch]).expect("a surface")
+    BezierSurface::new(vec![patch]).expect("a surface")
 }
 
 /// A random point of a surface with a normal there.
-pub(crate) fn spot(rng: &mut Rng, s: &Surface) -> (Vector3<f64>, Unit<Vector3<f64>>) {
+pub(crate) fn spot(rng: &mut Rng, s: &BezierSurface) -> (Vector3<f64>, Unit<Vector3<f64>>) {
     let patch = rng.pick(s.patches());
     // At a border or a corner now and then.
     let mut side = || {
@@ -354,10 +354,10 @@ fn bounds_hold_on_many_random_shapes() {
 #[test]
 fn surroundings_of_the_closest_points_are_proven_at_once() {
     use crate::bodies::bumpy;
-    let mut sum = lin_canny::patch::SurfaceWork::default();
+    let mut sum = lin_canny::surface::SurfaceWork::default();
     for k in 0..128 {
         let mut rng = Rng::of_case(62, k);
-        let mut one = || Surface::new(vec![bumpy(&mut rng, [3, 3], 0.5)]).expect("a surface");
+        let mut one = || BezierSurface::new(vec![bumpy(&mut rng, [3, 3], 0.5)]).expect("a surface");
         let (a, b) = (one(), one());
         let mut at = place(&mut rng, 3.0);
         let mut tracker = PairTracker::new();
@@ -384,8 +384,8 @@ fn cost() {
     use lin_canny::nalgebra::{UnitQuaternion, Vector3};
     for width in [1e-4, 1e-9] {
         let (mut cold, mut warm) = (Vec::new(), Vec::new());
-        let mut works = [lin_canny::patch::SurfaceWork::default(); 2];
-        let mut add = |k: usize, w: lin_canny::patch::SurfaceWork| {
+        let mut works = [lin_canny::surface::SurfaceWork::default(); 2];
+        let mut add = |k: usize, w: lin_canny::surface::SurfaceWork| {
             let sum = &mut works[k];
             sum.gaps += w.gaps;
             sum.caps += w.caps;
@@ -401,7 +401,7 @@ fn cost() {
         };
         for k in 0..16 {
             let mut rng = Rng::of_case(61, k);
-            let mut one = || Surface::new(vec![bumpy(&mut rng, [3, 3], 0.5)]).expect("a surface");
+            let mut one = || BezierSurface::new(vec![bumpy(&mut rng, [3, 3], 0.5)]).expect("a surface");
             let (a, b) = (one(), one());
             let mut at = place(&mut rng, 3.0);
             let axis = Vector3::from(rng.unit()) * 0.5_f64.to_radians();

@@ -1,7 +1,7 @@
 //! What changes the numbers of a surface but not the surface changes no answer: intervals overlap.
 
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::patch::{Nurbs, Patch, Surface};
+use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs};
 use lin_canny::{PairTracker, Question, Spot};
 use truth::rng::Rng;
 
@@ -10,7 +10,7 @@ use crate::bodies::{bumpy, grid, place, pose};
 const WIDTH: f64 = 1e-10;
 
 /// Asserts that two surfaces have one distance to a third.
-fn same(a: &Surface, other: &Surface, b: &Surface, at: &Isometry3<f64>, what: &str) {
+fn same(a: &BezierSurface, other: &BezierSurface, b: &BezierSurface, at: &Isometry3<f64>, what: &str) {
     let o = PairTracker::new().ask(a, b, &pose(at), &Question::new().width(WIDTH));
     let p = PairTracker::new().ask(other, b, &pose(at), &Question::new().width(WIDTH));
     assert!(o.is_reached && p.is_reached, "{what}: {o:?} {p:?}");
@@ -20,17 +20,17 @@ fn same(a: &Surface, other: &Surface, b: &Surface, at: &Isometry3<f64>, what: &s
     );
 }
 
-fn one(patch: Patch) -> Surface {
-    Surface::new(vec![patch]).expect("a surface")
+fn one(patch: BezierPatch) -> BezierSurface {
+    BezierSurface::new(vec![patch]).expect("a surface")
 }
 
 /// Points and weights of a patch.
-fn parts(p: &Patch) -> (Vec<Point3<f64>>, Vec<f64>) {
+fn parts(p: &BezierPatch) -> (Vec<Point3<f64>>, Vec<f64>) {
     p.control_points().unzip()
 }
 
 /// The patch with its degree in v raised by one.
-fn raised(p: &Patch) -> Patch {
+fn raised(p: &BezierPatch) -> BezierPatch {
     let [m, n] = p.degrees();
     let (points, weights) = parts(p);
     let (mut new, mut all) = (Vec::new(), Vec::new());
@@ -45,7 +45,7 @@ fn raised(p: &Patch) -> Patch {
             all.push(w);
         }
     }
-    Patch::rational([m, n + 1], &new, &all).expect("a patch")
+    BezierPatch::rational([m, n + 1], &new, &all).expect("a patch")
 }
 
 #[test]
@@ -55,19 +55,19 @@ fn other_numbers_of_one_surface() {
         let [m, n] = [1 + rng.below(4), 1 + rng.below(4)];
         let points = grid(&mut rng, [m, n], 0.7);
         let weights: Vec<f64> = points.iter().map(|_| rng.range(0.5, 2.0)).collect();
-        let patch = Patch::rational([m, n], &points, &weights).expect("a patch");
+        let patch = BezierPatch::rational([m, n], &points, &weights).expect("a patch");
         let (a, b) = (one(patch.clone()), one(bumpy(&mut rng, [3, 3], 0.7)));
         let at = place(&mut rng, 3.0);
         same(&a, &one(raised(&patch)), &b, &at, "degree raised");
         let halves = patch.split(0).into_iter().flat_map(|p| p.split(1)).collect();
-        same(&a, &Surface::new(halves).expect("parts"), &b, &at, "split");
+        same(&a, &BezierSurface::new(halves).expect("parts"), &b, &at, "split");
         let turned = |k: usize| (k % (m + 1)) * (n + 1) + k / (m + 1);
         let (swapped, of): (Vec<_>, Vec<_>) = (0..points.len())
             .map(|k| (points[turned(k)], weights[turned(k)]))
             .unzip();
         same(
             &a,
-            &one(Patch::rational([n, m], &swapped, &of).expect("a patch")),
+            &one(BezierPatch::rational([n, m], &swapped, &of).expect("a patch")),
             &b,
             &at,
             "u and v exchanged",
@@ -78,7 +78,7 @@ fn other_numbers_of_one_surface() {
             .collect();
         same(
             &a,
-            &one(Patch::rational([m, n], &points, &of).expect("a patch")),
+            &one(BezierPatch::rational([m, n], &points, &of).expect("a patch")),
             &b,
             &at,
             "parameters changed",
@@ -86,7 +86,7 @@ fn other_numbers_of_one_surface() {
         let of: Vec<f64> = weights.iter().map(|w| w * 1e-3).collect();
         same(
             &a,
-            &one(Patch::rational([m, n], &points, &of).expect("a patch")),
+            &one(BezierPatch::rational([m, n], &points, &of).expect("a patch")),
             &b,
             &at,
             "weights scaled",
@@ -107,7 +107,7 @@ fn a_triangle_is_half_of_a_plane_patch() {
         let (p, q) = (corners[i], corners[j]);
         Point3::new(0.5 * (p[0] + q[0]), 0.5 * (p[1] + q[1]), blossom(p, q))
     };
-    let patch = Patch::triangular(2, &pairs.map(point), None).expect("a patch");
+    let patch = BezierPatch::triangular(2, &pairs.map(point), None).expect("a patch");
     for (u, v) in [(0.0, 0.3), (0.4, 0.2), (1.0, 0.7), (0.8, 1.0)] {
         let (x, y) = (u * (1.0 - v), u * v);
         let p = patch.point(u, v);
@@ -116,8 +116,8 @@ fn a_triangle_is_half_of_a_plane_patch() {
     let mut rng = Rng::new(2);
     let b = one(bumpy(&mut rng, [2, 2], 0.5));
     let a = one(patch.clone());
-    let four: Vec<Patch> = patch.split(0).into_iter().flat_map(|p| p.split(1)).collect();
-    let four = Surface::new(four).expect("parts");
+    let four: Vec<BezierPatch> = patch.split(0).into_iter().flat_map(|p| p.split(1)).collect();
+    let four = BezierSurface::new(four).expect("parts");
     for _ in 0..20 {
         let at = place(&mut rng, 2.5);
         same(&a, &four, &b, &at, "triangle split");
@@ -152,7 +152,7 @@ fn nurbs_are_taken_apart() {
         weights: Some(&weights),
         trimming_curves: 0,
     };
-    let surface = Surface::from_nurbs(&nurbs).expect("a surface");
+    let surface = BezierSurface::from_nurbs(&nurbs).expect("a surface");
     assert_eq!(surface.patches().len(), 6);
     for k in 0..600 {
         let at = Spot::on_patch(k % 6, [rng.uniform(), rng.uniform()]);

@@ -1,8 +1,8 @@
 //! Surfaces against convex shapes: closed forms, the tracker of shapes, dense samples.
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{Answer, ContactState, ConvexPolyhedron, Decision, PairTracker, Question, RelativePose, Shape};
 use truth::rng::Rng;
 
@@ -113,7 +113,7 @@ fn a_surface_through_or_within_a_shape_shares_points() {
 fn flat_patches_are_polyhedra() {
     let mut rng = Rng::new(33);
     let gem = solids::icosahedron(0.6).expect("a body");
-    let surface = Surface::from_convex(&gem).expect("faces");
+    let surface = BezierSurface::from_convex(&gem).expect("faces");
     let solid = Shape::from(gem);
     let mut apart = 0;
     for shape in kinds() {
@@ -140,7 +140,7 @@ fn flat_patches_are_polyhedra() {
 }
 
 /// The least distance of a grid of points of a surface, by the tracker of shapes.
-pub(crate) fn sampled(a: &Surface, b: &Shape, at: &RelativePose, n: usize) -> f64 {
+pub(crate) fn sampled(a: &BezierSurface, b: &Shape, at: &RelativePose, n: usize) -> f64 {
     let point = Shape::from(ConvexPolyhedron::point(Point3::origin()).expect("a point"));
     let (pose_a, pose_b) = at.poses();
     let mut tracker = PairTracker::new();
@@ -162,7 +162,7 @@ fn no_sample_is_closer_than_the_lower_bound() {
     let (mut wide, mut overlaps, mut count) = (0, 0, 0);
     for (k, shape) in kinds().iter().enumerate() {
         for degrees in [[3, 3], [2, 4], [1, 2]] {
-            let surface = Surface::new(vec![bumpy(&mut rng, degrees, 0.6)]).expect("a surface");
+            let surface = BezierSurface::new(vec![bumpy(&mut rng, degrees, 0.6)]).expect("a surface");
             let mut warm = PairTracker::new();
             for _ in 0..4 {
                 count += 1;

@@ -1,7 +1,7 @@
 //! Trackers that were used for other bodies: their answers are those of new trackers, whatever the numbers of the bodies.
 
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::patch::{Patch, Surface};
+use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Compound, Decision, PairTracker, Piece, Question, Shape};
 use truth::rng::Rng;
 
@@ -12,18 +12,18 @@ use crate::shapes::kinds;
 const WIDTH: f64 = 1e-6;
 
 /// The surface with one number of one control point changed by some thousandths to tenths.
-fn changed(rng: &mut Rng, s: &Surface) -> Surface {
+fn changed(rng: &mut Rng, s: &BezierSurface) -> BezierSurface {
     let mut patches = s.patches().to_vec();
     let which = rng.below(patches.len());
     let (mut points, weights): (Vec<Point3<f64>>, Vec<f64>) = patches[which].control_points().unzip();
     let (at, axis) = (rng.below(points.len()), rng.below(3));
     points[at][axis] += rng.log_range(1e-3, 0.3);
-    patches[which] = Patch::rational(patches[which].degrees(), &points, &weights).expect("a patch");
-    Surface::new(patches).expect("a surface")
+    patches[which] = BezierPatch::rational(patches[which].degrees(), &points, &weights).expect("a patch");
+    BezierSurface::new(patches).expect("a surface")
 }
 
 /// Any surface, and another: a little different, or of any kind.
-fn two(rng: &mut Rng) -> [Surface; 2] {
+fn two(rng: &mut Rng) -> [BezierSurface; 2] {
     let kind = rng.below(KINDS.len());
     let first = surface(rng, KINDS[kind]);
     let other = if rng.chance(0.5) {
@@ -136,13 +136,13 @@ fn step(h: u64, x: u64) -> u64 {
 }
 
 /// Two roofs whose tops differ in x and y so that hashes of the second kind agree.
-fn roofs_that_collide(rng: &mut Rng) -> [Surface; 2] {
+fn roofs_that_collide(rng: &mut Rng) -> [BezierSurface; 2] {
     let made = |top: [f64; 2]| {
         let mut points: Vec<Point3<f64>> = (0..4)
             .map(|k| Point3::new(f64::from(k / 2), f64::from(k % 2), 0.0))
             .collect();
         points[3] = Point3::new(top[0], top[1], 1.0);
-        Surface::new(vec![Patch::polynomial([1, 1], &points).expect("a patch")]).expect("a surface")
+        BezierSurface::new(vec![BezierPatch::polynomial([1, 1], &points).expect("a patch")]).expect("a surface")
     };
     let before = [0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0_f64];
     let begun = before.iter().fold(step(1, 9), |h, x| step(h, x.to_bits()));

@@ -8,7 +8,7 @@ use std::cell::OnceCell;
 use std::rc::Rc;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::Surface;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{Answer, ConvexPolyhedron, PairTracker, RelativePose, Shape, Spot};
 
 use truth::curved::{Kind, Triple, Wide, dot, matrix, norm, turned, turned_back, wide};
@@ -94,13 +94,14 @@ impl Part {
     }
 
     /// The patches of a surface, placed; numbers are those of the surface.
-    fn all(surface: &Surface, pose: &Isometry3<f64>) -> Vec<Rc<Self>> {
+    fn all(surface: &BezierSurface, pose: &Isometry3<f64>) -> Vec<Rc<Self>> {
         let pose = Place::new(pose);
         let placed = |(p, w): (Point3<f64>, f64)| {
             let (q, w) = (pose.of(&wide(p.coords.into())), Wide::from(w));
             [q[0] * w, q[1] * w, q[2] * w, w]
         };
-        let part = |p: &lin_canny::patch::Patch| Self::new(p.degrees(), p.control_points().map(placed).collect());
+        let part =
+            |p: &lin_canny::surface::BezierPatch| Self::new(p.degrees(), p.control_points().map(placed).collect());
         surface.patches().iter().map(part).collect()
     }
 
@@ -176,7 +177,7 @@ fn is_apart(a: &Part, b: &Part, n: &Vector3<f64>, goal: f64) -> bool {
 }
 
 /// Judges an outcome; panics if a bound is wrong by more than `slack`.
-pub(crate) fn judge(a: &Surface, b: &Surface, pose: &Isometry3<f64>, o: &Answer, slack: f64) -> Sentence {
+pub(crate) fn judge(a: &BezierSurface, b: &BezierSurface, pose: &Isometry3<f64>, o: &Answer, slack: f64) -> Sentence {
     let (parts_a, parts_b) = (Part::all(a, &Isometry3::identity()), Part::all(b, pose));
     let p = parts_a[o.on[0].part as usize].point(&o.on[0]);
     let q = parts_b[o.on[1].part as usize].point(&o.on[1]);
@@ -262,7 +263,7 @@ impl Body {
 
 /// Judges an outcome; panics if a bound is wrong by more than `slack`. Directions, and points that would
 /// refute a bound, are those of the tracker of shapes.
-pub(crate) fn judge_shape(a: &Surface, b: &Body, pose: &Isometry3<f64>, o: &Answer, slack: f64) -> Sentence {
+pub(crate) fn judge_shape(a: &BezierSurface, b: &Body, pose: &Isometry3<f64>, o: &Answer, slack: f64) -> Sentence {
     let (parts, place) = (Part::all(a, &Isometry3::identity()), Place::new(pose));
     b.judge_witnesses(&place, &parts[o.on[0].part as usize].point(&o.on[0]), o, slack);
     if o.lower <= 0.0 {

@@ -97,7 +97,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ),
     ("time", &["separation", "impact", "schedule"]),
     ("nonconvex", &[]),
-    ("patch", &[]),
+    ("surface", &[]),
     ("pair_tracker", &["geometry"]),
     ("broad", &[]),
     ("scene", &[]),
@@ -335,7 +335,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
     ),
     // Curved surfaces: nets, the minimum-norm solver on their points; meshes are surfaces too.
     (
-        "patch",
+        "surface",
         &[
             "tolerance",
             "num",
@@ -348,7 +348,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "shape_tracker",
             "separation",
             "nonconvex",
-            "patch",
+            "surface",
         ],
     ),
     // A shape of any kind.
@@ -361,7 +361,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "polyhedron",
             "shape",
             "nonconvex",
-            "patch",
+            "surface",
             "geometry",
         ],
     ),
@@ -383,7 +383,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "separation",
             "impact",
             "nonconvex",
-            "patch",
+            "surface",
             "geometry",
             "pair_tracker",
         ],
@@ -406,7 +406,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "impact",
             "schedule",
             "nonconvex",
-            "patch",
+            "surface",
             "geometry",
             "pair_tracker",
             "broad",
@@ -433,7 +433,7 @@ const MAY_USE: &[(&str, &[&str])] = &[
             "smooth",
             "separation",
             "nonconvex",
-            "patch",
+            "surface",
         ],
     ),
 ];

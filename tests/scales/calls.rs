@@ -7,7 +7,7 @@ mod words;
 mod worlds;
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Patch, Surface};
+use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
     Compound, ContactPatches, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh, PairTracker,
     Piece, Question, RelativePose, Shape, Tracker, Until,
@@ -439,10 +439,10 @@ fn pieces<'g>(scene: &mut Scene, rng: &mut Rng, a: impl Into<GeometryRef<'g>>, b
 }
 
 /// A square of bumps, two units wide.
-fn bumpy(scene: &Scene, rng: &mut Rng) -> Surface {
+fn bumpy(scene: &Scene, rng: &mut Rng) -> BezierSurface {
     let points = scene.points(&truth::nets::bumps(rng, [2, 2], 0.5));
-    let patch = Patch::polynomial([2, 2], &points).expect("a patch");
-    Surface::new(vec![patch]).expect("a surface")
+    let patch = BezierPatch::polynomial([2, 2], &points).expect("a patch");
+    BezierSurface::new(vec![patch]).expect("a surface")
 }
 
 fn surfaces(scene: &mut Scene, rng: &mut Rng) {

@@ -246,7 +246,7 @@ fn what_no_tracker_answers_is_refused() {
         Err(SceneError::Unanswered {
             effect,
             these,
-            those: ShapeKind::Surface,
+            those: ShapeKind::BezierSurface,
         })
     };
     let die = || solids::cuboid(Vector3::repeat(0.5)).unwrap();
@@ -260,16 +260,16 @@ fn what_no_tracker_answers_is_refused() {
         refusal("depth", ShapeKind::Polyhedron)
     );
     let refused = scene.insert(Body::moving(sphere(0.5)), at);
-    assert_eq!(refused, refusal("depth", ShapeKind::Surface));
+    assert_eq!(refused, refusal("depth", ShapeKind::BezierSurface));
     assert_eq!(
         refused.unwrap_err().to_string(),
-        "no depth is computed between a surface of patches and a surface of patches"
+        "no depth is computed between a Bézier surface and a Bézier surface"
     );
     let mut scene = call(NONE.local_depth(true));
     let bodies = [
         (Body::moving(mesh), ShapeKind::Mesh),
         (Body::moving(die()), ShapeKind::Polyhedron),
-        (Body::moving(sphere(0.5)), ShapeKind::Surface),
+        (Body::moving(sphere(0.5)), ShapeKind::BezierSurface),
     ];
     for (body, kind) in bodies {
         assert_eq!(scene.insert(body, at), refusal("local_depth", kind));

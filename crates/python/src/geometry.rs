@@ -95,7 +95,7 @@ impl Geometry {
     fn is_convex(&self) -> bool {
         !matches!(
             self.0.kind(),
-            ShapeKind::Compound | ShapeKind::Mesh | ShapeKind::Surface
+            ShapeKind::Compound | ShapeKind::Mesh | ShapeKind::BezierSurface
         )
     }
 
@@ -104,7 +104,7 @@ impl Geometry {
     fn is_solid(&self) -> bool {
         match &self.0 {
             Body::Mesh(mesh) => mesh.kind() == lin_canny::MeshKind::Solid,
-            Body::Surface(_) => false,
+            Body::BezierSurface(_) => false,
             _ => true,
         }
     }
@@ -159,7 +159,7 @@ impl Geometry {
                 )
             }
             Body::Compound(c) => format!("<Geometry compound: {} pieces>", c.pieces().len()),
-            Body::Surface(s) => format!("<Geometry surface: {} patches>", s.patches().len()),
+            Body::BezierSurface(s) => format!("<Geometry surface: {} patches>", s.patches().len()),
             other => format!("<Geometry {}: radius {:.6}>", other.kind(), other.bounding_ball().1),
         }
     }

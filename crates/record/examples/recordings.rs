@@ -13,9 +13,9 @@ use std::process::ExitCode;
 use clap::Parser;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Effects, Group, Scene};
+use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Compound, Geometry, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity, impact};
 use lin_canny_record::{Bracket, PencilLine, Recorder};
 
@@ -125,8 +125,8 @@ fn all_kinds() -> Result<Vec<(&'static str, Geometry)>, Trouble> {
         ("compound", Compound::new(pieces)?.into()),
         ("mesh", Mesh::from_convex(&solids::geodesic_sphere(2, 0.5)?)?.into()),
         (
-            "surface of patches",
-            Surface::new(vec![Patch::polynomial([2, 2], &net)?])?.into(),
+            "Bézier surface",
+            BezierSurface::new(vec![BezierPatch::polynomial([2, 2], &net)?])?.into(),
         ),
         (
             "polygon",

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::{Patch, Surface};
 use lin_canny::polyhedron::solids;
 use lin_canny::shape::Core;
+use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{ConvexPolyhedron, Geometry, Mesh, Shape};
 
 /// Edges between faces that differ by less than this cosine are not drawn on curved bodies.
@@ -41,7 +41,7 @@ impl BodyPicture {
             Geometry::Convex(shape) => solid.shape(shape, &Isometry3::identity()),
             Geometry::Compound(body) => body.pieces().iter().for_each(|p| solid.shape(&p.shape, &p.pose)),
             Geometry::Mesh(mesh) => solid.mesh(mesh),
-            Geometry::Surface(surface) => solid.surface(surface),
+            Geometry::BezierSurface(surface) => solid.surface(surface),
             _ => {}
         }
         let corners = solid.triangles.iter().flat_map(|(corners, _)| corners);
@@ -109,14 +109,14 @@ impl BodyPicture {
         self.edges.extend(sharp.map(|(ends, _)| ends));
     }
 
-    fn surface(&mut self, surface: &Surface) {
+    fn surface(&mut self, surface: &BezierSurface) {
         for patch in surface.patches() {
             self.patch(patch);
         }
     }
 
     /// Both sides of a patch, and its rim.
-    fn patch(&mut self, patch: &Patch) {
+    fn patch(&mut self, patch: &BezierPatch) {
         let at = |i: usize, j: usize| {
             let [u, v] = [i, j].map(|k| k as f64 / PATCH_STEPS as f64);
             patch.point(u, v)

@@ -296,7 +296,7 @@ fn is_same(a: &Geometry, b: &Geometry) -> bool {
         (Geometry::Convex(a), Geometry::Convex(b)) => Arc::ptr_eq(a, b),
         (Geometry::Compound(a), Geometry::Compound(b)) => Arc::ptr_eq(a, b),
         (Geometry::Mesh(a), Geometry::Mesh(b)) => Arc::ptr_eq(a, b),
-        (Geometry::Surface(a), Geometry::Surface(b)) => Arc::ptr_eq(a, b),
+        (Geometry::BezierSurface(a), Geometry::BezierSurface(b)) => Arc::ptr_eq(a, b),
         _ => false,
     }
 }

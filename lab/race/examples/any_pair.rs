@@ -8,8 +8,8 @@
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::patch::revolution;
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::revolution;
 use lin_canny::{Geometry, ManifoldOptions, Mesh, PairTracker, RelativePose, Shape, Velocity};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -2,8 +2,8 @@
 
 use crate::soups::Soup;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::{Surface, revolution};
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::{BezierSurface, revolution};
 use lin_canny::{Compound, ContactState, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
 use lin_canny::{Question, RelativePose, Shape, Tracker};
 
@@ -22,7 +22,7 @@ pub enum Form {
     /// A triangle mesh.
     Mesh(Mesh),
     /// A surface of patches.
-    Surface(Surface),
+    BezierSurface(BezierSurface),
 }
 
 impl Form {
@@ -37,7 +37,7 @@ impl Form {
             Self::Convex(shape) => shape.into(),
             Self::Pieces(body) => body.into(),
             Self::Mesh(mesh) => mesh.into(),
-            Self::Surface(surface) => surface.into(),
+            Self::BezierSurface(surface) => surface.into(),
         }
     }
 }
@@ -58,7 +58,7 @@ fn cross() -> Compound {
 }
 
 /// Returns a sphere as eight rational octants.
-pub fn sphere(r: f64) -> Surface {
+pub fn sphere(r: f64) -> BezierSurface {
     let half = 0.5_f64.sqrt();
     let south: &[[f64; 3]] = &[[0.0, -r, 1.0], [r, -r, half], [r, 0.0, 1.0]];
     let north: &[[f64; 3]] = &[[r, 0.0, 1.0], [r, r, half], [0.0, r, 1.0]];
@@ -109,7 +109,7 @@ pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
     }
     if kind == 3 {
         let shell = sphere(0.45);
-        all.push((shell.clone().into(), Form::Surface(shell)));
+        all.push((shell.clone().into(), Form::BezierSurface(shell)));
     }
     all
 }
@@ -127,7 +127,7 @@ pub fn within(a: &Form, b: &Form, pose: &RelativePose, d: f64) -> Option<bool> {
     }
     let found = distance(a, b, pose);
     let is_proven = match (a, b) {
-        (Form::Surface(_), _) | (_, Form::Surface(_)) => found.state == ContactState::Touching,
+        (Form::BezierSurface(_), _) | (_, Form::BezierSurface(_)) => found.state == ContactState::Touching,
         _ => found.state == ContactState::Overlapping && !(a.is_convex() && b.is_convex()),
     };
     if is_proven || found.upper <= d - TIE {

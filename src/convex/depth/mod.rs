@@ -159,7 +159,7 @@ fn has_witnesses(posed: &PosedPair, draft: &Draft) -> bool {
 /// Writes a depth that a surface proves, and the overlap with it.
 fn write_overlap(posed: &PosedPair, found: &SearchResult<f64>, draft: &mut Draft) {
     draft.state = ContactState::Overlapping;
-    draft.solver = Solver::Surface;
+    draft.solver = Solver::Polytope;
     draft.lower = f64::NEG_INFINITY;
     draft.work.depths += 1;
     write_result(posed, found, draft);

@@ -224,7 +224,7 @@ impl OverlapProof {
             if simplex.len() < 4 {
                 start = Some(simplex);
             } else if write_overlap(posed, &simplex, draft) {
-                draft.solver = Solver::Surface;
+                draft.solver = Solver::Polytope;
                 return Some(*self);
             }
         }
@@ -246,7 +246,7 @@ fn solve_overlap(
     let Minimum::Inside { simplex } = solve(posed, frame, start) else {
         return None;
     };
-    draft.solver = Solver::Fallback;
+    draft.solver = Solver::Gjk;
     write_overlap(posed, &simplex, draft).then(|| OverlapProof::from_simplex(&simplex))?
 }
 

@@ -239,7 +239,7 @@ fn deepen<A: CoreKind, B: CoreKind>(
         return None;
     }
     if deep.grown {
-        outcome.solver = Solver::Surface;
+        outcome.solver = Solver::Polytope;
     }
     if deep.inside {
         outcome.state = ContactState::Overlapping;
@@ -519,7 +519,7 @@ pub(super) fn search<A: Support, B: Support, T: Scalar>(
     if let Some(ended) = bend(posed, toward_witness(posed, best), best, deep) {
         return ended;
     }
-    *solver = Solver::Fallback;
+    *solver = Solver::Gjk;
     match frozen::solve(posed, toward_witness(posed, best), SolveGoal::Close, best) {
         Frozen::Closed => Ended::Closed,
         Frozen::Inside(corners) if deep(best, Some(corners)) => Ended::Deep,

@@ -132,7 +132,7 @@ pub(crate) fn refine(posed: &PosedPair, warm: bool, draft: &mut Draft) {
 #[cold]
 pub(crate) fn gjk_unchecked(posed: &PosedPair, draft: &mut Draft) {
     draft.work.fallbacks += 1;
-    draft.solver = Solver::Fallback;
+    draft.solver = Solver::Gjk;
     let frame = Transform::of(posed);
     let start = vertex_of(posed, &frame, draft.features);
     write_minimum(posed, &minimum::solve(posed, &frame, start), draft);

@@ -125,7 +125,7 @@ impl Totals {
         self.answered[solver as usize].count(1);
         self.steps.count(u64::from(work.steps));
         self.depths.count(u64::from(work.depths));
-        if matches!(solver, Solver::Fallback | Solver::DoubleDouble | Solver::Exact) {
+        if matches!(solver, Solver::Gjk | Solver::DoubleDouble | Solver::Exact) {
             notice::fell_back(&solver, work.steps);
         }
     }

@@ -41,7 +41,7 @@ fn of_mesh(mesh: &Mesh, tolerance: f64) -> Fingerprint {
 
 #[derive(Clone, Debug)]
 enum PatchedBody {
-    Surface(Arc<PatchedMesh>),
+    Mesh(Arc<PatchedMesh>),
     Pieces(Arc<Compound>, f64),
 }
 
@@ -64,10 +64,7 @@ impl ContactPatches {
         let mesh: Arc<Mesh> = mesh.into();
         let stored = tolerance.at_least(0.0) / mesh.unit();
         let fingerprint = of_mesh(&mesh, stored);
-        Self(
-            PatchedBody::Surface(Arc::new(PatchedMesh::new(mesh, stored))),
-            fingerprint,
-        )
+        Self(PatchedBody::Mesh(Arc::new(PatchedMesh::new(mesh, stored))), fingerprint)
     }
 
     /// Returns whether these are the patches of a mesh as it is, without a tolerance.
@@ -95,7 +92,7 @@ impl ContactPatches {
     #[must_use]
     pub fn count(&self) -> usize {
         match &self.0 {
-            PatchedBody::Surface(surface) => surface.count(),
+            PatchedBody::Mesh(surface) => surface.count(),
             PatchedBody::Pieces(body, _) => body.pieces().len(),
         }
     }
@@ -103,7 +100,7 @@ impl ContactPatches {
     /// Returns the triangles of a patch by the caller's numbers; none for pieces.
     pub fn triangles(&self, patch: u32) -> impl Iterator<Item = u32> + '_ {
         let surface = match &self.0 {
-            PatchedBody::Surface(surface) => Some(&**surface),
+            PatchedBody::Mesh(surface) => Some(&**surface),
             PatchedBody::Pieces(..) => None,
         };
         let named = move |s: &'_ PatchedMesh| -> Vec<u32> {
@@ -115,7 +112,7 @@ impl ContactPatches {
 
     pub(super) fn side(&self) -> TreeSide<'_> {
         match &self.0 {
-            PatchedBody::Surface(surface) => surface.side(),
+            PatchedBody::Mesh(surface) => surface.side(),
             PatchedBody::Pieces(body, _) => body.side(),
         }
     }
@@ -126,25 +123,25 @@ impl ContactPatches {
 
     pub(super) fn unit(&self) -> f64 {
         match &self.0 {
-            PatchedBody::Surface(surface) => surface.mesh.unit(),
+            PatchedBody::Mesh(surface) => surface.mesh.unit(),
             PatchedBody::Pieces(body, _) => body.stored_unit(),
         }
     }
 
     pub(super) fn is_in_place(&self) -> bool {
         match &self.0 {
-            PatchedBody::Surface(_) => true,
+            PatchedBody::Mesh(_) => true,
             PatchedBody::Pieces(body, _) => body.is_in_place(),
         }
     }
 
     pub(super) fn is_mesh(&self) -> bool {
-        matches!(self.0, PatchedBody::Surface(_))
+        matches!(self.0, PatchedBody::Mesh(_))
     }
 
     pub(super) fn parts(&self) -> PartsRef<'_> {
         match &self.0 {
-            PatchedBody::Surface(surface) => PartsRef::Mesh(&surface.mesh),
+            PatchedBody::Mesh(surface) => PartsRef::Mesh(&surface.mesh),
             PatchedBody::Pieces(body, _) => PartsRef::Pieces(body),
         }
     }
@@ -153,7 +150,7 @@ impl ContactPatches {
     /// it.
     pub(super) fn patch_at(&self, piece: u32, point: &Point3<f64>) -> u32 {
         match &self.0 {
-            PatchedBody::Surface(surface) => surface.patch_at(point),
+            PatchedBody::Mesh(surface) => surface.patch_at(point),
             PatchedBody::Pieces(..) => piece,
         }
     }
@@ -161,7 +158,7 @@ impl ContactPatches {
     /// Returns the patch of an item of the tree.
     pub(super) fn patch(&self, item: u32) -> u32 {
         match &self.0 {
-            PatchedBody::Surface(surface) => surface.patch_of_item(item),
+            PatchedBody::Mesh(surface) => surface.patch_of_item(item),
             PatchedBody::Pieces(body, _) => body.number(item),
         }
     }
@@ -169,7 +166,7 @@ impl ContactPatches {
     /// Returns the convex body of a patch, and its pose in the body's frame.
     pub(super) fn part(&self, patch: u32) -> Option<(Shape, Isometry3<f64>)> {
         match &self.0 {
-            PatchedBody::Surface(surface) => Some((surface.hull(patch)?, Isometry3::identity())),
+            PatchedBody::Mesh(surface) => Some((surface.hull(patch)?, Isometry3::identity())),
             PatchedBody::Pieces(body, _) => {
                 let piece = body.pieces().get(patch as usize)?;
                 Some((piece.shape.clone(), piece.pose))
@@ -180,7 +177,7 @@ impl ContactPatches {
     /// Returns whether a normal in the body's frame is that of a face of a patch.
     pub(super) fn has_face(&self, patch: u32, n: &Vector3<f64>) -> bool {
         match &self.0 {
-            PatchedBody::Surface(surface) => surface.has_face(patch, n),
+            PatchedBody::Mesh(surface) => surface.has_face(patch, n),
             PatchedBody::Pieces(..) => true,
         }
     }
@@ -195,7 +192,7 @@ impl ContactPatches {
     /// body's frame and the caller's unit.
     pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
         match &self.0 {
-            PatchedBody::Surface(surface) => surface.bears(patch, point, n, (sine, doubt)),
+            PatchedBody::Mesh(surface) => surface.bears(patch, point, n, (sine, doubt)),
             PatchedBody::Pieces(body, tolerance) => {
                 if is_covered(body, patch, point, n, tolerance + doubt) {
                     Borne::No
@@ -210,7 +207,7 @@ impl ContactPatches {
     /// is in the frame of the patch's part.
     pub(super) fn is_clear(&self, patch: u32, point: &Point3<f64>, (depth, doubt): (f64, f64)) -> bool {
         match &self.0 {
-            PatchedBody::Surface(surface) => surface.is_clear(point, depth),
+            PatchedBody::Mesh(surface) => surface.is_clear(point, depth),
             PatchedBody::Pieces(body, tolerance) => is_clear(body, patch, point, (depth, tolerance + doubt)),
         }
     }
@@ -219,15 +216,15 @@ impl ContactPatches {
     /// frame.
     pub(super) fn under(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, doubt: f64) -> Under {
         match &self.0 {
-            PatchedBody::Surface(surface) if surface.is_below(point, doubt) => Under::Body,
-            PatchedBody::Surface(_) => Under::Unknown,
+            PatchedBody::Mesh(surface) if surface.is_below(point, doubt) => Under::Body,
+            PatchedBody::Mesh(_) => Under::Unknown,
             PatchedBody::Pieces(body, tolerance) => under(body, patch, point, n, tolerance + doubt),
         }
     }
 
     /// Returns whether the way from a point of the surface to a point below leaves the body.
     pub(super) fn is_left(&self, from: &Point3<f64>, to: &Point3<f64>, doubt: f64) -> bool {
-        matches!(&self.0, PatchedBody::Surface(surface) if surface.is_left(from, to, doubt))
+        matches!(&self.0, PatchedBody::Mesh(surface) if surface.is_left(from, to, doubt))
     }
 }
 

@@ -198,11 +198,7 @@ fn assemble(
     let (low, high) = bounding_box(points);
     let unit = crate::body::polyhedron::power_of_two(welded.exponent);
     parts.iter_mut().for_each(|p| p.volume *= unit * unit * unit);
-    let kind = if found.closed {
-        MeshKind::Solid
-    } else {
-        MeshKind::Surface
-    };
+    let kind = if found.closed { MeshKind::Solid } else { MeshKind::Open };
     let welded_away = (0u32..).zip(&welded.same_as).filter(|(k, v)| k != *v).count();
     let square = points.iter().fold(0.0, |r: f64, p| r.larger(p.norm_squared()));
     let mut mesh = Mesh {

@@ -212,7 +212,7 @@ impl Mesh {
     /// // The second is turned over.
     /// let triangles = [[0, 2, 1], [0, 3, 1], [1, 2, 3], [2, 0, 3]];
     /// let surface = Mesh::new(&points, &triangles)?;
-    /// assert_eq!(surface.kind(), MeshKind::Surface);
+    /// assert_eq!(surface.kind(), MeshKind::Open);
     /// assert_eq!(surface.report().misoriented_edges.len(), 3);
     /// let (solid, turned) = Mesh::oriented(&points, &triangles)?;
     /// assert_eq!((solid.kind(), turned), (MeshKind::Solid, vec![1]));

@@ -45,7 +45,7 @@ use vertices::{Bending, Stiff};
 /// let wedge = Mesh::new(&points, &[[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])?;
 /// assert_eq!(wedge.kind(), MeshKind::Solid);
 /// let open = Mesh::new(&points, &[[0, 2, 1], [0, 1, 3]])?;
-/// assert_eq!(open.kind(), MeshKind::Surface);
+/// assert_eq!(open.kind(), MeshKind::Open);
 /// assert_eq!(open.report().boundary_edges.len(), 4);
 /// # Ok::<(), lin_canny::MeshError>(())
 /// ```

@@ -164,14 +164,14 @@ pub enum MeshKind {
     /// inside and belong to the body.
     Solid,
     /// Not closed: the body is the triangles alone and has no inside.
-    Surface,
+    Open,
 }
 
 impl fmt::Display for MeshKind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::Solid => "solid",
-            Self::Surface => "surface",
+            Self::Open => "surface",
         })
     }
 }

@@ -11,7 +11,7 @@ use crate::body::shape::{Core, Shape};
 #[cfg(feature = "meshes")]
 use crate::nonconvex::{mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
-use crate::patch::Surface;
+use crate::surface::BezierSurface;
 
 /// A geometry of any kind, lent to a query: what a query of two geometries takes.
 ///
@@ -30,7 +30,7 @@ pub(crate) enum Lent<'a> {
     #[cfg(feature = "meshes")]
     Mesh(LentBody<'a, Mesh>),
     #[cfg(feature = "surfaces")]
-    Surface(LentBody<'a, Surface>),
+    BezierSurface(LentBody<'a, BezierSurface>),
 }
 
 /// A body that is lent, and its owner if the body is shared.
@@ -120,9 +120,9 @@ impl<'a> GeometryRef<'a> {
 
     /// Returns the surface of a geometry that is a surface of patches.
     #[cfg(feature = "surfaces")]
-    pub(crate) fn surface(self) -> Option<&'a Surface> {
+    pub(crate) fn surface(self) -> Option<&'a BezierSurface> {
         match self.0 {
-            Lent::Surface(surface) => Some(surface.get()),
+            Lent::BezierSurface(surface) => Some(surface.get()),
             _ => None,
         }
     }
@@ -226,4 +226,4 @@ lend!(Compound, Compound);
 #[cfg(feature = "meshes")]
 lend!(Mesh, Mesh);
 #[cfg(feature = "surfaces")]
-lend!(Surface, Surface);
+lend!(BezierSurface, BezierSurface);

@@ -16,7 +16,7 @@ use crate::nonconvex::pieces::Compound;
 pub use crate::pair_tracker::geometry::lent::GeometryRef;
 pub(crate) use crate::pair_tracker::geometry::lent::Lent;
 #[cfg(feature = "surfaces")]
-use crate::patch::Surface;
+use crate::surface::BezierSurface;
 use alloc::borrow::Cow;
 use alloc::sync::Arc;
 use nalgebra::{Isometry3, Point3};
@@ -32,7 +32,7 @@ macro_rules! match_kind {
             #[cfg(feature = "meshes")]
             $all::Mesh($body) => $result,
             #[cfg(feature = "surfaces")]
-            $all::Surface($body) => $result,
+            $all::BezierSurface($body) => $result,
         }
     };
 }
@@ -110,7 +110,7 @@ pub enum Geometry {
     Mesh(Arc<Mesh>),
     /// A surface of curved patches, without an inside.
     #[cfg(feature = "surfaces")]
-    Surface(Arc<Surface>),
+    BezierSurface(Arc<BezierSurface>),
 }
 
 impl Geometry {
@@ -184,7 +184,7 @@ of_body!(Compound, Compound);
 #[cfg(feature = "meshes")]
 of_body!(Mesh, Mesh);
 #[cfg(feature = "surfaces")]
-of_body!(Surface, Surface);
+of_body!(BezierSurface, BezierSurface);
 
 impl From<Shape> for Geometry {
     /// A shape that is a polyhedron and not rounded becomes a polyhedron.
@@ -236,7 +236,7 @@ pub enum ShapeKind {
     /// A mesh of triangles.
     Mesh,
     /// A surface of curved patches.
-    Surface,
+    BezierSurface,
 }
 
 impl core::fmt::Display for ShapeKind {
@@ -248,7 +248,7 @@ impl core::fmt::Display for ShapeKind {
             Self::Curved => "curved shape",
             Self::Compound => "compound",
             Self::Mesh => "mesh",
-            Self::Surface => "surface of patches",
+            Self::BezierSurface => "Bézier surface",
         })
     }
 }

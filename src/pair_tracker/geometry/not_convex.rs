@@ -11,7 +11,7 @@ use crate::nonconvex::pieces::Compound;
 use crate::nonconvex::separation::ball_about;
 use crate::pair_tracker::geometry::{OfKind, ShapeKind};
 #[cfg(feature = "surfaces")]
-use crate::patch::Surface;
+use crate::surface::BezierSurface;
 
 impl OfKind for Compound {
     fn kind(&self) -> ShapeKind {
@@ -50,9 +50,9 @@ impl OfKind for Mesh {
 }
 
 #[cfg(feature = "surfaces")]
-impl OfKind for Surface {
+impl OfKind for BezierSurface {
     fn kind(&self) -> ShapeKind {
-        ShapeKind::Surface
+        ShapeKind::BezierSurface
     }
 
     fn fingerprint(&self) -> Fingerprint {

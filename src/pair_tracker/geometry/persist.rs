@@ -9,7 +9,7 @@ use crate::body::shape::Shape;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::{mesh::Mesh, pieces::Compound};
 #[cfg(feature = "surfaces")]
-use crate::patch::Surface;
+use crate::surface::BezierSurface;
 
 /// The serialized form of a geometry.
 #[derive(serde::Serialize, serde::Deserialize)]
@@ -22,7 +22,7 @@ pub(super) enum StoredGeometry {
     #[cfg(feature = "meshes")]
     Mesh(Box<Mesh>),
     #[cfg(feature = "surfaces")]
-    Surface(Box<Surface>),
+    BezierSurface(Box<BezierSurface>),
 }
 
 impl From<StoredGeometry> for Geometry {
@@ -45,7 +45,7 @@ stored!(Polyhedron: ConvexPolyhedron, Convex: Shape);
 #[cfg(feature = "meshes")]
 stored!(Compound: Compound, Mesh: Mesh);
 #[cfg(feature = "surfaces")]
-stored!(Surface: Surface);
+stored!(BezierSurface: BezierSurface);
 
 impl From<Geometry> for StoredGeometry {
     fn from(shape: Geometry) -> Self {

@@ -2,8 +2,8 @@
 
 use crate::judge::{first_contact, meet, replay};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{Compound, Mesh, Piece, Shape, Tracker};
 use lin_canny_plan::{Checker, PlanError, RigidSpace, TranslationSpace, Verdict, World, WorldId};
 use truth::rng::Rng;
@@ -364,7 +364,7 @@ fn bad_input_is_named() {
     assert!(Checker::new(room.space(), round).is_ok());
     let mesh = Mesh::from_convex(&room.robot).expect("a mesh");
     let mut curved = World::new();
-    let patches = Surface::from_mesh(&mesh).expect("a surface");
+    let patches = BezierSurface::from_mesh(&mesh).expect("a surface");
     curved.robot_body("bracket", mesh);
     curved.obstacle("dome", patches, Isometry3::identity());
     assert!(Checker::new(room.space(), curved).is_ok());

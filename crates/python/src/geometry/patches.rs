@@ -1,7 +1,7 @@
 //! Surfaces of curved patches.
 
 use lin_canny::nalgebra::Point3;
-use lin_canny::patch::{Nurbs, Patch, PatchError, Surface};
+use lin_canny::surface::{Nurbs, BezierPatch, SurfaceError, BezierSurface};
 use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
@@ -41,17 +41,17 @@ fn numbers<'py>(obj: Option<&Bound<'py, PyAny>>, what: Argument) -> PyResult<Opt
     obj.map(|obj| contiguous::<f64>(obj, what)).transpose()
 }
 
-fn patch(net: &Net, weights: Option<&[f64]>) -> Result<Patch, PatchError> {
+fn patch(net: &Net, weights: Option<&[f64]>) -> Result<BezierPatch, SurfaceError> {
     let degrees = net.size.map(|n| n.saturating_sub(1));
     match weights {
-        Some(weights) => Patch::rational(degrees, &net.points, weights),
-        None => Patch::polynomial(degrees, &net.points),
+        Some(weights) => BezierPatch::rational(degrees, &net.points, weights),
+        None => BezierPatch::polynomial(degrees, &net.points),
     }
 }
 
 #[pymethods]
 impl Geometry {
-    /// Returns the surface of tensor-product Bezier patches, without an inside.
+    /// Returns the surface of tensor-product Bézier patches, without an inside.
     ///
     /// nets: for each patch its control points, shape (p + 1, q + 1, 3) for the degrees p in u and
     /// q in v. weights: for each patch an array of shape (p + 1, q + 1); None if all are equal.
@@ -66,7 +66,7 @@ impl Geometry {
             let patch = patch(&net(points)?, weights);
             patches.push(patch.map_err(|e| geometry_error(format!("patch {k}: {e}")))?);
         }
-        Ok(Self(Surface::new(patches).map_err(geometry_error)?.into()))
+        Ok(Self(BezierSurface::new(patches).map_err(geometry_error)?.into()))
     }
 
     /// Returns the NURBS surface of the given degrees in u and v, without an inside.
@@ -91,6 +91,6 @@ impl Geometry {
             weights: weights.as_ref().map(|w| w.as_slice()).transpose()?,
             trimming_curves: 0,
         };
-        Ok(Self(Surface::from_nurbs(&nurbs).map_err(geometry_error)?.into()))
+        Ok(Self(BezierSurface::from_nurbs(&nurbs).map_err(geometry_error)?.into()))
     }
 }

@@ -1,4 +1,4 @@
-//! Bezier and NURBS patches.
+//! Bézier and NURBS patches.
 
 use super::{Bound, once};
 use crate::kernels::patches;

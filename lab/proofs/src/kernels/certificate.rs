@@ -156,7 +156,7 @@ pub fn shift<V: Vectors>(
     V::sub(V::product(V::transposed(a), offset), origin_a)
 }
 
-/// `patch::gap::Trees::gap`, before the errors are taken off: for the heights of both nets.
+/// `surface::gap::Trees::gap`, before the errors are taken off: for the heights of both nets.
 pub fn between_nets<V: Vectors>(n: V::Vector, translation: V::Vector, [high_a, high_b]: [V::Number; 2]) -> V::Number {
     V::dot(n, translation) - high_b - high_a
 }

@@ -15,7 +15,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::patch::{Nurbs, PatchError, Surface, SurfacePart, revolution};
+use lin_canny::surface::{BezierSurface, Nurbs, SurfaceError, SurfacePart, revolution};
 use lin_canny::{Answer, PairTracker, Question, RelativePose};
 use truth::Point;
 use truth::command::{count, file, number};
@@ -42,17 +42,17 @@ fn main() -> ExitCode {
     truth::command::main(run)
 }
 
-fn pot() -> Result<Surface, PatchError> {
+fn pot() -> Result<BezierSurface, SurfaceError> {
     let curves = truth::nets::pot();
     let curves: Vec<&[[f64; 3]]> = curves.iter().map(Vec::as_slice).collect();
     revolution(&curves)
 }
 
-fn blade() -> Result<Surface, PatchError> {
+fn blade() -> Result<BezierSurface, SurfaceError> {
     let points: Vec<_> = truth::nets::blade(6).into_iter().map(Point3::from).collect();
     let along = [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 3.0, 3.0, 3.0];
     let round = [0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 4.0, 4.0, 4.0];
-    Surface::from_nurbs(&Nurbs {
+    BezierSurface::from_nurbs(&Nurbs {
         degrees: [3, 3],
         knots: [&along, &round],
         points: &points,
@@ -107,7 +107,7 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 /// The outcomes of all frames, the tracker after them, microseconds a frame.
-fn track(a: &Surface, b: &Surface, at: &[RelativePose], width: f64) -> (Vec<Answer>, PairTracker, f64) {
+fn track(a: &BezierSurface, b: &BezierSurface, at: &[RelativePose], width: f64) -> (Vec<Answer>, PairTracker, f64) {
     let mut tracker = PairTracker::new();
     let began = Instant::now();
     let found = at
@@ -125,7 +125,13 @@ fn project(p: Point3<f64>) -> [f64; 2] {
 }
 
 /// Both surfaces as lines of equal parameters, the parts of the front, the closest points of all frames.
-fn picture(a: &Surface, b: &Surface, tracker: &PairTracker, found: &[Answer], pose: &Isometry3<f64>) -> String {
+fn picture(
+    a: &BezierSurface,
+    b: &BezierSurface,
+    tracker: &PairTracker,
+    found: &[Answer],
+    pose: &Isometry3<f64>,
+) -> String {
     let mut svg = String::from(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 760 620\" font-family=\"sans-serif\">\n\
          <rect width=\"760\" height=\"620\" fill=\"#fff\"/>\n",
@@ -176,7 +182,14 @@ fn part(patch: u32, u: [f64; 2], v: [f64; 2]) -> SurfacePart {
 }
 
 /// The border of a part.
-fn outline(svg: &mut String, surface: &Surface, place: &Isometry3<f64>, p: &SurfacePart, colour: &str, width: f64) {
+fn outline(
+    svg: &mut String,
+    surface: &BezierSurface,
+    place: &Isometry3<f64>,
+    p: &SurfacePart,
+    colour: &str,
+    width: f64,
+) {
     let Some(patch) = p.patch.and_then(|k| surface.patches().get(k as usize)) else {
         return;
     };

@@ -161,7 +161,7 @@ fn gap_of(
     let layers = [
         (Solver::Walk, "walk"),
         (Solver::Restart, "walk, started afresh"),
-        (Solver::Fallback, "minimum norm, f64"),
+        (Solver::Gjk, "minimum norm, f64"),
         (Solver::DoubleDouble, "minimum norm, double-double"),
         (Solver::Exact, "exact integers"),
     ];

@@ -281,7 +281,7 @@ fn race(scene: &'static str, shape: &'static str, n: usize, pairs: &[Pair], quic
 fn print(row: &Row) {
     let at = |k: usize| row.ns.get(&k).copied().unwrap_or(f64::NAN);
     let q = row.totals.queries as f64;
-    let other: u64 = [Solver::Restart, Solver::Fallback, Solver::DoubleDouble, Solver::Exact]
+    let other: u64 = [Solver::Restart, Solver::Gjk, Solver::DoubleDouble, Solver::Exact]
         .iter()
         .map(|&l| row.totals.answered_by(l))
         .sum();

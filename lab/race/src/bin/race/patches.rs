@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Point3;
-use lin_canny::patch::{Patch, Surface, revolution};
+use lin_canny::surface::{BezierPatch, BezierSurface, revolution};
 use lin_canny::{Mesh, PairTracker, Question, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
@@ -20,28 +20,28 @@ use race::common::{Options, Rows};
 pub(crate) const SCENES: [&str; 2] = ["bicubic", "vase"];
 
 /// Sorted nanoseconds of all frames of a pair.
-type Engine<'a> = dyn Fn(&[Surface; 2], &[Pose]) -> Vec<f64> + 'a;
+type Engine<'a> = dyn Fn(&[BezierSurface; 2], &[Pose]) -> Vec<f64> + 'a;
 
 /// Pairs of bodies of the first scene.
 const PAIRS: usize = 8;
 
-fn bicubic(rng: &mut Rng) -> Surface {
+fn bicubic(rng: &mut Rng) -> BezierSurface {
     let points: Vec<_> = truth::nets::bumps(rng, [3, 3], 0.5)
         .into_iter()
         .map(Point3::from)
         .collect();
-    let patch = Patch::polynomial([3, 3], &points).expect("16 points");
-    Surface::new(vec![patch]).expect("a patch")
+    let patch = BezierPatch::polynomial([3, 3], &points).expect("16 points");
+    BezierSurface::new(vec![patch]).expect("a patch")
 }
 
-fn vase() -> Surface {
+fn vase() -> BezierSurface {
     let curves = truth::nets::vase();
     let curves: Vec<&[[f64; 3]]> = curves.iter().map(Vec::as_slice).collect();
     revolution(&curves).expect("a profile")
 }
 
 /// B beside A, turning; its distance swings about 0.2.
-fn tumbling(a: &Surface, b: &Surface, seed: u64, frames: usize) -> Vec<Pose> {
+fn tumbling(a: &BezierSurface, b: &BezierSurface, seed: u64, frames: usize) -> Vec<Pose> {
     let mut rng = Rng::new(seed);
     let (axis, mut q, mut x) = (rng.unit(), rng.quat(), 3.0);
     let mut tracker = PairTracker::new();
@@ -74,7 +74,7 @@ fn relative(pose: &Pose) -> RelativePose {
 }
 
 /// Points and triangles of a surface, `n` squares a side of each patch.
-fn net(s: &Surface, n: usize) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
+fn net(s: &BezierSurface, n: usize) -> (Vec<Point3<f64>>, Vec<[u32; 3]>) {
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
     for patch in s.patches() {
         let first = points.len() as u32;
@@ -114,7 +114,7 @@ pub(crate) fn run(options: &Options) -> Rows {
     for scene in SCENES.into_iter().filter(|s| options.wants(s)) {
         let frames = if options.quick { 60 } else { 360 };
         let mut rng = Rng::new(5);
-        let pairs: Vec<[Surface; 2]> = match scene {
+        let pairs: Vec<[BezierSurface; 2]> = match scene {
             "bicubic" => (0..PAIRS).map(|_| [bicubic(&mut rng), bicubic(&mut rng)]).collect(),
             _ => vec![[vase(), vase()]],
         };
@@ -123,7 +123,7 @@ pub(crate) fn run(options: &Options) -> Rows {
     rows
 }
 
-fn race(rows: &mut Rows, scene: &str, pairs: &[[Surface; 2]], frames: usize) {
+fn race(rows: &mut Rows, scene: &str, pairs: &[[BezierSurface; 2]], frames: usize) {
     let motions: Vec<Vec<Pose>> = (0..).zip(pairs).map(|(k, [a, b])| tumbling(a, b, k, frames)).collect();
     let patches = pairs[0][0].patches().len();
     let mut put = |shape: &str, engine: &str, of: &Engine| {

@@ -107,8 +107,8 @@ impl Engine for Ours {
             c.balls as f64 / steps,
             c.queries as f64 / steps,
             c.answered_by(Solver::Walk) as f64 / steps,
-            c.answered_by(Solver::Surface) as f64 / steps,
-            (c.queries - c.answered_by(Solver::Walk) - c.answered_by(Solver::Surface)) as f64 / steps,
+            c.answered_by(Solver::Polytope) as f64 / steps,
+            (c.queries - c.answered_by(Solver::Walk) - c.answered_by(Solver::Polytope)) as f64 / steps,
             (bytes.bodies + bytes.broad + bytes.scratch) / n,
             bytes.pairs as f64 / pairs,
         )

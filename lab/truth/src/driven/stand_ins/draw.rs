@@ -3,9 +3,9 @@
 use super::Mix;
 use crate::rng::Rng;
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, UnitQuaternion, Vector3};
-use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
 use lin_canny::shape::Core;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, Piece, Shape};
 
 /// A convex part of a body and its pose there.
@@ -185,7 +185,7 @@ pub(super) fn other(rng: &mut Rng, mix: &mut Mix) -> Drawn {
         _ => Drawn {
             is_shell: true,
             ..Drawn::new(
-                Surface::from_convex(&die).expect("a surface").into(),
+                BezierSurface::from_convex(&die).expect("a surface").into(),
                 vec![(die.into(), at)],
             )
         },

@@ -6,8 +6,8 @@ use crate::rng::Rng;
 use crate::soups::Soup;
 use crate::{Pose, brute};
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::patch::Surface;
 use lin_canny::polyhedron::solids;
+use lin_canny::surface::BezierSurface;
 use lin_canny::{Geometry, Mesh, PairTracker, RelativePose};
 
 /// Squares of the sheet along x and y.
@@ -131,7 +131,7 @@ pub(super) fn family(seed: u64) -> Result<Mix, String> {
     let die_soup = soup(die.triangles().map(|t| t.map(|v| die.vertex(v).unwrap_or_default())));
     let is_shell = rng.chance(0.1);
     let probe: Geometry = if is_shell {
-        Surface::from_convex(&die).map_err(|e| e.to_string())?.into()
+        BezierSurface::from_convex(&die).map_err(|e| e.to_string())?.into()
     } else {
         Mesh::from_convex(&die).map_err(|e| e.to_string())?.into()
     };

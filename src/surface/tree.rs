@@ -13,7 +13,7 @@ use alloc::vec::Vec;
 use nalgebra::Vector3;
 
 use super::bezier::{NET, halves};
-use super::net::Patch;
+use super::net::BezierPatch;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
@@ -76,7 +76,7 @@ impl Node {
     }
 
     /// Returns a part of a patch that stands in no tree, without a ball.
-    pub(super) fn part(patch: &Patch, error: f64) -> Self {
+    pub(super) fn part(patch: &BezierPatch, error: f64) -> Self {
         Self {
             patch: 0,
             count: patch.net.len() as u32,
@@ -144,7 +144,7 @@ impl<'a> Net<'a> {
 
 impl NetTree {
     /// Returns the tree of whole patches, the root first.
-    pub(super) fn new(patches: &[Patch]) -> Self {
+    pub(super) fn new(patches: &[BezierPatch]) -> Self {
         let mut tree = Self::default();
         let boxes: Vec<_> = patches.iter().map(|p| p.aabb()).collect();
         let mut order: Vec<u32> = (0..patches.len() as u32).collect();
@@ -192,7 +192,7 @@ impl NetTree {
         };
     }
 
-    fn put_patch(&mut self, node: usize, number: u32, patch: &Patch) {
+    fn put_patch(&mut self, node: usize, number: u32, patch: &BezierPatch) {
         let at = self.numbers.len();
         let count = patch.net.len();
         if patch.is_rational {
@@ -431,7 +431,7 @@ pub(super) struct Cut {
 
 impl Cut {
     /// Returns the part over a box of some size.
-    pub(super) fn new(patch: &Patch, [u, v]: [[f64; 2]; 2]) -> Self {
+    pub(super) fn new(patch: &BezierPatch, [u, v]: [[f64; 2]; 2]) -> Self {
         let [p, q] = patch.degrees;
         let count = patch.net.len();
         let mut numbers = [0.0; 7 * NET];

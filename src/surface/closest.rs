@@ -17,7 +17,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::bowl::Bowl;
 use super::gap::NetFrame;
-use super::net::{Patch, SurfaceJet};
+use super::net::{BezierPatch, SurfaceJet};
 use super::tree::Cut;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes, largest};
@@ -122,8 +122,8 @@ pub(super) trait Meets {
 
 /// All patches of two surfaces at a pose.
 pub(super) struct Patches<'a> {
-    pub(super) a: &'a [Patch],
-    pub(super) b: &'a [Patch],
+    pub(super) a: &'a [BezierPatch],
+    pub(super) b: &'a [BezierPatch],
     pub(super) frame: &'a NetFrame,
 }
 
@@ -173,8 +173,8 @@ struct ClosestState {
 
 /// Two patches at a pose.
 pub(super) struct PatchPair<'a> {
-    pub(super) a: &'a Patch,
-    pub(super) b: &'a Patch,
+    pub(super) a: &'a BezierPatch,
+    pub(super) b: &'a BezierPatch,
     pub(super) frame: &'a NetFrame,
 }
 
@@ -394,7 +394,7 @@ fn shares(pair: &PatchPair, meeting: &Meeting, fixed: usize) -> bool {
 /// the degrees and omega the ratio of the weights, for `x = N / w`: `|N_u| <= 2 d R` and `|w_u| <=
 /// d`, in units of the largest weight, give `|x_u| <= 3 d R omega`; the same once more `14 d^2 R
 /// omega^2`.
-fn bends(patch: &Patch) -> (f64, f64) {
+fn bends(patch: &BezierPatch) -> (f64, f64) {
     let weights = || patch.net.iter().map(|h| h[3]);
     let ratio = weights().fold(0.0, f64::larger) / weights().fold(f64::INFINITY, f64::smaller);
     let d = (patch.degrees[0] + patch.degrees[1]) as f64 * ratio;

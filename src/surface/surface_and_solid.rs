@@ -11,10 +11,10 @@
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
+use super::bezier_surface::{BezierSurface, SurfaceWork};
 use super::gap::{NetFrame, SearchCounts, Trees};
 use super::search::{NetGoal, SPLITS, SurfaceMemory};
 use super::solid::{Feet, ShapeNode};
-use super::surface::{Surface, SurfaceWork};
 use super::tree::{Grown, Nodes};
 use super::two_surfaces::KEPT;
 use crate::base::num::extremes::{Bounded, Extremes};
@@ -58,7 +58,7 @@ pub(crate) trait BesideSurface {
     fn ball(body: &Self::Body) -> (Point3<f64>, f64);
 
     /// Returns the closest points with bounds as close as a goal asks for.
-    fn answer(&mut self, a: &Surface, b: &Self::Body, a_from_b: &RelativePose, goal: NetGoal) -> Answer;
+    fn answer(&mut self, a: &BezierSurface, b: &Self::Body, a_from_b: &RelativePose, goal: NetGoal) -> Answer;
 
     /// Sets the number of nodes that a query may split; `None` for the usual budget.
     fn allow(&mut self, splits: Option<usize>);
@@ -67,7 +67,7 @@ pub(crate) trait BesideSurface {
 /// A surface and a solid of convex shapes that can be measured over time, in either order.
 #[derive(Debug)]
 pub(crate) struct SurfaceSolidPair<'a, T: BesideSurface> {
-    pub(crate) surface: &'a Surface,
+    pub(crate) surface: &'a BezierSurface,
     pub(crate) body: &'a T::Body,
     /// Which of the two is the surface.
     pub(crate) order: Operand,
@@ -250,7 +250,7 @@ impl SurfaceShapeTracker {
     /// Returns the closest points at a pose that puts points of B up to `placing` aside.
     fn answer_placed(
         &mut self,
-        a: &Surface,
+        a: &BezierSurface,
         b: &Shape,
         a_from_b: &RelativePose,
         goal: NetGoal,
@@ -305,7 +305,7 @@ impl BesideSurface for SurfaceShapeTracker {
         body.bounding_ball()
     }
 
-    fn answer(&mut self, a: &Surface, b: &Shape, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+    fn answer(&mut self, a: &BezierSurface, b: &Shape, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
         self.answer_placed(a, b, a_from_b, goal, 0.0)
     }
 
@@ -333,7 +333,7 @@ fn reach(shape: &Shape) -> f64 {
 
 /// Bodies so far apart, or so small beside their distance, that only balls about their origins
 /// count.
-pub(super) fn far_apart(a: &Surface, b: &Shape, a_from_b: &RelativePose) -> Answer {
+pub(super) fn far_apart(a: &BezierSurface, b: &Shape, a_from_b: &RelativePose) -> Answer {
     let (lower, upper, n) = far([a.reach, reach(b)], a_from_b);
     let facing = -a_from_b.rotation().tr_mul(&n);
     let on = [Spot::on_patch(0, [0.0; 2]), Spot::new(0, Feature::Vertex(VertexId(0)))];
@@ -410,7 +410,7 @@ impl BesideSurface for SurfaceCompoundTracker {
     }
 
     /// Returns the closest points of all pieces with bounds as close as a goal asks for.
-    fn answer(&mut self, a: &Surface, b: &Compound, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+    fn answer(&mut self, a: &BezierSurface, b: &Compound, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
         let pieces = b.pieces();
         self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);
         let placed = Placed::new(a_from_b, b.is_in_place());
@@ -447,7 +447,7 @@ impl BesideSurface for SurfaceCompoundTracker {
 }
 
 /// Returns the gap of the balls about a surface and a piece, up to rounding.
-fn apart(a: &Surface, piece: &Piece, pose: &RelativePose) -> f64 {
+fn apart(a: &BezierSurface, piece: &Piece, pose: &RelativePose) -> f64 {
     let ((centre, radius), (of_piece, reach)) = (a.bounding_ball(), piece.shape.bounding_ball());
     let between = pose.rotation() * of_piece.coords + pose.translation() - centre.coords;
     sqrt(between.norm_squared()) - radius - reach

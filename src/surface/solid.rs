@@ -8,7 +8,7 @@ use super::bowl::BowlSide;
 use super::closest::{CLOSE, Meeting, Meets, Parameters, facing, solve};
 use super::gap::NetFrame;
 use super::height::NetSide;
-use super::net::{Patch, SurfaceJet};
+use super::net::{BezierPatch, SurfaceJet};
 use super::tree::Cut;
 use super::tree::Node;
 use crate::base::num::each::Each;
@@ -99,7 +99,7 @@ impl NetSide for ShapeNode<'_> {
 
 /// Points of a surface and their closest points of a convex shape.
 pub(super) struct Feet<'a> {
-    patches: &'a [Patch],
+    patches: &'a [BezierPatch],
     /// A point at the origin.
     point: &'a Shape,
     shape: &'a Shape,
@@ -118,7 +118,7 @@ struct ShapeFoot {
 
 impl<'a> Feet<'a> {
     pub(super) fn new(
-        patches: &'a [Patch],
+        patches: &'a [BezierPatch],
         [point, shape]: [&'a Shape; 2],
         tracker: &'a mut ShapeTracker,
         frame: &'a NetFrame,
@@ -147,7 +147,7 @@ impl<'a> Feet<'a> {
         Some(self.tracker.closest(self.point, self.shape, &pose))
     }
 
-    fn foot(&mut self, patch: &Patch, at: [f64; 2]) -> Option<ShapeFoot> {
+    fn foot(&mut self, patch: &BezierPatch, at: [f64; 2]) -> Option<ShapeFoot> {
         let jet = patch.jet(at);
         let found = self.look(&jet.point)?;
         Some(ShapeFoot { at, jet, found })
@@ -160,7 +160,7 @@ impl<'a> Feet<'a> {
 
     /// Returns a foot nearer to the shape, or deeper inside: Newton's method where the distance is
     /// convex, else with the curvature of the shape alone and damping (Levenberg 1944).
-    fn step(&mut self, patch: &Patch, now: &ShapeFoot) -> Option<ShapeFoot> {
+    fn step(&mut self, patch: &BezierPatch, now: &ShapeFoot) -> Option<ShapeFoot> {
         let (n, j) = (*now.found.normal, [now.jet.u, now.jet.v]);
         let gradient = j.each(|c| -n.dot(&c));
         let is_held = |k: usize| now.at[k] <= 0.0 && gradient[k] >= 0.0 || now.at[k] >= 1.0 && gradient[k] <= 0.0;
@@ -194,7 +194,7 @@ impl<'a> Feet<'a> {
     /// Returns a foot nearer to a close shape, towards the point of the shape that is lowest over
     /// the surface. Near an edge the curvature of the distance grows as 1/distance, so normals do
     /// not predict the foot.
-    fn toward_top(&mut self, patch: &Patch, now: &ShapeFoot, held: &[bool; 4]) -> Option<ShapeFoot> {
+    fn toward_top(&mut self, patch: &BezierPatch, now: &ShapeFoot, held: &[bool; 4]) -> Option<ShapeFoot> {
         if now.found.distance.abs() > CLOSE * self.frame.size {
             return None;
         }
@@ -224,7 +224,7 @@ impl<'a> Feet<'a> {
         Some([uu, (0.5 * (form[0][1] + form[1][0])).clamped(-most, most), vv])
     }
 
-    fn tried(&mut self, patch: &Patch, now: &ShapeFoot, step: &Parameters) -> Option<ShapeFoot> {
+    fn tried(&mut self, patch: &BezierPatch, now: &ShapeFoot, step: &Parameters) -> Option<ShapeFoot> {
         let mut part = 1.0;
         for _ in 0..2 {
             let at = [0, 1].each(|k| (now.at[k] - part * step[k]).clamped(0.0, 1.0));

@@ -1,17 +1,17 @@
-//! One Bezier patch by its control points.
+//! One Bézier patch by its control points.
 
 use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::bezier::{Jet, ORDER, jet, value};
-use super::error::PatchError;
+use super::error::SurfaceError;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
 
-/// A Bezier patch: tensor-product or triangular, polynomial or rational with positive weights, of
+/// A Bézier patch: tensor-product or triangular, polynomial or rational with positive weights, of
 /// degrees 1 to 7.
 ///
 /// Coordinates are in the caller's unit, in the frame of the surface that the patch belongs to.
@@ -23,7 +23,7 @@ use crate::base::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
 ///
 /// ```
 /// use lin_canny::nalgebra::Point3;
-/// use lin_canny::patch::Patch;
+/// use lin_canny::surface::BezierPatch;
 ///
 /// // A quarter of a cylinder of radius 1 about z, between z = 0 and z = 2.
 /// let (one, half) = (1.0, 0.5_f64.sqrt());
@@ -31,10 +31,10 @@ use crate::base::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
 /// let row = |z: f64| arc.map(|(x, y, _)| Point3::new(x, y, z));
 /// let points = [row(0.0), row(2.0)].concat();
 /// let weights = [arc.map(|a| a.2); 2].concat();
-/// let patch = Patch::rational([1, 2], &points, &weights)?;
+/// let patch = BezierPatch::rational([1, 2], &points, &weights)?;
 /// let p = patch.point(0.5, 0.5);
 /// assert!((p.x.hypot(p.y) - 1.0).abs() < 1e-15 && p.z == 1.0);
-/// # Ok::<(), lin_canny::patch::PatchError>(())
+/// # Ok::<(), lin_canny::surface::SurfaceError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -42,7 +42,7 @@ use crate::base::tolerance::{PATCH_MAX, RAISED, ROUND_UP, WEIGHT_RATIO};
     feature = "serde",
     serde(try_from = "super::persist::StoredPatch", into = "super::persist::StoredPatch")
 )]
-pub struct Patch {
+pub struct BezierPatch {
     pub(super) degrees: [usize; 2],
     /// Weight times point, and weight; the largest weight is about one.
     pub(super) net: Vec<[f64; 4]>,
@@ -66,7 +66,7 @@ pub(super) struct SurfaceJet {
     pub(super) vv: Vector3<f64>,
 }
 
-impl Patch {
+impl BezierPatch {
     /// Returns the polynomial patch of degrees `[p, q]` in u and v, with `(p + 1) (q + 1)` control
     /// points: rows of constant u follow each other, v runs along a row.
     ///
@@ -74,7 +74,7 @@ impl Patch {
     ///
     /// A degree that is not between 1 and 7, another number of points, a coordinate that is not
     /// finite or beyond `2^200`.
-    pub fn polynomial(degrees: [usize; 2], points: &[Point3<f64>]) -> Result<Self, PatchError> {
+    pub fn polynomial(degrees: [usize; 2], points: &[Point3<f64>]) -> Result<Self, SurfaceError> {
         check_tensor(degrees, points)?;
         Ok(Self::assembled(degrees, homogeneous(points, None)))
     }
@@ -86,7 +86,7 @@ impl Patch {
     ///
     /// As [`polynomial`](Self::polynomial); another number of weights, a weight that is not
     /// positive and finite or below `2^-40` of the largest.
-    pub fn rational(degrees: [usize; 2], points: &[Point3<f64>], weights: &[f64]) -> Result<Self, PatchError> {
+    pub fn rational(degrees: [usize; 2], points: &[Point3<f64>], weights: &[f64]) -> Result<Self, SurfaceError> {
         check_tensor(degrees, points)?;
         let scale = check_weights(weights, points.len())?;
         Ok(Self::assembled(degrees, homogeneous(points, Some((weights, scale)))))
@@ -98,7 +98,7 @@ impl Patch {
     /// # Errors
     ///
     /// As [`rational`](Self::rational).
-    pub fn triangular(degree: usize, points: &[Point3<f64>], weights: Option<&[f64]>) -> Result<Self, PatchError> {
+    pub fn triangular(degree: usize, points: &[Point3<f64>], weights: Option<&[f64]>) -> Result<Self, SurfaceError> {
         check_degrees([degree; 2])?;
         check_points(points, (degree + 1) * (degree + 2) / 2)?;
         let scaled = match weights {
@@ -292,14 +292,14 @@ pub(super) fn homogeneous(points: &[Point3<f64>], weights: Option<(&[f64], f64)>
     points.iter().enumerate().map(of).collect()
 }
 
-fn check_tensor(degrees: [usize; 2], points: &[Point3<f64>]) -> Result<(), PatchError> {
+fn check_tensor(degrees: [usize; 2], points: &[Point3<f64>]) -> Result<(), SurfaceError> {
     check_degrees(degrees)?;
     check_points(points, (degrees[0] + 1) * (degrees[1] + 1))
 }
 
-pub(super) fn check_degrees(degrees: [usize; 2]) -> Result<(), PatchError> {
+pub(super) fn check_degrees(degrees: [usize; 2]) -> Result<(), SurfaceError> {
     match (0..2).find(|&k| !(1..ORDER).contains(&degrees[k])) {
-        Some(direction) => Err(PatchError::Degree {
+        Some(direction) => Err(SurfaceError::Degree {
             direction,
             degree: degrees[direction],
         }),
@@ -307,31 +307,31 @@ pub(super) fn check_degrees(degrees: [usize; 2]) -> Result<(), PatchError> {
     }
 }
 
-pub(super) fn check_points(points: &[Point3<f64>], expected: usize) -> Result<(), PatchError> {
+pub(super) fn check_points(points: &[Point3<f64>], expected: usize) -> Result<(), SurfaceError> {
     let given = points.len();
     if given != expected {
-        return Err(PatchError::Count { given, expected });
+        return Err(SurfaceError::Count { given, expected });
     }
     for (index, p) in points.iter().enumerate() {
         // NaN fails the comparison.
         if let Some(axis) = (0..3).find(|&k| !(p[k].abs() <= PATCH_MAX)) {
             let value = p[axis];
-            return Err(PatchError::Coordinate { index, axis, value });
+            return Err(SurfaceError::Coordinate { index, axis, value });
         }
     }
     Ok(())
 }
 
 /// Returns the power of two that brings the largest weight near one.
-pub(super) fn check_weights(weights: &[f64], expected: usize) -> Result<f64, PatchError> {
+pub(super) fn check_weights(weights: &[f64], expected: usize) -> Result<f64, SurfaceError> {
     let given = weights.len();
     if given != expected {
-        return Err(PatchError::WeightCount { given, expected });
+        return Err(SurfaceError::WeightCount { given, expected });
     }
     let largest = weights.iter().copied().fold(0.0, f64::larger);
     let is_bad = |w: f64| !((1.0 / PATCH_MAX..=PATCH_MAX).contains(&w) && w >= largest * WEIGHT_RATIO);
     match weights.iter().position(|&w| is_bad(w)) {
-        Some(index) => Err(PatchError::Weight {
+        Some(index) => Err(SurfaceError::Weight {
             index,
             value: weights[index],
         }),

@@ -327,15 +327,15 @@ mod tests {
     use crate::base::num::scalar::Scalar;
     use crate::base::pose::RelativePose;
     use crate::base::tolerance::UNIT;
-    use crate::patch::closest::{Meeting, PatchPair};
-    use crate::patch::gap::{SearchCounts, Trees};
-    use crate::patch::net::Patch;
-    use crate::patch::surface::Surface;
-    use crate::patch::tree::{Grown, Nodes};
     use crate::rng::Rng;
+    use crate::surface::bezier_surface::BezierSurface;
+    use crate::surface::closest::{Meeting, PatchPair};
+    use crate::surface::gap::{SearchCounts, Trees};
+    use crate::surface::net::BezierPatch;
+    use crate::surface::tree::{Grown, Nodes};
 
     /// Returns a value of a patch in twice the digits, from its numbers as they are stored.
-    fn exact(patch: &Patch, at: [f64; 2]) -> [Wide; 4] {
+    fn exact(patch: &BezierPatch, at: [f64; 2]) -> [Wide; 4] {
         let curve = |mut c: Vec<[Wide; 4]>, t: f64| {
             let (t, s) = (Wide::from(t), Wide::from(1.0) - Wide::from(t));
             while c.len() > 1 {
@@ -371,7 +371,7 @@ mod tests {
     }
 
     /// Control points over a square of size 2 at a place, with weights.
-    fn patch(rng: &mut Rng, off: &Vector3<f64>) -> Patch {
+    fn patch(rng: &mut Rng, off: &Vector3<f64>) -> BezierPatch {
         let [p, q] = [1 + rng.below(3), 1 + rng.below(3)];
         let at = |k: usize, d: usize| 2.0 * k as f64 / d as f64 - 1.0;
         let grid = (0..(p + 1) * (q + 1)).map(|k| [at(k / (q + 1), p), at(k % (q + 1), q)]);
@@ -380,9 +380,9 @@ mod tests {
             .collect();
         let weights: Vec<f64> = points.iter().map(|_| rng.range(0.4, 2.0)).collect();
         if rng.chance(0.7) {
-            Patch::rational([p, q], &points, &weights).expect("a patch")
+            BezierPatch::rational([p, q], &points, &weights).expect("a patch")
         } else {
-            Patch::polynomial([p, q], &points).expect("a patch")
+            BezierPatch::polynomial([p, q], &points).expect("a patch")
         }
     }
 
@@ -391,7 +391,7 @@ mod tests {
     fn excess(rng: &mut Rng, far: f64) -> Option<f64> {
         let off = unit(rng) * far;
         let patch = patch(rng, &off);
-        let surface = Surface::new(vec![patch.clone()]).expect("a surface");
+        let surface = BezierSurface::new(vec![patch.clone()]).expect("a surface");
         let mut grown = Grown::default();
         let mut nodes = Nodes::new(&surface.tree, &mut grown);
         let mut id = 0;
@@ -464,12 +464,12 @@ mod tests {
         }
     }
 
-    fn one(points: Vec<Point3<f64>>) -> Surface {
-        Surface::new(vec![Patch::polynomial([2, 2], &points).expect("a patch")]).expect("a surface")
+    fn one(points: Vec<Point3<f64>>) -> BezierSurface {
+        BezierSurface::new(vec![BezierPatch::polynomial([2, 2], &points).expect("a patch")]).expect("a surface")
     }
 
     /// Heights `bend (x^2 + y^2) / 2 + z` over a square.
-    fn dish(size: f64, bend: f64, z: f64) -> Surface {
+    fn dish(size: f64, bend: f64, z: f64) -> BezierSurface {
         // The blossom of the square of a coordinate between -size and size.
         let square = |k: usize| [1.0, -1.0, 1.0][k] * size * size;
         let at = |k: usize| {
@@ -480,7 +480,7 @@ mod tests {
         one((0..9).map(at).collect())
     }
 
-    fn meeting(a: &Surface, b: &Surface, frame: &NetFrame) -> Meeting {
+    fn meeting(a: &BezierSurface, b: &BezierSurface, frame: &NetFrame) -> Meeting {
         let pair = PatchPair {
             a: &a.patches[0],
             b: &b.patches[0],

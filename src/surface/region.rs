@@ -136,16 +136,16 @@ mod tests {
 
     use super::*;
     use crate::base::pose::RelativePose;
-    use crate::patch::closest::Patches;
-    use crate::patch::gap::NetFrame;
-    use crate::patch::gap::SearchCounts;
-    use crate::patch::net::Patch;
-    use crate::patch::surface::Surface;
-    use crate::patch::tree::{Grown, Nodes};
     use crate::rng::Rng;
+    use crate::surface::bezier_surface::BezierSurface;
+    use crate::surface::closest::Patches;
+    use crate::surface::gap::NetFrame;
+    use crate::surface::gap::SearchCounts;
+    use crate::surface::net::BezierPatch;
+    use crate::surface::tree::{Grown, Nodes};
 
     /// Returns a patch over a square of size 2.
-    fn patch(rng: &mut Rng) -> Patch {
+    fn patch(rng: &mut Rng) -> BezierPatch {
         let [p, q] = [1 + rng.below(3), 1 + rng.below(3)];
         let at = |k: usize, d: usize| 2.0 * k as f64 / d as f64 - 1.0;
         let bump = rng.range(0.1, 0.8);
@@ -154,14 +154,14 @@ mod tests {
             .collect();
         let weights: Vec<f64> = points.iter().map(|_| rng.range(0.4, 2.0)).collect();
         if rng.chance(0.5) {
-            Patch::rational([p, q], &points, &weights).expect("a patch")
+            BezierPatch::rational([p, q], &points, &weights).expect("a patch")
         } else {
-            Patch::polynomial([p, q], &points).expect("a patch")
+            BezierPatch::polynomial([p, q], &points).expect("a patch")
         }
     }
 
     /// Returns the least distance found of two points of the boxes.
-    fn least(rng: &mut Rng, [a, b]: [&Patch; 2], sides: &[[f64; 2]; 4], frame: &NetFrame) -> f64 {
+    fn least(rng: &mut Rng, [a, b]: [&BezierPatch; 2], sides: &[[f64; 2]; 4], frame: &NetFrame) -> f64 {
         let of = |at: &[f64; 4]| {
             let (p, q) = (a.point(at[0], at[1]), b.point(at[2], at[3]));
             (frame.place(&q.coords) - p.coords).norm()
@@ -200,7 +200,7 @@ mod tests {
         let (mut proven, mut refused) = (0, 0);
         for k in 0..1500 {
             let rng = &mut Rng::of_case(91, k);
-            let surfaces = [patch(rng), patch(rng)].map(|p| Surface::new(vec![p]).expect("a surface"));
+            let surfaces = [patch(rng), patch(rng)].map(|p| BezierSurface::new(vec![p]).expect("a surface"));
             let [a, b] = &surfaces;
             let axis = Vector3::new(rng.range(-1.0, 1.0), rng.range(-1.0, 1.0), rng.range(-0.3, 0.3));
             let turn = UnitQuaternion::from_scaled_axis(axis * rng.range(0.0, 3.0));

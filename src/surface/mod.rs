@@ -1,11 +1,11 @@
-//! Curved surfaces: Bezier patches and NURBS; the distance of two of them, and of one and a convex
+//! Curved surfaces: Bézier patches and NURBS; the distance of two of them, and of one and a convex
 //! shape or a body of such shapes, in a proven interval.
 //!
-//! Reading order: [`net`](Patch) (one patch), `bezier` (de Casteljau), `nurbs` ([`Nurbs`], taken
-//! apart, and surfaces of [`revolution`]), `surface` ([`Surface`]), `tree` (control nets by
-//! halves), `height` (how far a node reaches along a direction, and what the proof asks of a body),
-//! `bowl` (where no plane stands between), `gap` (two nodes apart, at a pose), `closest` (two
-//! points, by Newton's method, and a proof that surfaces meet), `region` (their surroundings,
+//! Reading order: [`net`](BezierPatch) (one patch), `bezier` (de Casteljau), `nurbs` ([`Nurbs`],
+//! taken apart, and surfaces of [`revolution`]), `surface` ([`BezierSurface`]), `tree` (control
+//! nets by halves), `height` (how far a node reaches along a direction, and what the proof asks of
+//! a body), `bowl` (where no plane stands between), `gap` (two nodes apart, at a pose), `closest`
+//! (two points, by Newton's method, and a proof that surfaces meet), `region` (their surroundings,
 //! proven at once), `search` (the proof of an answer, and the front that keeps it), `two_surfaces`
 //! (a pair of surfaces, at a pose and over time; a mesh for which one stands), `solid` (a convex
 //! shape as such a body) and `surface_and_solid` (a surface and a convex shape, or a body of them).
@@ -37,7 +37,7 @@
 //! [`PairTracker`](crate::PairTracker) answers a surface beside any other geometry. A
 //! [`Shape`](crate::Shape) is solid and is not split: its own support function bounds it. A
 //! [`Compound`](crate::Compound) has a tracker for each piece. A [`Mesh`](crate::Mesh) is its
-//! triangles as flat patches, and its inside, if it is closed; [`Surface::from_mesh`] makes a
+//! triangles as flat patches, and its inside, if it is closed; [`BezierSurface::from_mesh`] makes a
 //! surface of the triangles alone.
 //!
 //! # What is missing
@@ -79,6 +79,7 @@
 //! cylinder or cone.
 
 pub(crate) mod bezier;
+mod bezier_surface;
 mod bowl;
 mod closest;
 mod error;
@@ -91,17 +92,16 @@ mod persist;
 mod region;
 mod search;
 mod solid;
-mod surface;
 mod surface_and_solid;
 mod tree;
 mod two_surfaces;
 
-pub use error::PatchError;
-pub use net::Patch;
-pub use nurbs::{Nurbs, revolution};
 #[cfg(feature = "__internals")]
 #[doc(hidden)]
-pub use surface::SurfacePart;
-pub use surface::{Surface, SurfaceWork};
+pub use bezier_surface::SurfacePart;
+pub use bezier_surface::{BezierSurface, SurfaceWork};
+pub use error::SurfaceError;
+pub use net::BezierPatch;
+pub use nurbs::{Nurbs, revolution};
 pub(crate) use surface_and_solid::{SurfaceCompoundTracker, SurfaceShapeTracker, SurfaceSolidPair};
 pub(crate) use two_surfaces::{SurfacePair, SurfaceTracker};

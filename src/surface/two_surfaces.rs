@@ -5,10 +5,10 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
+use super::bezier_surface::{BezierSurface, SurfaceWork};
 use super::closest::{Patches, crosses};
 use super::gap::{NetFrame, SearchCounts, Trees};
 use super::search::{NetGoal, SPLITS, SurfaceMemory};
-use super::surface::{Surface, SurfaceWork};
 use super::surface_and_solid::{MEASURED, held, width_asked};
 use super::tree::{Grown, Nodes};
 use crate::base::num::each::Each;
@@ -74,11 +74,11 @@ impl SurfaceTracker {
     #[cfg(feature = "__internals")]
     pub(crate) fn front<'t>(
         &'t self,
-        a: &'t Surface,
-        b: &'t Surface,
+        a: &'t BezierSurface,
+        b: &'t BezierSurface,
     ) -> impl Iterator<Item = [super::SurfacePart; 2]> + 't {
         let entries = self.state.entries([a.fingerprint, b.fingerprint]);
-        let part = |s: &Surface, grown: &Grown, id: u32| super::SurfacePart::of(grown.node(&s.tree, id));
+        let part = |s: &BezierSurface, grown: &Grown, id: u32| super::SurfacePart::of(grown.node(&s.tree, id));
         entries.iter().map(move |e| {
             let [x, y] = e.pair;
             [part(a, &self.grown[0], x), part(b, &self.grown[1], y)]
@@ -92,7 +92,13 @@ impl SurfaceTracker {
     }
 
     /// Returns the closest points with bounds as close as a goal asks for.
-    pub(super) fn answer(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+    pub(super) fn answer(
+        &mut self,
+        a: &BezierSurface,
+        b: &BezierSurface,
+        a_from_b: &RelativePose,
+        goal: NetGoal,
+    ) -> Answer {
         let found = self.search(a, b, a_from_b, goal);
         let state = if found.lower > 0.0 {
             ContactState::Separated
@@ -124,7 +130,7 @@ impl SurfaceTracker {
     /// That surfaces share a point is proven where one runs through the other inside two patches,
     /// by an existence theorem; for a `d` of zero surfaces that merely touch stay undecided, and
     /// those that are close all over an area and for which the budget is too small.
-    pub(crate) fn within(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, d: f64) -> Decision {
+    pub(crate) fn within(&mut self, a: &BezierSurface, b: &BezierSurface, a_from_b: &RelativePose, d: f64) -> Decision {
         if !(d >= 0.0) {
             return Decision::No;
         }
@@ -133,7 +139,7 @@ impl SurfaceTracker {
         Decision::by(found.lower, upper, d)
     }
 
-    fn search(&mut self, a: &Surface, b: &Surface, a_from_b: &RelativePose, goal: NetGoal) -> Found {
+    fn search(&mut self, a: &BezierSurface, b: &BezierSurface, a_from_b: &RelativePose, goal: NetGoal) -> Found {
         let is_full = self.grown.iter().any(|g| g.numbers() > KEPT);
         if !self.state.recognises([a.fingerprint, b.fingerprint], is_full) {
             self.grown = Default::default();
@@ -174,7 +180,7 @@ impl SurfaceTracker {
 
 /// Surfaces so far apart, or so small beside their distance, that only balls about their origins
 /// count.
-fn apart(a: &Surface, b: &Surface, a_from_b: &RelativePose) -> Found {
+fn apart(a: &BezierSurface, b: &BezierSurface, a_from_b: &RelativePose) -> Found {
     let (lower, upper, n) = far([a.reach, b.reach], a_from_b);
     Found {
         lower,
@@ -190,8 +196,8 @@ fn apart(a: &Surface, b: &Surface, a_from_b: &RelativePose) -> Found {
 /// Two surfaces that can be measured over time.
 #[derive(Debug)]
 pub(crate) struct SurfacePair<'a> {
-    pub(crate) a: &'a Surface,
-    pub(crate) b: &'a Surface,
+    pub(crate) a: &'a BezierSurface,
+    pub(crate) b: &'a BezierSurface,
     /// The mesh for which one of the surfaces stands, and which one.
     pub(crate) mesh: Option<(Operand, &'a Mesh)>,
     pub(crate) tracker: &'a mut SurfaceTracker,

@@ -4,9 +4,9 @@
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
-use super::error::PatchError;
-use super::net::{Patch, check_degrees};
-use super::surface::Surface;
+use super::bezier_surface::BezierSurface;
+use super::error::SurfaceError;
+use super::net::{BezierPatch, check_degrees};
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::{KNOTS, PATCH_MAX, RAISED, WEIGHT_RATIO};
 
@@ -33,15 +33,15 @@ enum Source {
 
 /// Serialized form of a surface.
 #[derive(Serialize, Deserialize)]
-#[serde(rename = "Surface")]
+#[serde(rename = "BezierSurface")]
 pub(super) struct StoredSurface {
-    patches: Vec<Patch>,
+    patches: Vec<BezierPatch>,
     /// The knots about each patch, in u and v.
     domains: Vec<[[f64; 2]; 2]>,
 }
 
-impl From<Patch> for StoredPatch {
-    fn from(patch: Patch) -> Self {
+impl From<BezierPatch> for StoredPatch {
+    fn from(patch: BezierPatch) -> Self {
         let source = if patch.noise == KNOTS {
             Source::Knots
         } else if patch.noise == RAISED {
@@ -61,10 +61,10 @@ impl From<Patch> for StoredPatch {
 
 /// Rounding of a net halved again and again leaves coordinates and weights within a factor of two
 /// of their limits.
-fn check_net(net: &[[f64; 4]], expected: usize) -> Result<(), PatchError> {
+fn check_net(net: &[[f64; 4]], expected: usize) -> Result<(), SurfaceError> {
     let given = net.len();
     if given != expected {
-        return Err(PatchError::Count { given, expected });
+        return Err(SurfaceError::Count { given, expected });
     }
     let largest = net.iter().map(|h| h[3]).fold(0.0, f64::larger);
     for (index, h) in net.iter().enumerate() {
@@ -72,25 +72,25 @@ fn check_net(net: &[[f64; 4]], expected: usize) -> Result<(), PatchError> {
         // NaN fails the comparisons.
         let is_weight = value >= 0.5 * WEIGHT_RATIO * largest && (WEIGHT_RATIO * WEIGHT_RATIO..=2.0).contains(&value);
         if !is_weight {
-            return Err(PatchError::Weight { index, value });
+            return Err(SurfaceError::Weight { index, value });
         }
         if let Some(axis) = (0..3).find(|&k| !((h[k] / value).abs() <= 2.0 * PATCH_MAX)) {
             let value = h[axis] / value;
-            return Err(PatchError::Coordinate { index, axis, value });
+            return Err(SurfaceError::Coordinate { index, axis, value });
         }
     }
     Ok(())
 }
 
-impl TryFrom<StoredPatch> for Patch {
-    type Error = PatchError;
+impl TryFrom<StoredPatch> for BezierPatch {
+    type Error = SurfaceError;
 
-    fn try_from(stored: StoredPatch) -> Result<Self, PatchError> {
+    fn try_from(stored: StoredPatch) -> Result<Self, SurfaceError> {
         let [p, q] = stored.degrees;
         check_degrees(stored.degrees)?;
         check_net(&stored.net, (p + 1) * (q + 1))?;
         if stored.is_triangular && p != q {
-            return Err(PatchError::Degree {
+            return Err(SurfaceError::Degree {
                 direction: 1,
                 degree: q,
             });
@@ -98,7 +98,7 @@ impl TryFrom<StoredPatch> for Patch {
         let mut patch = Self::assembled(stored.degrees, stored.net);
         // The least that is right for the net; NaN fails the comparison.
         if !(stored.reach >= patch.reach && stored.reach <= 4.0 * PATCH_MAX) {
-            return Err(PatchError::Reach { value: stored.reach });
+            return Err(SurfaceError::Reach { value: stored.reach });
         }
         patch.reach = stored.reach;
         patch.is_triangular = stored.is_triangular;
@@ -111,8 +111,8 @@ impl TryFrom<StoredPatch> for Patch {
     }
 }
 
-impl From<Surface> for StoredSurface {
-    fn from(surface: Surface) -> Self {
+impl From<BezierSurface> for StoredSurface {
+    fn from(surface: BezierSurface) -> Self {
         Self {
             patches: surface.patches,
             domains: surface.domains,
@@ -120,18 +120,18 @@ impl From<Surface> for StoredSurface {
     }
 }
 
-impl TryFrom<StoredSurface> for Surface {
-    type Error = PatchError;
+impl TryFrom<StoredSurface> for BezierSurface {
+    type Error = SurfaceError;
 
-    fn try_from(stored: StoredSurface) -> Result<Self, PatchError> {
+    fn try_from(stored: StoredSurface) -> Result<Self, SurfaceError> {
         let (given, expected) = (stored.domains.len(), stored.patches.len());
         if given != expected {
-            return Err(PatchError::Count { given, expected });
+            return Err(SurfaceError::Count { given, expected });
         }
         for (index, domain) in stored.domains.iter().enumerate() {
             for (direction, [low, high]) in domain.iter().enumerate() {
                 if !(low < high && low.abs() <= PATCH_MAX && high.abs() <= PATCH_MAX) {
-                    return Err(PatchError::Knot {
+                    return Err(SurfaceError::Knot {
                         direction,
                         index,
                         value: *high,

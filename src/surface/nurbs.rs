@@ -1,4 +1,4 @@
-//! NURBS surfaces taken apart into Bezier patches, and surfaces of revolution.
+//! NURBS surfaces taken apart into Bézier patches, and surfaces of revolution.
 //!
 //! Between two different knots a B-spline is a polynomial, whose control points are the values of
 //! its blossom at the two knots (Ramshaw 1989): what repeated insertion of both knots (Boehm 1980;
@@ -10,9 +10,9 @@ use alloc::vec::Vec;
 use nalgebra::Point3;
 
 use super::bezier::{NET, ORDER};
-use super::error::PatchError;
-use super::net::{Patch, check_degrees, check_points, check_weights, homogeneous, reach};
-use super::surface::Surface;
+use super::bezier_surface::BezierSurface;
+use super::error::SurfaceError;
+use super::net::{BezierPatch, check_degrees, check_points, check_weights, homogeneous, reach};
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{KNOTS, PATCH_MAX};
@@ -39,15 +39,15 @@ pub(crate) struct Span {
     pub(crate) ends: [f64; 2],
 }
 
-/// A Bezier patch of a NURBS surface with the knots between which it lies, in u and v.
-type KnotPatch = (Patch, [[f64; 2]; 2]);
+/// A Bézier patch of a NURBS surface with the knots between which it lies, in u and v.
+type KnotPatch = (BezierPatch, [[f64; 2]; 2]);
 
 impl Nurbs<'_> {
-    /// Returns the Bezier patches, those of equal u after each other.
-    pub(super) fn patches(&self) -> Result<Vec<KnotPatch>, PatchError> {
+    /// Returns the Bézier patches, those of equal u after each other.
+    pub(super) fn patches(&self) -> Result<Vec<KnotPatch>, SurfaceError> {
         if self.trimming_curves > 0 {
             let curves = self.trimming_curves;
-            return Err(PatchError::Trimmed { curves });
+            return Err(SurfaceError::Trimmed { curves });
         }
         check_degrees(self.degrees)?;
         let counts = self.counts()?;
@@ -61,7 +61,7 @@ impl Nurbs<'_> {
         let mut parts = Vec::with_capacity(spans[0].len() * spans[1].len());
         for u in &spans[0] {
             for v in &spans[1] {
-                let mut patch = Patch::assembled(self.degrees, self.taken_out(&given, counts[1], [u, v]));
+                let mut patch = BezierPatch::assembled(self.degrees, self.taken_out(&given, counts[1], [u, v]));
                 patch.noise = KNOTS;
                 patch.reach = patch.reach.larger(reach);
                 parts.push((patch, [u.ends, v.ends]));
@@ -71,12 +71,12 @@ impl Nurbs<'_> {
     }
 
     /// Returns the numbers of control points in u and v.
-    fn counts(&self) -> Result<[usize; 2], PatchError> {
+    fn counts(&self) -> Result<[usize; 2], SurfaceError> {
         let mut counts = [0; 2];
         for direction in 0..2 {
             let (given, degree) = (self.knots[direction].len(), self.degrees[direction]);
             if given < 2 * degree + 2 {
-                return Err(PatchError::KnotCount {
+                return Err(SurfaceError::KnotCount {
                     direction,
                     given,
                     expected: 2 * degree + 2,
@@ -88,7 +88,7 @@ impl Nurbs<'_> {
     }
 
     /// Returns the spans of a direction that are not empty.
-    fn spans(&self, direction: usize) -> Result<Vec<Span>, PatchError> {
+    fn spans(&self, direction: usize) -> Result<Vec<Span>, SurfaceError> {
         let (knots, degree) = (self.knots[direction], self.degrees[direction]);
         for (index, &value) in knots.iter().enumerate() {
             let is_early = index > 0 && value < knots[index - 1];
@@ -97,7 +97,7 @@ impl Nurbs<'_> {
             let most = if is_inside { degree } else { degree + 1 };
             let is_torn = index >= most && value == knots[index - most];
             if !(value.abs() <= PATCH_MAX) || is_early || is_torn {
-                return Err(PatchError::Knot {
+                return Err(SurfaceError::Knot {
                     direction,
                     index,
                     value,
@@ -114,7 +114,7 @@ impl Nurbs<'_> {
             .collect();
         if spans.is_empty() {
             let value = knots[degree];
-            return Err(PatchError::Knot {
+            return Err(SurfaceError::Knot {
                 direction,
                 index: degree,
                 value,
@@ -182,11 +182,11 @@ pub(crate) fn blossom(points: &[[f64; 4]], knots: &[f64], span: &Span, upper: us
 /// let side: &[[f64; 3]] = &[[1.0, 0.0, 1.0], [0.5, 2.0, 1.0]];
 /// let bowl: &[[f64; 3]] =
 ///     &[[0.0, -1.0, 1.0], [1.0, -1.0, half], [1.0, 0.0, 1.0]];
-/// let surface = lin_canny::patch::revolution(&[bowl, side])?;
+/// let surface = lin_canny::surface::revolution(&[bowl, side])?;
 /// assert_eq!(surface.patches().len(), 8);
-/// # Ok::<(), lin_canny::patch::PatchError>(())
+/// # Ok::<(), lin_canny::surface::SurfaceError>(())
 /// ```
-pub fn revolution(curves: &[&[[f64; 3]]]) -> Result<Surface, PatchError> {
+pub fn revolution(curves: &[&[[f64; 3]]]) -> Result<BezierSurface, SurfaceError> {
     let corners = [[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let weights = [1.0, sqrt(0.5), 1.0];
     let mut patches = Vec::with_capacity(4 * curves.len());
@@ -201,10 +201,10 @@ pub fn revolution(curves: &[&[[f64; 3]]]) -> Result<Surface, PatchError> {
                     all.push(weight * w);
                 }
             }
-            patches.push(Patch::rational([curve.len().wrapping_sub(1), 2], &points, &all)?);
+            patches.push(BezierPatch::rational([curve.len().wrapping_sub(1), 2], &points, &all)?);
         }
     }
-    Surface::new(patches)
+    BezierSurface::new(patches)
 }
 
 /// Returns a point turned by quarters of a turn.

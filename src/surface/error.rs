@@ -3,7 +3,7 @@
 /// Error returned if numbers make no patch or surface.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum PatchError {
+pub enum SurfaceError {
     /// A degree is not between 1 and 7.
     #[error("degree {degree} in direction {direction} is not between 1 and 7")]
     Degree {

@@ -22,11 +22,11 @@ use alloc::collections::BinaryHeap;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
+use super::bezier_surface::SurfaceWork;
 use super::closest::{Meeting, Meets};
 use super::gap::{Gap, NetFrame, NetPair, Trees};
 use super::height::NetSide;
 use super::region::Region;
-use super::surface::SurfaceWork;
 use super::tree::Node;
 use crate::base::num::Ranked;
 use crate::base::num::extremes::{Bounded, Extremes};

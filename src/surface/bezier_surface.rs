@@ -3,8 +3,8 @@
 use alloc::vec::Vec;
 use nalgebra::{Point3, Unit, Vector3};
 
-use super::error::PatchError;
-use super::net::Patch;
+use super::error::SurfaceError;
+use super::net::BezierPatch;
 use super::nurbs::Nurbs;
 use super::tree::NetTree;
 use crate::base::num::each::Each;
@@ -17,7 +17,7 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::separation::ball_about;
 use crate::pair::spot::Spot;
 
-/// A surface of Bezier patches, not trimmed: the set of points of its patches.
+/// A surface of Bézier patches, not trimmed: the set of points of its patches.
 ///
 /// A surface has no inside, even when it is [closed](Self::is_closed): a distance to it is the
 /// distance to its points. Immutable; coordinates are in the caller's unit and the surface's own
@@ -25,12 +25,12 @@ use crate::pair::spot::Spot;
 ///
 /// ```
 /// use lin_canny::nalgebra::Point3;
-/// use lin_canny::patch::{Nurbs, Surface};
+/// use lin_canny::surface::{Nurbs, BezierSurface};
 ///
 /// // A biquadratic B-spline of two patches.
 /// let at = |i: usize| [(i / 3) as f64, (i % 3) as f64, (i % 2) as f64];
 /// let points: Vec<_> = (0..12).map(|i| Point3::from(at(i))).collect();
-/// let surface = Surface::from_nurbs(&Nurbs {
+/// let surface = BezierSurface::from_nurbs(&Nurbs {
 ///     degrees: [2, 2],
 ///     knots: [
 ///         &[0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 2.0],
@@ -41,7 +41,7 @@ use crate::pair::spot::Spot;
 /// })?;
 /// assert_eq!(surface.patches().len(), 2);
 /// assert!(!surface.is_closed());
-/// # Ok::<(), lin_canny::patch::PatchError>(())
+/// # Ok::<(), lin_canny::surface::SurfaceError>(())
 /// ```
 #[derive(Clone, Debug)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -49,8 +49,8 @@ use crate::pair::spot::Spot;
     feature = "serde",
     serde(try_from = "super::persist::StoredSurface", into = "super::persist::StoredSurface")
 )]
-pub struct Surface {
-    pub(super) patches: Vec<Patch>,
+pub struct BezierSurface {
+    pub(super) patches: Vec<BezierPatch>,
     /// The knots about each patch of a NURBS surface, in u and v.
     pub(super) domains: Vec<[[f64; 2]; 2]>,
     pub(super) tree: NetTree,
@@ -60,24 +60,24 @@ pub struct Surface {
     is_closed: bool,
 }
 
-impl Surface {
+impl BezierSurface {
     /// Returns the surface of some patches.
     ///
     /// # Errors
     ///
     /// No patch.
-    pub fn new(patches: Vec<Patch>) -> Result<Self, PatchError> {
+    pub fn new(patches: Vec<BezierPatch>) -> Result<Self, SurfaceError> {
         let domains = patches.iter().map(|_| [[0.0, 1.0]; 2]).collect();
         Self::assembled(patches, domains)
     }
 
-    /// Returns the Bezier patches of a NURBS surface as a surface.
+    /// Returns the Bézier patches of a NURBS surface as a surface.
     ///
     /// # Errors
     ///
     /// A degree, knot, control point or weight out of range, or a surface with trimming curves
-    /// ([`PatchError::Trimmed`]).
-    pub fn from_nurbs(nurbs: &Nurbs) -> Result<Self, PatchError> {
+    /// ([`SurfaceError::Trimmed`]).
+    pub fn from_nurbs(nurbs: &Nurbs) -> Result<Self, SurfaceError> {
         let (patches, domains) = nurbs.patches()?.into_iter().unzip();
         Self::assembled(patches, domains)
     }
@@ -87,7 +87,7 @@ impl Surface {
     /// # Errors
     ///
     /// A coordinate beyond `2^200`.
-    pub fn from_mesh(mesh: &Mesh) -> Result<Self, PatchError> {
+    pub fn from_mesh(mesh: &Mesh) -> Result<Self, SurfaceError> {
         Self::from_triangles(mesh.triangles().map(|(_, corners)| corners))
     }
 
@@ -96,20 +96,20 @@ impl Surface {
     ///
     /// # Errors
     ///
-    /// A body without faces ([`PatchError::Empty`]), a coordinate beyond `2^200`.
-    pub fn from_convex(body: &ConvexPolyhedron) -> Result<Self, PatchError> {
+    /// A body without faces ([`SurfaceError::Empty`]), a coordinate beyond `2^200`.
+    pub fn from_convex(body: &ConvexPolyhedron) -> Result<Self, SurfaceError> {
         let corner = |v| body.vertex(v).unwrap_or_default();
         Self::from_triangles(body.triangles().map(|t| t.each(corner)))
     }
 
-    fn from_triangles(corners: impl Iterator<Item = [Point3<f64>; 3]>) -> Result<Self, PatchError> {
-        let flat = |c: [Point3<f64>; 3]| Patch::triangular(1, &c, None);
+    fn from_triangles(corners: impl Iterator<Item = [Point3<f64>; 3]>) -> Result<Self, SurfaceError> {
+        let flat = |c: [Point3<f64>; 3]| BezierPatch::triangular(1, &c, None);
         Self::new(corners.map(flat).collect::<Result<_, _>>()?)
     }
 
-    pub(super) fn assembled(patches: Vec<Patch>, domains: Vec<[[f64; 2]; 2]>) -> Result<Self, PatchError> {
+    pub(super) fn assembled(patches: Vec<BezierPatch>, domains: Vec<[[f64; 2]; 2]>) -> Result<Self, SurfaceError> {
         if patches.is_empty() {
-            return Err(PatchError::Empty);
+            return Err(SurfaceError::Empty);
         }
         let reach = patches.iter().map(|p| p.reach).fold(0.0, f64::larger);
         let tree = NetTree::new(&patches);
@@ -126,7 +126,7 @@ impl Surface {
 
     /// Returns the patches.
     #[must_use]
-    pub fn patches(&self) -> &[Patch] {
+    pub fn patches(&self) -> &[BezierPatch] {
         &self.patches
     }
 
@@ -147,7 +147,7 @@ impl Surface {
         )
     }
 
-    /// Returns the unit normal at a point of the surface, as [`Patch::normal`].
+    /// Returns the unit normal at a point of the surface, as [`BezierPatch::normal`].
     #[must_use]
     pub fn normal(&self, at: &Spot) -> Option<Unit<Vector3<f64>>> {
         self.patches
@@ -184,13 +184,13 @@ impl Surface {
         let start = self.patches[0].aabb();
         self.patches
             .iter()
-            .map(Patch::aabb)
+            .map(BezierPatch::aabb)
             .fold(start, |s, b| (s.0.smaller(b.0), s.1.larger(b.1)))
     }
 }
 
 /// Returns the fingerprint of degrees and control points.
-fn fingerprint(patches: &[Patch]) -> Fingerprint {
+fn fingerprint(patches: &[BezierPatch]) -> Fingerprint {
     let mut all = Fingerprinter::new(*b"surface ");
     all.word(patches.len() as u64);
     for patch in patches {
@@ -201,7 +201,7 @@ fn fingerprint(patches: &[Patch]) -> Fingerprint {
 }
 
 /// Returns whether borders lie on each other in pairs, each by its control points.
-fn is_closed(patches: &[Patch], reach: f64) -> bool {
+fn is_closed(patches: &[BezierPatch], reach: f64) -> bool {
     let near = |p: &Point3<f64>, q: &Point3<f64>| (p - q).amax() <= SEAM * reach;
     let mut borders: Vec<(f64, Vec<Point3<f64>>, bool)> = Vec::new();
     for patch in patches {
@@ -254,7 +254,7 @@ pub struct SurfacePart {
 
 #[cfg(feature = "__internals")]
 impl SurfacePart {
-    pub(super) fn of(node: &crate::patch::tree::Node) -> Self {
+    pub(super) fn of(node: &crate::surface::tree::Node) -> Self {
         let [u, v] = node.domain();
         let patch = (!node.is_group()).then_some(node.patch());
         Self { patch, u, v }
