@@ -1,14 +1,14 @@
-//! A step of a scene, by what is called for: `cargo bench --bench scene`. Against other libraries: `race scene`.
+//! A step of a scene, by what is enabled: `cargo bench --bench scene`. Against other libraries: `race scene`.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use lin_canny::ManifoldOptions;
-use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
+use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene};
 use truth::crowd::{Crowd, Kind};
 
-const NONE: Effects = Effects::none();
+const NONE: PairQueries = PairQueries::none();
 
-/// One trajectory, growing sets of effects.
-const SETS: [(&str, Effects); 7] = [
+/// One trajectory, growing sets of queries.
+const SETS: [(&str, PairQueries); 7] = [
     ("boxes", NONE.boxes(true)),
     ("overlap", NONE.overlap(true)),
     ("within", NONE.within(0.05)),
@@ -19,11 +19,11 @@ const SETS: [(&str, Effects); 7] = [
 ];
 
 /// A crowd in a scene, some steps after its beginning.
-fn scene(crowd: &mut Crowd, effects: Effects) -> (Scene, Vec<BodyId>) {
+fn scene(crowd: &mut Crowd, queries: PairQueries) -> (Scene, Vec<BodyId>) {
     let shapes = crowd.hulls();
     let mut scene = Scene::new();
     let all = Group::default();
-    scene.call_for(all, all, effects).expect("a range");
+    scene.set_queries(all, all, queries).expect("a range");
     let bodies = crowd.shape_of.iter().zip(&crowd.poses);
     let ids = bodies.map(|(shape, pose)| {
         scene
@@ -52,10 +52,10 @@ fn moving(criterion: &mut Criterion) {
             let mut group = criterion.benchmark_group(format!("scene/{name}-{vertices}"));
             for n in [1_000, 10_000] {
                 group.throughput(Throughput::Elements(n as u64)).sample_size(10);
-                for (effects, set) in SETS {
+                for (queries, set) in SETS {
                     let mut crowd = Crowd::new(kind, n, vertices);
                     let (mut scene, ids) = scene(&mut crowd, set);
-                    group.bench_function(BenchmarkId::new(effects, n), |b| {
+                    group.bench_function(BenchmarkId::new(queries, n), |b| {
                         b.iter(|| advance(&mut scene, &ids, &mut crowd));
                     });
                 }

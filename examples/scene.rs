@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, Effects, Group, Scene};
+use lin_canny::scene::{Body, Group, PairQueries, Scene};
 
 const SHELF: Group = Group::new(1).unwrap();
 const ROBOT: Group = Group::new(2).unwrap();
@@ -13,8 +13,8 @@ const ROBOT: Group = Group::new(2).unwrap();
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = Scene::new();
     // Only these queries run, and only between these groups: parcels are never compared with each other.
-    let queries = Effects::none().overlap(true).within(0.03).distance(0.2);
-    scene.call_for(ROBOT, SHELF, queries)?;
+    let queries = PairQueries::none().overlap(true).within(0.03).distance(0.2);
+    scene.set_queries(ROBOT, SHELF, queries)?;
     let parcel = Arc::new(solids::cuboid(Vector3::new(0.1, 0.15, 0.12))?); // one shape, shared
     for k in 0..6 {
         let pose = Isometry3::translation(0.3 * f64::from(k), 0.02 * f64::from(k % 3), 0.0);

@@ -3,7 +3,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids::cuboid;
-use lin_canny::scene::{Body, Effects, Group, Scene};
+use lin_canny::scene::{Body, Group, PairQueries, Scene};
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape};
 
 fn bits(x: f64) -> u64 {
@@ -35,7 +35,9 @@ fn of_ties_at_zero_the_first_pair_is_the_closest() {
     for order in [[cubes.clone(), mixed.clone()], [mixed, cubes]] {
         let mut scene = Scene::new();
         let group = Group::new(0).unwrap();
-        scene.call_for(group, group, Effects::none().distance(0.5)).unwrap();
+        scene
+            .set_queries(group, group, PairQueries::none().distance(0.5))
+            .unwrap();
         let ids: Vec<_> = order
             .into_iter()
             .flatten()

@@ -5,7 +5,7 @@
 //! ([`separation`](crate::separation)); the pair then sleeps for the whole ticks of that time, by
 //! the rules of [`schedule`](crate::schedule). A pair proven apart until tick m, that one included,
 //! is looked at again at tick m + 1. Three events end a sleep early: a body of the pair is
-//! disturbed, a tick has another length, or the effects change. Every step visits every header, so
+//! disturbed, a tick has another length, or the queries change. Every step visits every header, so
 //! a disturbance of the step is seen in the step, and no epoch need be stored with the pair.
 //!
 //! **Rounding.** A look proves the motion itself. Poses are placed tick by tick, each from the last
@@ -18,11 +18,11 @@
 //! proves less than the tick, the tick is cast ([`impact::cast`]).
 
 use super::answers::PairImpact;
-use super::effects::PairPlan;
 use super::motion::Sweep;
 use super::narrow_phase::{StepContext, Tally};
 use super::pair_engine::PairEngine;
 use super::pair_table::{PairFlags, PairHeader};
+use super::queries::PairPlan;
 use super::report::Counts;
 use crate::base::motion::{Motion, Steady, Velocity};
 use crate::base::num::each::Each;

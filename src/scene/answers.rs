@@ -10,14 +10,14 @@ use crate::convex::contact::Manifold;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::contact::PatchContacts;
 use crate::pair::outcome::{Distance, Outcome};
-use crate::scene::effects::NEVER;
+use crate::scene::queries::NEVER;
 use crate::scene::step::bodies_of;
 use crate::scene::{BodyId, PairId, Scene, SceneError};
 use crate::time::impact::Impact;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-/// Answers for one pair: `Some` for each effect that is called for, and `None` otherwise.
+/// Answers for one pair: `Some` for each query that is enabled, and `None` otherwise.
 ///
 /// Witnesses, contact points and normals are in the frames of the bodies: `point_on_a` and `normal`
 /// in the frame of `a`, `point_on_b` in the frame of `b`. [`Scene::pose`] leads to the world as
@@ -33,9 +33,9 @@ pub struct PairAnswer<'a> {
     pub pair: PairId,
     /// Whether the bodies share a point.
     pub overlaps: Option<bool>,
-    /// Whether the bodies are within the distance called for.
+    /// Whether the bodies are within the distance of the query.
     pub within: Option<bool>,
-    /// Signed distance; `None` also for bodies farther apart than the range called for.
+    /// Signed distance; `None` also for bodies farther apart than the range of the query.
     pub distance: Option<Distance>,
     /// Features, witnesses and normal; `None` also for bodies farther apart than the range called
     /// for. Features of a compound are those of the piece. Features of a mesh have the caller's
@@ -64,7 +64,7 @@ impl Scene {
     }
 
     /// Returns the pair of two bodies, in either order: `None` if the boxes, grown by the distances
-    /// called for, do not overlap.
+    /// enabled, do not overlap.
     #[must_use]
     pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairAnswer<'_>> {
         let proxy = |id| Some(self.bodies.proxies[self.bodies.index_of(id).ok()?]);
@@ -134,13 +134,13 @@ impl Scene {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum Change {
-    /// The boxes, grown by the distances called for, began to overlap.
+    /// The boxes, grown by the distances of the queries, began to overlap.
     BoxesMet,
     /// The bodies began to share a point.
     OverlapBegan,
-    /// The bodies came within the distance called for.
+    /// The bodies came within the distance of the query.
     CameWithin,
-    /// The bodies are no longer within the distance called for.
+    /// The bodies are no longer within the distance of the query.
     LeftWithin,
     /// The bodies ceased to share a point.
     OverlapEnded,
@@ -161,8 +161,8 @@ impl core::fmt::Display for Change {
     }
 }
 
-/// A change of one pair. A change is sent if its effect is called for; a pair that ends because a
-/// body is removed, or because the groups no longer call for any effect, ends its overlap as well.
+/// A change of one pair. A change is sent if its query is enabled; a pair that ends because a
+/// body is removed, or because the groups no longer enable any query, ends its overlap as well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

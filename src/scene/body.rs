@@ -15,9 +15,9 @@ use crate::broad::slots::Slots;
 use crate::nonconvex::contact::ContactPatches;
 use crate::pair_tracker::geometry::Geometry;
 use crate::scene::budget::Travel;
-use crate::scene::effects::Group;
-use crate::scene::effects::Member;
 use crate::scene::motion::{Moving, Sweep, Ticks};
+use crate::scene::queries::Group;
+use crate::scene::queries::Member;
 use crate::scene::{BodyId, SceneError};
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
@@ -83,7 +83,7 @@ pub(super) struct BodySolid {
     /// Whether the broad phase has a box of the body: none if the range of the body is infinite.
     pub(super) boxed: bool,
     pub(super) user_data: u64,
-    /// The convex patches of a mesh or compound, if contacts are called for.
+    /// The convex patches of a mesh or compound, if contacts are enabled.
     #[cfg(feature = "meshes")]
     pub(super) patches: Option<ContactPatches>,
 }
@@ -160,7 +160,7 @@ pub(super) struct BodyTable {
     pub(super) ticks: Ticks,
     /// Bodies whose boxes must be renewed, each listed once.
     pub(super) due: Vec<u32>,
-    /// Bodies without any effect whose boxes were not renewed when they moved, in ascending order.
+    /// Bodies without any query whose boxes were not renewed when they moved, in ascending order.
     pub(super) stale: Vec<u32>,
     /// Number of the step being prepared.
     pub(super) step: u32,

@@ -17,7 +17,7 @@
 //! Hence, with certified bounds `lower <= d <= upper`:
 //! - beyond a threshold t (`lower > t`) the pair stays beyond while x + y < lower - t;
 //! - within a threshold (`upper < t`) the pair stays within while x + y < t - upper;
-//! - of several thresholds the nearest counts; a distance that is called for and within its range
+//! - of several thresholds the nearest counts; a distance that is enabled and within its range
 //!   is always computed again when a body has moved.
 //!
 //! At contact the budget of an overlap event is zero, so the pair is tested in every step in which
@@ -25,7 +25,7 @@
 //! step, and a sleep ends early by `ODOMETER` times the odometers. Long displacements thus cost a
 //! little sleep, but never an event.
 //!
-//! An effect that is not called for sets no threshold, so the fewer effects, the longer the sleep.
+//! A query that is not enabled sets no threshold, so the fewer queries, the longer the sleep.
 //!
 //! Sources: Schwarzer, Saha, Latombe 2005 bound motions likewise for the edges of a roadmap;
 //! Mirtich 1996 and Lin 1993 (section 5.1) wake pairs by velocity and time instead, which is

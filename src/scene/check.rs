@@ -6,9 +6,9 @@ use alloc::string::String;
 
 use super::Scene;
 use super::body::{BodyTable, checked};
-use super::effects::Census;
-use super::effects::{Detail, GROUPS, NEVER, PairPlan, Table, group_pair_of};
 use super::pair_table::{PairFlags, PairHeader};
+use super::queries::Census;
+use super::queries::{Detail, GROUPS, NEVER, PairPlan, Table, group_pair_of};
 use super::step::{bodies_of, group};
 use crate::base::motion::Velocity;
 use crate::base::tolerance::UNIT;
@@ -18,7 +18,7 @@ use crate::scene::ahead::TICKS;
 
 impl Scene {
     /// Returns the first contradiction among the tables of the scene: bodies and odometers, motions
-    /// and ticks, boxes, effects, pairs and their wake-ups. A tool of tests and fuzzing, between
+    /// and ticks, boxes, queries, pairs and their wake-ups. A tool of tests and fuzzing, between
     /// any two calls; the check reads everything, so the cost is far more than the cost of a step.
     ///
     /// # Errors
@@ -79,7 +79,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Checks the boxes of groups whose effects no call has changed since the last step.
+    /// Checks the boxes of groups whose queries no call has changed since the last step.
     fn check_groups(&self) -> Result<(), String> {
         let is_planned = |g: usize| self.replanned & 1 << g != 0;
         for g in (0..GROUPS).filter(|&g| !is_planned(g)) {
@@ -98,7 +98,7 @@ impl Scene {
     }
 
     /// Checks that every row holds a pair of the broad phase, and every pair has the row that its
-    /// effects call for.
+    /// queries need.
     fn check_pairs(&self) -> Result<(), String> {
         if !self.pair_tables.is_consistent() {
             return Err("a seat of the scene is not where its pair looks for it".into());
@@ -126,7 +126,7 @@ impl Scene {
             }
             let header = self.pair_tables.get(pair.id.slot).map(|seen| *seen.header);
             if header.is_some_and(|header| header.groups != groups || !is_called(&header.state, plan)) {
-                return Err(format!("{} has an answer that is not called for", pair.id));
+                return Err(format!("{} has an answer that is not enabled", pair.id));
             }
         }
         Ok(())
@@ -153,20 +153,20 @@ impl Scene {
     }
 }
 
-/// Returns whether a pair has no answer but those called for.
+/// Returns whether a pair has no answer but those of enabled queries.
 fn is_called(state: &PairFlags, plan: &PairPlan) -> bool {
     (plan.overlap || !state.overlaps)
         && (plan.within != NEVER || !state.within)
         && (plan.range != NEVER || !state.measured)
 }
 
-/// Counts the bodies, and refuses bodies that cannot answer the effects of their groups.
+/// Counts the bodies, and refuses bodies that cannot answer the queries of their groups.
 pub(super) fn census_of(bodies: &BodyTable, table: &Table) -> Result<Census, String> {
     let mut census = Census::default();
     let living = bodies.solids.iter().enumerate().filter(|(i, _)| bodies.lives(*i));
     for solid in living.filter_map(|(_, solid)| solid.as_ref()) {
         census
-            .check_body(solid.member(), |other| table.effects(solid.group, other))
+            .check_body(solid.member(), |other| table.queries(solid.group, other))
             .map_err(|e| format!("{e}"))?;
         census.add(solid.member());
     }

@@ -57,9 +57,9 @@ pub enum SceneError {
         /// Why.
         error: VertexError,
     },
-    /// A distance called for is NaN or negative, or beyond 1e37 and not infinite; or `within` is
+    /// The distance of a query is NaN or negative, or beyond 1e37 and not infinite; or `within` is
     /// infinite.
-    #[error("a distance called for is {value}: neither from 0 to 1e37 nor an infinite range")]
+    #[error("query distance {value} is out of range (expected 0..=1e37; `distance` may be infinite)")]
     Range {
         /// The distance.
         value: f64,
@@ -67,11 +67,11 @@ pub enum SceneError {
     /// `sine`, `drift` or `choice` of the manifold options is NaN.
     #[error("sine, drift or choice of the manifold options is no number")]
     ManifoldOptions,
-    /// An effect is called for that two bodies of the scene cannot answer.
-    #[error("no {effect} is computed between a {these} and a {those}")]
+    /// A query is enabled that two bodies of the scene cannot answer.
+    #[error("no {query} is computed between a {these} and a {those}")]
     Unanswered {
-        /// The name of the effect.
-        effect: &'static str,
+        /// The name of the query.
+        query: &'static str,
         /// The kind of the first shape.
         these: ShapeKind,
         /// The kind of the second shape.
@@ -90,17 +90,17 @@ pub enum SceneError {
     /// since.
     #[error("bodies or effects changed since the last step: step first")]
     StepDue,
-    /// The query is about two groups between which nothing is called for, so their boxes are not
+    /// The query is about two groups between which no query is enabled, so their boxes are not
     /// kept.
-    #[error("nothing is called for between {these} and {those}: see Scene::call_for")]
+    #[error("no query is enabled between {these} and {those}; enable one with `Scene::set_queries`")]
     NotCalledFor {
         /// The first group.
         these: Group,
         /// The second group.
         those: Group,
     },
-    /// The query is about a body of a group for which nothing is called for.
-    #[error("nothing is called for between {group} and any group: see Scene::call_for")]
+    /// The query is about a body of a group for which no query is enabled.
+    #[error("no query is enabled between {group} and any group; enable one with `Scene::set_queries`")]
     GroupNotCalledFor {
         /// The group of the body.
         group: Group,

@@ -57,10 +57,10 @@ impl Scene {
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
-    /// use lin_canny::scene::{Body, Effects, Scene};
+    /// use lin_canny::scene::{Body, PairQueries, Scene};
     ///
-    /// let overlaps = Effects::none().overlap(true);
-    /// let mut scene = Scene::with_effects(overlaps)?;
+    /// let overlaps = PairQueries::none().overlap(true);
+    /// let mut scene = Scene::with_queries(overlaps)?;
     /// let link = solids::cuboid(Vector3::new(0.1, 0.1, 0.5))?;
     /// let mut links = Vec::new();
     /// for k in 0..6 {

@@ -20,7 +20,7 @@ impl Scene {
         self
     }
 
-    /// Makes the patches of meshes and compounds whose contacts are called for, once for each
+    /// Makes the patches of meshes and compounds whose contacts are enabled, once for each
     /// shape.
     pub(super) fn make_patches(&mut self) {
         let groups = self.table.manifold_groups();
@@ -48,7 +48,7 @@ impl Scene {
 
 impl Scene {
     /// Replaces all vertices of a body that is a mesh, as
-    /// [`Mesh::set_vertices`](crate::Mesh::set_vertices): all effects see the mesh as it is then.
+    /// [`Mesh::set_vertices`](crate::Mesh::set_vertices): all queries see the mesh as it is then.
     /// Until the next step all answers remain those of the last step.
     ///
     /// A mesh that other bodies share is copied first, so that only this body bends. The patches

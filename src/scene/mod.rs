@@ -1,11 +1,11 @@
 //! Many moving bodies: the broad phase finds overlapping boxes, one tracker follows each pair of
-//! overlapping boxes, and a step computes only the effects called for.
+//! overlapping boxes, and a step computes only the enabled queries.
 //!
 //! ```
 //! use std::sync::Arc;
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
 //! use lin_canny::polyhedron::solids;
-//! use lin_canny::scene::{Body, Change, Effects, Group, Scene};
+//! use lin_canny::scene::{Body, Change, PairQueries, Group, Scene};
 //!
 //! const CELL: Group = Group::new(1).unwrap();
 //! const ROBOT: Group = Group::new(2).unwrap();
@@ -13,7 +13,7 @@
 //! // Shared by all bodies of this shape.
 //! let block = Arc::new(solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?);
 //! let mut scene = Scene::new();
-//! scene.call_for(ROBOT, CELL, Effects::none().within(0.05))?;
+//! scene.set_queries(ROBOT, CELL, PairQueries::none().within(0.05))?;
 //! let wall = Body::fixed(block.clone()).group(CELL);
 //! scene.insert(wall, Isometry3::translation(3.005, 0.0, 0.0))?;
 //! let arm = Body::moving(block).group(ROBOT);
@@ -35,14 +35,14 @@
 //! # A step
 //!
 //! [`insert`](Scene::insert), [`remove`](Scene::remove), [`set_pose`](Scene::set_pose) and
-//! [`call_for`](Scene::call_for) gather changes; [`step`](Scene::step) applies the changes:
+//! [`set_queries`](Scene::set_queries) gather changes; [`step`](Scene::step) applies the changes:
 //!
-//! 1. **boxes** of the bodies that moved, grown by half of the distances called for;
-//! 2. **pairs** of boxes: a new pair gets a tracker if more than boxes is called for, an ended pair
+//! 1. **boxes** of the bodies that moved, grown by half of the distances of the queries;
+//! 2. **pairs** of boxes: a new pair gets a tracker if more than boxes is enabled, an ended pair
 //!    gives the tracker back;
 //! 3. **look**: the narrow phase of each called pair, unless a cheaper test answers (bodies at
 //!    rest, the displacement budget, two balls); then the tracker, with the depth of an overlap and
-//!    contact points only if called for;
+//!    contact points only if enabled;
 //! 4. **events** in a fixed order.
 //!
 //! [`pairs`](Scene::pairs), [`pairs_of`](Scene::pairs_of) a body and [`events`](Scene::events)
@@ -55,31 +55,31 @@
 //!
 //! | when | how | microseconds a cycle |
 //! |---|---|---:|
-//! | every cycle, a range is known | effect `distance` up to the range, least of [`pairs`](Scene::pairs) | 4 to 7 |
-//! | now and then, or no range is known | [`closest_pair`](Scene::closest_pair) with effect `boxes`; keeps no features between calls | 13 to 21 |
+//! | every cycle, a range is known | query `distance` up to the range, least of [`pairs`](Scene::pairs) | 4 to 7 |
+//! | now and then, or no range is known | [`closest_pair`](Scene::closest_pair) with query `boxes`; keeps no features between calls | 13 to 21 |
 //! | few pairs, always the same | a [`Tracker`](crate::Tracker) for each | 17 to 31 |
-//! | distances of all pairs | effect `distance` with the range infinity | 30 to 45 |
+//! | distances of all pairs | query `distance` with the range infinity | 30 to 45 |
 //!
 //! The figures are medians of an arm of seven links among thirty boxes, itself included, 195 pairs,
 //! at a range of 0.2 m; the bodies move at 1 kHz.
 //!
-//! A distance is called for up to a range, and the least distance that a step found is the
+//! A distance is computed up to a range, and the least distance that a step found is the
 //! clearance. The answer for a pair is in the frames of the two bodies, as in
 //! [`Outcome`](crate::Outcome); the poses of the bodies lead to the world.
 //!
 //! ```
 //! use lin_canny::nalgebra::{Isometry3, Vector3};
 //! use lin_canny::polyhedron::solids;
-//! use lin_canny::scene::{Body, Effects, Group, Scene};
+//! use lin_canny::scene::{Body, PairQueries, Group, Scene};
 //!
 //! const CELL: Group = Group::new(1).unwrap();
 //! const ROBOT: Group = Group::new(2).unwrap();
 //!
 //! let mut scene = Scene::new();
-//! let none = Effects::none();
-//! let effects =
+//! let none = PairQueries::none();
+//! let queries =
 //!     none.distance(0.5).features(true).depth(true);
-//! scene.call_for(ROBOT, CELL, effects)?;
+//! scene.set_queries(ROBOT, CELL, queries)?;
 //! let post = solids::prism(24, 1.0, 0.1)?;
 //! let post = Body::fixed(post).group(CELL);
 //! scene.insert(post, Isometry3::translation(1.0, 0.0, 0.0))?;
@@ -104,9 +104,9 @@
 //!
 //! # What it costs
 //!
-//! [`Effects`] is the price list. A pair with only events of overlaps or of `within` is tested when
-//! the bodies may have used up the distance between them, and not before: see [`budget`] for the
-//! rule and the proof. A distance called for is computed whenever a body of the pair has moved. A
+//! [`PairQueries`] is the price list. A pair with only events of overlaps or of `within` is tested
+//! when the bodies may have used up the distance between them, and not before: see [`budget`] for
+//! the rule and the proof. A distance is computed whenever a body of the pair has moved. A
 //! step without changes does nothing.
 //!
 //! # Promises
@@ -114,8 +114,8 @@
 //! * Events and predicates are exact (feature `exact`) for the poses given: equal to brute force
 //!   over all pairs on every frame, with the budget or without. Distances have the bounds of
 //!   [`Tracker::closest`](crate::Tracker::closest).
-//! * Dropping an effect never raises a counter of the narrow phase on the scenes tested; an effect
-//!   not called for is counted as exactly zero, and takes no memory.
+//! * Dropping a query never raises a counter of the narrow phase on the scenes tested; a query
+//!   that is not enabled is counted as exactly zero, and takes no memory.
 //! * Equal calls give equal answers, events and counts bit for bit, with any number of threads
 //!   (feature `parallel`), and after a scene was written and read back (feature `serde`; only
 //!   [`Counts::swaps`], the work of sorted lists that are rebuilt then, may differ). Trackers of
@@ -133,22 +133,21 @@
 //! # Motion
 //!
 //! Bodies with velocities go on by [`advance`](Scene::advance), one tick between two steps. Pairs
-//! then sleep until the proof of their separation ends, and with the effect `impact` a step finds
+//! then sleep until the proof of their separation ends, and with the query `impact` a step finds
 //! the [`impacts`](Scene::impacts) within the tick in the order of time.
 //!
 //! Source: Cohen, Lin, Manocha and Ponamgi 1995 (I-COLLIDE) join sweep and prune with one tracker a
-//! pair; Lin 1993 (section 5.4) asks that a simulation pay only for the effects called for.
+//! pair; Lin 1993 (section 5.4) asks that a simulation pay only for the enabled queries.
 //! Departures: pairs are kept in one table per level of detail; the wake-up is bounded by
 //! displacement instead of by time.
 //!
-//! What a caller asks of a scene: effects, bodies and their poses.
+//! What a caller asks of a scene: queries, bodies and their poses.
 
 mod ahead;
 mod answers;
 mod body;
 pub mod budget;
 mod check;
-mod effects;
 mod error;
 mod filter;
 #[cfg(feature = "meshes")]
@@ -159,6 +158,7 @@ mod pair_engine;
 mod pair_table;
 #[cfg(feature = "parallel")]
 mod parallel;
+mod queries;
 mod report;
 mod search;
 #[cfg(feature = "serde")]
@@ -175,18 +175,18 @@ pub use crate::scene::answers::PairAnswer;
 pub use crate::scene::answers::{Change, Event, PairImpact};
 pub use crate::scene::body::Body;
 use crate::scene::body::{BodySolid, BodyTable, box_of, checked};
-use crate::scene::effects::Census;
-pub use crate::scene::effects::{Effects, Group};
-use crate::scene::effects::{GROUPS, Table};
 pub use crate::scene::error::SceneError;
 use crate::scene::filter::Ignored;
 use crate::scene::pair_table::PairTables;
+use crate::scene::queries::Census;
+use crate::scene::queries::{GROUPS, Table};
+pub use crate::scene::queries::{Group, PairQueries};
 pub use crate::scene::report::{Bytes, Counts, Report, Times};
 pub use crate::scene::search::ClosestPair;
 use alloc::vec::Vec;
 use nalgebra::Isometry3;
 
-/// Bodies, the effects called for, and the results of the last step. See the [module page](self).
+/// Bodies, the enabled queries, and the results of the last step. See the [module page](self).
 #[doc(alias = "world")]
 #[doc(alias = "collision detection")]
 #[doc(alias = "i-collide")]
@@ -201,11 +201,11 @@ pub struct Scene {
     events: Vec<Event>,
     impacts: Vec<PairImpact>,
     report: Report,
-    /// Groups whose effects changed since the last step, as bits.
+    /// Groups whose queries changed since the last step, as bits.
     replanned: u32,
     /// Whether bodies were inserted, removed or moved to another group since the last step.
     changed: bool,
-    /// By group, as of the last step that applied changed effects: the growth of the boxes, and the
+    /// By group, as of the last step that applied changed queries: the growth of the boxes, and the
     /// groups to pair with as bits.
     growths: [f64; GROUPS],
     partners: [u32; GROUPS],
@@ -235,9 +235,9 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Returns an empty scene about the origin, in which nothing is called for: without
-    /// [`call_for`](Self::call_for) a step does nothing but count the bodies that no effect covers
-    /// ([`Counts::uncovered`]).
+    /// Returns an empty scene about the origin, in which no query is enabled: without
+    /// [`set_queries`](Self::set_queries) a step does nothing but count the bodies that no query
+    /// covers ([`Counts::without_queries`]).
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
@@ -273,44 +273,44 @@ impl Scene {
         }
     }
 
-    /// Returns an empty scene about the origin with the same effects for all pairs of bodies,
+    /// Returns an empty scene about the origin with the same queries for all pairs of bodies,
     /// whatever the groups.
     ///
     /// # Errors
-    /// The errors of [`call_for`](Self::call_for).
-    pub fn with_effects(effects: Effects) -> Result<Self, SceneError> {
+    /// The errors of [`set_queries`](Self::set_queries).
+    pub fn with_queries(queries: PairQueries) -> Result<Self, SceneError> {
         let mut scene = Self::new();
         for g in 0..GROUPS {
             for h in g..GROUPS {
-                scene.call_for(step::group(g), step::group(h), effects)?;
+                scene.set_queries(step::group(g), step::group(h), queries)?;
             }
         }
         Ok(scene)
     }
 
-    /// Calls for effects for the pairs of two groups (or of one group with itself), replacing the
-    /// effects called for before. Takes effect with the next step, for existing pairs and for pairs
-    /// to come: new effects are computed, dropped effects are forgotten without an event, unless no
-    /// effect at all is left.
+    /// Enables queries for the pairs of two groups (or of one group with itself), replacing the
+    /// queries that were enabled before. Takes effect with the next step, for existing pairs and
+    /// for pairs to come: new queries are computed, dropped queries are forgotten without an event,
+    /// unless no query at all is left.
     ///
     /// # Errors
     /// If a distance is NaN, negative or beyond 1e37 (only `distance` may be infinite), an option
     /// of the manifold is NaN, or bodies of the two groups are of kinds that cannot answer an
-    /// effect.
-    pub fn call_for(&mut self, these: Group, those: Group, effects: Effects) -> Result<(), SceneError> {
-        if self.table.effects(these, those) == effects {
+    /// query.
+    pub fn set_queries(&mut self, these: Group, those: Group, queries: PairQueries) -> Result<(), SceneError> {
+        if self.table.queries(these, those) == queries {
             return Ok(());
         }
-        self.census.check_effects(these, those, &effects)?;
-        self.table.call_for(these, those, effects)?;
+        self.census.check_effects(these, those, &queries)?;
+        self.table.set_queries(these, those, queries)?;
         self.replanned |= 1 << these.number() | 1 << those.number();
         Ok(())
     }
 
-    /// Returns the effects called for between two groups.
+    /// Returns the enabled queries between two groups.
     #[must_use]
-    pub fn effects(&self, these: Group, those: Group) -> Effects {
-        self.table.effects(these, those)
+    pub fn queries(&self, these: Group, those: Group) -> PairQueries {
+        self.table.queries(these, those)
     }
 
     /// Sets whether pairs sleep while the displacement budget answers for them; on by default. The
@@ -325,13 +325,13 @@ impl Scene {
     ///
     /// # Errors
     /// If the pose is not a rigid motion or too far out, the shape too large or of a kind that
-    /// cannot answer an effect called for, the origin of the scene's settings not finite, or there
+    /// cannot answer an enabled query, the origin of the scene's settings not finite, or there
     /// are too many bodies.
     pub fn insert(&mut self, body: Body, pose: Isometry3<f64>) -> Result<BodyId, SceneError> {
         checked(&pose, None)?;
         let mut solid = BodySolid::new(body)?;
         self.census
-            .check_body(solid.member(), |other| self.table.effects(solid.group, other))?;
+            .check_body(solid.member(), |other| self.table.queries(solid.group, other))?;
         let mut hint = BoxHint::default();
         let proxy = self.create_proxy(&mut solid, &pose, &mut hint)?;
         self.changed = true;
@@ -399,7 +399,7 @@ impl Scene {
     /// Puts a body into another group; the pairs of the body are tested again in the next step.
     ///
     /// # Errors
-    /// If the id is stale, or the shape of the body is of a kind that cannot answer an effect of
+    /// If the id is stale, or the shape of the body is of a kind that cannot answer a query of
     /// the group.
     pub fn set_group(&mut self, id: BodyId, group: Group) -> Result<(), SceneError> {
         let i = self.bodies.index_of(id)?;
@@ -408,14 +408,14 @@ impl Scene {
         };
         let (old, kind, is_fixed) = solid.member();
         self.census.remove((old, kind, is_fixed));
-        let effects = |other| self.table.effects(group, other);
-        let checked = self.census.check_body((group, kind, is_fixed), effects);
+        let queries = |other| self.table.queries(group, other);
+        let checked = self.census.check_body((group, kind, is_fixed), queries);
         if checked.is_ok() {
             solid.group = group;
         }
         self.census.add(solid.member());
         checked?;
-        // Applied together with the effects of both groups.
+        // Applied together with the queries of both groups.
         self.replanned |= 1 << old.number() | 1 << group.number();
         Ok(())
     }

@@ -106,7 +106,7 @@ pub(super) struct Ticks {
     pub(super) length: f64,
     /// Whether a tick came since the last step.
     pub(super) is_pending: bool,
-    /// Whether impacts were called for when that tick began, so that the step needs its sweeps.
+    /// Whether impacts were enabled when that tick began, so that the step needs its sweeps.
     pub(super) is_swept: bool,
     /// Whether the length of a tick changed since the last step.
     pub(super) is_changed: bool,
@@ -177,11 +177,11 @@ impl Scene {
     /// negative time goes back.
     ///
     /// Equal ticks let pairs of bodies at constant velocities sleep until the proof of their
-    /// separation ends. If an impact is called for between any groups, a step sees one tick.
+    /// separation ends. If an impact is enabled between any groups, a step sees one tick.
     ///
     /// # Errors
     /// If the time is not finite, a body would leave the scene's reach or turn by an angle beyond
-    /// the range of f64, or an impact is called for and the scene was advanced since the last step;
+    /// the range of f64, or an impact is enabled and the scene was advanced since the last step;
     /// then no body has moved.
     pub fn advance(&mut self, time: f64) -> Result<(), SceneError> {
         if !time.is_finite() {
@@ -223,20 +223,20 @@ impl Scene {
     }
 
     /// Returns the impacts of the last step in the order of [`PairImpact::safe`], then of the two
-    /// bodies: each pair with the effect `impact` whose bodies were apart before the tick and are
+    /// bodies: each pair with the query `impact` whose bodies were apart before the tick and are
     /// not proven to stay apart during it.
     ///
     /// ```
     /// use lin_canny::impact::{Impact, Tolerance};
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
-    /// use lin_canny::scene::{Body, Effects, Group, Scene};
+    /// use lin_canny::scene::{Body, PairQueries, Group, Scene};
     /// use lin_canny::{Shape, Velocity};
     ///
     /// let all = Group::default();
     /// let mut scene = Scene::new();
     /// let impact = Tolerance::Time(1e-9);
-    /// scene.call_for(all, all, Effects::none().impact(impact))?;
+    /// scene.set_queries(all, all, PairQueries::none().impact(impact))?;
     /// let pane = solids::cuboid(Vector3::new(0.001, 1.0, 1.0))?;
     /// scene.insert(Body::fixed(pane), Isometry3::translation(2.0, 0.0, 0.0))?;
     /// let bullet = Body::moving(Shape::ball(0.01)?);

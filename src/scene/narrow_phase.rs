@@ -8,9 +8,9 @@ use super::answers::{Change, PairChange, PairImpact};
 use super::body::BodyTable;
 use super::body::least_distance;
 use super::budget::{slack, wake};
-use super::effects::{Detail, NEVER, PairPlan, Table};
 use super::pair_engine::{ContactAsk, Contacted, PairEngine};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
+use super::queries::{Detail, NEVER, PairPlan, Table};
 use super::report::Counts;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
@@ -60,7 +60,7 @@ pub(super) fn test_run<T: PairEngine, A: StoredAnswer>(
     context: &StepContext<'_>,
     tally: &mut Tally,
 ) {
-    tally.counts.called += headers.len() as u64;
+    tally.counts.active += headers.len() as u64;
     for ((header, tracker), answer) in headers.iter_mut().zip(trackers).zip(answers) {
         if context.is_answered(header, &mut tally.counts) {
             continue;
@@ -105,7 +105,7 @@ impl StepContext<'_> {
         false
     }
 
-    /// Returns whether two balls are so far apart that no effect called for can apply.
+    /// Returns whether two balls are so far apart that no enabled query can apply.
     #[inline]
     fn is_clear(&self, header: &mut PairHeader, reach: f64, counts: &mut Counts) -> bool {
         let [a, b] = [header.a, header.b].each(|i| &self.bodies.balls[i as usize]);
@@ -194,7 +194,7 @@ impl StepContext<'_> {
     }
 }
 
-/// Drops the contacts of a pair that is beyond the prediction, if contacts are called for.
+/// Drops the contacts of a pair that is beyond the prediction, if contacts are enabled.
 fn drop_contacts<T: PairEngine, A: StoredAnswer>(tracker: &mut T, answer: &mut A) {
     if let Some(stored) = answer.manifold() {
         *stored = None;

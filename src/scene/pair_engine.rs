@@ -181,7 +181,7 @@ impl PairEngine for Tracker {
 }
 
 /// The state of a pair that is not of two polyhedra: its engine, the parts of the last measurement,
-/// and the contacts if they are called for.
+/// and the contacts if they are enabled.
 #[derive(Clone, Debug)]
 pub(super) struct MixedPair {
     engine: Box<Engine>,

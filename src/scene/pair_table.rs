@@ -1,5 +1,5 @@
 //! Tables of pairs: one table for each level of detail, so that a pair takes memory only for the
-//! effects called for.
+//! enabled queries.
 //!
 //! ```text
 //!              headers    trackers   answers
@@ -15,8 +15,8 @@
 use alloc::vec::Vec;
 
 use super::answers::{StoredAnswer, StoredContact};
-use super::effects::{Detail, GroupPair, NEVER, PairPlan};
 use super::pair_engine::{AnyPair, MixedPair, PairEngine};
+use super::queries::{Detail, GroupPair, NEVER, PairPlan};
 use crate::broad::PairId;
 use crate::convex::contact::Manifold;
 use crate::convex::tracker::Tracker;
@@ -50,7 +50,7 @@ pub(super) struct PairFlags {
     pub(super) known: bool,
     pub(super) overlaps: bool,
     pub(super) within: bool,
-    /// Whether the distance is within the range called for, so that the table holds an answer.
+    /// Whether the distance is within the range of the query, so that the table holds an answer.
     pub(super) measured: bool,
     /// Whether the pair is proven apart until a tick.
     pub(super) sleeps: bool,

@@ -18,7 +18,7 @@ use crate::pair::outcome::{Outcome, Solver};
 pub struct Counts {
     /// Number of steps.
     pub steps: u64,
-    /// Boxes computed: of bodies that moved, or whose effects changed.
+    /// Boxes computed: of bodies that moved, or whose queries changed.
     pub boxes: u64,
     /// Positions that entries of the broad phase moved by to stay sorted.
     pub swaps: u64,
@@ -28,18 +28,18 @@ pub struct Counts {
     pub ended: u64,
     /// Pairs of boxes after the step.
     pub pairs: u64,
-    /// Bodies of groups for which no effect at all is called for, after the step: never paired. See
-    /// [`Scene::call_for`](super::Scene::call_for).
-    pub uncovered: u64,
-    /// Pairs of boxes for which more than boxes is called for, after the step.
-    pub called: u64,
-    /// Called pairs whose bodies had not moved: the last answer remains valid.
+    /// Bodies of groups for which no query at all is enabled, after the step: never paired. See
+    /// [`Scene::set_queries`](super::Scene::set_queries).
+    pub without_queries: u64,
+    /// Pairs of boxes for which more than boxes is enabled, after the step.
+    pub active: u64,
+    /// Active pairs whose bodies had not moved: the last answer remains valid.
     pub resting: u64,
-    /// Called pairs answered by the displacement budget.
+    /// Active pairs answered by the displacement budget.
     pub skipped: u64,
-    /// Called pairs asleep: proven apart until a later tick.
+    /// Active pairs asleep: proven apart until a later tick.
     pub slept: u64,
-    /// Called pairs answered by two balls.
+    /// Active pairs answered by two balls.
     pub balls: u64,
     /// Looks ahead: bounds of the time for which a pair stays apart.
     pub ahead: u64,
@@ -97,7 +97,8 @@ impl Counts {
     }
 }
 
-// With `pairs`, `uncovered` and `called`, so that a sum over steps divided by `steps` is the mean.
+// With `pairs`, `without_queries` and `active`, so that a sum over steps divided by `steps` is the
+// mean.
 sum_of_counters!(Counts {
     steps,
     boxes,
@@ -105,8 +106,8 @@ sum_of_counters!(Counts {
     began,
     ended,
     pairs,
-    uncovered,
-    called,
+    without_queries,
+    active,
     resting,
     skipped,
     slept,
@@ -139,7 +140,7 @@ pub struct Times {
     pub boxes: Duration,
     /// The search of new and ended pairs in the broad phase, and the update of the pair tables.
     pub pairs: Duration,
-    /// Narrow phase: called pairs, from the budget to the tracker.
+    /// Narrow phase: active pairs, from the budget to the tracker.
     pub look: Duration,
     /// Sorting of the events.
     pub events: Duration,
@@ -185,11 +186,11 @@ impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (c, t) = (&self.counts, &self.times);
         let us = |d: Duration| d.as_secs_f64() * 1e6;
-        if c.uncovered > 0 {
+        if c.without_queries > 0 {
             writeln!(
                 f,
-                "nothing is called for between the groups of {} bodies and any group: see Scene::call_for",
-                c.uncovered / c.steps.max(1)
+                "no query is enabled between the groups of {} bodies and any group; enable one with `Scene::set_queries`",
+                c.without_queries / c.steps.max(1)
             )?;
         }
         writeln!(f, "boxes   {:>9.1} us  {} made", us(t.boxes), c.boxes)?;
@@ -204,9 +205,9 @@ impl fmt::Display for Report {
         )?;
         writeln!(
             f,
-            "look    {:>9.1} us  {} called: {} resting, {} skipped by budget, {} asleep, {} apart by balls, {} asked",
+            "look    {:>9.1} us  {} active: {} resting, {} skipped by budget, {} asleep, {} apart by balls, {} asked",
             us(t.look),
-            c.called,
+            c.active,
             c.resting,
             c.skipped,
             c.slept,

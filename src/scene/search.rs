@@ -1,8 +1,8 @@
 //! Queries on top of a step, about the poses of the last step: all pairs within a distance, the
 //! nearest bodies, the first contact, the closest pair of two groups, and ray casts.
 //!
-//! The queries use the boxes of the step and are allowed for groups between which any effect is
-//! called for, be it `boxes` alone. No result is stored; if a step follows a pair, the stored
+//! The queries use the boxes of the step and are allowed for groups between which any query is
+//! enabled, be it `boxes` alone. No result is stored; if a step follows a pair, the stored
 //! tracker is the start of the query.
 //!
 //! The closest pair of two groups: best first over lower bounds from balls and boxes.
@@ -28,7 +28,7 @@ use crate::pair_tracker::geometry::GeometryRef;
 use crate::pair_tracker::ray::{Ray, RayCast, RayCaster, placed_ball};
 use crate::scene::body::box_of;
 use crate::scene::body::{BodyTable, least_distance};
-use crate::scene::effects::{Detail, GROUPS, Group, group_pair_of};
+use crate::scene::queries::{Detail, GROUPS, Group, group_pair_of};
 use crate::scene::{BodyId, Scene, SceneError};
 use alloc::vec::Vec;
 use nalgebra::Point3;
@@ -57,7 +57,7 @@ impl Scene {
     /// have the distance 0; no depth is computed.
     ///
     /// # Errors
-    /// If nothing is called for between the groups, a step is due, or `d` is NaN, negative or
+    /// If no query is enabled between the groups, a step is due, or `d` is NaN, negative or
     /// beyond 1e37.
     pub fn pairs_within(&self, these: Group, those: Group, d: f64) -> Result<Vec<ClosestPair>, SceneError> {
         if !(0.0..=SCENE_REACH).contains(&d) {
@@ -75,7 +75,7 @@ impl Scene {
     /// order, that shares a point; with the depth if both are convex. The search ends there.
     ///
     /// # Errors
-    /// If nothing is called for between the groups, or a step is due.
+    /// If no query is enabled between the groups, or a step is due.
     #[doc(alias = "early exit")]
     pub fn first_contact(&self, these: Group, those: Group) -> Result<Option<ClosestPair>, SceneError> {
         let mut found = None;
@@ -96,10 +96,10 @@ impl Scene {
 
     /// Returns the `count` bodies nearest to a body and no farther away than `farthest`, nearest
     /// first, ties in ascending order: only bodies of groups between which and the group of the
-    /// body any effect is called for. Overlaps have the distance 0; no depth is computed.
+    /// body any query is enabled. Overlaps have the distance 0; no depth is computed.
     ///
     /// # Errors
-    /// If the id is stale, a step is due, nothing is called for between the group of the body and
+    /// If the id is stale, a step is due, no query is enabled between the group of the body and
     /// any group, or `farthest` is NaN or negative.
     #[doc(alias = "k-nearest")]
     pub fn nearest(&self, id: BodyId, count: usize, farthest: f64) -> Result<Vec<ClosestPair>, SceneError> {
@@ -272,22 +272,22 @@ impl Scene {
     /// of kinds that cannot be measured are left out.
     ///
     /// Boxes and balls exclude most pairs, so that the cost grows with the pairs about as close as
-    /// the closest pair. [`boxes`](super::Effects::boxes) between the groups is enough to ask;
-    /// effects of long range make the boxes, and so this search, some 20 % slower. The search keeps
+    /// the closest pair. [`boxes`](super::PairQueries::boxes) between the groups is enough to ask;
+    /// queries of long range make the boxes, and so this search, some 20 % slower. The search keeps
     /// no features from call to call; for a closest pair every cycle see the
     /// [table](super#the-nearest-pair-of-a-robot-and-its-cell).
     ///
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
-    /// use lin_canny::scene::{Body, Effects, Group, Scene};
+    /// use lin_canny::scene::{Body, PairQueries, Group, Scene};
     ///
     /// const CELL: Group = Group::new(1).unwrap();
     /// const ARM: Group = Group::new(2).unwrap();
     ///
     /// let mut scene = Scene::new();
-    /// let boxes = Effects::none().boxes(true);
-    /// scene.call_for(ARM, CELL, boxes)?;
+    /// let boxes = PairQueries::none().boxes(true);
+    /// scene.set_queries(ARM, CELL, boxes)?;
     /// let cube = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
     /// for k in 0..9 {
     ///     let body = Body::fixed(cube.clone()).group(CELL).user_data(k);
@@ -304,7 +304,7 @@ impl Scene {
     /// ```
     ///
     /// # Errors
-    /// If nothing is called for between the groups, or a step is due.
+    /// If no query is enabled between the groups, or a step is due.
     #[doc(alias = "clearance")]
     #[doc(alias = "minimum distance")]
     pub fn closest_pair(&self, these: Group, those: Group) -> Result<Option<ClosestPair>, SceneError> {
@@ -422,8 +422,8 @@ impl Scene {
     /// among bodies at which the ray enters equally early the one of the lowest index. Only bodies
     /// for which `may_hit` returns true count.
     ///
-    /// A body counts where it is, whether or not an effect is called for. The answer for a body is
-    /// that of [`RayCaster::cast`]. Bodies of groups without any effect have a box of where they
+    /// A body counts where it is, whether or not a query is enabled. The answer for a body is
+    /// that of [`RayCaster::cast`]. Bodies of groups without any query have a box of where they
     /// were inserted; those that have moved since are each tested by a ball, in some 10 ns.
     ///
     /// ```
@@ -529,7 +529,7 @@ impl BodyTable {
 mod tests {
     use super::*;
     use crate::body::polyhedron::{ConvexPolyhedron, solids};
-    use crate::scene::{Body, Effects};
+    use crate::scene::{Body, PairQueries};
     use nalgebra::{Isometry3, Vector3};
 
     /// Numbers in [0, 1) by a linear congruential generator (Knuth 1997, section 3.3.4).
@@ -553,8 +553,8 @@ mod tests {
     fn cell(numbers: &mut Numbers, room: f64) -> (Scene, [Group; 2]) {
         let groups = [1, 2].map(|g| Group::new(g).unwrap());
         let mut scene = Scene::new();
-        let boxes = Effects::none().boxes(true);
-        scene.call_for(groups[0], groups[1], boxes).unwrap();
+        let boxes = PairQueries::none().boxes(true);
+        scene.set_queries(groups[0], groups[1], boxes).unwrap();
         for _ in 0..300 {
             let half = numbers.vector(0.1).map(|x| 0.02 + x.abs());
             let shape: ConvexPolyhedron = solids::cuboid(half).unwrap();

@@ -13,11 +13,11 @@ use super::answers::{StoredAnswer, StoredContact};
 use super::body::{Body, BodySolid, BodyTable};
 use super::budget::Travel;
 use super::check::census_of;
-use super::effects::{Effects, GROUPS, Group, Table};
 use super::filter::Ignored;
 use super::motion::{Moving, Sweep, Ticks};
 use super::pair_engine::{MixedPair, PairEngine};
 use super::pair_table::{DetailTables, PairHeader, PairTable, PairTables};
+use super::queries::{GROUPS, Group, PairQueries, Table};
 use super::report::Report;
 use super::{Event, PairImpact, Scene, Settings};
 use crate::base::num::each::Each;
@@ -84,7 +84,7 @@ struct SceneSnapshot {
     #[serde(default)]
     stale: Vec<u32>,
     step: u32,
-    effects: Vec<(Group, Group, Effects)>,
+    queries: Vec<(Group, Group, PairQueries)>,
     /// Growths by group, infinity as the largest number.
     growths: Vec<f64>,
     partners: [u32; GROUPS],
@@ -207,7 +207,7 @@ impl SceneSnapshot {
             due: bodies.due.clone(),
             stale: bodies.stale.clone(),
             step: bodies.step,
-            effects: scene.table.entries().collect(),
+            queries: scene.table.entries().collect(),
             growths: scene.growths.iter().map(|g| g.at_most(f64::MAX)).collect(),
             partners: scene.partners,
             broad: scene.broad.clone(),
@@ -227,8 +227,8 @@ impl SceneSnapshot {
 
     fn restored(self) -> Result<Scene, String> {
         let mut table = Table::default();
-        for (g, h, effects) in &self.effects {
-            table.call_for(*g, *h, *effects).map_err(|e| alloc::format!("{e}"))?;
+        for (g, h, queries) in &self.queries {
+            table.set_queries(*g, *h, *queries).map_err(|e| alloc::format!("{e}"))?;
         }
         let growth = |g: f64| if g == f64::MAX { f64::INFINITY } else { g };
         let growths: Vec<f64> = self.growths.into_iter().map(growth).collect();

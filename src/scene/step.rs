@@ -5,11 +5,11 @@ use alloc::vec::Vec;
 use super::Scene;
 use super::answers::{Change, Event, PairChange, PairImpact};
 use super::body::{BodyTable, box_of};
-use super::effects::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::motion::Sweep;
 use super::narrow_phase::{StepContext, Tally, test_table};
 use super::pair_engine::{AnyPair, PairEngine};
 use super::pair_table::{DetailTables, PairFlags, PairHeader, PairState, PairTables};
+use super::queries::{Detail, GROUPS, Group, Table, group_pair_of};
 use super::report::{Clock, Report};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
@@ -23,7 +23,7 @@ use crate::broad::{self, Aabb, PairId};
 const QUERY_IN_BOXES: u64 = 32;
 
 impl Scene {
-    /// Applies all calls since the last step and computes the effects called for. Does nothing if
+    /// Applies all calls since the last step and computes the enabled queries. Does nothing if
     /// there were no calls, or only ticks that move no body.
     pub fn step(&mut self) -> &Report {
         let last = core::mem::take(&mut self.report).counts.queries;
@@ -54,7 +54,7 @@ impl Scene {
             self.bodies.ticks.end_idle();
         }
         self.report.counts.pairs = self.broad.pair_count() as u64;
-        self.report.counts.uncovered = self.census.count(|group| self.partners[group.index()] == 0);
+        self.report.counts.without_queries = self.census.count(|group| self.partners[group.index()] == 0);
         &self.report
     }
 
@@ -64,7 +64,7 @@ impl Scene {
         self.changed || self.replanned != 0 || !self.bodies.due.is_empty()
     }
 
-    /// Updates the bodies of groups whose effects changed: the groups to pair with, and the growth
+    /// Updates the bodies of groups whose queries changed: the groups to pair with, and the growth
     /// of the boxes. Returns true if some proxies had to be recreated.
     fn replan(&mut self) -> bool {
         if self.replanned == 0 {
@@ -107,7 +107,7 @@ impl Scene {
         true
     }
 
-    /// Makes the boxes that are due and passes them to the broad phase. Bodies without any effect
+    /// Makes the boxes that are due and passes them to the broad phase. Bodies without any query
     /// need no box; those that move are listed, for ray casts.
     fn make_boxes(&mut self) {
         let Self { bodies, batch, .. } = self;
@@ -186,7 +186,7 @@ impl Scene {
         changes
     }
 
-    /// Moves pairs whose effects changed to the table of their new level of detail.
+    /// Moves pairs whose queries changed to the table of their new level of detail.
     fn move_pairs(&mut self, changes: &mut Vec<PairChange>) {
         let (bodies, pair_tables) = (&self.bodies, &mut self.pair_tables);
         let replanned = |i: u32| bodies.group(i).is_some_and(|g| self.replanned & 1 << g.number() != 0);

@@ -7,7 +7,7 @@ use lin_canny::Velocity;
 use lin_canny::broad::{Aabb, BodyOptions, PencilSweep};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::scene::{Effects, Group, Scene};
+use lin_canny::scene::{Group, PairQueries, Scene};
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::{Value, json};
 
@@ -46,13 +46,13 @@ fn flipped<T: Serialize + DeserializeOwned>(value: &T, mut check: impl FnMut(T) 
     counts
 }
 
-/// A scene between a tick and its step, with velocities, a removed body, a pair that is ignored, and bodies without effects that have
+/// A scene between a tick and its step, with velocities, a removed body, a pair that is ignored, and bodies without queries that have
 /// moved.
 fn busy_scene() -> Scene {
     let (mut scene, ids) = small_scene();
-    let impact = Effects::none().overlap(true).impact(Tolerance::Distance(1e-6));
+    let impact = PairQueries::none().overlap(true).impact(Tolerance::Distance(1e-6));
     let all = Group::default();
-    scene.call_for(all, all, impact).unwrap();
+    scene.set_queries(all, all, impact).unwrap();
     let id = ids[4];
     scene.set_group(id, Group::new(5).unwrap()).unwrap();
     scene.ignore_pair(ids[0], ids[3]).unwrap();

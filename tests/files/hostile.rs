@@ -4,7 +4,7 @@
 use lin_canny::broad::{Aabb, PencilSweep};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
+use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene};
 use lin_canny::{Compound, ConvexPolyhedron, Manifold, ManifoldOptions, Mesh, PairTracker};
 use lin_canny::{RelativePose, Shape, Tracker, Velocity};
 use serde::de::DeserializeOwned;
@@ -125,14 +125,14 @@ fn survives<T: serde::Serialize + DeserializeOwned>(
 /// Two groups, of which one has no boxes as its range is infinite.
 pub(super) fn small_scene() -> (Scene, Vec<BodyId>) {
     let group = |k| Group::new(k).unwrap();
-    let none = Effects::none();
+    let none = PairQueries::none();
     let mut scene = Scene::new();
     let near = none.overlap(true).distance(0.5).features(true);
     let contacts = none.manifold(ManifoldOptions::within(0.1)).within(0.2);
-    scene.call_for(group(0), group(0), near).unwrap();
-    scene.call_for(group(0), group(1), contacts).unwrap();
+    scene.set_queries(group(0), group(0), near).unwrap();
+    scene.set_queries(group(0), group(1), contacts).unwrap();
     scene
-        .call_for(group(2), group(2), none.distance(f64::INFINITY))
+        .set_queries(group(2), group(2), none.distance(f64::INFINITY))
         .unwrap();
     let cube = Arc::new(solids::cuboid(Vector3::repeat(0.5)).unwrap());
     let at = |k: usize| Isometry3::translation(0.9 * k as f64, 0.1 * k as f64, 0.0);
@@ -234,7 +234,7 @@ fn numbers_changed_in_the_file_of_a_broad_phase_do_no_harm() {
     assert!(read > 100, "{read}");
 }
 
-/// Counters at their end stay there; generations at theirs, and boxes that contradict the effects, are refused.
+/// Counters at their end stay there; generations at theirs, and boxes that contradict the queries, are refused.
 #[test]
 fn counters_and_generations_at_their_end_do_no_harm() {
     let (a, pose) = (

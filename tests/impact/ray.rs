@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene, SceneError};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, Ray, RayCast, RayCaster, RayError, RayHit, Shape};
 use truth::rng::Rng;
@@ -302,7 +302,7 @@ fn rays_meet_tips_at_poses_off_unit_length() {
     assert_eq!(met, 12);
 }
 
-/// A scene of a ball at some place, without any effect, after steps in which the ball moved there.
+/// A scene of a ball at some place, without any query, after steps in which the ball moved there.
 fn ball_without_effects(moves: &[Isometry3<f64>]) -> (Scene, BodyId) {
     let mut scene = Scene::new();
     let ball = Shape::ball(0.5).expect("a ball");
@@ -328,8 +328,8 @@ fn is_met_at(scene: &Scene, id: BodyId, expected: f64) {
     assert!(is_right, "{told:?}, not {id} at {expected}");
 }
 
-/// Bodies without effects count where they are: moved by poses and by ticks, in a scene that was read
-/// back, after their effects are taken away, and among bodies that took the index of a removed one.
+/// Bodies without queries count where they are: moved by poses and by ticks, in a scene that was read
+/// back, after their queries are taken away, and among bodies that took the index of a removed one.
 #[test]
 fn rays_meet_bodies_without_effects_where_they_are() {
     let at = |x: f64, y: f64| Isometry3::translation(x, y, 0.0);
@@ -346,12 +346,15 @@ fn rays_meet_bodies_without_effects_where_they_are() {
     scene.step();
     is_met_at(&scene, id, 2.5);
 
-    // Effects are taken away, and given back.
+    // Queries are taken away, and given back.
     let (mut scene, id) = ball_without_effects(&[at(0.0, 50.0)]);
     let all = Group::default();
-    let boxes = Effects::none().boxes(true);
-    for (k, effects) in [boxes, Effects::none(), boxes, Effects::none()].into_iter().enumerate() {
-        scene.call_for(all, all, effects).expect("an effect");
+    let boxes = PairQueries::none().boxes(true);
+    for (k, queries) in [boxes, PairQueries::none(), boxes, PairQueries::none()]
+        .into_iter()
+        .enumerate()
+    {
+        scene.set_queries(all, all, queries).expect("a query");
         scene.step();
         let x = 3.0 + k as f64;
         scene.set_pose(id, at(x, 0.0)).expect("a pose");

@@ -183,7 +183,7 @@ fn manifolds_of_other_bodies_are_made_anew() {
     assert!(m.is_fresh());
 }
 
-/// Points of bodies far from their own origin have fewer digits than distances between the bodies: nothing is measured from them that
+/// Points of bodies far from their own origin have fewer digits tha distances between the bodies: nothing is measured from them that
 /// an answer would say better.
 #[test]
 fn bodies_far_from_their_origin_are_asked_anew() {

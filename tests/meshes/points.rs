@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, Change, Effects, Scene};
+use lin_canny::scene::{Body, Change, PairQueries, Scene};
 use lin_canny::{
     Compound, ContactState, ConvexPolyhedron, Geometry, Mesh, PairTracker, Ray, RayCast, RayCaster, RelativePose,
 };
@@ -104,7 +104,7 @@ fn bodies_smaller_than_rounding_are_on_their_side_of_a_face() {
 #[test]
 fn a_scene_tells_a_point_next_to_a_mesh_from_one_in_it() {
     for (z, met) in [(1.0 + 1e-14, false), (1.0, true), (1.0 - 1e-14, true)] {
-        let mut scene = Scene::with_effects(Effects::none().overlap(true)).expect("effects");
+        let mut scene = Scene::with_queries(PairQueries::none().overlap(true)).expect("queries");
         let here = Isometry3::identity();
         scene.insert(Body::moving(cube(1.0)), here).expect("a body");
         scene.insert(Body::moving(point(0.2, 0.2, z)), here).expect("a body");

@@ -3,7 +3,7 @@
 #![cfg(feature = "exact")]
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion};
-use lin_canny::scene::{Body, Effects, Group, Scene};
+use lin_canny::scene::{Body, Group, PairQueries, Scene};
 use lin_canny::{ContactState, ConvexPolyhedron, RelativePose, Tracker};
 use std::cmp::Ordering;
 use std::sync::Arc;
@@ -199,8 +199,8 @@ fn a_scene_of_such_points_finds_them_within() {
         let (t, d) = near_points(&mut rng);
         let Some(truth) = is_within(t, d) else { continue };
         let mut scene = Scene::new();
-        let effects = Effects::none().within(d);
-        scene.call_for(group, group, effects).unwrap();
+        let queries = PairQueries::none().within(d);
+        scene.set_queries(group, group, queries).unwrap();
         let at = |t: [f64; 3]| Isometry3::translation(t[0], t[1], t[2]);
         let a = scene.insert(Body::moving(point.clone()), at([0.0; 3])).unwrap();
         scene.insert(Body::moving(point.clone()), at(t)).unwrap();

@@ -2,11 +2,11 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene, SceneError};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions, PoseError, Velocity};
 use std::sync::Arc;
 
-const OVERLAP: Effects = Effects::none().overlap(true);
+const OVERLAP: PairQueries = PairQueries::none().overlap(true);
 
 fn cube() -> Arc<ConvexPolyhedron> {
     Arc::new(solids::cuboid(Vector3::repeat(0.5)).unwrap())
@@ -29,7 +29,7 @@ impl Stage {
     fn new() -> Self {
         let group = Group::default();
         let mut scene = Scene::new();
-        scene.call_for(group, group, OVERLAP).unwrap();
+        scene.set_queries(group, group, OVERLAP).unwrap();
         let moving = scene.insert(Body::moving(cube()), at(0.0, 0.0, 0.0)).unwrap();
         let fixed = scene.insert(Body::fixed(cube()), at(0.5, 0.0, 0.0)).unwrap();
         let gone = scene.insert(Body::moving(cube()), at(0.0, 9.0, 0.0)).unwrap();
@@ -51,7 +51,7 @@ impl Stage {
     }
 
     fn assert_unchanged(&mut self) {
-        assert_eq!(self.scene.effects(self.group, self.group), OVERLAP);
+        assert_eq!(self.scene.queries(self.group, self.group), OVERLAP);
         self.scene.step();
         assert!(self.scene.events().is_empty());
         assert_eq!(self.scene.report().counts.boxes, 0, "nothing has moved");
@@ -117,15 +117,18 @@ fn poses_and_shapes_that_are_no_bodies_of_a_scene_are_refused() {
 fn distances_and_options_that_are_none_are_refused() {
     let mut stage = Stage::new();
     let (scene, g) = (&mut stage.scene, stage.group);
-    let none = Effects::none();
+    let none = PairQueries::none();
     for d in [f64::NAN, -0.1, 1e38, f64::INFINITY] {
         let within = none.within(d);
         let distance = none.distance(d);
         let manifold = none.manifold(ManifoldOptions::within(d));
-        for effects in [within, manifold, distance] {
-            // A distance may be called for however far bodies are.
-            if d != f64::INFINITY || effects.distance.is_none() {
-                assert!(matches!(scene.call_for(g, g, effects), Err(SceneError::Range { .. })));
+        for queries in [within, manifold, distance] {
+            // A distance may be asked for however far bodies are.
+            if d != f64::INFINITY || queries.distance.is_none() {
+                assert!(matches!(
+                    scene.set_queries(g, g, queries),
+                    Err(SceneError::Range { .. })
+                ));
             }
         }
         if d != f64::INFINITY {
@@ -138,7 +141,7 @@ fn distances_and_options_that_are_none_are_refused() {
         let mut options = ManifoldOptions::within(0.1);
         fault(&mut options);
         let manifold = none.manifold(options);
-        assert_eq!(scene.call_for(g, g, manifold), Err(SceneError::ManifoldOptions));
+        assert_eq!(scene.set_queries(g, g, manifold), Err(SceneError::ManifoldOptions));
     }
     stage.assert_unchanged();
 }

@@ -1,9 +1,9 @@
-//! Meshes that bend in a scene: all effects see the vertices as they are.
+//! Meshes that bend in a scene: all queries see the vertices as they are.
 
 use super::{ALL, read_back};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, Effects, Scene, SceneError};
+use lin_canny::scene::{Body, PairQueries, Scene, SceneError};
 use lin_canny::{Geometry, ManifoldOptions, PairTracker, RelativePose, VertexError};
 use truth::forms::mesh;
 use truth::soups::{self, Soup};
@@ -17,12 +17,12 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
     let rest = soups::torus(16, 8, 0.3);
     let shared = std::sync::Arc::new(mesh(&rest));
     let die = solids::cuboid(Vector3::new(0.3, 0.3, 0.3)).unwrap();
-    let mut effects = Effects::none();
-    effects.overlap = true;
-    effects.features = true;
-    effects.distance = Some(f64::INFINITY);
-    effects.manifold = Some(ManifoldOptions::within(0.05));
-    let mut scene = Scene::with_effects(effects).unwrap();
+    let mut queries = PairQueries::none();
+    queries.overlap = true;
+    queries.features = true;
+    queries.distance = Some(f64::INFINITY);
+    queries.manifold = Some(ManifoldOptions::within(0.05));
+    let mut scene = Scene::with_queries(queries).unwrap();
     let places = [
         Isometry3::translation(0.0, 0.0, 0.0),
         Isometry3::translation(2.66, 0.0, 0.02),
@@ -81,7 +81,7 @@ fn scenes_say_of_bent_meshes_what_pairs_say() {
 #[test]
 fn wrong_vertices_are_refused_and_change_nothing() {
     let rest = soups::torus(16, 8, 0.3);
-    let mut scene = Scene::with_effects(Effects::none()).unwrap();
+    let mut scene = Scene::with_queries(PairQueries::none()).unwrap();
     let ring = scene.insert(Body::moving(mesh(&rest)), Isometry3::identity()).unwrap();
     let die = solids::cuboid(Vector3::new(0.3, 0.3, 0.3)).unwrap();
     let die = scene

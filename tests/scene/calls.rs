@@ -4,7 +4,7 @@ use crate::{NONE, group, read_back};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Change, Group, PairQueries, Scene, SceneError};
 use lin_canny::{ContactState, ManifoldOptions, Mesh, RelativePose, Tracker, Velocity};
 use std::sync::Arc;
 use truth::driven::scenes;
@@ -48,7 +48,7 @@ fn questions_on_top_equal_brute_force() {
     let (g, h) = (group(0), group(1));
     let mut scene = Scene::new();
     for (x, y) in [(g, g), (g, h)] {
-        scene.call_for(x, y, NONE.boxes(true)).unwrap();
+        scene.set_queries(x, y, NONE.boxes(true)).unwrap();
     }
     let shapes = [body(&shapes::icosahedron()), body(&shapes::cuboid([0.9, 0.3, 0.1]))].map(Arc::new);
     for k in 0..60 {
@@ -139,7 +139,7 @@ fn odd_scales_and_places_lose_nothing() {
     for (size, offset) in [(1e-60, 0.0), (1e-3, 1e5), (1e30, 0.0)] {
         let g = Group::default();
         let mut scene = Scene::new();
-        scene.call_for(g, g, NONE.overlap(true)).unwrap();
+        scene.set_queries(g, g, NONE.overlap(true)).unwrap();
         let shape = Arc::new(solids::cuboid(Vector3::repeat(0.5 * size)).unwrap());
         let at = |x: f64| Isometry3::translation(offset + x * size, offset, 0.0);
         scene.insert(Body::fixed(shape.clone()), at(0.0)).unwrap();
@@ -183,8 +183,8 @@ fn spinning_bodies_are_looked_at_in_time() {
         for gap in [0.001, 0.01, 0.1, 0.5] {
             for rate in [1e-4, 0.003, 0.05, 0.7] {
                 let mut scene = Scene::new();
-                let effects = NONE.overlap(k != 1).within(0.02);
-                scene.call_for(g, g, effects).unwrap();
+                let queries = NONE.overlap(k != 1).within(0.02);
+                scene.set_queries(g, g, queries).unwrap();
                 scene.insert(Body::fixed(wall.clone()), frame).unwrap();
                 let at = frame * Isometry3::translation(0.0, 0.51 + gap, 0.0);
                 let id = scene.insert(Body::moving(rod.clone()), at).unwrap();
@@ -214,8 +214,8 @@ fn places() -> [Isometry3<f64>; 2] {
     [turned(1.0), turned(0.5)]
 }
 
-fn pair_of_cubes(effects: Effects) -> (Scene, [BodyId; 3]) {
-    let mut scene = Scene::with_effects(effects).unwrap();
+fn pair_of_cubes(queries: PairQueries) -> (Scene, [BodyId; 3]) {
+    let mut scene = Scene::with_queries(queries).unwrap();
     let cube = Arc::new(solids::cuboid(Vector3::repeat(0.5)).unwrap());
     let far = Isometry3::translation(0.0, 0.0, 1e3);
     let ids = [Isometry3::identity(), places()[0], far].map(|at| scene.insert(Body::moving(cube.clone()), at).unwrap());
@@ -264,9 +264,9 @@ fn a_jump_wakes_a_pair_whatever_velocities_were_set() {
 
 #[test]
 fn a_tick_in_which_all_bodies_rest_ends_with_its_step() {
-    let effects = NONE.boxes(true).impact(Tolerance::Distance(1e-6));
+    let queries = NONE.boxes(true).impact(Tolerance::Distance(1e-6));
     for rest in 0..4 {
-        let (mut scene, ids) = pair_of_cubes(effects);
+        let (mut scene, ids) = pair_of_cubes(queries);
         let away = Velocity::new(Vector3::new(3.0, 3.0, 0.0), Vector3::zeros());
         let mut met = 0;
         for tick in 0..12 {
@@ -294,9 +294,9 @@ fn a_tick_in_which_all_bodies_rest_ends_with_its_step() {
 fn a_scene_read_back_within_a_tick_goes_on_alike() {
     let impact = Some(Tolerance::Distance(1e-6));
     for (is_thrown, is_swept) in [(false, true), (true, true), (false, false), (true, false)] {
-        let mut effects = NONE.boxes(true);
-        effects.impact = impact.filter(|_| is_swept);
-        let (mut scene, ids) = pair_of_cubes(effects);
+        let mut queries = NONE.boxes(true);
+        queries.impact = impact.filter(|_| is_swept);
+        let (mut scene, ids) = pair_of_cubes(queries);
         if is_thrown {
             let speed = Velocity::new(Vector3::x(), Vector3::zeros());
             scene.set_velocity(ids[2], speed).unwrap();
@@ -329,9 +329,9 @@ fn no_speed_spoils_a_scene() {
         (3.0, 1e120, 1e-120),
     ] {
         for impact in [impact, None] {
-            let mut effects = NONE.overlap(true);
-            effects.impact = impact;
-            let (mut scene, ids) = pair_of_cubes(effects);
+            let mut queries = NONE.overlap(true);
+            queries.impact = impact;
+            let (mut scene, ids) = pair_of_cubes(queries);
             let velocity = Velocity::new(Vector3::x() * speed, Vector3::z() * spin);
             scene.set_velocity(ids[1], velocity).unwrap();
             for _ in 0..3 {
@@ -354,13 +354,13 @@ fn no_speed_spoils_a_scene() {
     }
 }
 
-/// Contacts of meshes stay with the pair's tracker, which stays when another effect is called for.
+/// Contacts of meshes stay with the pair's tracker, which stays when another query is enabled.
 #[test]
 fn contacts_end_when_they_are_no_longer_called_for() {
     let g = group(0);
     let mut scene = Scene::new();
     let manifold = ManifoldOptions::within(0.1);
-    scene.call_for(g, g, NONE.manifold(manifold)).unwrap();
+    scene.set_queries(g, g, NONE.manifold(manifold)).unwrap();
     let mesh = Mesh::from_convex(&solids::icosahedron(0.6).unwrap()).unwrap();
     let cube = solids::cuboid(Vector3::repeat(0.5)).unwrap();
     let a = scene.insert(Body::moving(mesh), Isometry3::identity()).unwrap();
@@ -368,13 +368,13 @@ fn contacts_end_when_they_are_no_longer_called_for() {
     let b = b.unwrap();
     scene.step();
     assert!(scene.pair(a, b).unwrap().contacts.is_some());
-    for effects in [
+    for queries in [
         NONE.distance(f64::INFINITY),
         NONE.features(true).distance(f64::INFINITY),
         NONE.overlap(true),
     ] {
-        scene.call_for(g, g, effects).unwrap();
+        scene.set_queries(g, g, queries).unwrap();
         scene.step();
-        assert!(scene.pair(a, b).unwrap().contacts.is_none(), "{effects:?}");
+        assert!(scene.pair(a, b).unwrap().contacts.is_none(), "{queries:?}");
     }
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Effects, Scene};
+use lin_canny::scene::{Body, BodyId, Change, PairQueries, Scene};
 use truth::rng::Rng;
 
 type Place = [i32; 3];
@@ -31,8 +31,8 @@ impl World {
     fn wall(size: i32, gap: i32) -> Self {
         let cube = Arc::new(solids::cuboid(Vector3::repeat(0.5)).expect("a cube"));
         let mut scene = Scene::new();
-        let effects = Effects::none().overlap(true);
-        scene.call_for(ALL, ALL, effects).expect("finite effects");
+        let queries = PairQueries::none().overlap(true);
+        scene.set_queries(ALL, ALL, queries).expect("finite ranges");
         let mut world = Self {
             scene,
             cube,

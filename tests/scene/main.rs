@@ -3,22 +3,22 @@
 #[cfg(feature = "meshes")]
 mod bending;
 mod calls;
-mod effects;
 mod lattice;
+mod events;
 mod queries;
 mod shapes;
 mod surfaces;
 mod threads;
 mod time;
 
-use lin_canny::scene::{BodyId, Change, Effects, Event, Group, Scene};
+use lin_canny::scene::{BodyId, Change, Event, Group, PairQueries, Scene};
 use std::collections::BTreeSet;
 
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
 /// The group of bodies that are given none.
 const ALL: Group = Group::new(0).unwrap();
-const NONE: Effects = Effects::none();
+const NONE: PairQueries = PairQueries::none();
 
 fn group(k: u8) -> Group {
     Group::new(k).expect("a group")

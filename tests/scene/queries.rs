@@ -1,13 +1,13 @@
-//! Scenes beside brute force: the closest pair of two groups, ignored pairs, effects for all groups.
+//! Scenes beside brute force: the closest pair of two groups, ignored pairs, queries for all groups.
 
 use crate::group;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Change, Group, PairQueries, Scene, SceneError};
 use lin_canny::{ContactState, Outcome, RelativePose, Tracker};
 use truth::rng::Rng;
 
-const BOXES: Effects = Effects::none().boxes(true);
+const BOXES: PairQueries = PairQueries::none().boxes(true);
 
 fn pose(rng: &mut Rng, room: f64) -> Isometry3<f64> {
     let (q, t) = (rng.quat(), [0; 3].map(|_| rng.range(-room, room)));
@@ -15,10 +15,10 @@ fn pose(rng: &mut Rng, room: f64) -> Isometry3<f64> {
 }
 
 /// Bodies of the groups 1 and 2 in a room of half size `room`; every fourth body is fixed and has the user data 1.
-fn crowd(rng: &mut Rng, effects: Effects, count: [usize; 2], room: f64) -> Scene {
+fn crowd(rng: &mut Rng, queries: PairQueries, count: [usize; 2], room: f64) -> Scene {
     let mut scene = Scene::new();
     for (g, h) in [(1, 1), (1, 2)] {
-        scene.call_for(group(g), group(h), effects).unwrap();
+        scene.set_queries(group(g), group(h), queries).unwrap();
     }
     for (g, n) in [1, 2].into_iter().zip(count) {
         for i in 0..n {
@@ -64,9 +64,9 @@ fn the_closest_pair_is_the_closest_of_all() {
     let (mut classes, mut none) = ([0; 2], 0);
     for round in 0..120 {
         let room = *rng.pick(&[1.0, 4.0, 15.0]);
-        let effects = *rng.pick(&[BOXES, within, far]);
+        let queries = *rng.pick(&[BOXES, within, far]);
         let count = *rng.pick(&[[1, 30], [6, 25], [20, 5], [2, 0]]);
-        let mut scene = crowd(&mut rng, effects, count, room);
+        let mut scene = crowd(&mut rng, queries, count, room);
         let ids: Vec<_> = scene.bodies().collect();
         for _ in 0..rng.below(30) {
             scene.ignore_pair(*rng.pick(&ids), *rng.pick(&ids)).unwrap();
@@ -92,7 +92,7 @@ fn the_closest_pair_is_the_closest_of_all() {
 
 #[test]
 fn ignored_pairs_end_and_begin_again() {
-    let mut scene = Scene::with_effects(BOXES.overlap(true)).unwrap();
+    let mut scene = Scene::with_queries(BOXES.overlap(true)).unwrap();
     let cube = solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).unwrap();
     let at = |x: f64| Isometry3::translation(x, 0.0, 0.0);
     let [a, b, c] = [0.0, 0.9, 1.8].map(|x| scene.insert(Body::moving(cube.clone()), at(x)).unwrap());
@@ -130,7 +130,7 @@ fn ignored_pairs_end_and_begin_again() {
 }
 
 #[test]
-fn a_scene_without_effects_is_not_silent() {
+fn a_scene_without_queries_is_not_silent() {
     let cube = solids::cuboid(Vector3::new(0.5, 0.5, 0.5)).unwrap();
     let mut scene = Scene::new();
     let a = scene
@@ -139,8 +139,8 @@ fn a_scene_without_effects_is_not_silent() {
     let b = scene
         .insert(Body::moving(cube).group(group(3)), Isometry3::identity())
         .unwrap();
-    assert_eq!(scene.step().counts.uncovered, 2);
-    assert!(scene.report().to_string().contains("call_for"), "{}", scene.report());
+    assert_eq!(scene.step().counts.without_queries, 2);
+    assert!(scene.report().to_string().contains("set_queries"), "{}", scene.report());
     let refused = SceneError::GroupNotCalledFor { group: group(0) };
     assert_eq!(scene.nearest(a, 1, 9.0), Err(refused));
     let refused = SceneError::NotCalledFor {
@@ -148,19 +148,19 @@ fn a_scene_without_effects_is_not_silent() {
         those: group(3),
     };
     assert_eq!(scene.closest_pair(group(0), group(3)), Err(refused));
-    scene.call_for(group(0), group(0), BOXES).unwrap();
+    scene.set_queries(group(0), group(0), BOXES).unwrap();
     assert_eq!(scene.closest_pair(group(0), group(0)), Err(SceneError::StepDue));
-    assert_eq!(scene.step().counts.uncovered, 1);
+    assert_eq!(scene.step().counts.without_queries, 1);
     assert_eq!(scene.closest_pair(group(0), group(0)), Ok(None));
     scene.set_group(b, group(0)).unwrap();
-    assert_eq!(scene.step().counts.uncovered, 0);
-    assert!(!scene.report().to_string().contains("call_for"));
+    assert_eq!(scene.step().counts.without_queries, 0);
+    assert!(!scene.report().to_string().contains("set_queries"));
     scene.remove(b).unwrap();
     assert_eq!((scene.user_data(a), scene.user_data(b)), (Some(7), None));
     scene.set_user_data(a, u64::MAX).unwrap();
     assert_eq!(scene.user_data(a), Some(u64::MAX));
     scene.set_group(a, group(9)).unwrap();
-    assert_eq!(scene.step().counts.uncovered, 1);
+    assert_eq!(scene.step().counts.without_queries, 1);
 }
 
 #[cfg(feature = "serde")]

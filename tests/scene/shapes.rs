@@ -1,10 +1,10 @@
-//! Promise: a scene of bodies of every kind finds what brute force over all pairs finds, on every frame; and effects that a
+//! Promise: a scene of bodies of every kind finds what brute force over all pairs finds, on every frame; and queries that a
 //! pair of kinds cannot answer are refused by name.
 
 use crate::{ALL, NONE, Replay, read_back};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene, SceneError};
 use lin_canny::{
     Compound, ContactState, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece,
     RelativePose, Shape, ShapeKind, Tracker, Velocity,
@@ -96,7 +96,7 @@ struct Mix {
 /// Bounds of the two agree, up to the poses of pieces, which brute force composes in f64.
 const AGREE: f64 = 1e-12;
 
-fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effects, mix: &mut Mix) {
+fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, queries: &PairQueries, mix: &mut Mix) {
     for (k, x) in known.iter().enumerate() {
         for y in &known[k + 1..] {
             let (a, b) = if x.id < y.id { (x, y) } else { (y, x) };
@@ -112,12 +112,12 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effect
             mix.overlapping += usize::from(overlaps);
             mix.within += usize::from(within);
             let answer = scene.pair(a.id, b.id).and_then(|p| p.outcome);
-            if !effects.features || lower > 0.3 - AGREE {
+            if !queries.features || lower > 0.3 - AGREE {
                 assert!(answer.is_none() || upper <= 0.3 + AGREE, "{key:?}");
                 continue;
             }
             let found = answer.expect("a pair within the range is measured");
-            if overlaps && !effects.depth {
+            if overlaps && !queries.depth {
                 assert_eq!(
                     (found.state, found.distance, found.lower),
                     (ContactState::Overlapping, 0.0, f64::NEG_INFINITY)
@@ -141,10 +141,10 @@ fn check_frame(scene: &Scene, known: &[Known], replay: &Replay, effects: &Effect
 }
 
 /// Moves bodies about their home and compares every frame.
-fn play(effects: Effects, bodies: Vec<(Geometry, Pieces)>, seed: u64) -> Mix {
+fn play(queries: PairQueries, bodies: Vec<(Geometry, Pieces)>, seed: u64) -> Mix {
     let mut rng = Rng::new(seed);
     let mut scene = Scene::new();
-    scene.call_for(ALL, ALL, effects).unwrap();
+    scene.set_queries(ALL, ALL, queries).unwrap();
     let reach = 1.6;
     let known: Vec<Known> = bodies
         .into_iter()
@@ -161,7 +161,7 @@ fn play(effects: Effects, bodies: Vec<(Geometry, Pieces)>, seed: u64) -> Mix {
         scene.step();
         mix.skipped += scene.report().counts.skipped;
         replay.apply(scene.events());
-        check_frame(&scene, &known, &replay, &effects, &mut mix);
+        check_frame(&scene, &known, &replay, &queries, &mut mix);
         for body in &known {
             let at = *scene.pose(body.id).unwrap();
             let home = -at.translation.vector * 0.01;
@@ -180,47 +180,47 @@ fn play(effects: Effects, bodies: Vec<(Geometry, Pieces)>, seed: u64) -> Mix {
     mix
 }
 
-fn predicates() -> Effects {
+fn predicates() -> PairQueries {
     NONE.overlap(true).within(D)
 }
 
-fn measured() -> Effects {
+fn measured() -> PairQueries {
     predicates().distance(0.3).features(true)
 }
 
 #[test]
 fn convex_shapes_of_every_kind_equal_brute_force() {
-    for (seed, effects) in [(1, predicates()), (2, measured()), (3, measured().depth(true))] {
+    for (seed, queries) in [(1, predicates()), (2, measured()), (3, measured().depth(true))] {
         let mut rng = Rng::new(100 + seed);
         let bodies = (0..18).map(|k| {
             let shape = convex(k, &mut rng);
             (shape.clone().into(), vec![(shape, Isometry3::identity())])
         });
-        let mix = play(effects, bodies.collect(), seed);
+        let mix = play(queries, bodies.collect(), seed);
         println!("{mix:?}");
         assert!(mix.overlapping > 300 && mix.within > mix.overlapping + 100, "{mix:?}");
-        assert!(!effects.features || mix.apart > 100, "{mix:?}");
-        assert!(!effects.depth || mix.depths > 300, "{mix:?}");
-        assert!(effects.features || mix.skipped > 100, "{mix:?}");
+        assert!(!queries.features || mix.apart > 100, "{mix:?}");
+        assert!(!queries.depth || mix.depths > 300, "{mix:?}");
+        assert!(queries.features || mix.skipped > 100, "{mix:?}");
     }
 }
 
 #[test]
 fn composites_and_meshes_equal_brute_force() {
-    for (seed, effects) in [(4, predicates()), (5, measured())] {
+    for (seed, queries) in [(4, predicates()), (5, measured())] {
         let mut rng = Rng::new(200 + seed);
-        let mix = play(effects, (0..12).map(|k| solid(k, &mut rng)).collect(), seed);
+        let mix = play(queries, (0..12).map(|k| solid(k, &mut rng)).collect(), seed);
         println!("{mix:?}");
         assert!(mix.overlapping > 300 && mix.within > mix.overlapping + 100, "{mix:?}");
-        assert!(!effects.features || mix.apart > 100, "{mix:?}");
-        assert!(effects.features || mix.skipped > 50, "{mix:?}");
+        assert!(!queries.features || mix.apart > 100, "{mix:?}");
+        assert!(queries.features || mix.skipped > 50, "{mix:?}");
     }
 }
 
 #[test]
 fn a_pair_of_polyhedra_is_as_the_tracker_has_it_whatever_else_is_there() {
     let mut scene = Scene::new();
-    scene.call_for(ALL, ALL, measured()).unwrap();
+    scene.set_queries(ALL, ALL, measured()).unwrap();
     let (x, y) = (solids::dodecahedron(0.5).unwrap(), solids::octahedron(0.5).unwrap());
     let at = |k: u32| {
         Isometry3::new(
@@ -251,9 +251,9 @@ fn a_pair_of_polyhedra_is_as_the_tracker_has_it_whatever_else_is_there() {
 #[test]
 fn manifolds_of_convex_shapes_are_those_of_their_tracker() {
     let options = ManifoldOptions::within(0.01);
-    let effects = NONE.manifold(options);
+    let queries = NONE.manifold(options);
     let mut scene = Scene::new();
-    scene.call_for(ALL, ALL, effects).unwrap();
+    scene.set_queries(ALL, ALL, queries).unwrap();
     let plate = Shape::cuboid(Vector3::new(9.0, 9.0, 0.5)).unwrap();
     let tops = [
         Shape::cylinder(0.5, 0.4),
@@ -299,7 +299,7 @@ fn manifolds_of_convex_shapes_are_those_of_their_tracker() {
 #[test]
 fn pieces_and_features_are_named() {
     let mut scene = Scene::new();
-    scene.call_for(ALL, ALL, NONE.distance(5.0).features(true)).unwrap();
+    scene.set_queries(ALL, ALL, NONE.distance(5.0).features(true)).unwrap();
     let a = scene.insert(Body::fixed(bracket()), Isometry3::identity()).unwrap();
     let ball = solids::octahedron(0.1).unwrap();
     let b = scene
@@ -316,7 +316,7 @@ fn pieces_and_features_are_named() {
 /// Rounded and curved shapes, wires and bodies with curved pieces, against meshes and compounds.
 #[test]
 fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
-    for (seed, effects) in [(6, predicates()), (7, measured())] {
+    for (seed, queries) in [(6, predicates()), (7, measured())] {
         let mut rng = Rng::new(300 + seed);
         let mut bodies: Vec<(Geometry, Pieces)> = (0..6).map(|k| solid(1 + k % 3, &mut rng)).collect();
         bodies.extend((0..9).map(|k| {
@@ -333,11 +333,11 @@ fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
         };
         let curved = Compound::new(pieces.iter().map(placed).collect()).unwrap();
         bodies.push((curved.into(), pieces));
-        let mix = play(effects, bodies, seed);
+        let mix = play(queries, bodies, seed);
         println!("{mix:?}");
         assert!(mix.overlapping > 300 && mix.within > mix.overlapping + 100, "{mix:?}");
-        assert!(!effects.features || mix.apart > 100, "{mix:?}");
-        assert!(effects.features || mix.skipped > 50, "{mix:?}");
+        assert!(!queries.features || mix.apart > 100, "{mix:?}");
+        assert!(queries.features || mix.skipped > 50, "{mix:?}");
     }
 }
 
@@ -346,7 +346,7 @@ fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
 fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
     let options = ManifoldOptions::within(0.01);
     let mut scene = Scene::new();
-    scene.call_for(ALL, ALL, NONE.manifold(options)).unwrap();
+    scene.set_queries(ALL, ALL, NONE.manifold(options)).unwrap();
     let half = Vector3::new(4.0, 4.0, 0.5);
     let tile = |x: f64| Piece {
         pose: Isometry3::translation(x, 0.0, 0.0),
@@ -418,16 +418,16 @@ fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
 }
 
 #[test]
-fn effects_that_kinds_cannot_answer_are_refused_by_name() {
+fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     let other = Group::new(1).unwrap();
     let near = NONE.within(0.1);
     let mesh = || Mesh::from_convex(&solids::octahedron(1.0).unwrap()).unwrap();
-    let refusal = |effect: &'static str, these, those| SceneError::Unanswered { effect, these, those };
+    let refusal = |query: &'static str, these, those| SceneError::Unanswered { query, these, those };
     let at = Isometry3::identity();
 
     // When the body comes.
     let mut scene = Scene::new();
-    scene.call_for(ALL, other, near.depth(true)).unwrap();
+    scene.set_queries(ALL, other, near.depth(true)).unwrap();
     scene.insert(Body::moving(mesh()).group(other), at).unwrap();
     let refused = scene.insert(Body::moving(bracket()), at).unwrap_err();
     assert_eq!(refused, refusal("depth", ShapeKind::Compound, ShapeKind::Mesh));
@@ -437,26 +437,26 @@ fn effects_that_kinds_cannot_answer_are_refused_by_name() {
     );
     assert_eq!(scene.body_count(), 1);
 
-    // When the effect comes; pairs within a group need two bodies that are not fixed.
+    // When the query comes; pairs within a group need two bodies that are not fixed.
     let cylinder = || Shape::cylinder(1.0, 1.0).unwrap();
     let mut scene = Scene::new();
     let deep = near.depth(true);
     let id = scene.insert(Body::moving(mesh()), at).unwrap();
-    scene.call_for(ALL, ALL, deep).unwrap();
+    scene.set_queries(ALL, ALL, deep).unwrap();
     let refused = scene.insert(Body::moving(mesh()), at).unwrap_err();
     assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Mesh));
     scene.insert(Body::moving(cylinder()).group(other), at).unwrap();
-    let refused = scene.call_for(ALL, other, deep).unwrap_err();
+    let refused = scene.set_queries(ALL, other, deep).unwrap_err();
     assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Curved));
     let local = near.local_depth(true);
-    let refused = scene.call_for(ALL, other, local).unwrap_err();
+    let refused = scene.set_queries(ALL, other, local).unwrap_err();
     assert_eq!(refused, refusal("local_depth", ShapeKind::Mesh, ShapeKind::Curved));
-    assert_eq!(scene.effects(ALL, other), NONE, "a refused call changes nothing");
-    scene.call_for(ALL, other, near).unwrap();
+    assert_eq!(scene.queries(ALL, other), NONE, "a refused call changes nothing");
+    scene.set_queries(ALL, other, near).unwrap();
 
     // When the group changes; the body keeps its group.
     let third = Group::new(2).unwrap();
-    scene.call_for(other, third, deep).unwrap();
+    scene.set_queries(other, third, deep).unwrap();
     let refused = scene.set_group(id, third).unwrap_err();
     assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Curved));
     assert_eq!(scene.group(id), Some(ALL));
@@ -464,11 +464,11 @@ fn effects_that_kinds_cannot_answer_are_refused_by_name() {
 
     // A body that is gone is no reason.
     scene.remove(id).unwrap();
-    scene.call_for(ALL, other, deep).unwrap();
+    scene.set_queries(ALL, other, deep).unwrap();
 
     // Fixed bodies make no pair.
     let mut scene = Scene::new();
-    scene.call_for(ALL, ALL, deep).unwrap();
+    scene.set_queries(ALL, ALL, deep).unwrap();
     scene.insert(Body::fixed(mesh()), at).unwrap();
     scene.insert(Body::fixed(mesh()), at).unwrap();
     assert!(scene.insert(Body::moving(cylinder()), at).is_err());

@@ -3,7 +3,7 @@
 use crate::{ALL, NONE, read_back};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Effects, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, PairQueries, Scene, SceneError};
 use lin_canny::{Compound, ContactState, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
 use truth::forms::sphere;
 use truth::rng::Rng;
@@ -87,8 +87,8 @@ impl Seen {
 fn a_scene_of_shells_and_balls_is_that_of_brute_force() {
     let mut rng = Rng::new(51);
     let mut scene = Scene::new();
-    let effects = NONE.overlap(true).within(D).distance(FAR).features(true);
-    scene.call_for(ALL, ALL, effects).unwrap();
+    let queries = NONE.overlap(true).within(D).distance(FAR).features(true);
+    scene.set_queries(ALL, ALL, queries).unwrap();
     let bodies = round_bodies(&mut scene, &mut rng, 24);
     let mut seen = Seen::default();
     for _ in 0..10 {
@@ -124,10 +124,10 @@ fn next(scene: &Scene, id: BodyId, tick: usize) -> Velocity {
 #[test]
 fn shells_fall_and_rest_and_are_read_back_in_the_middle_of_a_tick() {
     let mut scenes: Vec<Scene> = (0..3).map(|_| Scene::new()).collect();
-    let effects = NONE.overlap(true).within(D).distance(FAR).features(true);
+    let queries = NONE.overlap(true).within(D).distance(FAR).features(true);
     let mut bodies = Vec::new();
     for (k, scene) in scenes.iter_mut().enumerate() {
-        scene.call_for(ALL, ALL, effects).unwrap();
+        scene.set_queries(ALL, ALL, queries).unwrap();
         scene.set_schedule(k != 0);
         scene.set_budget(k != 0);
         let mut rng = Rng::new(52);
@@ -165,8 +165,8 @@ fn shells_fall_and_rest_and_are_read_back_in_the_middle_of_a_tick() {
 #[test]
 fn impacts_of_surfaces_are_found() {
     let mut scene = Scene::new();
-    let effects = NONE.impact(lin_canny::impact::Tolerance::Distance(1e-5));
-    scene.call_for(ALL, ALL, effects).unwrap();
+    let queries = NONE.impact(lin_canny::impact::Tolerance::Distance(1e-5));
+    scene.set_queries(ALL, ALL, queries).unwrap();
     let wall = scene.insert(Body::moving(sphere(0.5)), Isometry3::identity()).unwrap();
     let shapes: [Geometry; 2] = [sphere(0.25).into(), Shape::ball(0.25).unwrap().into()];
     let mut ids = Vec::new();
@@ -199,9 +199,9 @@ fn bodies_of_pieces_stand_beside_surfaces() {
         pose: Isometry3::translation(x, 0.0, 0.0),
         ..Piece::new(Shape::ball(0.25).unwrap())
     };
-    let made = |effects: Effects, is_first: bool| {
+    let made = |queries: PairQueries, is_first: bool| {
         let mut scene = Scene::new();
-        scene.call_for(ALL, ALL, effects).unwrap();
+        scene.set_queries(ALL, ALL, queries).unwrap();
         let dumbbell: Geometry = Compound::new(vec![ball(-1.0), ball(1.0)]).unwrap().into();
         let at = Isometry3::translation(3.0, 0.0, 0.0);
         let shell: (Geometry, _) = (sphere(0.5).into(), Isometry3::identity());
@@ -236,15 +236,15 @@ fn bodies_of_pieces_stand_beside_surfaces() {
 #[test]
 fn what_no_tracker_answers_is_refused() {
     let at = Isometry3::identity();
-    let call = |effects: Effects| {
+    let call = |queries: PairQueries| {
         let mut scene = Scene::new();
-        scene.call_for(ALL, ALL, effects).unwrap();
+        scene.set_queries(ALL, ALL, queries).unwrap();
         scene.insert(Body::moving(sphere(0.5)), at).unwrap();
         scene
     };
-    let refusal = |effect: &'static str, these| {
+    let refusal = |query: &'static str, these| {
         Err(SceneError::Unanswered {
-            effect,
+            query,
             these,
             those: ShapeKind::BezierSurface,
         })

@@ -1,14 +1,14 @@
 //! Features `parallel` and `serde`: any number of threads gives the same bits, and so does a scene that was written and read back.
 #![cfg(all(feature = "parallel", feature = "serde"))]
 
-use lin_canny::scene::{Body, BodyId, Effects, Event, Group, Scene, Settings};
+use lin_canny::scene::{Body, BodyId, Event, Group, PairQueries, Scene, Settings};
 use lin_canny::{Distance, Manifold, ManifoldOptions, Outcome};
 use truth::crowd::{Crowd, Kind};
 
 const KINDS: [Kind; 2] = [Kind::Sparse, Kind::Pile];
 
-fn sets() -> [Effects; 6] {
-    let none = Effects::none();
+fn sets() -> [PairQueries; 6] {
+    let none = PairQueries::none();
     [
         none.overlap(true).boxes(true),
         none.within(0.1),
@@ -19,13 +19,15 @@ fn sets() -> [Effects; 6] {
     ]
 }
 
-/// A scene of three groups with different effects.
+/// A scene of three groups with different queries.
 fn scene(crowd: &Crowd, settings: Settings) -> (Scene, Vec<BodyId>) {
     let group = |k: usize| Group::new(k as u8).unwrap();
     let mut scene = Scene::with_settings(settings);
-    for (k, effects) in sets().into_iter().enumerate() {
-        scene.call_for(group(k % 3), group((k + k / 3) % 3), effects).unwrap();
-        scene.call_for(group(k % 3), group(2), effects).unwrap();
+    for (k, queries) in sets().into_iter().enumerate() {
+        scene
+            .set_queries(group(k % 3), group((k + k / 3) % 3), queries)
+            .unwrap();
+        scene.set_queries(group(k % 3), group(2), queries).unwrap();
     }
     let shapes = crowd.hulls();
     let ids = crowd
@@ -136,7 +138,7 @@ fn a_scene_goes_on_from_a_file_bit_for_bit() {
                 }
                 2 => {
                     let all = sets()[k / 5 % 5].distance(f64::INFINITY);
-                    one.call_for(Group::default(), Group::default(), all).unwrap();
+                    one.set_queries(Group::default(), Group::default(), all).unwrap();
                     one.report()
                 }
                 3 => {

@@ -1,12 +1,12 @@
 //! Promise: bodies with velocities are looked at when a proof ends and no sooner, with the same events; and no body passes
-//! through another where impacts are called for.
+//! through another where impacts are enabled.
 
 use crate::{ALL, NONE, read_back};
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Counts, Effects, Event, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Change, Counts, Event, PairQueries, Scene, SceneError};
 use lin_canny::schedule::Schedule;
 use lin_canny::{Compound, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity};
 use std::collections::BTreeMap;
@@ -38,9 +38,9 @@ impl Gas {
     fn new(n: usize, fill: f64, tick: f64, policy: Policy) -> Self {
         let mut rng = Rng::new(19);
         let mut scene = Scene::new();
-        let mut effects = NONE.overlap(true);
-        effects.impact = (policy == Policy::Continuous).then_some(Tolerance::Distance(1e-6));
-        scene.call_for(ALL, ALL, effects).unwrap();
+        let mut queries = NONE.overlap(true);
+        queries.impact = (policy == Policy::Continuous).then_some(Tolerance::Distance(1e-6));
+        scene.set_queries(ALL, ALL, queries).unwrap();
         scene.set_budget(policy != Policy::Boxes);
         scene.set_schedule(matches!(policy, Policy::Schedule | Policy::Continuous));
         let ball = 4.0 / 3.0 * std::f64::consts::PI;
@@ -271,10 +271,10 @@ fn check_tick(scene: &Scene, flyers: &[Flyer], motions: &BTreeMap<BodyId, Steady
     }
 }
 
-fn fly(shapes: Vec<(Geometry, Compound)>, effects: Effects, seed: u64) -> Mix {
+fn fly(shapes: Vec<(Geometry, Compound)>, queries: PairQueries, seed: u64) -> Mix {
     let mut rng = Rng::new(seed);
     let mut scene = Scene::new();
-    scene.call_for(ALL, ALL, effects).unwrap();
+    scene.set_queries(ALL, ALL, queries).unwrap();
     let flyers: Vec<Flyer> = shapes
         .into_iter()
         .map(|(shape, compound)| {
@@ -324,12 +324,12 @@ fn nothing_passes_through_unseen() {
     let other = Compound::new(vec![Piece::new(solids::octahedron(1.0).unwrap())]).unwrap();
     let (mut impacts, mut grazed) = (0, 0);
     for seed in 0..6 {
-        let effects = impact.overlap(seed % 2 == 0);
+        let queries = impact.overlap(seed % 2 == 0);
         let mut rng = Rng::new(seed);
-        let solid = fly((0..10).map(|k| thin(k, &mut rng)).collect(), effects, seed);
+        let solid = fly((0..10).map(|k| thin(k, &mut rng)).collect(), queries, seed);
         let curved = fly(
             (0..12).map(|k| (convex(k), other.clone())).collect(),
-            effects,
+            queries,
             seed + 50,
         );
         println!("{solid:?} {curved:?}");
@@ -356,9 +356,9 @@ fn schedules_survive_every_kind_of_disturbance() {
         let mut rng = Rng::new(seed);
         let shape = Arc::new(solids::random_hull(16, Vector3::new(1.0, 0.6, 0.3), seed + 1).unwrap());
         let mut scenes: Vec<Scene> = (0..3).map(|_| Scene::new()).collect();
-        let effects = NONE.overlap(true).within(0.2);
+        let queries = NONE.overlap(true).within(0.2);
         for (k, scene) in scenes.iter_mut().enumerate() {
-            scene.call_for(ALL, ALL, effects).unwrap();
+            scene.set_queries(ALL, ALL, queries).unwrap();
             scene.set_schedule(k != 0);
             scene.set_budget(k != 0);
         }
@@ -425,13 +425,18 @@ fn a_step_sees_one_tick_where_impacts_are_called_for() {
     let mut scene = Scene::new();
     scene.advance(1.0).unwrap();
     scene.advance(1.0).unwrap();
-    scene.call_for(ALL, ALL, NONE.impact(Tolerance::Distance(0.0))).unwrap();
+    scene
+        .set_queries(ALL, ALL, NONE.impact(Tolerance::Distance(0.0)))
+        .unwrap();
     assert_eq!(scene.advance(1.0), Err(SceneError::StepDue));
     scene.step();
     scene.advance(1.0).unwrap();
     assert_eq!(scene.advance(1.0), Err(SceneError::StepDue));
     let wrong = NONE.impact(Tolerance::Time(f64::NAN));
-    assert!(matches!(scene.call_for(ALL, ALL, wrong), Err(SceneError::Range { .. })));
+    assert!(matches!(
+        scene.set_queries(ALL, ALL, wrong),
+        Err(SceneError::Range { .. })
+    ));
 }
 
 #[test]

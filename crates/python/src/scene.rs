@@ -1,7 +1,7 @@
 //! Scenes of many bodies.
 
 mod answers;
-mod effects;
+mod queries;
 
 pub(crate) use answers::ScenePair;
 
@@ -22,9 +22,9 @@ const VELOCITY: Argument = Argument {
     error: |why| scene_error(why),
 };
 
-/// Many bodies: a step finds which are near each other, and computes what is called for.
+/// Many bodies: a step finds which are near each other, and computes what is enabled.
 ///
-/// Bodies are in groups 0 to 31. `call_for` says what is computed between two groups; without it
+/// Bodies are in groups 0 to 31. `set_queries` says what is computed between two groups; without it
 /// nothing is. Ids of bodies are integers. Poses are those of `PairTracker`. Points and normals of
 /// answers are in the world.
 #[pyclass(module = "lin_canny")]
@@ -111,7 +111,7 @@ impl Scene {
         self.0.advance(time).map_err(scene_error)
     }
 
-    /// Excludes a pair of bodies from all effects.
+    /// Excludes a pair of bodies from all queries.
     fn ignore_pair(&mut self, a: u64, b: u64) -> PyResult<()> {
         self.0.ignore_pair(body(a), body(b)).map_err(scene_error)
     }
@@ -121,7 +121,7 @@ impl Scene {
         self.0.allow_pair(body(a), body(b)).map_err(scene_error)
     }
 
-    /// Applies all changes and computes what is called for; the lock of the interpreter is free
+    /// Applies all changes and computes what is enabled; the lock of the interpreter is free
     /// meanwhile.
     fn step(&mut self, py: Python<'_>) {
         py.detach(|| {

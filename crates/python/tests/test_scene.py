@@ -14,7 +14,7 @@ CELL, ROBOT = 1, 2
 def row_of_boxes():
     """Return a scene with a wall at x = 3, a body at x = 0, and their ids."""
     scene = lc.Scene()
-    scene.call_for(ROBOT, CELL, overlap=True, within=0.25, distance=math.inf, depth=True)
+    scene.set_queries(ROBOT, CELL, overlap=True, within=0.25, distance=math.inf, depth=True)
     wall = scene.insert(BOX, ((3, 0, 0), ONE), group=CELL, fixed=True)
     arm = scene.insert(BOX, group=ROBOT)
     return scene, wall, arm
@@ -60,7 +60,7 @@ def test_searches():
 
 def test_impacts_between_two_steps():
     scene = lc.Scene()
-    scene.call_for(0, 0, impact=1e-9)
+    scene.set_queries(0, 0, impact=1e-9)
     wall = scene.insert(lc.Geometry.box(0.01, 5, 5), fixed=True)
     bullet = scene.insert(lc.Geometry.ball(0.01), ((-50, 0, 0), ONE))
     scene.step()
@@ -95,6 +95,6 @@ def test_refused_calls():
     with pytest.raises(lc.SceneError, match="2 ids and 1 poses"):
         scene.set_poses([wall, wall], [[0, 0, 0, *ONE]])
     with pytest.raises(lc.SceneError, match="neither from 0"):
-        scene.call_for(0, 0, within=-1)
+        scene.set_queries(0, 0, within=-1)
     with pytest.raises(lc.SceneError, match="fixed"):
         scene.set_velocity(wall, (1, 0, 0), (0, 0, 0))

@@ -42,10 +42,10 @@ struct Options {
     steps: usize,
 }
 
-const NOTHING: scene::Effects = scene::Effects::none();
+const NOTHING: scene::PairQueries = scene::PairQueries::none();
 
 /// The sets of effects, each with one more than the one before.
-fn sets() -> Vec<(&'static str, Effects, scene::Effects)> {
+fn sets() -> Vec<(&'static str, Effects, scene::PairQueries)> {
     let near = ManifoldOptions::within(0.02);
     let overlap = NOTHING.overlap(true);
     let contacts = overlap.manifold(near);
@@ -76,7 +76,7 @@ fn sets() -> Vec<(&'static str, Effects, scene::Effects)> {
     list
 }
 
-fn simulation(effects: Effects, observe: scene::Effects, bodies: usize) -> Result<Simulation, Trouble> {
+fn simulation(effects: Effects, observe: scene::PairQueries, bodies: usize) -> Result<Simulation, Trouble> {
     let settings = Settings {
         observe,
         ..Settings::default()
@@ -102,7 +102,7 @@ fn simulation(effects: Effects, observe: scene::Effects, bodies: usize) -> Resul
 }
 
 /// Returns the time of a step in microseconds, and the report of the last step.
-fn cost(effects: Effects, observe: scene::Effects, options: &Options) -> Result<(f64, Report), Trouble> {
+fn cost(effects: Effects, observe: scene::PairQueries, options: &Options) -> Result<(f64, Report), Trouble> {
     let mut least = vec![f64::INFINITY; options.steps];
     let mut report = Report::default();
     for _ in 0..3 {

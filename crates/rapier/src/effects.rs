@@ -167,7 +167,7 @@ pub struct Settings {
     /// of a part of 2 mm after eight hundredths of a second.
     pub max_speed: Option<f64>,
     /// What a scene without response answers about pairs of bodies; refused with response.
-    pub observe: scene::Effects,
+    pub observe: scene::PairQueries,
 }
 
 impl Default for Settings {
@@ -176,7 +176,7 @@ impl Default for Settings {
             time_step: None,
             size: 1.0,
             max_speed: None,
-            observe: scene::Effects::none(),
+            observe: scene::PairQueries::none(),
         }
     }
 }

@@ -51,8 +51,8 @@ struct FreeBody {
 impl Free {
     pub(crate) fn new(effects: Effects, settings: &Settings) -> Result<Self, SimulationError> {
         let mut scene = Scene::new();
-        scene.call_for(MOVING, MOVING, settings.observe)?;
-        scene.call_for(MOVING, FIXED, settings.observe)?;
+        scene.set_queries(MOVING, MOVING, settings.observe)?;
+        scene.set_queries(MOVING, FIXED, settings.observe)?;
         Ok(Self {
             scene,
             bodies: Vec::new(),

@@ -34,9 +34,9 @@ pub(crate) struct Member {
 /// Returns the overlap with the greatest upper bound; `None` if no two solids share a point.
 pub(crate) fn deepest(members: impl Iterator<Item = Member>) -> Result<Option<Overlap>, SimulationError> {
     let mut scene = Scene::new();
-    let boxes = scene::Effects::none().boxes(true);
-    scene.call_for(PUSHED, PUSHED, boxes)?;
-    scene.call_for(PUSHED, STILL, boxes)?;
+    let boxes = scene::PairQueries::none().boxes(true);
+    scene.set_queries(PUSHED, PUSHED, boxes)?;
+    scene.set_queries(PUSHED, STILL, boxes)?;
     for Member {
         body,
         geometry,

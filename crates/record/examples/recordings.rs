@@ -14,7 +14,7 @@ use clap::Parser;
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, Effects, Group, Scene};
+use lin_canny::scene::{Body, Group, PairQueries, Scene};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Compound, Geometry, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity, impact};
 use lin_canny_record::{Bracket, PencilLine, Recorder};
@@ -143,9 +143,9 @@ fn all_kinds() -> Result<Vec<(&'static str, Geometry)>, Trouble> {
 fn pile(file: &Path) -> Result<(), Trouble> {
     let mut recorder = Recorder::create(file, "A tower of boxes settles on a floor")?;
     let mut scene = Scene::new();
-    let effects = Effects::none().distance(0.05).features(true).depth(true);
+    let queries = PairQueries::none().distance(0.05).features(true).depth(true);
     let all = Group::default();
-    scene.call_for(all, all, effects.manifold(ManifoldOptions::within(0.02)))?;
+    scene.set_queries(all, all, queries.manifold(ManifoldOptions::within(0.02)))?;
     scene.insert(
         Body::fixed(solids::cuboid(Vector3::new(2.0, 2.0, 0.1))?),
         Isometry3::translation(0.0, 0.0, -0.1),

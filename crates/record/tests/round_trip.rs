@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, Effects, Group, Scene};
+use lin_canny::scene::{Body, Group, PairQueries, Scene};
 use lin_canny::{Geometry, ManifoldOptions, PairTracker, RelativePose};
 use lin_canny_record::{Cursor, ReadError, Recorder, Recording, WriteError};
 
@@ -66,9 +66,9 @@ fn answers_and_poses_come_back_to_the_bit() {
 fn a_scene_is_recorded_with_bodies_that_come_and_go() {
     let mut scene = Scene::new();
     let all = Group::default();
-    let effects = Effects::none().distance(1.0).features(true);
+    let queries = PairQueries::none().distance(1.0).features(true);
     scene
-        .call_for(all, all, effects.manifold(ManifoldOptions::within(1.0)))
+        .set_queries(all, all, queries.manifold(ManifoldOptions::within(1.0)))
         .unwrap();
     let body = |k| Body::moving(cube()).user_data(k);
     let first = scene.insert(body(7), Isometry3::identity()).unwrap();

@@ -1,4 +1,4 @@
-//! A probe flies through ten thousand fixed bodies, and only `within` is called for: is anything nearer than 0.25?
+//! A probe flies through ten thousand fixed bodies, and only `within` is enabled: is anything nearer than 0.25?
 //!
 //! `cargo run --release -p race --example walkthrough -- [--out FILE.svg] [--bodies N] [--frames N]`
 
@@ -6,7 +6,7 @@ use clap::Parser;
 use lin_canny::ConvexPolyhedron;
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Effects, Group, Report, Scene};
+use lin_canny::scene::{Body, BodyId, Change, Group, PairQueries, Report, Scene};
 use race::plot::{Chart, save_stack};
 use race::progress::Progress;
 use std::collections::BTreeSet;
@@ -73,8 +73,8 @@ impl Field {
         // Eight cubic units a body.
         let half = 0.5 * (8.0 * bodies as f64 / HEIGHT).sqrt();
         let mut scene = Scene::new();
-        let near = Effects::none().within(CLEARANCE);
-        scene.call_for(PROBE, WORLD, near)?;
+        let near = PairQueries::none().within(CLEARANCE);
+        scene.set_queries(PROBE, WORLD, near)?;
         let shapes = (0..12).map(|k| {
             let axes = [0; 3].map(|_| rng.range(0.2, 0.6));
             let points = ellipsoid(&mut rng, 12 + 6 * k, axes).points;

@@ -87,7 +87,7 @@ impl Shape {
         let (r, length) = (self.round, along.norm());
         let (h, axis) = (length / 2.0, along / length);
         let (tube, caps) = (PI * r * r * length, 4.0 / 3.0 * PI * r * r * r);
-        // Half balls: h + 3/8 r is the mean distance of their centres of mass from the middle.
+        // Half balls: h + 3/8 r is the mea distance of their centres of mass from the middle.
         let lengthwise = tube * h * h / 3.0 + caps * (r * r / 5.0 + h * h + 0.75 * h * r);
         let crosswise = tube * r * r / 4.0 + caps * r * r / 5.0;
         let outer = axis * axis.transpose();

@@ -186,7 +186,7 @@ impl Survey {
     }
 
     /// Returns how far a body may move along the swept axis without a jump: a mean length, or the
-    /// mean distance to the next entry of its column if larger. Windows widened by two such moves
+    /// mea distance to the next entry of its column if larger. Windows widened by two such moves
     /// hold about two entries more or are three times as long, and a jump costs about as much as
     /// two entries: however far bodies move, a sweep costs a few times the cost at rest.
     fn leap(&self, width: f64, columns: f64) -> f32 {

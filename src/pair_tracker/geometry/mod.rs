@@ -41,7 +41,7 @@ use match_kind;
 
 /// The shape of a body, shared by all bodies of this shape.
 ///
-/// A [`PairTracker`](crate::PairTracker) follows any two. In a scene a pair answers all effects but
+/// A [`PairTracker`](crate::PairTracker) follows any two. In a scene a pair answers all queries but
 /// these:
 ///
 /// | pair | refused |
@@ -50,17 +50,17 @@ use match_kind;
 /// | a compound or a mesh, with one or a convex shape | depths |
 /// | a surface, with any other geometry | depths, `manifold` |
 ///
-/// Depths are the effects `depth` and `local_depth`. The effect `manifold` of a pair with a
+/// Depths are the queries `depth` and `local_depth`. The query `manifold` of a pair with a
 /// compound or mesh is answered by [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts);
 /// overlaps of such a pair have the distance 0.
 ///
-/// A call that would make a pair with an effect that the pair cannot answer is refused with
+/// A call that would make a pair with a query that the pair cannot answer is refused with
 /// [`SceneError::Unanswered`](crate::scene::SceneError::Unanswered): insertion of a body, change of
-/// a group, call for an effect. Against a compound or a mesh a convex shape is a compound of one
+/// a group, enable a query. Against a compound or a mesh a convex shape is a compound of one
 /// piece, a single leaf with its own support points; against a mesh a compound of polyhedra is the
 /// mesh of its surface; against a surface a mesh is its triangles as flat patches, and its inside
 /// if it is closed. The pair makes those once, when the boxes meet. The patches for contacts are
-/// made once for each shape, in the step after they are called for.
+/// made once for each shape, in the step after they are enabled.
 ///
 /// Distances of surfaces of patches have bounds that are at most `2^-30` of the size of the pair
 /// apart; two that the bounds cannot tell from a threshold count as within. A surface has no
@@ -69,12 +69,12 @@ use match_kind;
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
 /// use lin_canny::polyhedron::solids;
-/// use lin_canny::scene::{Body, Effects, Group, Scene};
+/// use lin_canny::scene::{Body, PairQueries, Group, Scene};
 /// use lin_canny::{Compound, Mesh, Piece, Shape};
 ///
 /// let all = Group::default();
 /// let mut scene = Scene::new();
-/// scene.call_for(all, all, Effects::none().distance(10.0))?;
+/// scene.set_queries(all, all, PairQueries::none().distance(10.0))?;
 /// let die = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
 /// let bracket = Compound::new(vec![Piece::new(die.clone())])?;
 /// let part = Mesh::from_convex(&die)?;

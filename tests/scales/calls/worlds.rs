@@ -4,7 +4,7 @@ use super::{Scene, compound, curved, dented};
 use lin_canny::broad::{self, Aabb, PencilSweep};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::scene::{self, Body, Effects, Group};
+use lin_canny::scene::{self, Body, Group, PairQueries};
 use lin_canny::{Geometry, ManifoldOptions, Velocity};
 use truth::rng::Rng;
 
@@ -54,7 +54,7 @@ const PARTS: Group = Group::new(1).expect("a group");
 /// Bodies of every kind in one scene: first put elsewhere frame by frame, then carried by velocities.
 pub(super) fn scenes(scene: &mut Scene, rng: &mut Rng) {
     let mut world = scene::Scene::new();
-    let effects = Effects::none()
+    let queries = PairQueries::none()
         .boxes(true)
         .overlap(true)
         .within(0.1 * scene.unit)
@@ -63,11 +63,11 @@ pub(super) fn scenes(scene: &mut Scene, rng: &mut Rng) {
         .depth(true)
         .manifold(ManifoldOptions::within(0.1 * scene.unit))
         .impact(Tolerance::Distance(1e-4 * scene.unit));
-    world.call_for(CONVEX, CONVEX, effects).expect("effects");
+    world.set_queries(CONVEX, CONVEX, queries).expect("queries");
     // Bodies of parts have no depth in a scene.
-    let effects = effects.depth(false);
-    world.call_for(PARTS, CONVEX, effects).expect("effects");
-    world.call_for(PARTS, PARTS, effects).expect("effects");
+    let queries = queries.depth(false);
+    world.set_queries(PARTS, CONVEX, queries).expect("queries");
+    world.set_queries(PARTS, PARTS, queries).expect("queries");
     let mut shapes: Vec<Geometry> = curved(scene).into_iter().map(Geometry::from).collect();
     shapes.extend((0..4).map(|_| Geometry::from(scene.round(rng, 20))));
     let convex = shapes.len();

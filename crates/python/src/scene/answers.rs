@@ -99,7 +99,7 @@ impl ScenePair {
     }
 }
 
-/// Returns 1 for yes, 0 for no, -1 if not called for.
+/// Returns 1 for yes, 0 for no, -1 if not enabled.
 fn flag(answer: Option<bool>) -> i8 {
     answer.map_or(-1, i8::from)
 }
@@ -112,8 +112,8 @@ fn number_of(pair: &PairAnswer, get: fn(&Distance) -> f64) -> f64 {
 #[pymethods]
 impl Scene {
     /// Returns all pairs whose boxes overlap: a structured array with the fields `a`, `b` (ids),
-    /// `overlaps`, `within` (1 yes, 0 no, -1 not called for), `distance`, `lower`, `upper` (NaN if
-    /// not called for, or beyond the range called for).
+    /// `overlaps`, `within` (1 yes, 0 no, -1 not enabled), `distance`, `lower`, `upper` (NaN if
+    /// not enabled, or beyond the range of the query).
     fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let pairs: Vec<PairAnswer> = self.0.pairs().collect();
         let ids = |id: fn(&PairAnswer) -> u64| PyArray1::from_iter(py, pairs.iter().map(id)).into_any();
@@ -156,7 +156,7 @@ impl Scene {
     }
 
     /// Returns the pair of least signed distance of two groups, however far apart, as of the last
-    /// step; None if there is no pair. Anything has to be called for between the groups.
+    /// step; None if there is no pair. A query must be enabled between the groups.
     fn closest_pair(&self, py: Python<'_>, group_a: u8, group_b: u8) -> PyResult<Option<ScenePair>> {
         let groups = (group(group_a)?, group(group_b)?);
         let found = py.detach(|| self.0.closest_pair(groups.0, groups.1));

@@ -69,7 +69,7 @@ fn bodies_of_any_shape_are_observed_without_response() {
         gravity: Some(Vector3::y() * -9.81),
         ..Effects::none()
     };
-    let observe = scene::Effects::none().distance(10.0);
+    let observe = scene::PairQueries::none().distance(10.0);
     for (k, (shape, height)) in shapes().into_iter().enumerate() {
         let settings = Settings {
             observe,

@@ -66,7 +66,7 @@ fn without_response_no_engine_is_built_and_bodies_pass() {
 
 #[test]
 fn what_is_observed_is_told_without_response() {
-    let observe = scene::Effects::none()
+    let observe = scene::PairQueries::none()
         .overlap(true)
         .manifold(ManifoldOptions::within(0.05));
     let settings = Settings {

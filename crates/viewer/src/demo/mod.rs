@@ -1,7 +1,7 @@
-//! What the page shows: what accuracy costs, hard cases, effects of a scene, a robot in its cell.
+//! What the page shows: what accuracy costs, hard cases, queries of a scene, a robot in its cell.
 
 mod accuracy;
-mod effects;
+mod queries;
 mod hard;
 mod robot;
 
@@ -13,7 +13,7 @@ use crate::stage::Stage;
 pub const NAMES: [&str; 4] = [
     "What accuracy costs in time",
     "Hard cases that stay stable",
-    "Only the effects called for",
+    "Only the enabled queries",
     "A robot in its cell",
 ];
 
@@ -43,7 +43,7 @@ pub fn open(number: usize, stage: &mut Stage) -> Result<Box<dyn Demo>, String> {
     Ok(match number {
         0 => Box::new(accuracy::Accuracy::new(stage).map_err(say)?),
         1 => Box::new(hard::Hard::new(stage).map_err(say)?),
-        2 => Box::new(effects::Pile::new(stage).map_err(say)?),
+        2 => Box::new(queries::Pile::new(stage).map_err(say)?),
         3 => Box::new(robot::Robot::new(stage).map_err(say)?),
         _ => return Err(format!("demonstration {number} of {}", NAMES.len())),
     })

@@ -1,5 +1,5 @@
-//! What effects cost: a thousand hulls fall into a pile, the same motion for growing sets of effects, and for the full set with one
-//! effect removed.
+//! What queries cost: a thousand hulls fall into a pile, the same motion for growing sets of queries, and for the full set with one
+//! query removed.
 //!
 //! `cargo run --release -p race --bin falling_pile -- [--csv FILE] [--out FILE.svg] [--bodies N] [--quick]`
 //!
@@ -8,7 +8,7 @@
 
 use clap::Parser;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::scene::{Body, Change, Effects, Event, Group, Report, Scene};
+use lin_canny::scene::{Body, Change, Event, Group, PairQueries, Report, Scene};
 use lin_canny::{ConvexPolyhedron, ManifoldOptions};
 use race::plot::{Chart, save_stack};
 use race::progress::Progress;
@@ -21,7 +21,7 @@ use truth::crowd::{Crowd, Kind};
 
 type Trouble = Box<dyn std::error::Error>;
 
-/// What the effects of a scene cost: hulls fall into a pile, the same motion for growing sets of effects
+/// What the queries of a scene cost: hulls fall into a pile, the same motion for growing sets of queries
 #[derive(Parser)]
 struct Options {
     /// Counts and times of each set
@@ -44,25 +44,25 @@ const STEPS: usize = 240;
 /// Steps averaged into one point of the picture.
 const SMOOTH: usize = 8;
 
-const NONE: Effects = Effects::none();
+const NONE: PairQueries = PairQueries::none();
 
-const OVERLAP: Effects = NONE.boxes(true).overlap(true);
+const OVERLAP: PairQueries = NONE.boxes(true).overlap(true);
 
-const WITHIN: Effects = OVERLAP.within(0.05);
+const WITHIN: PairQueries = OVERLAP.within(0.05);
 
-const DISTANCE: Effects = WITHIN.distance(0.1);
+const DISTANCE: PairQueries = WITHIN.distance(0.1);
 
-const DEPTH: Effects = DISTANCE.features(true).depth(true);
+const DEPTH: PairQueries = DISTANCE.features(true).depth(true);
 
 const MANIFOLD: ManifoldOptions = ManifoldOptions::within(0.02);
 
-const FULL: Effects = DEPTH.manifold(MANIFOLD);
+const FULL: PairQueries = DEPTH.manifold(MANIFOLD);
 
-/// The effects that a manifold includes.
-const MEASURED: Effects = NONE.features(true).depth(true).manifold(MANIFOLD);
+/// The queries that a manifold includes.
+const MEASURED: PairQueries = NONE.features(true).depth(true).manifold(MANIFOLD);
 
-/// Growing sets, then the full one less one effect each. A manifold has features and depth, so it goes with either.
-const SETS: [(&str, Effects); 15] = [
+/// Growing sets, then the full one less one query each. A manifold has features and depth, so it goes with either.
+const SETS: [(&str, PairQueries); 15] = [
     ("none", NONE),
     ("boxes", NONE.boxes(true)),
     ("+overlap", OVERLAP),
@@ -116,11 +116,11 @@ fn run(
     shapes: &[Arc<ConvexPolyhedron>],
     crowd: &Crowd,
     motion: &[Vec<Isometry3<f64>>],
-    effects: Effects,
+    queries: PairQueries,
     progress: &Progress,
 ) -> Result<Vec<Step>, Trouble> {
     let mut scene = Scene::new();
-    scene.call_for(Group::default(), Group::default(), effects)?;
+    scene.set_queries(Group::default(), Group::default(), queries)?;
     let mut ids = Vec::new();
     for (shape, pose) in crowd.shape_of.iter().zip(&motion[0]) {
         ids.push(scene.insert(Body::moving(shapes[*shape].clone()), *pose)?);
@@ -149,9 +149,9 @@ fn fastest(
     let progress = Progress::new("steps", (SETS.len() * repeats * STEPS) as u64);
     let mut best: Vec<Option<Vec<Step>>> = vec![None; SETS.len()];
     for _ in 0..repeats {
-        for ((name, effects), best) in SETS.iter().zip(&mut best) {
+        for ((name, queries), best) in SETS.iter().zip(&mut best) {
             progress.say(name);
-            let steps = run(shapes, crowd, motion, *effects, &progress)?;
+            let steps = run(shapes, crowd, motion, *queries, &progress)?;
             match best {
                 None => *best = Some(steps),
                 Some(best) => best.iter_mut().zip(steps).for_each(|(old, new)| {

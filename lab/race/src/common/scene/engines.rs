@@ -2,7 +2,7 @@
 
 use crate::common::tree::Tree;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::scene::{Body, BodyId, Effects, Group, Report, Scene};
+use lin_canny::scene::{Body, BodyId, Group, PairQueries, Report, Scene};
 use lin_canny::{ManifoldOptions, Solver};
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Pose as Pose32, Rotation, Vector};
@@ -45,11 +45,11 @@ impl Ours {
     fn new(name: &'static str, crowd: &Crowd) -> Self {
         let shapes = crowd.hulls();
         let mut scene = Scene::new();
-        let mut effects = Effects::none().overlap(true).distance(RANGE).features(true);
-        effects.depth = name != "ours";
-        effects.manifold = (name == "ours-manifold").then_some(ManifoldOptions::within(RANGE));
+        let mut queries = PairQueries::none().overlap(true).distance(RANGE).features(true);
+        queries.depth = name != "ours";
+        queries.manifold = (name == "ours-manifold").then_some(ManifoldOptions::within(RANGE));
         let all = Group::default();
-        scene.call_for(all, all, effects).expect("a range");
+        scene.set_queries(all, all, queries).expect("a range");
         let insert = |(shape, pose): (&usize, &Pose)| {
             let body = Body::moving(shapes[*shape].clone());
             scene.insert(body, pose.isometry()).expect("a pose")
@@ -95,7 +95,7 @@ impl Engine for Ours {
         let steps = c.steps.max(1) as f64;
         let us = |d: Duration| d.as_secs_f64() * 1e6 / steps;
         let bytes = self.scene.bytes();
-        let (n, pairs) = (self.scene.body_count().max(1), (c.called as f64 / steps).max(1.0));
+        let (n, pairs) = (self.scene.body_count().max(1), (c.active as f64 / steps).max(1.0));
         format!(
             "    wall us a step: boxes {:.0}, pairs {:.0}, look {:.0}, events {:.0}; a step: {:.0} box pairs, {:.0} by budget, {:.0} by balls, {:.0} asked ({:.0} walk, {:.0} kept proof, {:.0} other); {} bytes a body, {:.0} a pair",
             us(t.boxes),

@@ -3,7 +3,7 @@
 use super::{Keys, NONE, World};
 use crate::forms::{self, Form};
 use lin_canny::impact::Impact;
-use lin_canny::scene::{BodyId, Change, Effects, PairAnswer, Scene};
+use lin_canny::scene::{BodyId, Change, PairAnswer, PairQueries, Scene};
 use lin_canny::{ContactState, RelativePose};
 
 /// Instants of a tick at which impacts are looked for.
@@ -50,12 +50,12 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             .map(|(a, b, _)| (a, *b.0))
     }
 
-    pub(super) fn called(&self, a: BodyId, b: BodyId) -> Effects {
+    pub(super) fn called(&self, a: BodyId, b: BodyId) -> PairQueries {
         if self.main().is_ignored(a, b) {
             return NONE;
         }
         let [g, h] = [a, b].map(|id| self.main().group(id).expect("the body lives"));
-        self.main().effects(g, h)
+        self.main().queries(g, h)
     }
 
     fn forms_of(&self, a: BodyId, b: BodyId) -> [&Form; 2] {
@@ -70,7 +70,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
     /// What the scene says of a pair, beside what is true.
     pub(super) fn judge(&mut self, a: BodyId, b: BodyId, now: &mut [Keys; 2]) {
         let found = self.main().pair(a, b);
-        let effects = self.called(a, b);
+        let queries = self.called(a, b);
         let (pose, [x, y]) = (self.between(a, b), self.forms_of(a, b));
         let at_most = |d: f64| {
             if d == f64::INFINITY {
@@ -90,17 +90,17 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 now[keys].insert((a, b));
             }
         };
-        is_said(found.and_then(|p| p.overlaps), effects.overlap.then_some(0.0), 0);
-        is_said(found.and_then(|p| p.within), effects.within, 1);
+        is_said(found.and_then(|p| p.overlaps), queries.overlap.then_some(0.0), 0);
+        is_said(found.and_then(|p| p.within), queries.within, 1);
         let distance = found.and_then(|p| p.distance);
-        let is_measured = range(&effects).map_or(Some(false), at_most);
+        let is_measured = range(&queries).map_or(Some(false), at_most);
         assert!(
             is_measured.is_none_or(|truth| truth == distance.is_some()),
-            "{a} {b}: {effects:?} {distance:?}"
+            "{a} {b}: {queries:?} {distance:?}"
         );
-        let whole = effects.features || effects.manifold.is_some();
+        let whole = queries.features || queries.manifold.is_some();
         assert_eq!(found.and_then(|p| p.outcome).is_some(), distance.is_some() && whole);
-        let near = effects.manifold.map_or(Some(false), |m| at_most(m.prediction));
+        let near = queries.manifold.map_or(Some(false), |m| at_most(m.prediction));
         let has_contacts = |p: &PairAnswer<'_>| p.manifold.is_some() || p.contacts.is_some();
         let has_contacts = found.as_ref().is_some_and(has_contacts);
         assert!(
@@ -108,7 +108,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             "{a} {b}: contacts {has_contacts}"
         );
         let Some(d) = distance else { return };
-        let is_deep = effects.depth || effects.local_depth || effects.manifold.is_some();
+        let is_deep = queries.depth || queries.local_depth || queries.manifold.is_some();
         if d.state != ContactState::Overlapping || is_deep && x.is_convex() && y.is_convex() {
             let truth = forms::distance(x, y, &pose);
             let tie = forms::TIE;
@@ -129,8 +129,8 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             let those = events.iter().filter(|e| e.change == change);
             those.map(|e| (e.a, e.b)).collect()
         };
-        let is_overlap = |e: &Effects| e.overlap;
-        let is_within = |e: &Effects| e.within.is_some();
+        let is_overlap = |e: &PairQueries| e.overlap;
+        let is_within = |e: &PairQueries| e.within.is_some();
         let [overlaps, withins] = [
             (of(Change::OverlapBegan), of(Change::OverlapEnded)),
             (of(Change::CameWithin), of(Change::LeftWithin)),
@@ -149,14 +149,14 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         &self,
         (before, now): (&Keys, &Keys),
         (began, ended): &(Keys, Keys),
-        called: fn(&Effects) -> bool,
+        active: fn(&PairQueries) -> bool,
     ) {
         assert_eq!(*began, now.difference(before).copied().collect());
-        // What is no longer called for may be forgotten in silence.
+        // What is no longer enabled may be forgotten in silence.
         let may: Keys = before.difference(now).copied().collect();
         let is_called = |(a, b): &(BodyId, BodyId)| {
             let groups = self.main().group(*a).zip(self.main().group(*b));
-            groups.is_some_and(|(g, h)| called(&self.main().effects(g, h)))
+            groups.is_some_and(|(g, h)| active(&self.main().queries(g, h)))
         };
         let must: Keys = may.iter().copied().filter(is_called).collect();
         assert!(
@@ -199,10 +199,10 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
     }
 }
 
-/// How far apart bodies may be for a distance to be called for; none where it is not.
-fn range(effects: &Effects) -> Option<f64> {
-    let is_measured = effects.distance.is_some() || effects.depth || effects.local_depth || effects.features;
-    let own = is_measured.then(|| effects.distance.or(effects.within).unwrap_or(0.0));
-    let prediction = effects.manifold.map(|m| m.prediction);
+/// How far apart bodies may be for a distance to be computed; none where it is not.
+fn range(queries: &PairQueries) -> Option<f64> {
+    let is_measured = queries.distance.is_some() || queries.depth || queries.local_depth || queries.features;
+    let own = is_measured.then(|| queries.distance.or(queries.within).unwrap_or(0.0));
+    let prediction = queries.manifold.map(|m| m.prediction);
     own.into_iter().chain(prediction).reduce(f64::max)
 }

@@ -11,7 +11,7 @@ use super::Bytes;
 use crate::forms::{Form, forms};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Quaternion, UnitQuaternion, Vector3};
-use lin_canny::scene::{Body, BodyId, Effects, Group, Scene, SceneError, Settings};
+use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene, SceneError, Settings};
 use lin_canny::{Geometry, ManifoldOptions, Velocity};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -37,7 +37,7 @@ pub struct Mix {
     pub refused: u64,
     /// Pairs that overlap, by the kinds of world.
     pub overlapping: [u64; 4],
-    /// Pairs within the distance called for.
+    /// Pairs within the distance of the query.
     pub within: u64,
     /// Distances, and those of overlaps.
     pub distances: [u64; 2],
@@ -81,7 +81,7 @@ impl Mix {
 
 /// Most calls of one world.
 const CALLS: usize = 220;
-const NONE: Effects = Effects::none();
+const NONE: PairQueries = PairQueries::none();
 const DISTANCES: [f64; 4] = [0.0, 0.1, 0.5, 2.0];
 
 impl Bytes<'_> {
@@ -129,17 +129,17 @@ impl Bytes<'_> {
         Velocity::new(self.vector(speed), self.vector(spin))
     }
 
-    fn effects(&mut self) -> Effects {
+    fn queries(&mut self) -> PairQueries {
         let calls = u16::from(self.byte()) | u16::from(self.byte()) << 8;
         let d = DISTANCES[self.below(4)];
         let of = |bit: u16| calls & 1 << bit != 0;
         let rare = |bit: u16| of(bit) && of(bit + 1);
-        let mut effects = Effects::none().boxes(of(0)).overlap(of(1) || of(2));
-        effects.within = rare(3).then_some(0.1);
-        effects.distance = rare(5).then_some(if of(4) { f64::INFINITY } else { d });
-        effects.manifold = (rare(9) && of(4)).then_some(ManifoldOptions::within(d));
-        effects.impact = of(11).then_some(Tolerance::Distance(1e-6));
-        effects.features(rare(6)).depth(rare(7)).local_depth(rare(8))
+        let mut queries = PairQueries::none().boxes(of(0)).overlap(of(1) || of(2));
+        queries.within = rare(3).then_some(0.1);
+        queries.distance = rare(5).then_some(if of(4) { f64::INFINITY } else { d });
+        queries.manifold = (rare(9) && of(4)).then_some(ManifoldOptions::within(d));
+        queries.impact = of(11).then_some(Tolerance::Distance(1e-6));
+        queries.features(rare(6)).depth(rare(7)).local_depth(rare(8))
     }
 }
 
@@ -151,7 +151,7 @@ struct World<C> {
     scenes: Vec<Scene>,
     copy: C,
     bodies: BTreeMap<BodyId, (usize, bool)>,
-    /// Length and motions of the tick of the step, if impacts were called for.
+    /// Length and motions of the tick of the step, if impacts were enabled.
     motions: Option<(f64, Motions)>,
     has_tick: bool,
     has_velocities: bool,
@@ -191,8 +191,8 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         for (g, h) in [(0, 0), (0, 1), (1, 1)] {
             let mut events = NONE.overlap(true);
             events.impact = (world.kind == 0).then_some(Tolerance::Distance(1e-6));
-            let effects = if bytes.chance(40) { bytes.effects() } else { events };
-            world.call_for(g, h, effects);
+            let queries = if bytes.chance(40) { bytes.queries() } else { events };
+            world.set_queries(g, h, queries);
         }
         world
     }
@@ -205,9 +205,9 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         first
     }
 
-    fn call_for(&mut self, g: u8, h: u8, effects: Effects) {
+    fn set_queries(&mut self, g: u8, h: u8, queries: PairQueries) {
         let [g, h] = [g, h].map(group);
-        match self.each(|scene| scene.call_for(g, h, effects)) {
+        match self.each(|scene| scene.set_queries(g, h, queries)) {
             Ok(()) => {}
             Err(SceneError::Unanswered { .. }) => self.mix.refused += 1,
             Err(e) => panic!("{e}"),
@@ -240,13 +240,13 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
             }
             2 if bytes.chance(1) => {
                 for (g, h) in [(0, 0), (0, 1), (1, 1)] {
-                    self.call_for(g, h, NONE);
+                    self.set_queries(g, h, NONE);
                 }
             }
             2 if bytes.chance(30) => {
                 let (g, h) = (bytes.byte() % 2, bytes.byte() % 2);
-                let effects = if bytes.chance(20) { NONE } else { bytes.effects() };
-                self.call_for(g, h, effects);
+                let queries = if bytes.chance(20) { NONE } else { bytes.queries() };
+                self.set_queries(g, h, queries);
             }
             3 if bytes.chance(30) => {
                 let g = group(self.drawn_group(bytes));
@@ -314,7 +314,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         }
     }
 
-    /// A group of a body: mostly one with effects, now and then the third, which never has any.
+    /// A group of a body: mostly one with queries, now and then the third, which never has any.
     fn drawn_group(&self, bytes: &mut Bytes<'_>) -> u8 {
         let byte = bytes.byte();
         if byte % 8 == 7 { 2 } else { byte % 2 }
@@ -363,9 +363,9 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
                 self.moved.extend(thrown.map(|m| *m.0));
                 let is_rest = motions.values().all(|m| m.1 == Velocity::default());
                 self.mix.ticks[1] += u64::from(is_rest);
-                // A second tick is none that a step sees, nor one before impacts were called for.
+                // A second tick is none that a step sees, nor one before impacts were enabled.
                 let pairs = [(0, 0), (0, 1), (1, 1)].map(|(g, h)| (group(g), group(h)));
-                let is_swept = pairs.iter().any(|(g, h)| self.main().effects(*g, *h).impact.is_some());
+                let is_swept = pairs.iter().any(|(g, h)| self.main().queries(*g, *h).impact.is_some());
                 self.motions = (!self.has_tick && is_swept).then_some((length, motions));
                 self.has_tick = true;
             }

@@ -25,10 +25,10 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         }
     }
 
-    /// Returns whether no effect is called for between the group of a body and any group.
+    /// Returns whether no query is enabled between the group of a body and any group.
     fn is_without(&self, id: BodyId) -> bool {
         let of = self.main().group(id).expect("the body lives");
-        (0..3).all(|g| self.main().effects(of, group(g)) == NONE)
+        (0..3).all(|g| self.main().queries(of, group(g)) == NONE)
     }
 
     /// A ray at a body, or anywhere: the first body of all, each asked alone.
@@ -91,7 +91,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
     /// All pairs of two groups within a distance, the first contact and the closest pair.
     fn judge_groups(&mut self, g: u8, h: u8) {
         let (g, h) = (group(g), group(h));
-        if self.main().effects(g, h) == NONE {
+        if self.main().queries(g, h) == NONE {
             for scene in &self.scenes {
                 assert!(scene.pairs_within(g, h, 0.1).is_err());
             }

@@ -8,7 +8,7 @@ use crate::{Point, Pose};
 use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::scene::{Body, Change, Effects, Group, Scene};
+use lin_canny::scene::{Body, Change, Group, PairQueries, Scene};
 use lin_canny::shape::Core;
 use lin_canny::{Answer, ContactState, PairTracker, RelativePose, Shape, Velocity};
 
@@ -337,10 +337,10 @@ fn casts(a: &Drawn, b: &Drawn, pose: &Isometry3<f64>, rng: &mut Rng, mix: &mut M
 fn scene(a: &Drawn, b: &Drawn, pose: &Isometry3<f64>, rng: &mut Rng, mix: &mut Mix) -> Result<(), String> {
     let text = |e: &dyn std::fmt::Display| e.to_string();
     let group = Group::new(1).ok_or("a group")?;
-    let mut effects = Effects::none().overlap(true);
-    effects.distance = Some(f64::INFINITY);
+    let mut queries = PairQueries::none().overlap(true);
+    queries.distance = Some(f64::INFINITY);
     let mut scene = Scene::new();
-    scene.call_for(group, group, effects).map_err(|e| text(&e))?;
+    scene.set_queries(group, group, queries).map_err(|e| text(&e))?;
     let body = |d: &Drawn| Body::moving(d.geometry.clone()).group(group);
     let x = scene.insert(body(a), Isometry3::identity()).map_err(|e| text(&e))?;
     let mut y = scene.insert(body(b), *pose).map_err(|e| text(&e))?;

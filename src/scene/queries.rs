@@ -1,6 +1,6 @@
-//! The price list of a scene: effects per pair of groups, resolved to the lowest level of detail
+//! The price list of a scene: queries per pair of groups, resolved to the lowest level of detail
 //! that answers.
-//! A census of the kinds of bodies tells which effects their pairs can answer.
+//! A census of the kinds of bodies tells which queries their pairs can answer.
 
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::SCENE_REACH;
@@ -12,7 +12,7 @@ use crate::time::impact::Tolerance;
 use alloc::boxed::Box;
 use alloc::collections::BTreeMap;
 
-/// One of 32 groups. Every body is in one group; the groups of two bodies select the effects of the
+/// One of 32 groups. Every body is in one group; the groups of two bodies select the queries of the
 /// pair.
 ///
 /// ```
@@ -71,10 +71,10 @@ impl From<Group> for u8 {
     }
 }
 
-/// Effects called for between the pairs of two groups. Every effect left out is neither computed
+/// Queries that are enabled for the pairs of two groups. Every query left out is neither computed
 /// nor stored.
 ///
-/// | level of detail | called for by | work of a step for a pair | memory of a pair |
+/// | level of detail | enabled by | work of a step for a pair | memory of a pair |
 /// |---|---|---|---|
 /// | nothing | [`none`](Self::none) | the bodies are never paired | nothing |
 /// | boxes | `boxes` | boxes begin and cease to overlap | a slot |
@@ -83,22 +83,22 @@ impl From<Group> for u8 {
 /// | features | `features` | features, witnesses and normal as well | the outcome as well |
 /// | manifold | `manifold` | contact points as well | a manifold as well, within its prediction |
 ///
-/// A level includes the levels above in the table as far as called for: events of overlaps need no
-/// further query if a distance is computed anyway. `depth` and `local_depth` are properties of the
-/// levels from distance on: without them an overlap is only known to be an overlap.
+/// A level includes the levels above in the table as far as they are enabled: events of overlaps
+/// need no further query if a distance is computed anyway. `depth` and `local_depth` are properties
+/// of the levels from distance on: without them an overlap is only known to be an overlap.
 ///
 /// ```
-/// use lin_canny::scene::Effects;
+/// use lin_canny::scene::PairQueries;
 ///
-/// let near = Effects::none().within(0.05);
+/// let near = PairQueries::none().within(0.05);
 /// let full = near.distance(f64::INFINITY).features(true).depth(true);
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Effects {
+pub struct PairQueries {
     /// Events when the boxes of two bodies begin and cease to overlap. The boxes are grown for the
-    /// distances called for below.
+    /// distances of the queries below.
     pub boxes: bool,
     /// Whether two bodies share a point, exactly; events when they begin and cease to. Touching is
     /// sharing.
@@ -114,7 +114,7 @@ pub struct Effects {
     /// Features, witness points and normal of the pairs with a distance. Without `distance`, pairs
     /// up to `within` apart are measured, or, if `within` is not set, bodies that share a point.
     pub features: bool,
-    /// The depth of an overlap: without this effect and `local_depth` an overlap has the distance 0
+    /// The depth of an overlap: without this query and `local_depth` an overlap has the distance 0
     /// and no lower bound. Without `distance` or `features` only overlaps are measured.
     pub depth: bool,
     /// A local depth of an overlap, where `depth` does not call for the least: an upper bound for
@@ -125,7 +125,7 @@ pub struct Effects {
     /// [`Tracker::closest_with_local_depth`]: crate::Tracker::closest_with_local_depth
     #[cfg_attr(feature = "serde", serde(default))]
     pub local_depth: bool,
-    /// The contact points of bodies within the prediction of these options, including the effects
+    /// The contact points of bodies within the prediction of these options, including the queries
     /// of `features` and `depth` (of `local_depth` if the options call for no more). Boxes grow by
     /// the prediction.
     pub manifold: Option<ManifoldOptions>,
@@ -135,7 +135,7 @@ pub struct Effects {
     pub impact: Option<Tolerance>,
 }
 
-impl Effects {
+impl PairQueries {
     /// Returns no effects: the bodies of the two groups are not even paired.
     #[must_use]
     pub const fn none() -> Self {
@@ -152,63 +152,63 @@ impl Effects {
         }
     }
 
-    /// Returns the effects with or without [`boxes`](field@Self::boxes).
+    /// Returns the queries with or without [`boxes`](field@Self::boxes).
     #[must_use]
     pub const fn boxes(mut self, boxes: bool) -> Self {
         self.boxes = boxes;
         self
     }
 
-    /// Returns the effects with or without [`overlap`](field@Self::overlap).
+    /// Returns the queries with or without [`overlap`](field@Self::overlap).
     #[must_use]
     pub const fn overlap(mut self, overlap: bool) -> Self {
         self.overlap = overlap;
         self
     }
 
-    /// Returns the effects with [`within`](field@Self::within) a distance.
+    /// Returns the queries with [`within`](field@Self::within) a distance.
     #[must_use]
     pub const fn within(mut self, within: f64) -> Self {
         self.within = Some(within);
         self
     }
 
-    /// Returns the effects with the [`distance`](field@Self::distance) up to this one.
+    /// Returns the queries with the [`distance`](field@Self::distance) up to this one.
     #[must_use]
     pub const fn distance(mut self, distance: f64) -> Self {
         self.distance = Some(distance);
         self
     }
 
-    /// Returns the effects with or without [`features`](field@Self::features).
+    /// Returns the queries with or without [`features`](field@Self::features).
     #[must_use]
     pub const fn features(mut self, features: bool) -> Self {
         self.features = features;
         self
     }
 
-    /// Returns the effects with or without the [`depth`](field@Self::depth).
+    /// Returns the queries with or without the [`depth`](field@Self::depth).
     #[must_use]
     pub const fn depth(mut self, depth: bool) -> Self {
         self.depth = depth;
         self
     }
 
-    /// Returns the effects with or without a [`local_depth`](field@Self::local_depth).
+    /// Returns the queries with or without a [`local_depth`](field@Self::local_depth).
     #[must_use]
     pub const fn local_depth(mut self, local_depth: bool) -> Self {
         self.local_depth = local_depth;
         self
     }
 
-    /// Returns the effects with a [`manifold`](field@Self::manifold).
+    /// Returns the queries with a [`manifold`](field@Self::manifold).
     #[must_use]
     pub const fn manifold(mut self, manifold: ManifoldOptions) -> Self {
         self.manifold = Some(manifold);
         self
     }
 
-    /// Returns the effects with [`impact`](field@Self::impact)s in a bracket of this width.
+    /// Returns the queries with [`impact`](field@Self::impact)s in a bracket of this width.
     #[must_use]
     pub const fn impact(mut self, impact: Tolerance) -> Self {
         self.impact = Some(impact);
@@ -240,7 +240,7 @@ impl Effects {
         }
     }
 
-    /// Returns what the effects need of an overlap: the least that serves all of them.
+    /// Returns what the queries need of an overlap: the least that serves all of them.
     fn until(&self) -> Until {
         let has_depth = self.depth || self.local_depth || self.manifold.is_some();
         let is_local = !self.depth && self.manifold.is_none_or(|m| m.local_depth);
@@ -278,7 +278,7 @@ impl Effects {
     }
 }
 
-/// Threshold below every distance: the effect is not called for.
+/// Threshold below every distance: the query is not enabled.
 pub(super) const NEVER: f64 = f64::NEG_INFINITY;
 
 /// The last stage of the pipeline that a pair needs.
@@ -292,7 +292,7 @@ pub(super) enum Detail {
     Manifold,
 }
 
-/// Effects in the form a step reads.
+/// Queries in the form a step reads.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairPlan {
     pub(super) detail: Detail,
@@ -304,9 +304,9 @@ pub(super) struct PairPlan {
     pub(super) range: f64,
     /// Whether overlaps get a depth.
     pub(super) until: Until,
-    /// Options of the contact points, if called for.
+    /// Options of the contact points, if enabled.
     pub(super) manifold: Option<ManifoldOptions>,
-    /// Width of the brackets of impacts, if called for.
+    /// Width of the brackets of impacts, if enabled.
     pub(super) impact: Option<Tolerance>,
     /// The largest of the thresholds: beyond this distance every answer is no.
     pub(super) reach: f64,
@@ -320,10 +320,10 @@ pub(super) fn group_pair_of(g: Group, h: Group) -> GroupPair {
     u16::from(g.0.min(h.0)) * GROUPS as u16 + u16::from(g.0.max(h.0))
 }
 
-/// The effects of all pairs of groups.
+/// The queries of all pairs of groups.
 #[derive(Clone, Debug)]
 pub(super) struct Table {
-    effects: Box<[Effects]>,
+    queries: Box<[PairQueries]>,
     plans: Box<[PairPlan]>,
     impacts: u32,
     manifolds: u32,
@@ -331,9 +331,9 @@ pub(super) struct Table {
 
 impl Default for Table {
     fn default() -> Self {
-        let nothing = Effects::none();
+        let nothing = PairQueries::none();
         Self {
-            effects: alloc::vec![nothing; GROUPS * GROUPS].into(),
+            queries: alloc::vec![nothing; GROUPS * GROUPS].into(),
             plans: alloc::vec![nothing.resolved(); GROUPS * GROUPS].into(),
             impacts: 0,
             manifolds: 0,
@@ -342,34 +342,34 @@ impl Default for Table {
 }
 
 impl Table {
-    pub(super) fn call_for(&mut self, g: Group, h: Group, effects: Effects) -> Result<(), SceneError> {
-        effects.check()?;
+    pub(super) fn set_queries(&mut self, g: Group, h: Group, queries: PairQueries) -> Result<(), SceneError> {
+        queries.check()?;
         let groups = usize::from(group_pair_of(g, h));
-        self.effects[groups] = effects;
-        self.plans[groups] = effects.resolved();
-        self.impacts = self.groups(|effects| effects.impact.is_some());
-        self.manifolds = self.groups(|effects| effects.manifold.is_some());
+        self.queries[groups] = queries;
+        self.plans[groups] = queries.resolved();
+        self.impacts = self.groups(|queries| queries.impact.is_some());
+        self.manifolds = self.groups(|queries| queries.manifold.is_some());
         Ok(())
     }
 
-    /// Returns the groups with effects called for that `is_meant` accepts, as bits.
-    fn groups(&self, is_meant: impl Fn(&Effects) -> bool) -> u32 {
-        let calls = |g: &u8| (0..GROUPS as u8).any(|h| is_meant(&self.effects(Group(*g), Group(h))));
+    /// Returns the groups with enabled queries that `is_meant` accepts, as bits.
+    fn groups(&self, is_meant: impl Fn(&PairQueries) -> bool) -> u32 {
+        let calls = |g: &u8| (0..GROUPS as u8).any(|h| is_meant(&self.queries(Group(*g), Group(h))));
         (0..GROUPS as u8).filter(calls).fold(0, |mask, g| mask | 1 << g)
     }
 
-    /// Returns the groups with which contact points are called for, as bits.
+    /// Returns the groups with which contact points are enabled, as bits.
     pub(super) fn manifold_groups(&self) -> u32 {
         self.manifolds
     }
 
-    /// Returns the groups with which an impact is called for, as bits.
+    /// Returns the groups with which an impact is enabled, as bits.
     pub(super) fn impact_groups(&self) -> u32 {
         self.impacts
     }
 
-    pub(super) fn effects(&self, g: Group, h: Group) -> Effects {
-        self.effects[usize::from(group_pair_of(g, h))]
+    pub(super) fn queries(&self, g: Group, h: Group) -> PairQueries {
+        self.queries[usize::from(group_pair_of(g, h))]
     }
 
     #[inline]
@@ -377,7 +377,7 @@ impl Table {
         &self.plans[usize::from(groups)]
     }
 
-    /// Returns the groups with which any effect is called for, as bits.
+    /// Returns the groups with which any query is enabled, as bits.
     pub(super) fn partners(&self, g: Group) -> u32 {
         let pairs = |h: &u8| self.plan(group_pair_of(g, Group(*h))).detail > Detail::Nothing;
         (0..GROUPS as u8).filter(pairs).fold(0, |mask, h| mask | 1 << h)
@@ -390,12 +390,12 @@ impl Table {
         0.5 * (0..GROUPS as u8).map(reach).fold(0.0, f64::larger)
     }
 
-    /// Iterates over the pairs of groups with any effect, each pair once.
+    /// Iterates over the pairs of groups with any query, each pair once.
     #[cfg(feature = "serde")]
-    pub(super) fn entries(&self) -> impl Iterator<Item = (Group, Group, Effects)> + '_ {
+    pub(super) fn entries(&self) -> impl Iterator<Item = (Group, Group, PairQueries)> + '_ {
         let all = (0..GROUPS as u8).flat_map(|g| (g..GROUPS as u8).map(move |h| (Group(g), Group(h))));
-        all.map(|(g, h)| (g, h, self.effects(g, h)))
-            .filter(|(.., effects)| *effects != Effects::none())
+        all.map(|(g, h)| (g, h, self.queries(g, h)))
+            .filter(|(.., queries)| *queries != PairQueries::none())
     }
 }
 
@@ -417,19 +417,19 @@ mod range {
     }
 }
 
-/// Returns the name of an effect called for that two kinds cannot answer, if there is one.
-fn unanswered(effects: &Effects, a: ShapeKind, b: ShapeKind) -> Option<&'static str> {
+/// Returns the name of an enabled query that two kinds cannot answer, if there is one.
+fn unanswered(queries: &PairQueries, a: ShapeKind, b: ShapeKind) -> Option<&'static str> {
     if a.is_convex() && b.is_convex() {
         return None;
     }
-    if effects.depth || effects.local_depth {
-        return Some(if effects.depth { "depth" } else { "local_depth" });
+    if queries.depth || queries.local_depth {
+        return Some(if queries.depth { "depth" } else { "local_depth" });
     }
     let is_surface = |kind: ShapeKind| kind == ShapeKind::BezierSurface;
     if !is_surface(a) && !is_surface(b) {
         return None;
     }
-    effects.manifold.map(|_| "manifold")
+    queries.manifold.map(|_| "manifold")
 }
 
 /// The number of bodies by group and kind. Two fixed bodies make no pair, so fixed bodies are
@@ -468,16 +468,16 @@ impl Census {
         asked.map(|(_, count)| u64::from(*count)).sum()
     }
 
-    /// Refuses effects that the bodies of two groups cannot answer.
-    pub(super) fn check_effects(&self, these: Group, those: Group, effects: &Effects) -> Result<(), SceneError> {
+    /// Refuses queries that the bodies of two groups cannot answer.
+    pub(super) fn check_effects(&self, these: Group, those: Group, queries: &PairQueries) -> Result<(), SceneError> {
         let mut all = self.0.keys().filter(|key| key.0 == these);
-        all.try_for_each(|key| self.check_pairs(*key, 2, |other| (other == those).then_some(*effects)))
+        all.try_for_each(|key| self.check_pairs(*key, 2, |other| (other == those).then_some(*queries)))
     }
 
-    /// Refuses a body to come whose pairs with the bodies there are cannot answer the effects of
+    /// Refuses a body to come whose pairs with the bodies there are cannot answer the queries of
     /// their groups.
-    pub(super) fn check_body(&self, key: Member, effects: impl Fn(Group) -> Effects) -> Result<(), SceneError> {
-        self.check_pairs(key, 1, |other| Some(effects(other)))
+    pub(super) fn check_body(&self, key: Member, queries: impl Fn(Group) -> PairQueries) -> Result<(), SceneError> {
+        self.check_pairs(key, 1, |other| Some(queries(other)))
     }
 
     /// Checks the pairs of bodies of one key; with bodies of the same key if there are `least`.
@@ -485,16 +485,16 @@ impl Census {
         &self,
         key: Member,
         least: u32,
-        effects: impl Fn(Group) -> Option<Effects>,
+        queries: impl Fn(Group) -> Option<PairQueries>,
     ) -> Result<(), SceneError> {
         let (_, these, is_fixed) = key;
         for (other, count) in &self.0 {
             if is_fixed && other.2 || key == *other && *count < least {
                 continue;
             }
-            if let Some(effect) = effects(other.0).and_then(|e| unanswered(&e, these, other.1)) {
+            if let Some(query) = queries(other.0).and_then(|e| unanswered(&e, these, other.1)) {
                 let those = other.1;
-                return Err(SceneError::Unanswered { effect, these, those });
+                return Err(SceneError::Unanswered { query, these, those });
             }
         }
         Ok(())

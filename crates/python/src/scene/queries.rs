@@ -1,7 +1,7 @@
 //! What is computed between the groups of a scene.
 
 use lin_canny::impact::Tolerance;
-use lin_canny::scene::Effects;
+use lin_canny::scene::PairQueries;
 use pyo3::prelude::*;
 
 use super::{Scene, group};
@@ -15,12 +15,12 @@ impl Scene {
     /// are at most this far apart. distance: the signed distance up to this range. depth: the depth
     /// of overlaps of convex bodies. impact: the first contact between two steps of bodies that
     /// `advance` moves, in a bracket in which bodies are at most this far apart. A call replaces
-    /// the one before for these groups; without any effect nothing is computed.
+    /// the one before for these groups; without any query nothing is computed.
     #[pyo3(signature = (
         group_a, group_b, *, boxes=false, overlap=false, within=None, distance=None, depth=false, impact=None
     ))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
-    fn call_for(
+    fn set_queries(
         &mut self,
         group_a: u8,
         group_b: u8,
@@ -31,11 +31,11 @@ impl Scene {
         depth: bool,
         impact: Option<f64>,
     ) -> PyResult<()> {
-        let mut effects = Effects::none().boxes(boxes).overlap(overlap).depth(depth);
-        effects.within = within;
-        effects.distance = distance;
-        effects.impact = impact.map(Tolerance::Distance);
-        let called = self.0.call_for(group(group_a)?, group(group_b)?, effects);
+        let mut queries = PairQueries::none().boxes(boxes).overlap(overlap).depth(depth);
+        queries.within = within;
+        queries.distance = distance;
+        queries.impact = impact.map(Tolerance::Distance);
+        let called = self.0.set_queries(group(group_a)?, group(group_b)?, queries);
         called.map_err(scene_error)
     }
 }

@@ -1,4 +1,4 @@
-//! A pile whose bodies swing: effects of a scene to switch on one by one, and what each costs.
+//! A pile whose bodies swing: queries of a scene to switch on one by one, and what each costs.
 
 use std::error::Error;
 
@@ -6,7 +6,7 @@ use eframe::egui::{self, Color32};
 use lin_canny::ManifoldOptions;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Counts, Effects, Group, Scene};
+use lin_canny::scene::{Body, BodyId, Counts, PairQueries, Group, Scene};
 use lin_canny_record::Contact;
 use web_time::Instant;
 
@@ -69,17 +69,17 @@ impl Pile {
 
     fn call(&mut self) -> Result<(), Box<dyn Error>> {
         let [overlap, within, distance, features, depth, contacts] = self.on;
-        let mut effects = Effects::none().boxes(true).overlap(overlap);
+        let mut queries = PairQueries::none().boxes(true).overlap(overlap);
         if within {
-            effects = effects.within(0.1);
+            queries = queries.within(0.1);
         }
         if distance || features || depth {
-            effects = effects.distance(0.3).features(features).depth(depth);
+            queries = queries.distance(0.3).features(features).depth(depth);
         }
         if contacts {
-            effects = effects.manifold(ManifoldOptions::within(0.05));
+            queries = queries.manifold(ManifoldOptions::within(0.05));
         }
-        Ok(self.scene.call_for(Group::default(), Group::default(), effects)?)
+        Ok(self.scene.set_queries(Group::default(), Group::default(), queries)?)
     }
 
     fn step(&mut self, stage: &mut Stage) -> Result<(), Box<dyn Error>> {
@@ -160,8 +160,8 @@ impl Demo for Pile {
         }
         let c = &self.counts;
         ui.label(format!(
-            "{} pairs of boxes, {} called for, {} skipped by the budget; {} queries, {} depths, {} manifolds",
-            c.pairs, c.called, c.skipped, c.queries, c.depths, c.manifolds
+            "{} pairs of boxes, {} active, {} skipped by the budget; {} queries, {} depths, {} manifolds",
+            c.pairs, c.active, c.skipped, c.queries, c.depths, c.manifolds
         ));
         if !stage.note.is_empty() {
             ui.colored_label(Color32::RED, &stage.note);

@@ -1,7 +1,7 @@
-//! Promise: a scene finds what brute force over all pairs finds, on every frame, whatever is called for and however cheaply.
+//! Promise: a scene finds what brute force over all pairs finds, on every frame, whatever is enabled and however cheaply.
 
 use crate::{ALL, Keys, NONE, Replay};
-use lin_canny::scene::{Body, BodyId, Effects, Group, Scene};
+use lin_canny::scene::{Body, BodyId, PairQueries, Group, Scene};
 use lin_canny::{ContactState, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,13 +15,13 @@ struct Play {
 }
 
 impl Play {
-    fn new(kind: Kind, n: usize, effects: Effects) -> Self {
+    fn new(kind: Kind, n: usize, queries: PairQueries) -> Self {
         Self::in_groups(
             kind,
             n,
             |_| Body::moving,
             |_| ALL,
-            |scene| scene.call_for(ALL, ALL, effects).unwrap(),
+            |scene| scene.set_queries(ALL, ALL, queries).unwrap(),
         )
     }
 
@@ -86,7 +86,7 @@ fn truth(scene: &Scene, d: f64, trackers: &mut BTreeMap<(BodyId, BodyId), Tracke
 const D: f64 = 0.15;
 
 /// Growing sets, but for the third and fourth, which are both part of the fifth.
-fn ladder() -> [Effects; 9] {
+fn ladder() -> [PairQueries; 9] {
     [
         NONE,
         NONE.boxes(true),
@@ -125,12 +125,12 @@ fn every_rung_equals_brute_force_on_every_frame() {
             let (overlapping, within, distances) = truth(&plays[0].scene, D, &mut trackers);
             seen[0] += overlapping.len();
             seen[1] += within.len();
-            for ((play, replay), effects) in plays.iter().zip(&mut replays).zip(&ladder()) {
+            for ((play, replay), queries) in plays.iter().zip(&mut replays).zip(&ladder()) {
                 replay.apply(play.scene.events());
                 let called = |keys: &Keys, on: bool| if on { keys.clone() } else { Keys::new() };
-                assert_eq!(replay.overlapping, called(&overlapping, effects.overlap), "{effects:?}");
-                assert_eq!(replay.within, called(&within, effects.within.is_some()), "{effects:?}");
-                seen[2] += check_answers(&play.scene, effects, &distances, &replay.overlapping, &replay.within);
+                assert_eq!(replay.overlapping, called(&overlapping, queries.overlap), "{queries:?}");
+                assert_eq!(replay.within, called(&within, queries.within.is_some()), "{queries:?}");
+                seen[2] += check_answers(&play.scene, queries, &distances, &replay.overlapping, &replay.within);
             }
         }
     }
@@ -140,7 +140,7 @@ fn every_rung_equals_brute_force_on_every_frame() {
 /// The answers by pair and by body; returns how many distances were looked at.
 fn check_answers(
     scene: &Scene,
-    effects: &Effects,
+    queries: &PairQueries,
     distances: &BTreeMap<(BodyId, BodyId), (f64, f64)>,
     overlapping: &Keys,
     within: &Keys,
@@ -148,11 +148,11 @@ fn check_answers(
     let mut measured = Keys::new();
     for p in scene.pairs() {
         let key = (p.a, p.b);
-        assert_eq!(p.overlaps, effects.overlap.then(|| overlapping.contains(&key)));
-        assert_eq!(p.within, effects.within.map(|_| within.contains(&key)));
-        assert_eq!(p.outcome.is_some(), effects.features && p.distance.is_some());
+        assert_eq!(p.overlaps, queries.overlap.then(|| overlapping.contains(&key)));
+        assert_eq!(p.within, queries.within.map(|_| within.contains(&key)));
+        assert_eq!(p.outcome.is_some(), queries.features && p.distance.is_some());
         assert_eq!(scene.pair(p.b, p.a).map(|q| q.pair), Some(p.pair));
-        let touches = |(lower, _): &(f64, f64)| effects.manifold.is_some() && *lower <= D;
+        let touches = |(lower, _): &(f64, f64)| queries.manifold.is_some() && *lower <= D;
         assert_eq!(p.manifold.is_some(), touches(&distances[&key]));
         if let Some((manifold, outcome)) = p.manifold.zip(p.outcome) {
             let deepest = manifold.deepest().expect("within the prediction");
@@ -161,7 +161,7 @@ fn check_answers(
         if let Some(d) = p.distance {
             measured.insert(key);
             let (lower, upper) = distances[&key];
-            if effects.depth || d.state != ContactState::Overlapping {
+            if queries.depth || d.state != ContactState::Overlapping {
                 assert!(d.lower <= upper && lower <= d.upper, "{d:?} {lower} {upper}");
             } else {
                 assert!(d.value == 0.0 && upper <= 0.0);
@@ -174,7 +174,7 @@ fn check_answers(
         all.sort_by_key(|p| (p.a, p.b));
         assert_eq!(of, all.iter().map(|p| p.pair).collect::<Vec<_>>());
     }
-    let range = effects.distance.unwrap_or(f64::NEG_INFINITY);
+    let range = queries.distance.unwrap_or(f64::NEG_INFINITY);
     let near = distances
         .iter()
         .filter(|(_, (lower, _))| *lower <= range)
@@ -192,7 +192,7 @@ fn an_infinite_range_means_all_pairs_of_two_groups() {
         30,
         |i| if i % 3 == 0 { Body::fixed } else { Body::moving },
         |i| if i % 2 == 0 { a } else { b },
-        |scene| scene.call_for(a, b, everywhere).unwrap(),
+        |scene| scene.set_queries(a, b, everywhere).unwrap(),
     );
     let mut trackers = BTreeMap::new();
     for _ in 0..10 {
@@ -213,7 +213,7 @@ fn an_infinite_range_means_all_pairs_of_two_groups() {
     let mut replay = Replay::default();
     for k in 0..30 {
         play.scene
-            .call_for(a, b, if k % 3 == 0 { near } else { everywhere })
+            .set_queries(a, b, if k % 3 == 0 { near } else { everywhere })
             .unwrap();
         play.step();
         if k == 0 {
@@ -239,8 +239,8 @@ fn an_infinite_range_means_all_pairs_of_two_groups() {
 #[test]
 fn budget_on_and_off_give_the_same_events_and_answers() {
     for kind in KINDS {
-        for effects in ladder() {
-            let (mut on, mut off) = (Play::new(kind, 120, effects), Play::new(kind, 120, effects));
+        for queries in ladder() {
+            let (mut on, mut off) = (Play::new(kind, 120, queries), Play::new(kind, 120, queries));
             off.scene.set_budget(false);
             let (mut saved, mut events) = (0, 0);
             for _ in 0..80 {
@@ -258,10 +258,10 @@ fn budget_on_and_off_give_the_same_events_and_answers() {
                     }
                 }
             }
-            let predicates = effects.overlap || effects.within.is_some();
+            let predicates = queries.overlap || queries.within.is_some();
             assert!(
                 !predicates || (saved > 50 && events > 20),
-                "{kind:?} {effects:?} {saved} {events}"
+                "{kind:?} {queries:?} {saved} {events}"
             );
         }
     }
@@ -270,8 +270,8 @@ fn budget_on_and_off_give_the_same_events_and_answers() {
 #[test]
 fn dropping_an_effect_never_raises_a_work_counter() {
     for kind in KINDS {
-        let totals = ladder().map(|effects| {
-            let mut play = Play::new(kind, 300, effects);
+        let totals = ladder().map(|queries| {
+            let mut play = Play::new(kind, 300, queries);
             let mut total = lin_canny::scene::Counts::default();
             for _ in 0..60 {
                 play.step();
@@ -279,10 +279,10 @@ fn dropping_an_effect_never_raises_a_work_counter() {
             }
             total
         });
-        for (effects, t) in ladder().iter().zip(&totals) {
-            println!("{kind:?} {effects:?}: {t:?}");
+        for (queries, t) in ladder().iter().zip(&totals) {
+            println!("{kind:?} {queries:?}: {t:?}");
         }
-        // What is not called for is exactly zero.
+        // What is not enabled is exactly zero.
         for t in &totals[..2] {
             assert_eq!(
                 (t.called, t.queries, t.walked, t.certificates, t.depths),
@@ -291,14 +291,14 @@ fn dropping_an_effect_never_raises_a_work_counter() {
         }
         assert_eq!(totals[0].boxes + totals[0].pairs, 0);
         assert!(totals[1].pairs > 0);
-        for (effects, t) in ladder().iter().zip(&totals) {
-            assert_eq!(t.overlaps > 0, effects.overlap);
-            assert_eq!(t.withins > 0, effects.within.is_some());
-            assert_eq!(t.distances > 0, effects.distance.is_some());
-            assert_eq!(t.features > 0, effects.features);
-            assert_eq!(t.depths > 0, effects.depth);
-            assert_eq!(t.manifolds > 0, effects.manifold.is_some());
-            assert_eq!(t.renewed > 0, effects.manifold.is_some());
+        for (queries, t) in ladder().iter().zip(&totals) {
+            assert_eq!(t.overlaps > 0, queries.overlap);
+            assert_eq!(t.withins > 0, queries.within.is_some());
+            assert_eq!(t.distances > 0, queries.distance.is_some());
+            assert_eq!(t.features > 0, queries.features);
+            assert_eq!(t.depths > 0, queries.depth);
+            assert_eq!(t.manifolds > 0, queries.manifold.is_some());
+            assert_eq!(t.renewed > 0, queries.manifold.is_some());
         }
         // Each is a part of a later one: see the ladder.
         for (less, more) in [(0, 1), (1, 4), (2, 4), (3, 4), (4, 5), (5, 6), (6, 7), (7, 8)] {
@@ -321,7 +321,7 @@ fn a_scene_at_rest_does_nothing() {
         let report = *play.scene.step();
         assert!(play.scene.events().is_empty() && play.scene.pair_count() == pairs && pairs > 20);
         let c = report.counts;
-        assert_eq!((c.boxes, c.called, c.queries, c.pairs), (0, 0, 0, pairs as u64));
+        assert_eq!((c.boxes, c.active, c.queries, c.pairs), (0, 0, 0, pairs as u64));
         assert_eq!(report.times.total(), std::time::Duration::ZERO);
     }
     // One body moves: only its pairs are asked.
@@ -339,8 +339,8 @@ fn a_scene_at_rest_does_nothing() {
 #[test]
 fn most_separated_pairs_are_answered_by_the_budget() {
     let kind = Kind::Gas { fill: 0.02, rate: 60.0 };
-    for effects in [ladder()[2], ladder()[3]] {
-        let mut play = Play::new(kind, 400, effects);
+    for queries in [ladder()[2], ladder()[3]] {
+        let mut play = Play::new(kind, 400, queries);
         let (mut skipped, mut asked) = (0, 0);
         for step in 0..400 {
             play.step();
@@ -353,14 +353,14 @@ fn most_separated_pairs_are_answered_by_the_budget() {
         }
         let share = skipped as f64 / (skipped + asked) as f64;
         println!(
-            "{effects:?}: {skipped} of {} separated pairs, {share:.3}",
+            "{queries:?}: {skipped} of {} separated pairs, {share:.3}",
             skipped + asked
         );
         assert!(share > 0.6, "{share}");
     }
 }
 
-/// A local depth in a scene bounds the depth, under contacts too, and neither effect changes who overlaps.
+/// A local depth in a scene bounds the depth, under contacts too, and neither query changes who overlaps.
 #[test]
 fn local_depths_bound_the_depths() {
     let near = NONE.distance(0.3).features(true);
@@ -375,7 +375,7 @@ fn local_depths_bound_the_depths() {
         near.manifold(ManifoldOptions::within(D)).local_depth(true),
     ];
     let (mut overlaps, mut wide) = (0, [0; 5]);
-    let mut plays = asked.map(|effects| Play::new(Kind::Pile, 60, effects));
+    let mut plays = asked.map(|queries| Play::new(Kind::Pile, 60, queries));
     for _ in 0..60 {
         plays.iter_mut().for_each(Play::step);
         let [deep, others @ ..] = &plays;
