@@ -285,7 +285,7 @@ fn dropping_an_effect_never_raises_a_work_counter() {
         // What is not enabled is exactly zero.
         for t in &totals[..2] {
             assert_eq!(
-                (t.called, t.queries, t.walked, t.certificates, t.depths),
+                (t.active, t.queries, t.walked, t.certificates, t.depths),
                 (0, 0, 0, 0, 0)
             );
         }
