@@ -1,14 +1,14 @@
 //! A step of the broad phase, all scenes: `cargo bench --bench broad`. Against other libraries: `race`.
 //!
-//! What threads do: `RAYON_NUM_THREADS=2 cargo bench --features parallel --bench broad -- 'pencils/(uniform|pile)/10*$'`, and the same
+//! What threads do: `RAYON_NUM_THREADS=2 cargo bench --features parallel --bench broad -- 'columns/(uniform|pile)/10*$'`, and the same
 //! with one.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
-use lin_canny::broad::{Aabb, BodyId, BodyOptions, PencilSweep};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
 use truth::boxes::{Kind, Scene};
 
 fn step(criterion: &mut Criterion, sizes: &[usize]) {
-    let mut group = criterion.benchmark_group("pencils");
+    let mut group = criterion.benchmark_group("columns");
     group.sample_size(20);
     for kind in Kind::ALL {
         for &n in sizes {
@@ -16,7 +16,7 @@ fn step(criterion: &mut Criterion, sizes: &[usize]) {
                 continue;
             }
             let mut scene = Scene::new(kind, n);
-            let mut broad = PencilSweep::new();
+            let mut broad = SweepAndPrune::new();
             let ids: Vec<BodyId> = scene
                 .boxes
                 .iter()
@@ -57,7 +57,7 @@ fn build(criterion: &mut Criterion) {
         let scene = Scene::new(kind, 10_000);
         group.bench_function(kind.name(), |bencher| {
             bencher.iter(|| {
-                let mut broad = PencilSweep::new();
+                let mut broad = SweepAndPrune::new();
                 scene
                     .boxes
                     .iter()

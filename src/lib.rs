@@ -59,13 +59,13 @@
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`]: derivative of the signed distance by either pose |
 //! | When do they meet? | [`impact::cast`], [`cast_within`](impact::cast_within) | a proven bracket, or a proven miss |
 //! | When do triangles whose vertices move on straight paths meet, when meshes that bend, or one and itself? | [`continuous::triangles`], [`vertex_face`](continuous::vertex_face), [`edge_edge`](continuous::edge_edge), [`meshes`](continuous::meshes), [`self_contact`](continuous::self_contact) | a proven bracket, or a proven miss; touching is decided |
-//! | How far is a mesh from itself, which of its triangles are near each other? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`Answer`]s, for triangles that share no vertex |
+//! | How far is a mesh from itself, which of its triangles are near each other? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
 //! | Where does a ray enter a body? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a proven bracket, point, normal, feature |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
-//! | The same of any two geometries: curved and rounded `Shape`s, `Compound`s, `Mesh`es, `surface::BezierSurface`s? | [`PairTracker`] | [`Answer`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
-//! | Which points hold any two solids apart, how deep are they? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`PatchContacts`]: points by direction, with names that last; [`PenetrationBounds`]: an interval |
+//! | The same of any two geometries: curved and rounded `Shape`s, `Compound`s, `Mesh`es, `surface::BezierSurface`s? | [`PairTracker`] | [`PairOutcome`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
+//! | Which points hold any two solids apart, how deep are they? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points by direction, with names that last; [`PenetrationBounds`]: an interval |
 //! | Many bodies: who overlaps, is near, meets when; the closest pair of two groups? | [`scene::Scene`] | events, impacts and answers for the queries that are enabled |
-//! | Only the pairs of boxes? | [`broad::PencilSweep`] | pairs, events, stable ids |
+//! | Only the pairs of boxes? | [`broad::SweepAndPrune`] | pairs, events, stable ids |
 //! | Is a motion of a robot free over its whole length, is there a path? | `Checker` of the crate `lin-canny-plan` | proven free, or the time and the pair that collide; a path |
 //! | How do I report this query? | [`Tracker::replay`] | [`Replay`]: a text that rebuilds it bit for bit |
 //! | A ball, capsule, cylinder, cone, ellipsoid, anything rounded? | [`Shape`] | a body for [`PairTracker`] |
@@ -324,16 +324,16 @@ pub use convex::contact::{
     ContactPoint, Gradient, HalfSpace, HalfSpaceContact, HalfSpaceContacts, HalfSpaceError, Manifold, ManifoldOptions,
 };
 pub use convex::replay::{Replay, ReplayError};
-pub use convex::tracker::{Totals, Tracker};
+pub use convex::tracker::{Tracker, TrackerWork};
 pub use nalgebra;
 #[cfg(feature = "meshes")]
-pub use nonconvex::contact::{ContactPatches, PatchContact, PatchContacts};
+pub use nonconvex::contact::{ContactGroup, ConvexPatches, PatchContact};
 #[cfg(feature = "meshes")]
 pub use nonconvex::continuous;
 #[cfg(feature = "meshes")]
 pub use nonconvex::decomposition::{Decomposition, DecompositionFit};
 #[cfg(feature = "meshes")]
-pub use nonconvex::meet::search::MeshWork;
+pub use nonconvex::meet::search::TreeWork;
 #[cfg(feature = "meshes")]
 pub use nonconvex::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, MeshPart, MeshReport, VertexError};
 #[cfg(feature = "meshes")]
@@ -343,8 +343,8 @@ pub use nonconvex::pieces::{Compound, CompoundError, Piece};
 pub use pair::outcome::WorldWitnesses;
 pub use pair::outcome::{Accuracy, ContactState, Decision, Distance, Outcome, Proposal, Solver, Until, Work};
 pub use pair::question::Question;
-pub use pair::spot::{Answer, Spot};
-pub use pair_tracker::geometry::{Geometry, GeometryRef, ShapeKind};
+pub use pair::spot::{PairOutcome, Spot};
+pub use pair_tracker::geometry::{Geometry, GeometryKind, GeometryRef};
 pub use pair_tracker::ray::{Ray, RayCast, RayCaster, RayError, RayHit};
 pub use pair_tracker::{OverTime, PairError, PairTracker, PairWork};
 pub use time::{impact, schedule, separation};

@@ -74,7 +74,7 @@ impl Aabb {
         }
     }
 
-    /// Returns the whole of space; for [`insert_unbounded`](super::PencilSweep::insert_unbounded)
+    /// Returns the whole of space; for [`insert_unbounded`](super::SweepAndPrune::insert_unbounded)
     /// only.
     #[must_use]
     pub fn everything() -> Self {

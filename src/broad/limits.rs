@@ -1,14 +1,14 @@
 //! Tests with few indices, generations or steps, so that each of these runs out.
 
 use super::pairs::Most;
-use super::{Aabb, BodyId, BodyOptions, BroadPhaseError, PencilSweep};
+use super::{Aabb, BodyId, BodyOptions, BroadPhaseError, SweepAndPrune};
 use nalgebra::{Point3, Vector3};
 
 fn cube(x: f64) -> Aabb {
     Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5))
 }
 
-fn body_without_index(mut broad: PencilSweep) {
+fn body_without_index(mut broad: SweepAndPrune) {
     broad.state.bodies.most = 2;
     let [a, b] = [0.0, 0.5].map(|x| {
         broad
@@ -42,10 +42,10 @@ fn body_without_index(mut broad: PencilSweep) {
 
 #[test]
 fn a_body_without_an_index_is_refused_and_changes_nothing() {
-    body_without_index(PencilSweep::new());
+    body_without_index(SweepAndPrune::new());
 }
 
-fn pairs_without_slot(mut broad: PencilSweep) {
+fn pairs_without_slot(mut broad: SweepAndPrune) {
     broad.state.pairs.most = Most(2);
     let ids: [BodyId; 4] =
         [0.0, 0.1, 0.2, 9.0].map(|x| broad.insert(&cube(x), BodyOptions::moving()).expect("a sound box"));
@@ -79,10 +79,10 @@ fn pairs_without_slot(mut broad: PencilSweep) {
 
 #[test]
 fn pairs_without_a_slot_are_told_and_change_nothing() {
-    pairs_without_slot(PencilSweep::new());
+    pairs_without_slot(SweepAndPrune::new());
 }
 
-fn last_generation(mut broad: PencilSweep) {
+fn last_generation(mut broad: SweepAndPrune) {
     let first = broad.insert(&cube(0.0), BodyOptions::moving()).expect("there is room");
     let last = BodyId {
         generation: u32::MAX - 2,
@@ -99,12 +99,12 @@ fn last_generation(mut broad: PencilSweep) {
 
 #[test]
 fn an_index_of_the_last_generation_is_not_given_again() {
-    last_generation(PencilSweep::new());
+    last_generation(SweepAndPrune::new());
 }
 
 /// A body that moved in a step long ago has not moved in the step whose number is equal after
 /// wrap-around.
-fn last_step(mut broad: PencilSweep) {
+fn last_step(mut broad: SweepAndPrune) {
     for x in [0.0, 0.1, 9.0] {
         broad.insert(&cube(x), BodyOptions::moving()).expect("there is room");
     }
@@ -121,5 +121,5 @@ fn last_step(mut broad: PencilSweep) {
 
 #[test]
 fn steps_are_numbered_anew() {
-    last_step(PencilSweep::new());
+    last_step(SweepAndPrune::new());
 }

@@ -2,12 +2,12 @@
 //! crate.
 //!
 //! ```
-//! use lin_canny::broad::{Aabb, BodyOptions, PencilSweep};
+//! use lin_canny::broad::{Aabb, BodyOptions, SweepAndPrune};
 //! use lin_canny::nalgebra::{Point3, Vector3};
 //!
 //! let half = Vector3::repeat(0.5);
 //! let cube = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), half);
-//! let mut broad = PencilSweep::new();
+//! let mut broad = SweepAndPrune::new();
 //! let a = broad.insert(&cube(0.0), BodyOptions::moving())?;
 //! let b = broad.insert(&cube(3.0), BodyOptions::moving())?;
 //! assert!(broad.step().began.is_empty());
@@ -18,10 +18,10 @@
 //! # Ok::<(), lin_canny::broad::BroadPhaseError>(())
 //! ```
 //!
-//! Calls between two steps are gathered: [`insert`](PencilSweep::insert),
-//! [`remove`](PencilSweep::remove), [`set_box`](PencilSweep::set_box) (moves and teleports alike).
-//! [`step`](PencilSweep::step) applies all calls at once and returns the pairs that began and
-//! ended. [`pairs`](PencilSweep::pairs) and all queries describe the last step.
+//! Calls between two steps are gathered: [`insert`](SweepAndPrune::insert),
+//! [`remove`](SweepAndPrune::remove), [`set_box`](SweepAndPrune::set_box) (moves and teleports
+//! alike). [`step`](SweepAndPrune::step) applies all calls at once and returns the pairs that began
+//! and ended. [`pairs`](SweepAndPrune::pairs) and all queries describe the last step.
 //!
 //! # The method
 //!
@@ -38,7 +38,7 @@
 //! # Promises
 //!
 //! - The pairs are exactly the overlapping pairs among all pairs of stored boxes
-//!   ([`PencilSweep::stored_box`]), less the pairs that groups, filters and fixedness rule out.
+//!   ([`SweepAndPrune::stored_box`]), less the pairs that groups, filters and fixedness rule out.
 //!   Boxes are closed: touching is overlapping.
 //! - Stored boxes contain the given boxes ([`StoredBox`]; beyond 1e38 bounds are clamped), so no
 //!   pair of given boxes is missed.
@@ -48,7 +48,7 @@
 //! - Memory grows with bodies and overlapping pairs.
 //!
 //! Reading order: [`Aabb`] and [`StoredBox`], the table of bodies, `change` (the changes of a
-//! step), `pairs`, then `grid` and [`PencilSweep`].
+//! step), `pairs`, then `grid` and [`SweepAndPrune`].
 
 mod aabb;
 mod body;
@@ -60,12 +60,12 @@ mod limits;
 mod options;
 mod pairs;
 mod parallel;
-mod pencil;
 mod simd_box;
 pub(crate) mod slots;
 #[cfg(feature = "serde")]
 mod snapshot;
 mod state;
+mod sweep;
 mod tables;
 
 pub use aabb::{Aabb, BoxFault, StoredBox};
@@ -73,5 +73,5 @@ pub use body::BodyId;
 pub use error::{BatchError, BroadPhaseError};
 pub use options::{BodyOptions, Groups, Settings};
 pub use pairs::{Events, Pair, PairId};
-pub use pencil::{Pencil, PencilSweep};
 pub use state::Nearest;
+pub use sweep::{ColumnBounds, SweepAndPrune};

@@ -3,12 +3,12 @@
 //!
 //! Events depend on boxes and ids alone, so bodies and pair slots suffice; columns
 //! are rebuilt. All input is checked, so that no text makes a structure that could panic, or one
-//! that [`PencilSweep::check`] faults.
+//! that [`SweepAndPrune::check`] faults.
 
 use super::body::BodiesState;
 use super::pairs::PairsState;
 use super::state::BroadPhaseState;
-use super::{PencilSweep, Settings};
+use super::{Settings, SweepAndPrune};
 use alloc::string::String;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
@@ -39,13 +39,13 @@ impl BroadSnapshot {
     }
 }
 
-impl Serialize for PencilSweep {
+impl Serialize for SweepAndPrune {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         BroadSnapshot::of(&self.state, self.parallel_from).serialize(serializer)
     }
 }
 
-impl<'de> Deserialize<'de> for PencilSweep {
+impl<'de> Deserialize<'de> for SweepAndPrune {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let (state, parallel_from) = BroadSnapshot::deserialize(deserializer)?
             .restored()

@@ -6,7 +6,7 @@ use crate::broad::body::{Bodies, UNBOUNDED};
 use crate::broad::change::{Changes, pair_key};
 use crate::broad::pairs::PairSlots;
 use crate::broad::parallel::Threads;
-use crate::broad::{Aabb, BodyId, BodyOptions, BroadPhaseError, Pair, PairId, PencilSweep, StoredBox};
+use crate::broad::{Aabb, BodyId, BodyOptions, BroadPhaseError, Pair, PairId, StoredBox, SweepAndPrune};
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -119,7 +119,7 @@ impl BroadPhaseState {
 
 /// Queries ever larger boxes until enough bodies are found within the reach of the box.
 pub(super) fn nearest(
-    broad: &PencilSweep,
+    broad: &SweepAndPrune,
     aabb: &Aabb,
     count: usize,
     farthest: f64,

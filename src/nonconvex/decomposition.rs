@@ -37,7 +37,7 @@ use crate::nonconvex::mesh::{Mesh, MeshError};
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::pieces::{Compound, Piece};
 use crate::pair::outcome::{ContactState, Distance};
-use crate::pair::spot::Answer;
+use crate::pair::spot::PairOutcome;
 
 /// How far convex pieces and a mesh are apart, in the caller's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -167,7 +167,7 @@ impl Decomposition {
 
     /// Returns bounds of the distance of the mesh from another body, by the answer of the pieces
     /// and that body.
-    pub(crate) fn bounds(&self, found: &Answer, other: &PartsRef, mesh_from_other: &RelativePose) -> Distance {
+    pub(crate) fn bounds(&self, found: &PairOutcome, other: &PartsRef, mesh_from_other: &RelativePose) -> Distance {
         let fit = &self.fit;
         if found.state != ContactState::Separated {
             // A point of the body is in a piece, or next to one: at most the depth of the piece

@@ -26,7 +26,7 @@ use crate::nonconvex::front::NodePair;
 use crate::nonconvex::front::memory::FrontMemory;
 use crate::nonconvex::meet::frame::{TreeFrame, TreeSide};
 use crate::nonconvex::meet::overlap::Touching;
-use crate::nonconvex::meet::search::MeshWork;
+use crate::nonconvex::meet::search::TreeWork;
 use crate::nonconvex::meet::search::{Judge, Measured};
 use crate::nonconvex::meet::state::{PosedTrees, Recognised, TreeAnswer, TreeState};
 use crate::nonconvex::mesh::{Mesh, MeshError, MeshKind};
@@ -34,7 +34,7 @@ use crate::nonconvex::parts::Placed;
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::tree::Tree;
 use crate::pair::outcome::{ContactState, Outcome};
-use crate::pair::spot::{Answer, Spot};
+use crate::pair::spot::{PairOutcome, Spot};
 
 /// A convex piece of a [`Compound`]: a shape of any kind, its pose in the body's frame, and a
 /// name.
@@ -504,7 +504,7 @@ impl CompoundTracker {
 
     /// Returns the work of all queries so far; `measured` counts queries of two parts.
     #[must_use]
-    pub(crate) fn work(&self) -> MeshWork {
+    pub(crate) fn work(&self) -> TreeWork {
         self.state.kept.work
     }
 
@@ -530,7 +530,7 @@ impl CompoundTracker {
     /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`:
     /// half as wide again if pieces have poses of their own. Curved pieces add the width of their
     /// own bounds.
-    pub(crate) fn closest<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> Answer {
+    pub(crate) fn closest<A: Parted, B: Parted>(&mut self, a: &A, b: &B, a_from_b: &RelativePose) -> PairOutcome {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
         }
@@ -591,7 +591,7 @@ impl CompoundTracker {
     }
 }
 
-fn answered<A: Parted, B: Parted>(a: &A, b: &B, found: &TreeAnswer<FeaturePair>) -> Answer {
+fn answered<A: Parted, B: Parted>(a: &A, b: &B, found: &TreeAnswer<FeaturePair>) -> PairOutcome {
     let ([i, j], features) = found.of.unwrap_or(([0, 0], FeaturePair::FIRST));
     found.on([Spot::new(a.number(i), features.a), Spot::new(b.number(j), features.b)])
 }

@@ -8,9 +8,9 @@
 //!
 //! Let n be a unit direction that turns with one body P, Q the other, c the centre of a ball of
 //! radius rho about the node of Q, and `g` the gap of the two nodes along n at the instant. With
-//! the velocities of a [`Flight`], `D` from P's pivot to c, `V` the velocity of c less that of P's
-//! pivot and `a` the arm of c about Q's pivot, the height of c over P's pivot along n changes by at
-//! least
+//! the velocities of a [`PairMotion`], `D` from P's pivot to c, `V` the velocity of c less that of
+//! P's pivot and `a` the arm of c about Q's pivot, the height of c over P's pivot along n changes
+//! by at least
 //!
 //! `s ((wP x n) . D + n . V) - s^2 / 2 (|wP|^2 |D| + 2 |wP| |V| + |acceleration| + |wQ|^2 |a|)`
 //!
@@ -27,7 +27,7 @@
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-use crate::base::motion::{Course, Drift, length};
+use crate::base::motion::{MotionModel, Remainder, length};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::sqrt;
@@ -45,8 +45,8 @@ use crate::nonconvex::pieces::CompoundTracker;
 use crate::nonconvex::tree::height;
 use crate::pair::outcome::Decision;
 use crate::pair::question::Question;
-use crate::pair::spot::Answer;
-use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
+use crate::pair::spot::PairOutcome;
+use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation};
 
 /// Two compounds, or a compound and a mesh, that can be measured over time.
 #[derive(Debug)]
@@ -66,7 +66,7 @@ pub(crate) struct MeshPair<'a> {
 
 impl CompoundPair<'_> {
     /// Returns the closest points.
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> Answer {
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> PairOutcome {
         self.tracker.closest(&self.a, &self.b, a_from_b).without_depth()
     }
 
@@ -78,7 +78,7 @@ impl CompoundPair<'_> {
 
 impl MeshPair<'_> {
     /// Returns the closest points.
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> Answer {
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> PairOutcome {
         self.tracker.closest(self.a, self.b, a_from_b).without_depth()
     }
 
@@ -100,9 +100,9 @@ pub(crate) fn ball_about((low, high): (Point3<f64>, Point3<f64>)) -> (Point3<f64
 fn ahead<S: Separation, A: Parted, B: Parted>(
     pair: &S,
     (a, b, kept): (&A, &B, &FrontMemory),
-    seen: &Measure,
-    flight: &Flight,
-) -> Free {
+    seen: &Measurement,
+    flight: &PairMotion,
+) -> FreeSpan {
     let (timed, tick) = flight.on_own_clock();
     let flight = &timed;
     let apart = flight.apart(pair);
@@ -114,7 +114,7 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
     {
         span = span.larger(LookAhead::new(&posed, flight, apart.noise, apart.radii).span(kept, seen));
     }
-    Free {
+    FreeSpan {
         span: span * tick,
         proof: Proof::Own,
     }
@@ -125,16 +125,16 @@ impl Separation for CompoundPair<'_> {
         ball_about(if of == Operand::A { self.a } else { self.b }.corners_of_box())
     }
 
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Measure::from(&self.tracker.closest(&self.a, &self.b, a_from_b))
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
+        Measurement::from(&self.tracker.closest(&self.a, &self.b, a_from_b))
     }
 
     /// By `CompoundTracker::within`: ties count as met.
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
         self.tracker.within(&self.a, &self.b, a_from_b, distance)
     }
 
-    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+    fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         ahead(self, (&self.a, &self.b, self.tracker.kept()), seen, flight)
     }
 }
@@ -144,16 +144,16 @@ impl Separation for MeshPair<'_> {
         ball_about(if of == Operand::A { self.a } else { self.b }.aabb())
     }
 
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Measure::from(&self.tracker.closest(self.a, self.b, a_from_b))
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
+        Measurement::from(&self.tracker.closest(self.a, self.b, a_from_b))
     }
 
     /// By `MeshTracker::within`: ties count as met.
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
         self.tracker.within(self.a, self.b, a_from_b, distance)
     }
 
-    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+    fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         ahead(self, (self.a, self.b, self.tracker.kept()), seen, flight)
     }
 }
@@ -171,7 +171,7 @@ const HORIZONS: usize = 6;
 /// One body at the instant.
 struct Mover {
     pose: Isometry3<f64>,
-    course: Course,
+    model: MotionModel,
     /// The pivot in the world, from the origin of A's frame.
     pivot: Vector3<f64>,
     /// The origin of the body's frame in the world, from that of A's.
@@ -180,13 +180,13 @@ struct Mover {
 }
 
 impl Mover {
-    fn new(pose: &Isometry3<f64>, course: &Course, origin: Vector3<f64>) -> Self {
+    fn new(pose: &Isometry3<f64>, model: &MotionModel, origin: Vector3<f64>) -> Self {
         Self {
             pose: *pose,
-            course: *course,
-            pivot: origin + pose.rotation * course.pivot.coords,
+            model: *model,
+            pivot: origin + pose.rotation * model.pivot.coords,
             origin,
-            rate: length(&course.angular),
+            rate: length(&model.angular),
         }
     }
 }
@@ -194,9 +194,9 @@ impl Mover {
 /// The bodies on a flight.
 struct LookAhead<'a, A, B> {
     posed: &'a PosedTrees<'a, A, B>,
-    flight: &'a Flight,
+    flight: &'a PairMotion,
     movers: [Mover; 2],
-    drift: Drift,
+    drift: Remainder,
     /// The distance to stay beyond, and what rounding takes.
     keep: f64,
     /// Pairs of nodes that may still be split.
@@ -208,9 +208,9 @@ type Claim = (NodePair, Vector3<f64>, f64);
 
 impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     /// `noise` is the effect of rounding on a distance, `radii` those about the pivots.
-    pub(super) fn new(posed: &'a PosedTrees<'a, A, B>, flight: &'a Flight, noise: f64, radii: [f64; 2]) -> Self {
+    pub(super) fn new(posed: &'a PosedTrees<'a, A, B>, flight: &'a PairMotion, noise: f64, radii: [f64; 2]) -> Self {
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
-        let (a, b) = (&flight.course_a, &flight.course_b);
+        let (a, b) = (&flight.model_a, &flight.model_b);
         Self {
             posed,
             flight,
@@ -225,7 +225,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     }
 
     /// Returns the time for which all pairs of parts are proven apart: at most the flight's span.
-    pub(super) fn span(&mut self, kept: &FrontMemory, seen: &Measure) -> f64 {
+    pub(super) fn span(&mut self, kept: &FrontMemory, seen: &Measurement) -> f64 {
         let goal = self.goal(seen);
         let mut stack: Vec<Claim> = Vec::new();
         let (single, unit) = (&self.posed.frame.single, self.posed.a.stored_unit());
@@ -254,10 +254,10 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
 
     /// Returns the time of the closest points along their own direction: no pair needs more. The
     /// whole span if they do not come nearer.
-    fn goal(&self, seen: &Measure) -> f64 {
+    fn goal(&self, seen: &Measurement) -> f64 {
         let [a, b] = &self.movers;
         let n = a.pose.rotation * seen.normal.into_inner();
-        let velocity = |m: &Mover, p: Vector3<f64>| m.course.linear + m.course.angular.cross(&(p - m.pivot));
+        let velocity = |m: &Mover, p: Vector3<f64>| m.model.linear + m.model.angular.cross(&(p - m.pivot));
         let on_a = a.origin + a.pose.rotation * seen.point_on_a.coords;
         let on_b = b.origin + b.pose.rotation * seen.point_on_b.coords;
         let approach = -n.dot(&(velocity(b, on_b) - velocity(a, on_a)));
@@ -270,7 +270,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
     }
 
     /// Returns the time of a pair; infinite if the pair lasts for `goal`, or was split.
-    fn settle(&mut self, (pair, n, gap): Claim, seen: &Measure, goal: f64, stack: &mut Vec<Claim>) -> f64 {
+    fn settle(&mut self, (pair, n, gap): Claim, seen: &Measurement, goal: f64, stack: &mut Vec<Claim>) -> f64 {
         let mut time = self.time(pair, &n, gap);
         if time >= goal {
             return f64::INFINITY;
@@ -347,7 +347,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         let (p, q) = (&self.movers[p], &self.movers[q]);
         let place = q.origin + q.pose.rotation * centre;
         let (between, arm) = (place - p.pivot, place - q.pivot);
-        let (of_p, of_q) = (&p.course, &q.course);
+        let (of_p, of_q) = (&p.model, &q.model);
         let velocity = of_q.linear - of_p.linear + of_q.angular.cross(&arm);
         let push = of_q.acceleration - of_p.acceleration;
         let rise = of_p.angular.cross(n).dot(&between) + n.dot(&velocity);

@@ -62,7 +62,7 @@ impl Spot {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Answer {
+pub struct PairOutcome {
     /// Class, bounds, witnesses and normal.
     pub outcome: Outcome,
     /// The places of the witnesses on A and on B.
@@ -82,7 +82,7 @@ pub(crate) fn features_on(on: &[Spot; 2]) -> FeaturePair {
     }
 }
 
-impl Answer {
+impl PairOutcome {
     /// Returns the answer of two geometries of one part each.
     #[inline]
     pub(crate) fn of_convex(outcome: Outcome) -> Self {
@@ -126,7 +126,7 @@ impl Answer {
     }
 }
 
-impl Deref for Answer {
+impl Deref for PairOutcome {
     type Target = Outcome;
 
     #[inline]
@@ -135,8 +135,8 @@ impl Deref for Answer {
     }
 }
 
-impl From<&Answer> for Distance {
-    fn from(answer: &Answer) -> Self {
+impl From<&PairOutcome> for Distance {
+    fn from(answer: &PairOutcome) -> Self {
         Self::from(&answer.outcome)
     }
 }

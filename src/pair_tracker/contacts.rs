@@ -10,7 +10,7 @@ use crate::base::num::each::Each;
 use crate::base::pose::RelativePose;
 use crate::body::shape::Shape;
 use crate::convex::contact::{Manifold, ManifoldOptions};
-use crate::nonconvex::contact::{ContactPatches, ContactTracker, PatchContact, PatchContacts};
+use crate::nonconvex::contact::{ContactGroup, ContactTracker, ConvexPatches, PatchContact};
 use crate::nonconvex::penetration::PenetrationBounds;
 use crate::nonconvex::pieces::{Compound, CompoundTracker};
 use crate::pair_tracker::geometry::{GeometryRef, Lent};
@@ -29,7 +29,7 @@ pub(super) enum PairContacts {
 pub(crate) struct PatchwiseContacts {
     tracker: ContactTracker,
     /// The patches of bodies for which the caller has none.
-    stand_ins: [Option<ContactPatches>; 2],
+    stand_ins: [Option<ConvexPatches>; 2],
 }
 
 impl PatchwiseContacts {
@@ -38,12 +38,12 @@ impl PatchwiseContacts {
     pub(crate) fn find(
         &mut self,
         bodies: [GeometryRef<'_>; 2],
-        patches: [Option<&ContactPatches>; 2],
+        patches: [Option<&ConvexPatches>; 2],
         pose: &RelativePose,
         options: &ManifoldOptions,
-    ) -> Option<&[PatchContacts]> {
+    ) -> Option<&[ContactGroup]> {
         for (k, own) in bodies.into_iter().enumerate() {
-            let is_known = |known: &ContactPatches| own.mesh().is_none_or(|mesh| known.are_of(mesh));
+            let is_known = |known: &ConvexPatches| own.mesh().is_none_or(|mesh| known.are_of(mesh));
             if patches[k].is_none() && !self.stand_ins[k].as_ref().is_some_and(is_known) {
                 self.stand_ins[k] = patches_of(own);
             }
@@ -53,17 +53,17 @@ impl PatchwiseContacts {
         Some(self.tracker.contacts(x, y, pose, options))
     }
 
-    pub(crate) fn found(&self) -> &[PatchContacts] {
+    pub(crate) fn found(&self) -> &[ContactGroup] {
         self.tracker.found()
     }
 }
 
 /// Returns the patches of a body; `None` for a surface, which bears no contacts.
-pub(crate) fn patches_of(own: GeometryRef) -> Option<ContactPatches> {
+pub(crate) fn patches_of(own: GeometryRef) -> Option<ConvexPatches> {
     match own.0 {
-        Lent::Mesh(mesh) => Some(ContactPatches::of_mesh(mesh.to_arc())),
-        Lent::Compound(body) => Some(ContactPatches::of_pieces(body.to_arc())),
-        Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ContactPatches::from((*s).clone())),
+        Lent::Mesh(mesh) => Some(ConvexPatches::of_mesh(mesh.to_arc())),
+        Lent::Compound(body) => Some(ConvexPatches::of_pieces(body.to_arc())),
+        Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ConvexPatches::from((*s).clone())),
         #[cfg(feature = "surfaces")]
         Lent::BezierSurface(_) => None,
     }
@@ -74,12 +74,12 @@ pub(crate) fn patches_of(own: GeometryRef) -> Option<ContactPatches> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConvexContacts {
     manifold: Manifold,
-    found: Vec<PatchContacts>,
+    found: Vec<ContactGroup>,
 }
 
 impl ConvexContacts {
     /// Returns the points of the manifold.
-    fn found(&mut self) -> &[PatchContacts] {
+    fn found(&mut self) -> &[ContactGroup] {
         let normal = self.manifold.normal();
         let contact = |point: &_| PatchContact {
             patches: [0; 2],
@@ -94,7 +94,7 @@ impl ConvexContacts {
         let mut contacts = self.found.pop().map(|group| group.contacts).unwrap_or_default();
         contacts.clear();
         contacts.extend(points.iter().map(contact));
-        self.found.push(PatchContacts { normal, contacts });
+        self.found.push(ContactGroup { normal, contacts });
         &self.found
     }
 }
@@ -135,7 +135,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
         options: &ManifoldOptions,
-    ) -> Result<&[PatchContacts], PairError> {
+    ) -> Result<&[ContactGroup], PairError> {
         let [a, b] = [a.into(), b.into()];
         let Followed { engine, contacts, .. } = self.follow([a, b]);
         let new = || {
@@ -171,14 +171,14 @@ impl PairTracker {
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Vector3};
     /// use lin_canny::polyhedron::solids;
-    /// use lin_canny::{ContactPatches, ManifoldOptions, Mesh};
+    /// use lin_canny::{ConvexPatches, ManifoldOptions, Mesh};
     /// use lin_canny::{PairTracker, RelativePose, Shape};
     ///
     /// let half = Vector3::new(5.0, 5.0, 1.0);
     /// let floor = Mesh::from_convex(&solids::cuboid(half)?)?;
-    /// let floor = ContactPatches::of_mesh(floor);
+    /// let floor = ConvexPatches::of_mesh(floor);
     /// let die = Shape::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
-    /// let die = ContactPatches::from(die);
+    /// let die = ConvexPatches::from(die);
     /// let at = Isometry3::translation(0.1, 0.0, 1.49);
     /// let at = RelativePose::from_isometry(&at)?;
     /// let mut tracker = PairTracker::new();
@@ -189,11 +189,11 @@ impl PairTracker {
     /// ```
     pub fn contacts_between(
         &mut self,
-        a: &ContactPatches,
-        b: &ContactPatches,
+        a: &ConvexPatches,
+        b: &ConvexPatches,
         a_from_b: &RelativePose,
         options: &ManifoldOptions,
-    ) -> &[PatchContacts] {
+    ) -> &[ContactGroup] {
         self.between.get_or_insert_default().contacts(a, b, a_from_b, options)
     }
 

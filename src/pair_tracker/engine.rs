@@ -34,10 +34,10 @@ use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::Shape;
 use crate::convex::replay::Replay;
 use crate::convex::shape_tracker::ShapeTracker;
-use crate::convex::tracker::{Totals, Tracker};
+use crate::convex::tracker::{Tracker, TrackerWork};
 use crate::pair::outcome::Decision;
 use crate::pair::question::Question;
-use crate::pair::spot::Answer;
+use crate::pair::spot::PairOutcome;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::separation::{PolyhedronPair, ShapePair};
 
@@ -135,7 +135,12 @@ impl Engine {
 
     /// Returns the closest points.
     #[inline]
-    pub(super) fn ask(&mut self, bodies: [GeometryRef<'_>; 2], pose: &RelativePose, question: &Question) -> Answer {
+    pub(super) fn ask(
+        &mut self,
+        bodies: [GeometryRef<'_>; 2],
+        pose: &RelativePose,
+        question: &Question,
+    ) -> PairOutcome {
         at_once!(self, bodies, pair => pair.ask(pose, question))
     }
 
@@ -205,7 +210,7 @@ pub(super) struct EngineReport {
 }
 
 impl EngineReport {
-    fn of_convex(work: Totals, heap_bytes: usize) -> Self {
+    fn of_convex(work: TrackerWork, heap_bytes: usize) -> Self {
         Self {
             work: PairWork::of_convex(work),
             front_len: 0,

@@ -17,11 +17,13 @@ use crate::nonconvex::separation::{CompoundPair, MeshPair};
 use crate::pair::draft::far;
 use crate::pair::outcome::{Accuracy, ContactState, Decision, Outcome};
 use crate::pair::question::Question;
-use crate::pair::spot::Answer;
+use crate::pair::spot::PairOutcome;
 use crate::pair_tracker::geometry::GeometryRef;
 #[cfg(feature = "surfaces")]
 use crate::surface::{SurfaceCompoundTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
-use crate::time::separation::{Flight, Free, Measure, PolyhedronPair, Proof, Separation, ShapePair, SupportPoint};
+use crate::time::separation::{
+    FreeSpan, Measurement, PairMotion, PolyhedronPair, Proof, Separation, ShapePair, SupportPoint,
+};
 
 /// Two geometries, or what stands in for them, and the tracker of their
 /// [`Engine`](super::engine::Engine), whose variants these are.
@@ -67,7 +69,7 @@ macro_rules! each {
 impl<'p> LentPair<'p> {
     /// Returns the closest points with bounds of the signed distance.
     #[inline]
-    pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+    pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> PairOutcome {
         each!(self, pair => pair.ask(pose, question))
     }
 
@@ -170,11 +172,11 @@ impl Separation for OverTime<'_> {
     }
 
     #[inline]
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
         each!(&mut self.0, pair => pair.measure(a_from_b))
     }
 
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measurement) -> bool {
         each!(&mut self.0, pair => pair.meets(a_from_b, distance, seen))
     }
 
@@ -182,7 +184,7 @@ impl Separation for OverTime<'_> {
         each!(&mut self.0, pair => pair.support(of, direction))
     }
 
-    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+    fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         each!(&mut self.0, pair => pair.free_for(seen, flight))
     }
 }
@@ -223,12 +225,12 @@ impl BallPair {
         }
     }
 
-    fn ask(&self, pose: &RelativePose, _: &Question) -> Answer {
+    fn ask(&self, pose: &RelativePose, _: &Question) -> PairOutcome {
         let reach = self.balls.each(|(centre, radius)| centre.coords.norm() + radius);
         let (lower, upper, normal) = far(reach, pose);
-        Answer {
+        PairOutcome {
             is_reached: false,
-            ..Answer::of_convex(Outcome {
+            ..PairOutcome::of_convex(Outcome {
                 state: if lower > 0.0 {
                     ContactState::Separated
                 } else {
@@ -260,17 +262,17 @@ impl Separation for BallPair {
         self.balls[usize::from(of == Operand::B)]
     }
 
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Measure::from(&self.ask(a_from_b, &Question::new()))
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
+        Measurement::from(&self.ask(a_from_b, &Question::new()))
     }
 
-    fn meets(&mut self, _: &RelativePose, _: f64, seen: &Measure) -> bool {
+    fn meets(&mut self, _: &RelativePose, _: f64, seen: &Measurement) -> bool {
         seen.lower <= 0.0
     }
 
-    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+    fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         let way = seen.lower - flight.keep - flight.apart(self).noise;
-        Free {
+        FreeSpan {
             span: flight.held(self, way),
             proof: Proof::Own,
         }

@@ -16,8 +16,8 @@ use crate::nonconvex::parts::PartsRef;
 use crate::nonconvex::separation::CompoundPair;
 use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
-use crate::pair::spot::Answer;
-use crate::pair_tracker::geometry::{GeometryRef, ShapeKind};
+use crate::pair::spot::PairOutcome;
+use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
 
 impl PairTracker {
     /// Returns the closest two triangles of a mesh that share no vertex: how far the mesh is from a
@@ -66,7 +66,7 @@ impl PairTracker {
     /// ```
     #[doc(alias = "self-collision")]
     #[doc(alias = "self-intersection")]
-    pub fn self_closest(&mut self, mesh: &Mesh) -> Option<Answer> {
+    pub fn self_closest(&mut self, mesh: &Mesh) -> Option<PairOutcome> {
         self.self_tracker(mesh)?.self_closest(mesh)
     }
 
@@ -86,14 +86,14 @@ impl PairTracker {
 
     /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart, in
     /// the caller's unit, each once and in no order: with the closest points, bounds, and the
-    /// triangles by the caller's indices ([`Answer::on`]). Which pairs are returned is exact with
-    /// the feature `exact`; without it ties count as within. None for a negative `d` and NaN.
+    /// triangles by the caller's indices ([`PairOutcome::on`]). Which pairs are returned is exact
+    /// with the feature `exact`; without it ties count as within. None for a negative `d` and NaN.
     ///
     /// Triangles are left out as told at [`self_closest`](Self::self_closest). If `d` exceeds the
     /// heights of the triangles, the pairs that have one triangle between them are among those
     /// returned: some ten for each triangle.
     #[doc(alias = "self-collision")]
-    pub fn self_pairs(&mut self, mesh: &Mesh, d: f64) -> Vec<Answer> {
+    pub fn self_pairs(&mut self, mesh: &Mesh, d: f64) -> Vec<PairOutcome> {
         self.self_tracker(mesh)
             .map(|tracker| tracker.self_pairs(mesh, d))
             .unwrap_or_default()
@@ -112,7 +112,7 @@ impl PairTracker {
         &mut self,
         bodies: [GeometryRef<'_>; 2],
         a_from_b: &RelativePose,
-        bounds: impl FnOnce(&Answer, &PartsRef<'_>) -> Distance,
+        bounds: impl FnOnce(&PairOutcome, &PartsRef<'_>) -> Distance,
     ) -> Distance {
         let pair = bodies.each(|body| body.fingerprint().with(*b"pieces  ", 0.0));
         let followed = self.follow_by(pair, || of_pieces(bodies));
@@ -138,7 +138,7 @@ impl Decomposition {
     ) -> Distance {
         let other = other.into();
         let pieces = GeometryRef::from(self.pieces());
-        if other.kind() == ShapeKind::BezierSurface {
+        if other.kind() == GeometryKind::BezierSurface {
             return tracker.distance(self.mesh(), other, mesh_from_other);
         }
         tracker.distance_by_pieces([pieces, other], mesh_from_other, |found, other| {

@@ -13,7 +13,7 @@ use crate::nonconvex::meet::ray::Met;
 use crate::pair_tracker::PairTracker;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::impact::{Impact, ImpactError, Tolerance, cast};
-use crate::time::separation::{Measure, Separation};
+use crate::time::separation::{Measurement, Separation};
 
 /// Width of the bracket of a ray cast, over the size of the pair: above the rounding of a place, so
 /// that a short piece of the ray proves a crossing. Not measured.
@@ -117,7 +117,7 @@ pub enum RayCast {
     Hit(RayHit),
     /// The ray comes so near the body that rounding hides whether it meets: nothing is known beyond
     /// `safe`.
-    Near {
+    Undecided {
         /// All points up to here lie outside the body.
         safe: f64,
     },
@@ -131,7 +131,7 @@ impl RayCast {
         match *self {
             Self::Miss => None,
             Self::Inside => Some(0.0),
-            Self::Hit(RayHit { safe, .. }) | Self::Near { safe } => Some(safe),
+            Self::Hit(RayHit { safe, .. }) | Self::Undecided { safe } => Some(safe),
         }
     }
 }
@@ -161,13 +161,13 @@ pub struct RayHit {
 /// takes microseconds; an engine that draws pictures by rays wants one that does nothing else.
 ///
 /// * Mesh, closed or open: the answer is proven for the ray to the bit (feature `exact`), so it is
-///   never [`RayCast::Near`]; the bracket is at most `2e-12 L` wide.
+///   never [`RayCast::Undecided`]; the bracket is at most `2e-12 L` wide.
 /// * Polyhedron: the same (features `exact` and `meshes`) if its faces are flat to the last bit, as
 ///   those of hulls are; the bracket is about `1e-12 L` wide. An origin outside a
 ///   polyhedron, by however little, is never [`RayCast::Inside`] (feature `exact`).
 /// * Curved shape, compound: proven for a point that moves along the ray, placed up to rounding;
 ///   about `1e-12 L` head on.
-/// * Surface of patches: [`RayCast::Near`] where the ray meets it, because a point proves no
+/// * Surface of patches: [`RayCast::Undecided`] where the ray meets it, because a point proves no
 ///   crossing.
 ///
 /// L is the radius of the body and the distance of its middle from the origin of the ray. A ray
@@ -251,15 +251,15 @@ impl RayCaster {
         let found = cast(&mut pair, &still, &flight, (from, until), Tolerance::Distance(width))?;
         let found = match found.impact {
             Impact::Miss => RayCast::Miss,
-            Impact::Start { .. } if from == 0.0 => RayCast::Inside,
-            Impact::Start { seen } => entered(pose, (from, from), &seen),
+            Impact::AtStart { .. } if from == 0.0 => RayCast::Inside,
+            Impact::AtStart { seen } => entered(pose, (from, from), &seen),
             Impact::Hit { safe, hit, seen } => entered(pose, (safe, hit), &seen),
-            Impact::Near { safe, .. } | Impact::Unknown { safe } => {
+            Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
                 let crossing = crossing(body, pose, ray, (safe, until), width);
                 let seen = crossing.and_then(|_| self.seen(body, pose, &ray.at(safe)));
                 match (crossing, seen) {
                     (Some(hit), Some(seen)) => entered(pose, (safe, hit), &seen),
-                    _ => RayCast::Near { safe },
+                    _ => RayCast::Undecided { safe },
                 }
             }
         };
@@ -272,7 +272,7 @@ impl RayCaster {
                 Met::Nothing => RayCast::Miss,
                 Met::Between(safe, hit) => match self.seen(body, pose, &ray.at(safe)) {
                     Some(seen) => entered(pose, (safe, hit), &seen),
-                    None => RayCast::Near { safe },
+                    None => RayCast::Undecided { safe },
                 },
             });
         }
@@ -293,13 +293,13 @@ impl RayCaster {
         };
         match (self.tracker.intersects(body, &self.point, &at).known(), found) {
             (Some(true), _) => RayCast::Inside,
-            (Some(false), RayCast::Inside) => RayCast::Near { safe: 0.0 },
+            (Some(false), RayCast::Inside) => RayCast::Undecided { safe: 0.0 },
             _ => found,
         }
     }
 
     /// Returns the body's point closest to a point in the world.
-    fn seen(&mut self, body: GeometryRef, pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<Measure> {
+    fn seen(&mut self, body: GeometryRef, pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<Measurement> {
         Some(self.tracker.over(body, &self.point).measure(&placed(pose, at)?))
     }
 }
@@ -315,7 +315,7 @@ pub(super) fn placed(pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<Relative
 }
 
 /// Returns the hit of a body at a pose, of which the point at the end of the safe part sees this.
-fn entered(pose: &Isometry3<f64>, (safe, hit): (f64, f64), seen: &Measure) -> RayCast {
+fn entered(pose: &Isometry3<f64>, (safe, hit): (f64, f64), seen: &Measurement) -> RayCast {
     RayCast::Hit(RayHit {
         safe,
         hit,

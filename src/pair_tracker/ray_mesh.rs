@@ -94,7 +94,7 @@ pub(super) fn proven(
     (span, limits): ((f64, f64), (f64, f64)),
     found: &RayCast,
 ) -> Option<Met> {
-    if !matches!(found, RayCast::Hit(_) | RayCast::Near { .. }) || hull.face_count() == 0 {
+    if !matches!(found, RayCast::Hit(_) | RayCast::Undecided { .. }) || hull.face_count() == 0 {
         return None;
     }
     let mut on_hull = in_body(GeometryRef::from(hull), 1.0, pose, ray, span, limits)?;

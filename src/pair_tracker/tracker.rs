@@ -6,18 +6,18 @@ use crate::base::num::fingerprint::Fingerprint;
 use crate::base::pose::RelativePose;
 use crate::convex::contact::{Manifold, ManifoldOptions};
 use crate::convex::replay::Replay;
-use crate::convex::tracker::Totals;
+use crate::convex::tracker::TrackerWork;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::contact::ContactTracker;
 #[cfg(feature = "meshes")]
-use crate::nonconvex::meet::search::MeshWork;
+use crate::nonconvex::meet::search::TreeWork;
 use crate::pair::outcome::{Decision, Distance};
 use crate::pair::question::Question;
-use crate::pair::spot::Answer;
+use crate::pair::spot::PairOutcome;
 #[cfg(feature = "meshes")]
 use crate::pair_tracker::contacts::PairContacts;
 use crate::pair_tracker::engine::Engine;
-use crate::pair_tracker::geometry::{GeometryRef, ShapeKind};
+use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
 use crate::pair_tracker::lent_pair::{LentPair, OverTime};
 #[cfg(feature = "surfaces")]
 use crate::surface::SurfaceWork;
@@ -222,7 +222,7 @@ impl PairTracker {
         a: impl Into<GeometryRef<'g>>,
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
-    ) -> Answer {
+    ) -> PairOutcome {
         self.ask(a, b, a_from_b, &Question::new())
     }
 
@@ -260,7 +260,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
         question: &Question,
-    ) -> Answer {
+    ) -> PairOutcome {
         let bodies = [a.into(), b.into()];
         self.follow(bodies).engine.ask(bodies, a_from_b, question)
     }
@@ -448,17 +448,17 @@ impl Replay {
 #[non_exhaustive]
 pub struct PairWork {
     /// Queries of two convex geometries.
-    pub convex: Totals,
+    pub convex: TrackerWork,
     /// Queries of compounds and meshes.
     #[cfg(feature = "meshes")]
-    pub trees: MeshWork,
+    pub trees: TreeWork,
     /// Queries with a surface of patches.
     #[cfg(feature = "surfaces")]
     pub surfaces: SurfaceWork,
 }
 
 impl PairWork {
-    pub(super) fn of_convex(convex: Totals) -> Self {
+    pub(super) fn of_convex(convex: TrackerWork) -> Self {
         Self {
             convex,
             ..Self::default()
@@ -466,7 +466,7 @@ impl PairWork {
     }
 
     #[cfg(feature = "meshes")]
-    pub(super) fn of_trees(trees: MeshWork) -> Self {
+    pub(super) fn of_trees(trees: TreeWork) -> Self {
         Self {
             trees,
             ..Self::default()
@@ -502,9 +502,9 @@ impl core::ops::AddAssign for PairWork {
 #[error("a {a} and a {b} have no {asked}")]
 pub struct PairError {
     /// The kind of A.
-    pub a: ShapeKind,
+    pub a: GeometryKind,
     /// The kind of B.
-    pub b: ShapeKind,
+    pub b: GeometryKind,
     /// What was asked for.
     pub asked: &'static str,
 }

@@ -23,14 +23,14 @@ use super::narrow_phase::{StepContext, Tally};
 use super::pair_engine::PairEngine;
 use super::pair_table::{PairFlags, PairHeader};
 use super::queries::PairPlan;
-use super::report::Counts;
+use super::report::StepWork;
 use crate::base::motion::{Motion, Steady, Velocity};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::pair::outcome::Outcome;
 use crate::time::impact::{self, Impact, Tolerance};
 use crate::time::schedule::ticks;
-use crate::time::separation::Flight;
+use crate::time::separation::PairMotion;
 
 /// Ticks that a look ahead may prove at most. Longer proofs save little: the rounding of as many
 /// ticks is part of each proof, and velocities seldom stay for longer. Not measured.
@@ -54,7 +54,7 @@ impl StepContext<'_> {
         header: &mut PairHeader,
         (tracker, shapes): (&mut T, T::Shapes<'_>),
         plan: &PairPlan,
-        (outcome, counts): (&Outcome, &mut Counts),
+        (outcome, counts): (&Outcome, &mut StepWork),
     ) -> bool {
         let (bodies, length) = (self.bodies, self.bodies.ticks.length);
         let pair = [header.a as usize, header.b as usize];
@@ -73,11 +73,11 @@ impl StepContext<'_> {
         let span = length * TICKS as f64;
         let keep = plan.reach + self.margin(header, &motions, span);
         let [x, y] = &motions;
-        let flight = Flight {
+        let flight = PairMotion {
             pose_a: x.pose(0.0),
             pose_b: y.pose(0.0),
-            course_a: x.course(0.0, span),
-            course_b: y.course(0.0, span),
+            model_a: x.model(0.0, span),
+            model_b: y.model(0.0, span),
             span,
             keep,
         };
@@ -113,7 +113,7 @@ impl StepContext<'_> {
             return false;
         }
         // A velocity beyond the range of motions proves nothing.
-        let mut found = Impact::Unknown { safe: 0.0 };
+        let mut found = Impact::Incomplete { safe: 0.0 };
         if let Some(motions) = self.motions(&sweeps) {
             let ticks_ahead = if self.is_foreseen(header) { TICKS } else { 1 };
             let span = length * ticks_ahead as f64;
@@ -139,7 +139,7 @@ impl StepContext<'_> {
                 }
             }
         }
-        if !matches!(found, Impact::Start { .. } | Impact::Miss) {
+        if !matches!(found, Impact::AtStart { .. } | Impact::Miss) {
             tally.impacts.push(PairImpact {
                 a: bodies.id(header.a),
                 b: bodies.id(header.b),
@@ -182,7 +182,7 @@ impl StepContext<'_> {
     fn margin(&self, header: &PairHeader, motions: &[Steady; 2], span: f64) -> f64 {
         let drift = |i: u32, motion: &Steady| {
             let reach = self.bodies.solids[i as usize].as_ref().map_or(0.0, |s| s.reach());
-            motion.course(0.0, span).drift(reach).at(span)
+            motion.model(0.0, span).drift(reach).at(span)
         };
         TICKS as f64 * (drift(header.a, &motions[0]) + drift(header.b, &motions[1]))
     }

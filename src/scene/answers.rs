@@ -8,7 +8,7 @@ use crate::broad;
 use crate::broad::Aabb;
 use crate::convex::contact::Manifold;
 #[cfg(feature = "meshes")]
-use crate::nonconvex::contact::PatchContacts;
+use crate::nonconvex::contact::ContactGroup;
 use crate::pair::outcome::{Distance, Outcome};
 use crate::scene::queries::NEVER;
 use crate::scene::step::bodies_of;
@@ -24,7 +24,7 @@ use alloc::vec::Vec;
 /// long as no pose was set since the last step: answers are those of the poses of that step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct PairAnswer<'a> {
+pub struct PairResults<'a> {
     /// The body with the lower index: operand A of all answers.
     pub a: BodyId,
     /// The body with the higher index: operand B of all answers.
@@ -54,19 +54,19 @@ pub struct PairAnswer<'a> {
     /// Contact points of a pair with a mesh or a compound, by direction; `None` also for bodies
     /// farther apart than the prediction.
     #[cfg(feature = "meshes")]
-    pub contacts: Option<&'a [PatchContacts]>,
+    pub contacts: Option<&'a [ContactGroup]>,
 }
 
 impl Scene {
     /// Iterates over all pairs whose boxes overlap, in the order of the slots, with the answers.
-    pub fn pairs(&self) -> impl Iterator<Item = PairAnswer<'_>> + '_ {
+    pub fn pairs(&self) -> impl Iterator<Item = PairResults<'_>> + '_ {
         self.broad.pairs().map(|pair| self.answer(&pair))
     }
 
     /// Returns the pair of two bodies, in either order: `None` if the boxes, grown by the distances
     /// enabled, do not overlap.
     #[must_use]
-    pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairAnswer<'_>> {
+    pub fn pair(&self, a: BodyId, b: BodyId) -> Option<PairResults<'_>> {
         let proxy = |id| Some(self.bodies.proxies[self.bodies.index_of(id).ok()?]);
         Some(self.answer(&self.broad.pair(proxy(a)?, proxy(b)?)?))
     }
@@ -75,7 +75,7 @@ impl Scene {
     ///
     /// # Errors
     /// If the id is stale.
-    pub fn pairs_of(&self, id: BodyId) -> Result<Vec<PairAnswer<'_>>, SceneError> {
+    pub fn pairs_of(&self, id: BodyId) -> Result<Vec<PairResults<'_>>, SceneError> {
         let i = self.bodies.index_of(id)?;
         let proxy = self.bodies.proxies[i];
         let mut near = Vec::new();
@@ -99,9 +99,9 @@ impl Scene {
         self.broad.pair_count()
     }
 
-    fn answer(&self, pair: &broad::Pair) -> PairAnswer<'_> {
+    fn answer(&self, pair: &broad::Pair) -> PairResults<'_> {
         let (a, b) = bodies_of(&self.bodies, pair);
-        let mut answer = PairAnswer {
+        let mut answer = PairResults {
             a: self.bodies.id(a),
             b: self.bodies.id(b),
             pair: pair.id,
@@ -188,9 +188,9 @@ pub struct PairImpact {
     pub b: BodyId,
     /// Id of the pair while the boxes overlap.
     pub pair: PairId,
-    /// The bracket, in time after the begin of the tick: [`Impact::Hit`], or [`Impact::Near`] and
-    /// [`Impact::Unknown`] if the bodies are not proven to meet, nor to stay apart. The frames are
-    /// those of the bodies.
+    /// The bracket, in time after the begin of the tick: [`Impact::Hit`], or [`Impact::Undecided`]
+    /// and [`Impact::Incomplete`] if the bodies are not proven to meet, nor to stay apart. The
+    /// frames are those of the bodies.
     pub impact: Impact,
 }
 
@@ -199,7 +199,7 @@ impl PairImpact {
     #[must_use]
     pub fn safe(&self) -> f64 {
         match self.impact {
-            Impact::Hit { safe, .. } | Impact::Near { safe, .. } | Impact::Unknown { safe } => safe,
+            Impact::Hit { safe, .. } | Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => safe,
             _ => 0.0,
         }
     }

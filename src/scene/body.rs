@@ -12,7 +12,7 @@ use crate::broad;
 use crate::broad::Aabb;
 use crate::broad::slots::Slots;
 #[cfg(feature = "meshes")]
-use crate::nonconvex::contact::ContactPatches;
+use crate::nonconvex::contact::ConvexPatches;
 use crate::pair_tracker::geometry::Geometry;
 use crate::scene::budget::Travel;
 use crate::scene::motion::{Moving, Sweep, Ticks};
@@ -85,7 +85,7 @@ pub(super) struct BodySolid {
     pub(super) user_data: u64,
     /// The convex patches of a mesh or compound, if contacts are enabled.
     #[cfg(feature = "meshes")]
-    pub(super) patches: Option<ContactPatches>,
+    pub(super) patches: Option<ConvexPatches>,
 }
 
 impl BodySolid {

@@ -13,7 +13,7 @@ use super::step::{bodies_of, group};
 use crate::base::motion::Velocity;
 use crate::base::tolerance::UNIT;
 use crate::body::polyhedron::BoxHint;
-use crate::broad::{self, Aabb, PencilSweep, StoredBox};
+use crate::broad::{self, Aabb, StoredBox, SweepAndPrune};
 use crate::scene::ahead::TICKS;
 
 impl Scene {
@@ -272,7 +272,7 @@ fn check_sweeps(bodies: &BodyTable) -> Result<(), String> {
 }
 
 /// Checks that every body has a proxy in the broad phase, and every proxy a body.
-fn check_proxies(bodies: &BodyTable, broad: &PencilSweep) -> Result<(), String> {
+fn check_proxies(bodies: &BodyTable, broad: &SweepAndPrune) -> Result<(), String> {
     let n = bodies.slots.index_count();
     let is_kept = |i: usize| broad.contains(bodies.proxies[i]);
     let is_linked = |i: usize| bodies.body_of_proxy.get(bodies.proxies[i].index as usize) == Some(&(i as u32));

@@ -5,7 +5,7 @@ use crate::base::pose::PoseError;
 use crate::broad::BroadPhaseError;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::mesh::VertexError;
-use crate::pair_tracker::geometry::ShapeKind;
+use crate::pair_tracker::geometry::GeometryKind;
 use crate::pair_tracker::ray::RayError;
 
 /// A refused call. The error names the fault, and the scene is unchanged.
@@ -73,9 +73,9 @@ pub enum SceneError {
         /// The name of the query.
         query: &'static str,
         /// The kind of the first shape.
-        these: ShapeKind,
+        these: GeometryKind,
         /// The kind of the second shape.
-        those: ShapeKind,
+        those: GeometryKind,
     },
     /// A velocity or a time is NaN or infinite.
     #[error("a velocity or a time is not finite")]

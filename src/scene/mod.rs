@@ -118,7 +118,7 @@
 //!   that is not enabled is counted as exactly zero, and takes no memory.
 //! * Equal calls give equal answers, events and counts bit for bit, with any number of threads
 //!   (feature `parallel`), and after a scene was written and read back (feature `serde`; only
-//!   [`Counts::swaps`], the work of sorted lists that are rebuilt then, may differ). Trackers of
+//!   [`StepWork::swaps`], the work of sorted lists that are rebuilt then, may differ). Trackers of
 //!   compounds and meshes are not written: distances of such a pair then agree within the bounds.
 //!   The format must keep every bit of an `f64`: with `serde_json` switch on the feature
 //!   `float_roundtrip`.
@@ -168,10 +168,10 @@ mod step;
 use crate::body::polyhedron::BoxHint;
 use crate::broad;
 pub use crate::broad::{BodyId, PairId, Settings};
-use crate::broad::{Groups, PencilSweep};
+use crate::broad::{Groups, SweepAndPrune};
 use crate::convex::tracker::Workspace;
 use crate::pair_tracker::geometry::Geometry;
-pub use crate::scene::answers::PairAnswer;
+pub use crate::scene::answers::PairResults;
 pub use crate::scene::answers::{Change, Event, PairImpact};
 pub use crate::scene::body::Body;
 use crate::scene::body::{BodySolid, BodyTable, box_of, checked};
@@ -181,7 +181,7 @@ use crate::scene::pair_table::PairTables;
 use crate::scene::queries::Census;
 use crate::scene::queries::{GROUPS, Table};
 pub use crate::scene::queries::{Group, PairQueries};
-pub use crate::scene::report::{Bytes, Counts, Report, Times};
+pub use crate::scene::report::{Bytes, Report, StepWork, Times};
 pub use crate::scene::search::ClosestPair;
 use alloc::vec::Vec;
 use nalgebra::Isometry3;
@@ -195,7 +195,7 @@ pub struct Scene {
     bodies: BodyTable,
     census: Census,
     table: Table,
-    broad: PencilSweep,
+    broad: SweepAndPrune,
     pair_tables: PairTables,
     ignored: Ignored,
     events: Vec<Event>,
@@ -237,7 +237,7 @@ impl Default for Scene {
 impl Scene {
     /// Returns an empty scene about the origin, in which no query is enabled: without
     /// [`set_queries`](Self::set_queries) a step does nothing but count the bodies that no query
-    /// covers ([`Counts::without_queries`]).
+    /// covers ([`StepWork::without_queries`]).
     #[must_use]
     pub fn new() -> Self {
         Self::with_settings(Settings::default())
@@ -255,7 +255,7 @@ impl Scene {
             bodies,
             census: Census::default(),
             table: Table::default(),
-            broad: PencilSweep::with_settings(settings),
+            broad: SweepAndPrune::with_settings(settings),
             pair_tables: PairTables::default(),
             ignored: Ignored::default(),
             events: Vec::new(),

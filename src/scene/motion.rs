@@ -76,8 +76,8 @@ impl Sweep {
     /// is the rounding of the poses. No turn carries a point farther than the diameter.
     pub(super) fn bulge(&self, radius: f64, time: f64) -> f64 {
         let angle = self.velocity.angular.norm() * time;
-        let course = self.motion().map(|motion| motion.course(0.0, time));
-        let [shift, turn] = course.map_or([0.0; 2], |course| [course.shift.at(time), course.turn.at(time)]);
+        let model = self.motion().map(|motion| motion.model(0.0, time));
+        let [shift, turn] = model.map_or([0.0; 2], |model| [model.shift.at(time), model.turn.at(time)]);
         // The least of a number and NaN is the number.
         (radius * (0.125 * angle * angle + turn)).smaller(2.0 * radius) + shift
     }
@@ -90,9 +90,9 @@ impl Sweep {
         let straight = displacement(&way, 0.0, &self.from.rotation, &self.from.rotation);
         let rounding = PLACED_CENTRE * (start.abs().sum() + way.abs().sum());
         let most = (straight + rounding + 2.0 * radius) * ROUND_UP;
-        let course = self.motion().map(|motion| motion.course(0.0, time));
+        let model = self.motion().map(|motion| motion.model(0.0, time));
         // The least of a number and NaN is the number.
-        course.map_or(most, |course| course.displacement(radius, time).smaller(most))
+        model.map_or(most, |model| model.displacement(radius, time).smaller(most))
     }
 }
 

@@ -11,7 +11,7 @@ use super::budget::{slack, wake};
 use super::pair_engine::{ContactAsk, Contacted, PairEngine};
 use super::pair_table::{PairFlags, PairHeader, PairTable};
 use super::queries::{Detail, NEVER, PairPlan, Table};
-use super::report::Counts;
+use super::report::StepWork;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::pose::RelativePose;
@@ -30,7 +30,7 @@ pub(super) struct StepContext<'a> {
 /// Counts and changes of the narrow phase, besides the answers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tally {
-    pub(super) counts: Counts,
+    pub(super) counts: StepWork,
     pub(super) changes: Vec<PairChange>,
     pub(super) impacts: Vec<PairImpact>,
     /// Lent to the trackers in turn.
@@ -80,7 +80,7 @@ impl StepContext<'_> {
     /// Returns whether the last answer remains valid: neither body moved, or the budget is not used
     /// up.
     #[inline]
-    fn is_answered(&self, header: &mut PairHeader, counts: &mut Counts) -> bool {
+    fn is_answered(&self, header: &mut PairHeader, counts: &mut StepWork) -> bool {
         let [a, b] = [header.a, header.b].each(|i| &self.bodies.travels[i as usize]);
         let step = self.bodies.step;
         if !header.state.known {
@@ -107,7 +107,7 @@ impl StepContext<'_> {
 
     /// Returns whether two balls are so far apart that no enabled query can apply.
     #[inline]
-    fn is_clear(&self, header: &mut PairHeader, reach: f64, counts: &mut Counts) -> bool {
+    fn is_clear(&self, header: &mut PairHeader, reach: f64, counts: &mut StepWork) -> bool {
         let [a, b] = [header.a, header.b].each(|i| &self.bodies.balls[i as usize]);
         let apart = least_distance(a, b);
         if !(apart > reach) {

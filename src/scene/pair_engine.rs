@@ -9,7 +9,7 @@ use crate::body::polyhedron::ConvexPolyhedron;
 use crate::convex::contact::{Manifold, ManifoldOptions, Query};
 use crate::convex::tracker::{Tracker, Workspace};
 #[cfg(feature = "meshes")]
-use crate::nonconvex::contact::{ContactPatches, PatchContacts};
+use crate::nonconvex::contact::{ContactGroup, ConvexPatches};
 use crate::pair::outcome::{Outcome, Until};
 use crate::pair::question::Question;
 #[cfg(feature = "meshes")]
@@ -18,7 +18,7 @@ use crate::pair_tracker::PatchwiseContacts;
 use crate::pair_tracker::StoredEngine;
 use crate::pair_tracker::geometry::{Geometry, GeometryRef};
 use crate::pair_tracker::{Engine, LentPair};
-use crate::time::separation::{Measure, PolyhedronPair, Separation, ShapePair};
+use crate::time::separation::{Measurement, PolyhedronPair, Separation, ShapePair};
 
 /// What a contact stage starts from: the last outcome, the options, and the patches of bodies that
 /// are not convex.
@@ -26,7 +26,7 @@ pub(super) struct ContactAsk<'a> {
     pub(super) outcome: &'a Outcome,
     pub(super) options: &'a ManifoldOptions,
     #[cfg(feature = "meshes")]
-    pub(super) patches: [Option<&'a ContactPatches>; 2],
+    pub(super) patches: [Option<&'a ConvexPatches>; 2],
 }
 
 /// What an update of contact points did.
@@ -65,7 +65,7 @@ pub(super) trait PairEngine: Clone + Send + Sync {
         &mut self,
         shapes: Self::Shapes<'_>,
         seen: Option<&Outcome>,
-        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measurement>) -> R,
     ) -> R;
 
     /// Updates the contact points of a pair within the prediction.
@@ -79,7 +79,7 @@ pub(super) trait PairEngine: Clone + Send + Sync {
 
     /// Returns the contacts of a pair with a body that is not convex.
     #[cfg(feature = "meshes")]
-    fn contacts(&self) -> Option<&[PatchContacts]> {
+    fn contacts(&self) -> Option<&[ContactGroup]> {
         None
     }
 
@@ -134,7 +134,7 @@ impl PairEngine for Tracker {
         &mut self,
         (a, b): Self::Shapes<'_>,
         seen: Option<&Outcome>,
-        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measurement>) -> R,
     ) -> R {
         let mut pair = PolyhedronPair::new(a, b, self);
         let seen = seen.map(|outcome| pair.seen(outcome));
@@ -211,7 +211,7 @@ impl PairEngine for MixedPair {
         &mut self,
         shapes: Self::Shapes<'_>,
         seen: Option<&Outcome>,
-        ask: impl FnOnce(&mut dyn Separation, Option<Measure>) -> R,
+        ask: impl FnOnce(&mut dyn Separation, Option<Measurement>) -> R,
     ) -> R {
         ask(&mut self.engine.lend(shapes).over_time(), seen.map(ShapePair::seen))
     }
@@ -248,7 +248,7 @@ impl PairEngine for MixedPair {
     }
 
     #[cfg(feature = "meshes")]
-    fn contacts(&self) -> Option<&[PatchContacts]> {
+    fn contacts(&self) -> Option<&[ContactGroup]> {
         self.contacts.as_deref().map(PatchwiseContacts::found)
     }
 

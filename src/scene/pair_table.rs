@@ -21,7 +21,7 @@ use crate::broad::PairId;
 use crate::convex::contact::Manifold;
 use crate::convex::tracker::Tracker;
 #[cfg(feature = "meshes")]
-use crate::nonconvex::contact::PatchContacts;
+use crate::nonconvex::contact::ContactGroup;
 use crate::pair::outcome::{Distance, Outcome, Until};
 use crate::pair_tracker::Engine;
 use crate::pair_tracker::geometry::Geometry;
@@ -182,7 +182,7 @@ pub(super) struct PairView<'a> {
     pub(super) outcome: Option<&'a Outcome>,
     pub(super) manifold: Option<&'a Manifold>,
     #[cfg(feature = "meshes")]
-    pub(super) contacts: Option<&'a [PatchContacts]>,
+    pub(super) contacts: Option<&'a [ContactGroup]>,
 }
 
 /// The tables of the pairs of one type of tracker, one for each level of detail that is stored.

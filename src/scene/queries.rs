@@ -6,7 +6,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::SCENE_REACH;
 use crate::convex::contact::ManifoldOptions;
 use crate::pair::outcome::Until;
-use crate::pair_tracker::geometry::ShapeKind;
+use crate::pair_tracker::geometry::GeometryKind;
 use crate::scene::SceneError;
 use crate::time::impact::Tolerance;
 use alloc::boxed::Box;
@@ -418,14 +418,14 @@ mod range {
 }
 
 /// Returns the name of an enabled query that two kinds cannot answer, if there is one.
-fn unanswered(queries: &PairQueries, a: ShapeKind, b: ShapeKind) -> Option<&'static str> {
+fn unanswered(queries: &PairQueries, a: GeometryKind, b: GeometryKind) -> Option<&'static str> {
     if a.is_convex() && b.is_convex() {
         return None;
     }
     if queries.depth || queries.local_depth {
         return Some(if queries.depth { "depth" } else { "local_depth" });
     }
-    let is_surface = |kind: ShapeKind| kind == ShapeKind::BezierSurface;
+    let is_surface = |kind: GeometryKind| kind == GeometryKind::BezierSurface;
     if !is_surface(a) && !is_surface(b) {
         return None;
     }
@@ -438,7 +438,7 @@ fn unanswered(queries: &PairQueries, a: ShapeKind, b: ShapeKind) -> Option<&'sta
 pub(super) struct Census(BTreeMap<Member, u32>);
 
 /// Group and kind of a body, and whether the body is fixed.
-pub(super) type Member = (Group, ShapeKind, bool);
+pub(super) type Member = (Group, GeometryKind, bool);
 
 impl Census {
     /// Counts one body more.

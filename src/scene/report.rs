@@ -15,7 +15,7 @@ use crate::pair::outcome::{Outcome, Solver};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Counts {
+pub struct StepWork {
     /// Number of steps.
     pub steps: u64,
     /// Boxes computed: of bodies that moved, or whose queries changed.
@@ -77,7 +77,7 @@ pub struct Counts {
     pub events: u64,
 }
 
-impl Counts {
+impl StepWork {
     /// Returns how many queries `solver` answered.
     #[must_use]
     pub fn answered_by(&self, solver: Solver) -> u64 {
@@ -99,7 +99,7 @@ impl Counts {
 
 // With `pairs`, `without_queries` and `active`, so that a sum over steps divided by `steps` is the
 // mean.
-sum_of_counters!(Counts {
+sum_of_counters!(StepWork {
     steps,
     boxes,
     swaps,
@@ -170,7 +170,7 @@ impl AddAssign for Times {
 #[non_exhaustive]
 pub struct Report {
     /// Work by kind.
-    pub counts: Counts,
+    pub counts: StepWork,
     /// Wall time by stage.
     pub times: Times,
 }

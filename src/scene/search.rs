@@ -22,7 +22,7 @@ use crate::body::polyhedron::BoxHint;
 use crate::broad::{Aabb, StoredBox};
 use crate::pair::outcome::{Outcome, Until};
 use crate::pair::question::Question;
-use crate::pair::spot::Answer;
+use crate::pair::spot::PairOutcome;
 use crate::pair_tracker::Engine;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::pair_tracker::ray::{Ray, RayCast, RayCaster, placed_ball};
@@ -34,7 +34,7 @@ use alloc::vec::Vec;
 use nalgebra::Point3;
 
 /// A pair and its closest features, in the frames of the bodies as in
-/// [`PairAnswer`](super::PairAnswer).
+/// [`PairResults`](super::PairResults).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
@@ -47,7 +47,7 @@ pub struct ClosestPair {
     /// Distance with bounds, features, witnesses and normal.
     pub outcome: Outcome,
     /// The pieces or triangles of the features, as in
-    /// [`PairAnswer::pieces`](super::PairAnswer::pieces).
+    /// [`PairResults::pieces`](super::PairResults::pieces).
     pub pieces: [u32; 2],
 }
 
@@ -238,7 +238,7 @@ pub(super) struct PairQuery<'a> {
 }
 
 impl PairQuery<'_> {
-    pub(super) fn measure(&mut self, until: Until) -> Answer {
+    pub(super) fn measure(&mut self, until: Until) -> PairOutcome {
         let question = Question::new().until(until);
         self.engine.lend(self.shapes).ask(&self.pose, &question)
     }

@@ -24,7 +24,7 @@ use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
 use crate::body::polyhedron::BoxHint;
 use crate::broad::slots::Slots;
-use crate::broad::{self, PencilSweep};
+use crate::broad::{self, SweepAndPrune};
 use crate::convex::tracker::Tracker;
 use crate::convex::tracker::Workspace;
 use crate::pair::outcome::{Distance, Outcome};
@@ -88,7 +88,7 @@ struct SceneSnapshot {
     /// Growths by group, infinity as the largest number.
     growths: Vec<f64>,
     partners: [u32; GROUPS],
-    broad: PencilSweep,
+    broad: SweepAndPrune,
     /// Ignored pairs by the indices of the bodies, the lower index first.
     ignored: Vec<(u32, u32)>,
     polyhedra: TableRows<Tracker>,

@@ -330,7 +330,7 @@ mod tests {
     use crate::rng::Rng;
     use crate::surface::bezier_surface::BezierSurface;
     use crate::surface::closest::{Meeting, PatchPair};
-    use crate::surface::gap::{SearchCounts, Trees};
+    use crate::surface::gap::{SearchWork, Trees};
     use crate::surface::net::BezierPatch;
     use crate::surface::tree::{Grown, Nodes};
 
@@ -521,7 +521,7 @@ mod tests {
                     a: Nodes::new(&a.tree, &mut of_a),
                     b: Nodes::new(&b.tree, &mut of_b),
                     frame: &frame,
-                    counts: SearchCounts::default(),
+                    counts: SearchWork::default(),
                 };
                 found += u32::from(trees.is_about([0, 0], &bowl, 0.5 - 1e-9));
                 assert!(!trees.is_about([0, 0], &bowl, 0.5 + 1e-9), "{bend} {k}");
@@ -551,7 +551,7 @@ mod tests {
                 a: Nodes::new(&a.tree, &mut of_a),
                 b: Nodes::new(&b.tree, &mut of_b),
                 frame: &frame,
-                counts: SearchCounts::default(),
+                counts: SearchWork::default(),
             };
             proven += u32::from(trees.is_about([0, 0], bowl, found.distance - 1e-9));
             assert!(!trees.is_about([0, 0], bowl, found.distance + 1e-12));

@@ -30,7 +30,7 @@ pub(super) struct Gap {
 
 /// Counters of bounds.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct SearchCounts {
+pub(super) struct SearchWork {
     /// Heights of two nets along a direction.
     pub(super) gaps: u64,
     /// Heights by second derivatives.
@@ -44,7 +44,7 @@ pub(super) struct Trees<'a, B> {
     pub(super) a: Nodes<'a>,
     pub(super) b: B,
     pub(super) frame: &'a NetFrame,
-    pub(super) counts: SearchCounts,
+    pub(super) counts: SearchWork,
 }
 
 impl<B: NetSide> Trees<'_, B> {

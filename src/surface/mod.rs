@@ -54,8 +54,8 @@
 //! for pairs of any size, and are as narrow as asked for if the size L is between `2^-300` (5e-91)
 //! and `2^300`. Beyond, squares of lengths leave f64, and a pair is measured by the distance of
 //! its origins alone, to the sum of both reaches: no contact of bodies below that size is decided,
-//! and a cast onto one ends as [`Near`](crate::impact::Impact::Near) or
-//! [`Unknown`](crate::impact::Impact::Unknown).
+//! and a cast onto one ends as [`Near`](crate::impact::Impact::Undecided) or
+//! [`Unknown`](crate::impact::Impact::Incomplete).
 //!
 //! # Wider intervals than asked for
 //!

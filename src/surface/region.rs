@@ -140,7 +140,7 @@ mod tests {
     use crate::surface::bezier_surface::BezierSurface;
     use crate::surface::closest::Patches;
     use crate::surface::gap::NetFrame;
-    use crate::surface::gap::SearchCounts;
+    use crate::surface::gap::SearchWork;
     use crate::surface::net::BezierPatch;
     use crate::surface::tree::{Grown, Nodes};
 
@@ -212,7 +212,7 @@ mod tests {
                 a: Nodes::new(&a.tree, &mut of_a),
                 b: Nodes::new(&b.tree, &mut of_b),
                 frame: &frame,
-                counts: SearchCounts::default(),
+                counts: SearchWork::default(),
             };
             let mut points = Patches {
                 a: a.patches(),

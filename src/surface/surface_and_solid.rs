@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use super::bezier_surface::{BezierSurface, SurfaceWork};
-use super::gap::{NetFrame, SearchCounts, Trees};
+use super::gap::{NetFrame, SearchWork, Trees};
 use super::search::{NetGoal, SPLITS, SurfaceMemory};
 use super::solid::{Feet, ShapeNode};
 use super::tree::{Grown, Nodes};
@@ -30,8 +30,8 @@ use crate::nonconvex::separation::ball_about;
 use crate::pair::draft::{far, unit};
 use crate::pair::outcome::{ContactState, Decision, Outcome};
 use crate::pair::question::Question;
-use crate::pair::spot::{Answer, Spot, features_on};
-use crate::time::separation::{Flight, Free, Measure, Proof, Separation};
+use crate::pair::spot::{PairOutcome, Spot, features_on};
+use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation};
 
 /// Width of a measure over time, as a part of the distance: a look of conservative advancement goes
 /// so much less far. Not measured.
@@ -58,7 +58,7 @@ pub(crate) trait BesideSurface {
     fn ball(body: &Self::Body) -> (Point3<f64>, f64);
 
     /// Returns the closest points with bounds as close as a goal asks for.
-    fn answer(&mut self, a: &BezierSurface, b: &Self::Body, a_from_b: &RelativePose, goal: NetGoal) -> Answer;
+    fn answer(&mut self, a: &BezierSurface, b: &Self::Body, a_from_b: &RelativePose, goal: NetGoal) -> PairOutcome;
 
     /// Sets the number of nodes that a query may split; `None` for the usual budget.
     fn allow(&mut self, splits: Option<usize>);
@@ -76,7 +76,7 @@ pub(crate) struct SurfaceSolidPair<'a, T: BesideSurface> {
 
 impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
     /// Returns the closest points, with bounds of the width that the question sets.
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> PairOutcome {
         let width = width_asked(self, question);
         self.tracker.allow(question.splits);
         self.answer(a_from_b, NetGoal::Width(width)).without_depth()
@@ -99,7 +99,7 @@ impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
         Decision::by(found.lower, found.upper, d)
     }
 
-    fn answer(&mut self, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+    fn answer(&mut self, a_from_b: &RelativePose, goal: NetGoal) -> PairOutcome {
         let pose = from_surface(self.order, a_from_b);
         let found = self.tracker.answer(self.surface, self.body, &pose, goal);
         if self.order == Operand::A {
@@ -120,10 +120,10 @@ fn from_surface(order: Operand, a_from_b: &RelativePose) -> RelativePose {
 }
 
 /// Returns the answer of B and A as that of A and B, for the pose of B and A.
-fn exchanged(found: Answer, pose: &RelativePose) -> Answer {
+fn exchanged(found: PairOutcome, pose: &RelativePose) -> PairOutcome {
     let normal = unit(&-pose.rotation().tr_mul(&found.normal));
     let o = found.outcome;
-    Answer {
+    PairOutcome {
         outcome: Outcome {
             features: o.features.swapped(),
             point_on_a: o.point_on_b,
@@ -149,10 +149,10 @@ pub(super) fn width_asked(pair: &impl Separation, question: &Question) -> f64 {
 /// near that distance.
 pub(super) fn held<S: Separation>(
     pair: &mut S,
-    seen: &Measure,
-    flight: &Flight,
+    seen: &Measurement,
+    flight: &PairMotion,
     lower: impl FnOnce(&mut S, &RelativePose, f64) -> f64,
-) -> Free {
+) -> FreeSpan {
     let left = seen.upper - flight.keep;
     let mut bound = seen.lower;
     if left > 0.0
@@ -163,11 +163,11 @@ pub(super) fn held<S: Separation>(
     }
     let proof = Proof::Own;
     if bound - flight.keep < HOPE * left {
-        return Free { span: 0.0, proof };
+        return FreeSpan { span: 0.0, proof };
     }
     let way = bound - flight.keep - flight.apart(pair).noise;
     let span = flight.held(pair, way);
-    Free { span, proof }
+    FreeSpan { span, proof }
 }
 
 impl<T: BesideSurface> Separation for SurfaceSolidPair<'_, T> {
@@ -179,15 +179,15 @@ impl<T: BesideSurface> Separation for SurfaceSolidPair<'_, T> {
         }
     }
 
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Measure::from(&self.answer(a_from_b, NetGoal::Part(MEASURED)))
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
+        Measurement::from(&self.answer(a_from_b, NetGoal::Part(MEASURED)))
     }
 
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
         self.is_within(a_from_b, distance).is_yes()
     }
 
-    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+    fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         held(self, seen, flight, |pair, pose, width| {
             pair.answer(pose, NetGoal::Width(width)).lower
         })
@@ -255,7 +255,7 @@ impl SurfaceShapeTracker {
         a_from_b: &RelativePose,
         goal: NetGoal,
         placing: f64,
-    ) -> Answer {
+    ) -> PairOutcome {
         let is_full = self.grown.numbers() > KEPT;
         if !self.state.recognises([a.fingerprint, b.fingerprint()], is_full) {
             (self.grown, self.feet) = (Grown::default(), ShapeTracker::new());
@@ -270,7 +270,7 @@ impl SurfaceShapeTracker {
             a: Nodes::new(&a.tree, &mut self.grown),
             b: ShapeNode::new(b),
             frame: &frame,
-            counts: SearchCounts::default(),
+            counts: SearchWork::default(),
         };
         let mut feet = Feet::new(a.patches(), [&self.point, b], &mut self.feet, &frame, a_from_b);
         match self.state.search(&mut trees, &mut feet, goal) {
@@ -287,7 +287,7 @@ impl SurfaceShapeTracker {
                     ..Outcome::starting_at(features_on(&on))
                 };
                 let is_reached = goal.is_reached(lower, best.upper);
-                Answer {
+                PairOutcome {
                     outcome,
                     on,
                     is_reached,
@@ -305,7 +305,7 @@ impl BesideSurface for SurfaceShapeTracker {
         body.bounding_ball()
     }
 
-    fn answer(&mut self, a: &BezierSurface, b: &Shape, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+    fn answer(&mut self, a: &BezierSurface, b: &Shape, a_from_b: &RelativePose, goal: NetGoal) -> PairOutcome {
         self.answer_placed(a, b, a_from_b, goal, 0.0)
     }
 
@@ -333,7 +333,7 @@ fn reach(shape: &Shape) -> f64 {
 
 /// Bodies so far apart, or so small beside their distance, that only balls about their origins
 /// count.
-pub(super) fn far_apart(a: &BezierSurface, b: &Shape, a_from_b: &RelativePose) -> Answer {
+pub(super) fn far_apart(a: &BezierSurface, b: &Shape, a_from_b: &RelativePose) -> PairOutcome {
     let (lower, upper, n) = far([a.reach, reach(b)], a_from_b);
     let facing = -a_from_b.rotation().tr_mul(&n);
     let on = [Spot::on_patch(0, [0.0; 2]), Spot::new(0, Feature::Vertex(VertexId(0)))];
@@ -347,7 +347,7 @@ pub(super) fn far_apart(a: &BezierSurface, b: &Shape, a_from_b: &RelativePose) -
         normal: Unit::new_unchecked(n),
         ..Outcome::starting_at(features_on(&on))
     };
-    Answer {
+    PairOutcome {
         outcome,
         on,
         is_reached: false,
@@ -355,7 +355,7 @@ pub(super) fn far_apart(a: &BezierSurface, b: &Shape, a_from_b: &RelativePose) -
 }
 
 /// Lowers the lower bound of an answer to that of other pieces.
-fn lower_to(answer: &mut Answer, lower: f64, goal: NetGoal) {
+fn lower_to(answer: &mut PairOutcome, lower: f64, goal: NetGoal) {
     let o = &mut answer.outcome;
     o.lower = o.lower.smaller(lower);
     o.distance = o.distance.larger(o.lower);
@@ -410,7 +410,7 @@ impl BesideSurface for SurfaceCompoundTracker {
     }
 
     /// Returns the closest points of all pieces with bounds as close as a goal asks for.
-    fn answer(&mut self, a: &BezierSurface, b: &Compound, a_from_b: &RelativePose, goal: NetGoal) -> Answer {
+    fn answer(&mut self, a: &BezierSurface, b: &Compound, a_from_b: &RelativePose, goal: NetGoal) -> PairOutcome {
         let pieces = b.pieces();
         self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);
         let placed = Placed::new(a_from_b, b.is_in_place());

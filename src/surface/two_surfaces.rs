@@ -7,7 +7,7 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use super::bezier_surface::{BezierSurface, SurfaceWork};
 use super::closest::{Patches, crosses};
-use super::gap::{NetFrame, SearchCounts, Trees};
+use super::gap::{NetFrame, SearchWork, Trees};
 use super::search::{NetGoal, SPLITS, SurfaceMemory};
 use super::surface_and_solid::{MEASURED, held, width_asked};
 use super::tree::{Grown, Nodes};
@@ -20,8 +20,8 @@ use crate::nonconvex::mesh::Mesh;
 use crate::pair::draft::far;
 use crate::pair::outcome::{ContactState, Decision, Outcome};
 use crate::pair::question::Question;
-use crate::pair::spot::{Answer, Spot, features_on};
-use crate::time::separation::{Flight, Free, Measure, Separation};
+use crate::pair::spot::{PairOutcome, Spot, features_on};
+use crate::time::separation::{FreeSpan, Measurement, PairMotion, Separation};
 
 /// Numbers that a tracker keeps for the nets of split nodes, at most: 16 MB.
 pub(super) const KEPT: usize = 1 << 21;
@@ -98,7 +98,7 @@ impl SurfaceTracker {
         b: &BezierSurface,
         a_from_b: &RelativePose,
         goal: NetGoal,
-    ) -> Answer {
+    ) -> PairOutcome {
         let found = self.search(a, b, a_from_b, goal);
         let state = if found.lower > 0.0 {
             ContactState::Separated
@@ -117,7 +117,7 @@ impl SurfaceTracker {
             normal: found.normal,
             ..Outcome::starting_at(features_on(&found.on))
         };
-        Answer {
+        PairOutcome {
             outcome,
             on: found.on,
             is_reached: goal.is_reached(found.lower, found.upper),
@@ -154,7 +154,7 @@ impl SurfaceTracker {
             a: Nodes::new(&a.tree, grown_a),
             b: Nodes::new(&b.tree, grown_b),
             frame: &frame,
-            counts: SearchCounts::default(),
+            counts: SearchWork::default(),
         };
         let mut points = Patches {
             a: a.patches(),
@@ -214,7 +214,7 @@ enum Side {
 
 impl SurfacePair<'_> {
     /// Returns the closest points, with bounds of the width that the question sets.
-    pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> Answer {
+    pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> PairOutcome {
         let width = width_asked(self, question);
         self.tracker.allow(question.splits);
         self.answer(pose, NetGoal::Width(width)).without_depth()
@@ -246,13 +246,13 @@ impl SurfacePair<'_> {
         }
     }
 
-    fn answer(&mut self, pose: &RelativePose, goal: NetGoal) -> Answer {
+    fn answer(&mut self, pose: &RelativePose, goal: NetGoal) -> PairOutcome {
         let found = self.tracker.answer(self.a, self.b, pose, goal);
         match found.state {
             ContactState::Separated => match self.side(pose) {
                 Side::Outside => found,
                 Side::Inside(spot, point) => self.inside(found, (spot, point), pose),
-                Side::Unclear => Answer {
+                Side::Unclear => PairOutcome {
                     outcome: Outcome {
                         state: ContactState::Undecided,
                         lower: 0.0,
@@ -267,7 +267,7 @@ impl SurfacePair<'_> {
     }
 
     /// Returns the answer of a surface that has a point within the mesh.
-    fn inside(&self, found: Answer, (spot, point): (Spot, Point3<f64>), pose: &RelativePose) -> Answer {
+    fn inside(&self, found: PairOutcome, (spot, point): (Spot, Point3<f64>), pose: &RelativePose) -> PairOutcome {
         let mut answer = found;
         let o = &mut answer.outcome;
         (o.state, o.distance, o.lower, o.upper) = (ContactState::Overlapping, 0.0, 0.0, 0.0);
@@ -327,15 +327,15 @@ impl Separation for SurfacePair<'_> {
         if of == Operand::A { self.a } else { self.b }.bounding_ball()
     }
 
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
-        Measure::from(&self.answer(a_from_b, NetGoal::Part(MEASURED)))
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
+        Measurement::from(&self.answer(a_from_b, NetGoal::Part(MEASURED)))
     }
 
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
         self.is_within(a_from_b, distance).is_yes()
     }
 
-    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+    fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         held(self, seen, flight, |pair, pose, width| {
             pair.answer(pose, NetGoal::Width(width)).lower
         })

@@ -9,7 +9,7 @@ use truth::rng::Rng;
 type Keys = BTreeSet<(BodyId, BodyId)>;
 
 /// The pairs there should be: all of all, by the definition.
-fn expected(broad: &PencilSweep) -> Keys {
+fn expected(broad: &SweepAndPrune) -> Keys {
     let ids: Vec<BodyId> = broad.bodies().collect();
     let boxes: Vec<StoredBox> = ids.iter().map(|id| broad.stored_box(*id).unwrap()).collect();
     let may = |a: u32, b: u32| {
@@ -23,7 +23,7 @@ fn expected(broad: &PencilSweep) -> Keys {
         .collect()
 }
 
-fn present(broad: &PencilSweep) -> Keys {
+fn present(broad: &SweepAndPrune) -> Keys {
     broad.pairs().map(|p| (p.a, p.b)).collect()
 }
 
@@ -52,14 +52,14 @@ impl Replay {
 
 /// A broad phase and the pairs that its events tell.
 struct Fed {
-    broad: PencilSweep,
+    broad: SweepAndPrune,
     replay: Replay,
 }
 
 impl Fed {
     fn new() -> Self {
         Self {
-            broad: PencilSweep::new(),
+            broad: SweepAndPrune::new(),
             replay: Replay::default(),
         }
     }
@@ -120,7 +120,7 @@ fn margins_change_boxes_but_not_the_definition() {
 #[test]
 fn margins_hold_the_given_box() {
     let mut scene = Scene::new(Kind::UniformSlow, 300);
-    let mut broad = PencilSweep::new();
+    let mut broad = SweepAndPrune::new();
     let body = BodyOptions::moving().margin(0.03).lookahead(2.0);
     let ids: Vec<BodyId> = scene.boxes.iter().map(|b| broad.insert(b, body).unwrap()).collect();
     let mut kept = 0;
@@ -248,8 +248,8 @@ fn far_bodies_work() {
 #[test]
 fn an_origin_keeps_far_scenes_fine() {
     let origin = Point3::new(1e7, -1e7, 1e7);
-    let mut near = PencilSweep::new();
-    let mut far = PencilSweep::with_settings(Settings::default().origin(origin));
+    let mut near = SweepAndPrune::new();
+    let mut far = SweepAndPrune::with_settings(Settings::default().origin(origin));
     let scene = Scene::new(Kind::Pile, 300);
     for aabb in &scene.boxes {
         // Quarter units, so that moving them off rounds nothing.
@@ -370,7 +370,7 @@ fn groups_filters_and_fixed_bodies() {
     // The changed body now also pairs with the two other robots, and still with the three cells.
     assert_eq!(fed.broad.pair_count(), 6 + 3 + 2);
 
-    let never = |broad: &mut PencilSweep| {
+    let never = |broad: &mut SweepAndPrune| {
         broad.regroup(c[0]).unwrap();
         let ended = broad.step_with(&mut |a, b| a != c[0] && b != c[0]).ended.len();
         (ended, broad.pair_count())
@@ -404,8 +404,8 @@ fn permuted_ids_change_only_names() {
     let mut scene = Scene::new(Kind::Pile, 300);
     let n = scene.boxes.len();
     let name = |i: usize| (i * 7 + 3) % n;
-    let mut plain = PencilSweep::new();
-    let mut other = PencilSweep::new();
+    let mut plain = SweepAndPrune::new();
+    let mut other = SweepAndPrune::new();
     let ids: Vec<BodyId> = scene
         .boxes
         .iter()

@@ -4,7 +4,7 @@ use lin_canny::broad::*;
 use lin_canny::nalgebra::{Point3, Vector3};
 use truth::driven::lattice::{Mix, sequence};
 
-fn play(sequences: u64, make: impl Fn() -> PencilSweep) {
+fn play(sequences: u64, make: impl Fn() -> SweepAndPrune) {
     let mut mix = Mix::default();
     for seed in 0..sequences {
         match sequence(seed, make()) {
@@ -24,15 +24,15 @@ fn play(sequences: u64, make: impl Fn() -> PencilSweep) {
 }
 
 #[test]
-fn pencils_on_lattices_equal_brute_force() {
-    play(20_000, PencilSweep::new);
+fn columns_on_lattices_equal_brute_force() {
+    play(20_000, SweepAndPrune::new);
 }
 
 /// With the feature `parallel` and threads to spare, columns are dealt out from the first body on.
 #[test]
 fn shared_work_on_lattices_equals_brute_force() {
     play(2000, || {
-        PencilSweep::with_settings(Settings::default().parallel_from(1))
+        SweepAndPrune::with_settings(Settings::default().parallel_from(1))
     });
 }
 
@@ -48,7 +48,7 @@ fn two_million_sequences_equal_brute_force() {
                 scope.spawn(move || {
                     let mut mix = Mix::default();
                     for seed in (part..n).step_by(threads as usize) {
-                        let played = sequence(1_000_000 + seed, PencilSweep::new());
+                        let played = sequence(1_000_000 + seed, SweepAndPrune::new());
                         mix.add(&played.unwrap_or_else(|what| panic!("seed {seed}: {what}")));
                     }
                     mix
@@ -67,7 +67,7 @@ fn two_million_sequences_equal_brute_force() {
 }
 
 /// A wall of bricks; one is lifted out and set back, or replaced, then two slide along each other.
-fn wall(mut broad: PencilSweep, size: u32, gap: f64, replace: bool) {
+fn wall(mut broad: SweepAndPrune, size: u32, gap: f64, replace: bool) {
     let brick = |x: f64, y: f64| Aabb::from_center(Point3::new(x, y, 0.0), Vector3::repeat(0.5));
     let mut wall = Vec::new();
     for x in 0..size {
@@ -102,7 +102,7 @@ fn a_brick_set_back_into_its_wall_still_meets_others() {
     for size in [4, 8, 12, 16] {
         for gap in [1.0, 1.5, 2.0, 3.0] {
             for replace in [false, true] {
-                wall(PencilSweep::new(), size, gap, replace);
+                wall(SweepAndPrune::new(), size, gap, replace);
             }
         }
     }

@@ -7,7 +7,7 @@ use truth::rng::Rng;
 
 fn ask(kind: Kind) -> usize {
     let mut scene = Scene::new(kind, 500);
-    let mut broad = PencilSweep::new();
+    let mut broad = SweepAndPrune::new();
     let mut ids: Vec<BodyId> = scene
         .boxes
         .iter()
@@ -70,7 +70,7 @@ fn overlapping_and_nearest_equal_brute_force() {
 
 #[test]
 fn nearest_of_few_ends() {
-    let mut broad = PencilSweep::new();
+    let mut broad = SweepAndPrune::new();
     let cube = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
     assert!(broad.nearest(&cube(0.0), 3, f64::INFINITY).unwrap().is_empty());
     let id = broad.insert(&cube(1e6), BodyOptions::moving()).unwrap();
@@ -89,7 +89,7 @@ fn same_pairs_as_the_tree_of_parry() {
     use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhWorkspace};
     for kind in Kind::ALL {
         let mut scene = Scene::new(kind, 800);
-        let mut broad = PencilSweep::new();
+        let mut broad = SweepAndPrune::new();
         let ids: Vec<BodyId> = scene
             .boxes
             .iter()

@@ -11,7 +11,7 @@ fn copy<B: serde::Serialize + serde::de::DeserializeOwned>(broad: &B) -> B {
 }
 
 /// One step's calls, drawn from `random`.
-fn feed(broad: &mut PencilSweep, ids: &mut Vec<BodyId>, scene: &Scene, random: &mut Rng) {
+fn feed(broad: &mut SweepAndPrune, ids: &mut Vec<BodyId>, scene: &Scene, random: &mut Rng) {
     for k in 0..ids.len() {
         if broad.contains(ids[k]) && random.below(3) > 0 {
             broad.set_box(ids[k], &scene.boxes[k % scene.boxes.len()]).unwrap();
@@ -27,7 +27,7 @@ fn feed(broad: &mut PencilSweep, ids: &mut Vec<BodyId>, scene: &Scene, random: &
     }
 }
 
-fn goes_on(mut broad: PencilSweep, n: usize) {
+fn goes_on(mut broad: SweepAndPrune, n: usize) {
     let mut scene = Scene::new(Kind::Pile, n);
     let mut ids: Vec<BodyId> = scene
         .boxes
@@ -60,13 +60,13 @@ fn goes_on(mut broad: PencilSweep, n: usize) {
 #[test]
 fn restart_goes_on_identically() {
     for n in [5, 150] {
-        goes_on(PencilSweep::new(), n);
+        goes_on(SweepAndPrune::new(), n);
     }
 }
 
 #[test]
 fn damaged_text_is_refused_or_harmless() {
-    let mut broad = PencilSweep::new();
+    let mut broad = SweepAndPrune::new();
     let scene = Scene::new(Kind::Pile, 12);
     let ids: Vec<_> = scene
         .boxes
@@ -87,7 +87,7 @@ fn damaged_text_is_refused_or_harmless() {
                 bytes[at] = b'0' + random.below(10) as u8;
             }
         }
-        if let Ok(mut read) = serde_json::from_slice::<PencilSweep>(&bytes) {
+        if let Ok(mut read) = serde_json::from_slice::<SweepAndPrune>(&bytes) {
             accepted += 1;
             read.step();
             let cube = Aabb::from_center(Point3::origin(), Vector3::repeat(1.0));

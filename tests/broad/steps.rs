@@ -14,7 +14,7 @@ fn shifted(aabb: &Aabb, by: Vector3<f64>) -> Aabb {
 
 /// Entries compared, step by step. `motion` says how body `i` moves in step `s`.
 fn scanned(mut boxes: Vec<Aabb>, mut motion: impl FnMut(usize, usize, &Aabb) -> Vector3<f64>) -> Vec<u64> {
-    let mut broad = PencilSweep::new();
+    let mut broad = SweepAndPrune::new();
     let ids: Vec<_> = boxes
         .iter()
         .map(|b| broad.insert(b, BodyOptions::moving()).unwrap())
@@ -168,7 +168,7 @@ fn change_after_calm(change: &Change, calm: usize) {
     let place = |rng: &mut Rng| Point3::new(rng.range(-750.0, 750.0), rng.range(-7.5, 7.5), rng.range(-7.5, 7.5));
     let centres: Vec<_> = (0..n).map(|_| place(&mut rng)).collect();
     let boxed = |c: &Point3<f64>, size: f64| Aabb::from_center(*c, Vector3::repeat(0.5 * size));
-    let mut broad = PencilSweep::new();
+    let mut broad = SweepAndPrune::new();
     let ids: Vec<_> = centres
         .iter()
         .map(|c| broad.insert(&boxed(c, 1.0), BodyOptions::moving()).unwrap())

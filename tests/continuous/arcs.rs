@@ -167,7 +167,7 @@ fn a_tip_that_sweeps_past_a_sheet_hits_it_only_if_it_reaches_it() {
                     );
                     misses += 1;
                 }
-                Impact::Start { .. } => assert!(windows.iter().any(|w| w[0] <= 0.0 && 0.0 <= w[1]), "{what}"),
+                Impact::AtStart { .. } => assert!(windows.iter().any(|w| w[0] <= 0.0 && 0.0 <= w[1]), "{what}"),
                 other => panic!("{what} {other:?}"),
             }
         }
@@ -239,7 +239,7 @@ fn run(rounds: usize, seed: u64) -> Tally {
                     tally.misses += 1;
                     1.0
                 }
-                Impact::Start { .. } => {
+                Impact::AtStart { .. } => {
                     assert!(!is_apart(0.0).0, "{what}");
                     tally.starts += 1;
                     continue;
@@ -250,7 +250,7 @@ fn run(rounds: usize, seed: u64) -> Tally {
                     tally.wide += usize::from(hit - safe > tolerance);
                     safe
                 }
-                Impact::Near { safe, distance } => {
+                Impact::Undecided { safe, distance } => {
                     assert!(distance < 1e-12, "{what}");
                     tally.near += 1;
                     safe
@@ -303,13 +303,13 @@ fn a_touch_of_a_body_that_turns_is_near_or_a_start() {
         both(&a, &b, 1e-9).map(|cast| cast.impact)
     };
     for impact in frame(-0.625, -0.125) {
-        let Impact::Near { safe, distance } = impact else {
+        let Impact::Undecided { safe, distance } = impact else {
             panic!("{impact:?}")
         };
         assert!(safe > 1.0 - 1e-9 && safe < 1.0 && distance < 1e-9, "{impact:?}");
     }
     for impact in frame(-0.125, -0.125).into_iter().chain(frame(-0.125, -1.0)) {
-        assert!(matches!(impact, Impact::Start { .. }), "{impact:?}");
+        assert!(matches!(impact, Impact::AtStart { .. }), "{impact:?}");
     }
     for impact in frame(-0.625, -0.125 - 1e-9) {
         assert!(matches!(impact, Impact::Miss), "{impact:?}");
@@ -346,7 +346,7 @@ fn casts_of_bodies_that_turn_scale_by_powers_of_two() {
                 all.push(match cast.impact {
                     Impact::Hit { safe, hit, seen } => ([safe, hit, seen.upper / size], cast.queries),
                     Impact::Miss => ([2.0; 3], cast.queries),
-                    Impact::Start { .. } => ([-1.0; 3], cast.queries),
+                    Impact::AtStart { .. } => ([-1.0; 3], cast.queries),
                     other => panic!("{other:?}"),
                 });
             }

@@ -48,7 +48,7 @@ impl Tally {
         self.proofs += cast.proofs as usize;
         match (cast.impact, truth) {
             (Impact::Miss, Truth::Apart) => self.apart += 1,
-            (Impact::Start { .. }, Truth::Start) => self.start += 1,
+            (Impact::AtStart { .. }, Truth::Start) => self.start += 1,
             (Impact::Hit { safe, hit, seen }, Truth::At(low, high)) => {
                 assert!(exact(safe) < *high && *low < exact(hit), "{cast:?} {truth:?} {case:?}");
                 assert!(0.0 <= safe && safe < hit && hit <= 1.0, "{cast:?}");
@@ -56,7 +56,7 @@ impl Tally {
                 self.hits += 1;
                 self.wide += usize::from(hit - safe > width);
             }
-            (Impact::Unknown { safe } | Impact::Near { safe, .. }, _) => {
+            (Impact::Incomplete { safe } | Impact::Undecided { safe, .. }, _) => {
                 match truth {
                     Truth::At(_, high) => assert!(exact(safe) < *high, "{cast:?} {truth:?} {case:?}"),
                     Truth::Start => assert!(safe == 0.0, "{cast:?} {case:?}"),

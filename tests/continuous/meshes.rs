@@ -59,7 +59,7 @@ fn brute(a: [&Soup; 2], b: [&Soup; 2], is_self: bool) -> Option<[f64; 2]> {
             let [p, q]: [[continuous::Path; 3]; 2] = [given(&corners(a, i)), given(&corners(b, j))];
             match continuous::triangles(&p, &q, Tolerance::Time(WIDTH)).unwrap().impact {
                 Impact::Miss => {}
-                Impact::Start { .. } => return Some([-1.0, 0.0]),
+                Impact::AtStart { .. } => return Some([-1.0, 0.0]),
                 Impact::Hit { safe, hit, .. } => first = [first[0].min(safe), first[1].min(hit)],
                 other => panic!("{other:?}"),
             }
@@ -77,7 +77,7 @@ pub(crate) fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool
     };
     match (impact, truth) {
         (Impact::Miss, None) => 0,
-        (Impact::Start { seen }, Some([_, 0.0])) => {
+        (Impact::AtStart { seen }, Some([_, 0.0])) => {
             assert!(matches!(named(seen.pieces), Truth::Start), "{what}: {impact:?}");
             1
         }
@@ -348,7 +348,7 @@ fn casts_scale_by_powers_of_two() {
             let bracket = |impact: Impact| match impact {
                 Impact::Hit { safe, hit, seen } => [safe, hit, seen.upper / size],
                 Impact::Miss => [2.0; 3],
-                Impact::Start { .. } => [-1.0; 3],
+                Impact::AtStart { .. } => [-1.0; 3],
                 other => panic!("{other:?}"),
             };
             all.push((bracket(cast.impact), bracket(own.impact), cast.queries));

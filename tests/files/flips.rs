@@ -4,7 +4,7 @@
 
 use super::hostile::{numbers, small_scene};
 use lin_canny::Velocity;
-use lin_canny::broad::{Aabb, BodyOptions, PencilSweep};
+use lin_canny::broad::{Aabb, BodyOptions, SweepAndPrune};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::scene::{Group, PairQueries, Scene};
@@ -83,7 +83,7 @@ fn a_scene_with_one_number_changed_is_refused_or_sound() {
 
 #[test]
 fn a_broad_phase_with_one_number_changed_is_refused_or_sound() {
-    fn filled(mut broad: PencilSweep) -> PencilSweep {
+    fn filled(mut broad: SweepAndPrune) -> SweepAndPrune {
         let at = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
         let ids: Vec<_> = (0..6)
             .map(|k| broad.insert(&at(0.7 * f64::from(k)), BodyOptions::moving()).unwrap())
@@ -96,11 +96,11 @@ fn a_broad_phase_with_one_number_changed_is_refused_or_sound() {
         broad.set_box(ids[4], &at(0.1)).unwrap();
         broad
     }
-    fn checked(mut broad: PencilSweep) -> Result<(), String> {
+    fn checked(mut broad: SweepAndPrune) -> Result<(), String> {
         broad.check()?;
         broad.step();
         Ok(())
     }
-    let counts = flipped(&filled(PencilSweep::new()), checked);
+    let counts = flipped(&filled(SweepAndPrune::new()), checked);
     assert!(counts.iter().all(|n| *n > 20), "{counts:?}");
 }

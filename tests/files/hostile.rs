@@ -1,7 +1,7 @@
 //! Files that were tampered with are refused, or hold bodies and poses as good as any (feature `serde`).
 #![cfg(feature = "serde")]
 
-use lin_canny::broad::{Aabb, PencilSweep};
+use lin_canny::broad::{Aabb, SweepAndPrune};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene};
@@ -204,7 +204,7 @@ fn numbers_changed_in_a_file_do_no_harm() {
     assert!(read > 400, "{read}");
 }
 
-fn use_broad(mut broad: PencilSweep) {
+fn use_broad(mut broad: SweepAndPrune) {
     let at = |x: f64| Aabb::from_center(Point3::new(x, 0.0, 0.0), Vector3::repeat(0.5));
     for round in 0..2 {
         let ids: Vec<_> = broad.bodies().collect();
@@ -222,7 +222,7 @@ fn use_broad(mut broad: PencilSweep) {
 
 #[test]
 fn numbers_changed_in_the_file_of_a_broad_phase_do_no_harm() {
-    fn filled(mut broad: PencilSweep) -> PencilSweep {
+    fn filled(mut broad: SweepAndPrune) -> SweepAndPrune {
         for k in 0..6 {
             let aabb = Aabb::from_center(Point3::new(0.7 * f64::from(k), 0.0, 0.0), Vector3::repeat(0.5));
             broad.insert(&aabb, lin_canny::broad::BodyOptions::moving()).unwrap();
@@ -230,7 +230,7 @@ fn numbers_changed_in_the_file_of_a_broad_phase_do_no_harm() {
         broad.step();
         broad
     }
-    let read = survives(&filled(PencilSweep::new()), 1500, 86, |broad, _| use_broad(broad));
+    let read = survives(&filled(SweepAndPrune::new()), 1500, 86, |broad, _| use_broad(broad));
     assert!(read > 100, "{read}");
 }
 

@@ -82,7 +82,7 @@ fn every_kind_falls_and_is_never_late() {
             let (safe, hit) = match found.impact {
                 Impact::Hit { safe, hit, .. } => (safe, Some(hit)),
                 Impact::Miss => (until, None),
-                Impact::Near { safe, .. } | Impact::Unknown { safe } => {
+                Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
                     open += 1;
                     (safe, None)
                 }

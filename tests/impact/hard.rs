@@ -217,8 +217,8 @@ fn contact_at_the_ends_is_contact() {
             .expect("a cast")
             .impact
     };
-    assert!(matches!(ask(2.0, 1.0), Impact::Start { .. }));
-    assert!(matches!(ask(1.5, 1.0), Impact::Start { .. }));
+    assert!(matches!(ask(2.0, 1.0), Impact::AtStart { .. }));
+    assert!(matches!(ask(1.5, 1.0), Impact::AtStart { .. }));
     assert!(matches!(ask(3.0, -1.0), Impact::Hit { hit: 1.0, safe, .. } if safe < 1.0 && safe > 1.0 - 1e-9));
     assert_eq!(ask(3.0f64.next_up().next_up(), -1.0 + 1e-9), Impact::Miss);
     assert_eq!(ask(2.0 + 1e-9, 1.0), Impact::Miss);
@@ -283,7 +283,7 @@ fn within_a_distance() {
     let found = cast_within(&mut pair, &a, &b, (0.0, 1.0), FINE, 0.9).expect("a cast");
     assert_eq!(found.impact, Impact::Miss);
     let found = cast_within(&mut pair, &a, &b, (0.0, 1.0), FINE, 3.1).expect("a cast");
-    assert!(matches!(found.impact, Impact::Start { .. }));
+    assert!(matches!(found.impact, Impact::AtStart { .. }));
 }
 
 /// Sweeps by nlerp between two poses, as step solvers take them: against dense predicates.
@@ -312,7 +312,7 @@ fn sweeps_between_poses() {
                 misses += 1;
                 1.0
             }
-            Impact::Start { .. } => continue,
+            Impact::AtStart { .. } => continue,
             other => panic!("{k}: {other:?}"),
         };
         assert!((0..=200).all(|k| !meets(safe * f64::from(k) / 200.0)), "{k}: {found:?}");
@@ -339,5 +339,5 @@ fn what_is_no_question_is_refused() {
     ));
     assert!(cast_within(&mut pair, &a, &a, (0.0, 1.0), FINE, f64::NAN).is_err());
     let found = cast(&mut pair, &a, &a, (0.5, 0.5), FINE).expect("a cast");
-    assert!(matches!(found.impact, Impact::Start { .. }));
+    assert!(matches!(found.impact, Impact::AtStart { .. }));
 }

@@ -2,15 +2,15 @@
 
 use super::pairs::{Bodies, Fall};
 use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance, cast, cast_within, free_until, held_until};
-use lin_canny::motion::{Course, Motion, Steady};
+use lin_canny::motion::{Motion, MotionModel, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::separation::{Flight, Free, Measure, Proof, Separation, Tangent};
+use lin_canny::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation, Tangent};
 use lin_canny::{ContactState, Operand, RelativePose, Velocity};
 use truth::rng::Rng;
 
 const FINE: Tolerance = Tolerance::Distance(1e-6);
 
-/// A motion whose course has a number that is none, from a time on.
+/// A motion whose model has a number that is none, from a time on.
 struct Broken {
     way: Fall,
     field: usize,
@@ -18,7 +18,7 @@ struct Broken {
     from: f64,
 }
 
-/// Numbers of a course.
+/// Numbers of a model.
 const FIELDS: usize = 20;
 
 impl Motion for Broken {
@@ -26,23 +26,23 @@ impl Motion for Broken {
         self.way.pose(time)
     }
 
-    fn course(&self, time: f64, span: f64) -> Course {
-        let mut course = self.way.course(time, span);
+    fn model(&self, time: f64, span: f64) -> MotionModel {
+        let mut model = self.way.model(time, span);
         if time >= self.from {
             let vectors = [
-                &mut course.pivot.coords,
-                &mut course.linear,
-                &mut course.angular,
-                &mut course.acceleration,
+                &mut model.pivot.coords,
+                &mut model.linear,
+                &mut model.angular,
+                &mut model.acceleration,
             ];
-            let bounds = [&mut course.shift.0, &mut course.turn.0];
+            let bounds = [&mut model.shift.0, &mut model.turn.0];
             let mut numbers = vectors
                 .into_iter()
                 .flat_map(|v| v.iter_mut())
                 .chain(bounds.into_iter().flatten());
             *numbers.nth(self.field).expect("a field") = self.number;
         }
-        course
+        model
     }
 }
 
@@ -74,7 +74,7 @@ fn a_course_that_is_none_proves_nothing() {
                 let what = format!("field {field} is {number} from {from}");
                 bodies.each(|kind, pair| {
                     let found = cast(pair, &still, &broken, (0.0, 8.0), FINE).expect("a cast");
-                    let Impact::Unknown { safe } = found.impact else {
+                    let Impact::Incomplete { safe } = found.impact else {
                         panic!("{kind}, {what}: {found:?}")
                     };
                     assert!(
@@ -84,7 +84,7 @@ fn a_course_that_is_none_proves_nothing() {
                     late += u32::from(safe > 1.0);
                     let found = cast(pair, &broken, &still, (0.0, 8.0), FINE).expect("a cast");
                     assert!(
-                        matches!(found.impact, Impact::Unknown { .. }),
+                        matches!(found.impact, Impact::Incomplete { .. }),
                         "{kind}, {what}: {found:?}"
                     );
                     if from == 0.0 {
@@ -104,7 +104,7 @@ fn a_course_that_is_none_proves_nothing() {
                 bodies.each(|kind, pair| {
                     let found = cast(pair, &still, &broken, (0.0, 8.0), FINE).expect("a cast");
                     assert!(
-                        matches!(found.impact, Impact::Start { .. }),
+                        matches!(found.impact, Impact::AtStart { .. }),
                         "{kind}, {what}: {found:?}"
                     );
                 });
@@ -129,7 +129,7 @@ fn a_course_beyond_all_squares_ends() {
             bodies.each(|kind, pair| {
                 let found = cast(pair, &Fall::still(), &broken, (1.0, 8.0), FINE).expect("a cast");
                 let Cast { impact, .. } = found;
-                // The poses meet at 3, and the course allows for these poses unless it names other velocities.
+                // The poses meet at 3, and the model allows for these poses unless it names other velocities.
                 let is_late = field >= 12 && matches!(impact, Impact::Miss);
                 assert!(!is_late, "{kind}, field {field} is {number}: {found:?}");
             });
@@ -149,8 +149,8 @@ impl Motion for Lost {
         pose
     }
 
-    fn course(&self, time: f64, span: f64) -> Course {
-        self.0.course(time, span)
+    fn model(&self, time: f64, span: f64) -> MotionModel {
+        self.0.model(time, span)
     }
 }
 
@@ -181,7 +181,7 @@ fn an_interval_without_length_is_an_instant() {
             let relative = RelativePose::new(&a.pose(time), &b.pose(time)).expect("a pose");
             let seen = pair.measure(&relative);
             match found.impact {
-                Impact::Start { .. } => {
+                Impact::AtStart { .. } => {
                     assert!(seen.lower <= distance, "{kind} {k}: {found:?} {seen:?}");
                     starts += 1;
                 }
@@ -192,14 +192,17 @@ fn an_interval_without_length_is_an_instant() {
                     );
                     misses += 1;
                 }
-                Impact::Near { safe, .. } => {
+                Impact::Undecided { safe, .. } => {
                     assert!(safe == time && seen.upper > distance, "{kind} {k}: {found:?} {seen:?}");
                     assert!((distance - gap).abs() < 1e-5, "{kind} {k}: {found:?} {seen:?}");
                 }
                 other => panic!("{kind} {k}: {other:?}"),
             }
             if kind == "polyhedra" && factor == 1.0 && k % 6 == 0 {
-                assert!(matches!(found.impact, Impact::Start { .. }), "a tie is met: {found:?}");
+                assert!(
+                    matches!(found.impact, Impact::AtStart { .. }),
+                    "a tie is met: {found:?}"
+                );
             }
         });
     }
@@ -307,17 +310,17 @@ fn casts_end_at_any_numbers() {
             assert!(queries <= LOOKS && proofs <= LOOKS * DOUBLINGS, "{what}");
             let inside = |time: f64| (from..=until).contains(&time);
             answers[match impact {
-                Impact::Start { .. } => 1,
+                Impact::AtStart { .. } => 1,
                 Impact::Hit { safe, hit, .. } => {
                     assert!(inside(safe) && inside(hit) && safe < hit, "{what}");
                     2
                 }
-                Impact::Near { safe, .. } => {
+                Impact::Undecided { safe, .. } => {
                     assert!(inside(safe), "{what}");
                     3
                 }
                 Impact::Miss => 4,
-                Impact::Unknown { safe } => {
+                Impact::Incomplete { safe } => {
                     assert!(inside(safe), "{what}");
                     5
                 }
@@ -338,10 +341,10 @@ impl Separation for Stubborn {
         (Point3::origin(), 1.0)
     }
 
-    fn measure(&mut self, _: &RelativePose) -> Measure {
+    fn measure(&mut self, _: &RelativePose) -> Measurement {
         self.is_near = !self.is_near;
         let gap = if self.is_near { 1e-10 } else { 1e305 };
-        Measure {
+        Measurement {
             state: ContactState::Separated,
             distance: gap,
             lower: gap,
@@ -351,17 +354,17 @@ impl Separation for Stubborn {
             point_on_a: Point3::origin(),
             point_on_b: Point3::origin(),
             normal: Vector3::x_axis(),
-            tangent: Tangent::Free,
+            tangent: Tangent::FreeSpan,
             by_plane: false,
         }
     }
 
-    fn meets(&mut self, _: &RelativePose, _: f64, _: &Measure) -> bool {
+    fn meets(&mut self, _: &RelativePose, _: f64, _: &Measurement) -> bool {
         false
     }
 
-    fn free_for(&mut self, _: &Measure, _: &Flight) -> Free {
-        Free {
+    fn free_for(&mut self, _: &Measurement, _: &PairMotion) -> FreeSpan {
+        FreeSpan {
             span: 1e-6,
             proof: Proof::Own,
         }
@@ -375,13 +378,13 @@ fn rounds_of_a_look_count_as_looks() {
     let huge = Tolerance::Distance(1e300);
     let found = cast(&mut pair, &Fall::still(), &towards(1.0, 1e-3), (0.0, 1.0), huge).expect("a cast");
     assert!(
-        matches!(found.impact, Impact::Unknown { safe } if safe > 0.0),
+        matches!(found.impact, Impact::Incomplete { safe } if safe > 0.0),
         "{found:?}"
     );
     assert!(found.proofs > LOOKS / 2 && found.proofs <= LOOKS, "{found:?}");
 }
 
-/// A motion that stands still by its courses, and is elsewhere from a time on.
+/// A motion that stands still by its models, and is elsewhere from a time on.
 struct Liar(Fall, f64);
 
 impl Motion for Liar {
@@ -393,8 +396,8 @@ impl Motion for Liar {
         pose
     }
 
-    fn course(&self, _: f64, _: f64) -> Course {
-        self.0.course(0.0, 0.0)
+    fn model(&self, _: f64, _: f64) -> MotionModel {
+        self.0.model(0.0, 0.0)
     }
 }
 
@@ -409,11 +412,11 @@ fn a_motion_that_breaks_its_contract_ends_by_name() {
             bodies.each(|kind, pair| {
                 let found = cast_within(pair, &Fall::still(), &liar, (0.0, 8.0), FINE, distance).expect("a cast");
                 match found.impact {
-                    Impact::Near { safe, distance: upper } => {
+                    Impact::Undecided { safe, distance: upper } => {
                         assert!(safe > 0.0 && upper <= distance + 1e-9, "{kind}, {jump}: {found:?}");
                         near += 1;
                     }
-                    Impact::Hit { .. } | Impact::Miss | Impact::Unknown { .. } => {}
+                    Impact::Hit { .. } | Impact::Miss | Impact::Incomplete { .. } => {}
                     other => panic!("{kind}, {jump}: {other:?}"),
                 }
             });

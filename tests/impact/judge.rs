@@ -128,15 +128,15 @@ impl<'a> Judge<'a> {
                     close.for_each(|t| assert!(!self.meets(&mut tracker, t), "{name}: contact at {t}"));
                 }
             }
-            Impact::Start { .. } => {
+            Impact::AtStart { .. } => {
                 tally.starts += 1;
                 assert!(self.meets(&mut Tracker::new(), 0.0), "{name}");
             }
-            Impact::Near { safe, .. } => {
+            Impact::Undecided { safe, .. } => {
                 tally.near += 1;
                 self.free(safe, instants);
             }
-            Impact::Unknown { safe } => {
+            Impact::Incomplete { safe } => {
                 tally.unknown += 1;
                 self.free(safe, instants);
             }

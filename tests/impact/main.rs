@@ -1,11 +1,11 @@
 //! Promise: a cast is never wrong. Up to `safe`, and all along a miss, the bodies are apart at every instant looked at; at `hit` they
 //! meet; a second scheme, conservative advancement, contradicts none of it.
 
-mod courses;
 mod falls;
 mod hard;
 mod hostile;
 mod judge;
+mod models;
 mod pairs;
 mod parallel;
 mod planes;

@@ -1,7 +1,7 @@
 //! One pair of every kind that can be cast, of any size, and motions that are none of the crate's.
 
 use crate::Rng;
-use lin_canny::motion::{Course, Drift, Motion};
+use lin_canny::motion::{Motion, MotionModel, Remainder};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::separation::Separation;
@@ -88,7 +88,7 @@ pub(crate) struct Fall {
     pub(crate) linear: Vector3<f64>,
     pub(crate) angular: Vector3<f64>,
     pub(crate) gravity: Vector3<f64>,
-    /// Whether the course names the acceleration, or only bounds the deviation by it.
+    /// Whether the model names the acceleration, or only bounds the deviation by it.
     pub(crate) is_named: bool,
 }
 
@@ -121,18 +121,18 @@ impl Motion for Fall {
         Isometry3::from_parts(at.into(), UnitQuaternion::new_normalize(turn.into_inner()))
     }
 
-    fn course(&self, time: f64, span: f64) -> Course {
+    fn model(&self, time: f64, span: f64) -> MotionModel {
         let last = time.abs() + span;
         let way = self.start.translation.vector.amax() + (self.linear.amax() + self.gravity.amax() * last) * last;
         let unknown = if self.is_named { 0.0 } else { self.gravity.norm() };
         let angle = 1.0 + self.angular.amax() * last;
-        Course {
+        MotionModel {
             pivot: Point3::origin(),
             linear: self.linear + self.gravity * time,
             angular: self.angular,
             acceleration: if self.is_named { self.gravity } else { Vector3::zeros() },
-            shift: Drift([16.0 * f64::EPSILON * way, 0.0, unknown, 0.0]),
-            turn: Drift([32.0 * f64::EPSILON * angle, 0.0, 0.0, 0.0]),
+            shift: Remainder([16.0 * f64::EPSILON * way, 0.0, unknown, 0.0]),
+            turn: Remainder([32.0 * f64::EPSILON * angle, 0.0, 0.0, 0.0]),
         }
     }
 }

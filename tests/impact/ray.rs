@@ -50,9 +50,9 @@ fn judge(found: RayCast, expected: Option<(f64, f64)>, slack: f64, told: &str) -
             return Some(hit);
         }
         (RayCast::Miss, None) => {}
-        (RayCast::Near { .. }, None) => {}
+        (RayCast::Undecided { .. }, None) => {}
         // Rays that graze the body.
-        (RayCast::Miss | RayCast::Near { .. }, Some((from, until))) => {
+        (RayCast::Miss | RayCast::Undecided { .. }, Some((from, until))) => {
             assert!(
                 until - from <= 1e-4 * slack.sqrt().max(1e-9) + slack,
                 "{told}: {found:?}, not {from} to {until}"
@@ -189,7 +189,7 @@ fn a_surface_of_patches_is_near() {
     let ray = Ray::new(Point3::new(0.3, 0.4, 2.0), -Vector3::z()).expect("a direction");
     let found = RayCaster::new().cast(&surface, &Isometry3::identity(), &ray, 9.0);
     assert!(
-        matches!(found, Ok(RayCast::Near { safe }) if (safe - 2.0).abs() < 1e-6),
+        matches!(found, Ok(RayCast::Undecided { safe }) if (safe - 2.0).abs() < 1e-6),
         "{found:?}"
     );
     let aside = Ray::new(Point3::new(3.0, 0.4, 2.0), -Vector3::z()).expect("a direction");

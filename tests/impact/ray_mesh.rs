@@ -130,7 +130,7 @@ fn rays_of_a_lattice_meet_a_cut_cube() {
                     }
                     RayCast::Miss if beside => {}
                     // Along a face: up to rounding it meets.
-                    RayCast::Near { safe } if !inside && !beside => assert!(safe <= 2.0, "{found:?}"),
+                    RayCast::Undecided { safe } if !inside && !beside => assert!(safe <= 2.0, "{found:?}"),
                     _ => panic!("{x} {y} along {axis}: {found:?}"),
                 }
             }

@@ -3,7 +3,7 @@
 use super::pairs::{Bodies, Fall};
 use lin_canny::Tracker;
 use lin_canny::impact::{Cast, Impact, Tolerance, cast, cast_within, held_until};
-use lin_canny::motion::{Course, Motion, Steady};
+use lin_canny::motion::{Motion, MotionModel, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ConvexPolyhedron, Velocity};
 use truth::casts::{aimed, body};
@@ -25,8 +25,8 @@ fn told(found: &Cast, tick: f64) -> (&'static str, f64, f64) {
     match found.impact {
         Impact::Hit { safe, hit, .. } => ("hit", safe / tick, hit / tick),
         Impact::Miss => ("miss", 0.0, 0.0),
-        Impact::Near { safe, .. } => ("near", safe / tick, 0.0),
-        Impact::Unknown { safe } => ("unknown", safe / tick, 0.0),
+        Impact::Undecided { safe, .. } => ("near", safe / tick, 0.0),
+        Impact::Incomplete { safe } => ("unknown", safe / tick, 0.0),
         _ => ("other", 0.0, 0.0),
     }
 }
@@ -135,16 +135,16 @@ impl Motion for Clocked {
         self.0.pose(time / self.1)
     }
 
-    fn course(&self, time: f64, span: f64) -> Course {
+    fn model(&self, time: f64, span: f64) -> MotionModel {
         let (Self(fall, tick), per) = (self, 1.0 / self.1);
-        let mut course = fall.course(time / tick, span / tick);
-        course.linear *= per;
-        course.angular *= per;
-        course.acceleration = course.acceleration * per * per;
-        for drift in [&mut course.shift.0, &mut course.turn.0] {
+        let mut model = fall.model(time / tick, span / tick);
+        model.linear *= per;
+        model.angular *= per;
+        model.acceleration = model.acceleration * per * per;
+        for drift in [&mut model.shift.0, &mut model.turn.0] {
             (drift[1], drift[2], drift[3]) = (drift[1] * per, drift[2] * per * per, drift[3] * per * per * per);
         }
-        course
+        model
     }
 }
 
@@ -193,7 +193,7 @@ fn no_clock_changes_an_answer() {
     assert!(hits > 20, "{hits}");
 }
 
-/// A course bounds a displacement whatever the clock.
+/// A motion model bounds a displacement whatever the clock.
 #[test]
 fn displacements_do_not_vanish() {
     for clock in [-900, -540, 540, 900] {
@@ -203,7 +203,7 @@ fn displacements_do_not_vanish() {
             angular: Vector3::z(),
             ..Fall::still()
         };
-        let most = Clocked(fall, tick).course(0.0, tick).displacement(1.0, tick);
+        let most = Clocked(fall, tick).model(0.0, tick).displacement(1.0, tick);
         assert!((2.0..2.0 + 1e-12).contains(&most), "{clock}: {most}");
     }
 }

@@ -52,7 +52,7 @@ fn balls_meet_when_the_closed_form_says() {
             }
             (Impact::Miss, None) => misses += 1,
             // A graze: neither side is far from it.
-            (Impact::Near { safe, .. }, _) => assert!(safe > 0.0, "case {case}"),
+            (Impact::Undecided { safe, .. }, _) => assert!(safe > 0.0, "case {case}"),
             (impact, t) => panic!("case {case}: {impact:?}, closed form {t:?}"),
         }
     }
@@ -97,7 +97,7 @@ fn every_pair_of_kinds_is_apart_until_it_is_hit() {
         let relative = |t: f64| RelativePose::normalized(&motions[0].pose(t), &motions[1].pose(t)).expect("a pose");
         let (until, hit) = match found.expect("a finite cast").impact {
             Impact::Hit { safe, hit, .. } => (safe, Some(hit)),
-            Impact::Near { safe, .. } | Impact::Unknown { safe } => (safe, None),
+            Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => (safe, None),
             Impact::Miss => (1.0, None),
             _ => continue,
         };

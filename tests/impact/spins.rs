@@ -27,7 +27,7 @@ fn casts_of_bodies_that_turn_too_fast_end_early() {
             let found = cast(&mut pair, &still, &turning, (0.0, 1.0), tolerance).unwrap();
             std::println!("{w:e}: {found:?} {:?}", began.elapsed());
             assert!(
-                matches!(found.impact, Impact::Unknown { .. } | Impact::Near { .. }),
+                matches!(found.impact, Impact::Incomplete { .. } | Impact::Undecided { .. }),
                 "{found:?}"
             );
             assert!(found.queries <= 1024, "{found:?}");

@@ -44,11 +44,11 @@ fn judge<S: Separation>(
             assert_ne!(state(&at(hit)), ContactState::Separated, "{found:?}");
             safe
         }
-        Impact::Start { .. } => {
+        Impact::AtStart { .. } => {
             assert_ne!(state(&at(0.0)), ContactState::Separated);
             return;
         }
-        Impact::Near { safe, .. } | Impact::Unknown { safe } => {
+        Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
             tally.others += 1;
             safe
         }
@@ -60,7 +60,7 @@ fn judge<S: Separation>(
     }
 }
 
-fn courses(rng: &mut Rng, spin: f64) -> (Steady, Steady) {
+fn models(rng: &mut Rng, spin: f64) -> (Steady, Steady) {
     let from = scale(rng.unit(), 3.0);
     let aim = scale(rng.in_ball(), 2.5);
     let q = rng.quat();
@@ -98,7 +98,7 @@ fn casts_are_never_late() {
     let [mut of_meshes, mut of_pieces, mut mixed] = [0; 3].map(|_| Tally::default());
     for k in 0..60 {
         let spin = [0.0, 0.5, 3.0][k % 3];
-        let (a, b) = courses(&mut rng, spin);
+        let (a, b) = models(&mut rng, spin);
         let (m, n) = (&meshes[rng.below(7)], &meshes[rng.below(7)]);
         let mut tracker = PairTracker::new();
         let mut state = |pose: &RelativePose| tracker.closest(m, n, pose).state;

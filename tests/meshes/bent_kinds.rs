@@ -8,8 +8,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
-    Answer, Compound, ContactState, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairTracker, Piece, Ray,
-    RayCast, RayCaster, RelativePose, Shape,
+    Compound, ContactState, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairOutcome, PairTracker, Piece,
+    Ray, RayCast, RayCaster, RelativePose, Shape,
 };
 use truth::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
 use truth::rng::Rng;
@@ -94,7 +94,7 @@ impl Kept {
             (&mut q, two, one, at.swapped()),
         ];
         for (tracker, a, b, at) in orders {
-            let found: Answer = tracker.closest(a, b, &at);
+            let found: PairOutcome = tracker.closest(a, b, &at);
             let is_apart = found.state == ContactState::Separated;
             assert!(
                 is_apart != meets || found.distance.abs() < 1e-9,
@@ -126,7 +126,7 @@ impl Kept {
 }
 
 /// The witness on B in the frame of A.
-fn at_point(at: &RelativePose, found: &Answer) -> Point3<f64> {
+fn at_point(at: &RelativePose, found: &PairOutcome) -> Point3<f64> {
     let (a, b) = at.poses();
     a.inverse() * b * found.point_on_b
 }

@@ -3,7 +3,7 @@
 use super::contacts::{check, cuboid, deepest, exact, patches, within};
 use super::{mesh, relative};
 use lin_canny::nalgebra::Vector3;
-use lin_canny::{Compound, ContactPatches, PairTracker, Shape};
+use lin_canny::{Compound, ConvexPatches, PairTracker, Shape};
 use truth::Pose;
 use truth::pose::{quat, quat_mul, sub, unit, unit_quat};
 use truth::rng::Rng;
@@ -51,7 +51,7 @@ fn a_ball_rolls_over_bumps_without_ghosts_and_always_with_its_deepest_contact() 
     let mut rng = Rng::new(4);
     let soup = ground(10, 0.06, &mut rng);
     let (floor, surface) = (patches(&soup), mesh(&soup));
-    let (ball, radius) = (ContactPatches::from(Shape::ball(0.11).unwrap()), 0.11);
+    let (ball, radius) = (ConvexPatches::from(Shape::ball(0.11).unwrap()), 0.11);
     let speck = Compound::from(Shape::ball(1e-6).unwrap());
     let options = exact(0.01);
     let mut tracker = PairTracker::new();

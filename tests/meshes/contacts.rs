@@ -2,14 +2,14 @@
 
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny::{Compound, ContactPatches, ManifoldOptions, PairTracker, PatchContact, PatchContacts, Piece, Shape};
+use lin_canny::{Compound, ContactGroup, ConvexPatches, ManifoldOptions, PairTracker, PatchContact, Piece, Shape};
 use truth::Pose;
 use truth::pose::{add, quat, quat_mul, scale, sub, unit_quat};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
-pub(crate) fn patches(soup: &Soup) -> ContactPatches {
-    ContactPatches::of_mesh(mesh(soup))
+pub(crate) fn patches(soup: &Soup) -> ConvexPatches {
+    ConvexPatches::of_mesh(mesh(soup))
 }
 
 pub(crate) fn within(prediction: f64) -> ManifoldOptions {
@@ -23,15 +23,15 @@ pub(crate) fn exact(prediction: f64) -> ManifoldOptions {
     options
 }
 
-pub(crate) fn cuboid(half: [f64; 3]) -> ContactPatches {
-    ContactPatches::from(Shape::cuboid(Vector3::from(half)).unwrap())
+pub(crate) fn cuboid(half: [f64; 3]) -> ConvexPatches {
+    ConvexPatches::from(Shape::cuboid(Vector3::from(half)).unwrap())
 }
 
-fn all(found: &[PatchContacts]) -> impl Iterator<Item = &PatchContact> {
+fn all(found: &[ContactGroup]) -> impl Iterator<Item = &PatchContact> {
     found.iter().flat_map(|g| &g.contacts)
 }
 
-pub(crate) fn deepest(found: &[PatchContacts]) -> f64 {
+pub(crate) fn deepest(found: &[ContactGroup]) -> f64 {
     all(found).map(|c| c.point.separation).fold(f64::INFINITY, f64::min)
 }
 
@@ -61,7 +61,7 @@ pub(crate) fn is_normal(soup: &Soup, p: Point3<f64>, n: Vector3<f64>) -> (bool, 
 
 /// Every contact on the meshes, opposite each other along its normal, and of every pair of patches
 /// one at least whose normal is a normal of both meshes.
-pub(crate) fn check(found: &[PatchContacts], soups: [Option<&Soup>; 2], pose: &Pose, what: &str) {
+pub(crate) fn check(found: &[ContactGroup], soups: [Option<&Soup>; 2], pose: &Pose, what: &str) {
     let turn = pose.isometry().rotation;
     for c in all(found) {
         let n = c.normal.into_inner();
@@ -243,7 +243,7 @@ fn an_l_on_an_l_and_a_finger_of_overlapping_parts_on_a_plate_rest_on_a_few_conta
                 .to_vec();
             check(&found, [Some(a), Some(b)], &pose, name);
             assert!((deepest(&found) - gap).abs() < 1e-12, "{name} {gap} {found:?}");
-            let upward = |g: &&PatchContacts| (*g.normal - Vector3::z()).norm() < 1e-9;
+            let upward = |g: &&ContactGroup| (*g.normal - Vector3::z()).norm() < 1e-9;
             let up = found.iter().find(upward).expect("a contact upward");
             assert!((3..=4).contains(&up.contacts.len()), "{name} {gap} {found:?}");
             assert!(all(&found).count() <= 12, "{name} {gap} {found:?}");
@@ -252,7 +252,7 @@ fn an_l_on_an_l_and_a_finger_of_overlapping_parts_on_a_plate_rest_on_a_few_conta
 }
 
 /// A floor slides by under a body for a thousand frames: the normal is the plane's.
-fn slide((floor, turn): (&ContactPatches, &Pose), (body, lift, count): (&ContactPatches, f64, usize), what: &str) {
+fn slide((floor, turn): (&ConvexPatches, &Pose), (body, lift, count): (&ConvexPatches, f64, usize), what: &str) {
     let up = Vector3::from(turn.rotate([0.0, 0.0, 1.0]));
     let mut rng = Rng::new(3);
     let mut tracker = PairTracker::new();
@@ -288,7 +288,7 @@ fn a_body_that_slides_over_inner_edges_for_a_thousand_frames_feels_none() {
         slide((&floor, &turn), (&patches(&bracket), -0.7, 4), "bracket");
         slide(
             (&floor, &turn),
-            (&ContactPatches::from(Shape::ball(0.2).unwrap()), -0.8, 1),
+            (&ConvexPatches::from(Shape::ball(0.2).unwrap()), -0.8, 1),
             "ball",
         );
     }
@@ -297,7 +297,7 @@ fn a_body_that_slides_over_inner_edges_for_a_thousand_frames_feels_none() {
         pose: Pose::shift([f64::from(k % 10) * 0.4 - 1.8, f64::from(k / 10) * 0.4 - 1.8, -1.1]).isometry(),
         ..Piece::new(Shape::cuboid(Vector3::new(0.2, 0.2, 0.1)).unwrap())
     });
-    let floor = ContactPatches::of_pieces(Compound::new(tiles.collect()).unwrap());
+    let floor = ConvexPatches::of_pieces(Compound::new(tiles.collect()).unwrap());
     slide(
         (&floor, &Pose::IDENTITY),
         (&cuboid([0.3, 0.2, 0.25]), -0.75, 4),
@@ -305,7 +305,7 @@ fn a_body_that_slides_over_inner_edges_for_a_thousand_frames_feels_none() {
     );
     slide(
         (&floor, &Pose::IDENTITY),
-        (&ContactPatches::from(Shape::ball(0.2).unwrap()), -0.8, 1),
+        (&ConvexPatches::from(Shape::ball(0.2).unwrap()), -0.8, 1),
         "ball on tiles",
     );
 }
@@ -388,7 +388,7 @@ fn pieces_bear_contacts_as_they_are() {
     let mut post = Piece::new(Shape::cylinder(0.1, 0.5).unwrap());
     post.pose.translation.vector.z = 0.6;
     let body = Compound::new(vec![Piece::new(beam), post]).unwrap();
-    let p = ContactPatches::of_pieces(body);
+    let p = ConvexPatches::of_pieces(body);
     let floor = cuboid([3.0, 3.0, 1.0]);
     let pose = Pose::shift([0.0, 0.0, 1.099]);
     let found = PairTracker::new()

@@ -1,7 +1,7 @@
 //! Work of queries of bodies that are in contact nearly everywhere: in one place, or in one another's.
 
 use super::{mesh, relative, shapes};
-use lin_canny::{ContactState, Mesh, MeshKind, MeshWork, PairTracker};
+use lin_canny::{ContactState, Mesh, MeshKind, PairTracker, TreeWork};
 use truth::Pose;
 use truth::pose::{quat, scale};
 use truth::rng::Rng;
@@ -49,7 +49,7 @@ fn nearly_nothing(rng: &mut Rng, k: usize) -> Pose {
 }
 
 /// The work and the contact state of `closest`: cold, again, after another pose, and turned round.
-fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (MeshWork, ContactState) {
+fn closest(a: &Mesh, b: &Mesh, pose: &Pose) -> (TreeWork, ContactState) {
     let (at, mut tracker) = (relative(pose), PairTracker::new());
     let found = tracker.closest(a, b, &at);
     let work = tracker.work();

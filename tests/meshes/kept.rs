@@ -19,8 +19,8 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{
-    Answer, Compound, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose,
-    Shape, Tracker,
+    Compound, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairOutcome, PairTracker, Piece,
+    RelativePose, Shape, Tracker,
 };
 use truth::Pose;
 use truth::rng::Rng;
@@ -38,7 +38,7 @@ fn poses(count: usize, reach: f64, seed: u64) -> Vec<RelativePose> {
     (0..count).map(|_| relative(&next())).collect()
 }
 
-fn agree(found: &Answer, fresh: &Answer) -> bool {
+fn agree(found: &PairOutcome, fresh: &PairOutcome) -> bool {
     found.lower <= fresh.upper && fresh.lower <= found.upper && found.distance.is_finite()
 }
 

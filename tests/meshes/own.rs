@@ -3,14 +3,14 @@
 use super::bending::{WAYS, bent, sheet, vertices};
 use super::mesh;
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Answer, ContactState, Mesh, PairTracker, RelativePose};
+use lin_canny::{ContactState, Mesh, PairOutcome, PairTracker, RelativePose};
 use truth::exact_meshes::{itself, pairs_within};
 use truth::rational::{RBig, exact, rounded, sqrt};
 use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
 /// Judges an answer by the exact square of the distance.
-pub(crate) fn judge_answer(found: &Answer, square: &RBig, size: f64, what: &str) {
+pub(crate) fn judge_answer(found: &PairOutcome, square: &RBig, size: f64, what: &str) {
     let (root, _) = sqrt(square);
     let upper = exact(found.upper.max(0.0));
     let lower = exact(found.lower.max(0.0));
@@ -51,7 +51,7 @@ fn judge(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, what: &str) -> Contac
 
 /// Compares the pairs within a distance.
 fn judge_pairs(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, d: f64, what: &str) -> usize {
-    let named = |answer: &Answer| {
+    let named = |answer: &PairOutcome| {
         assert!(answer.lower <= d, "{what}: {d} {answer:?}");
         let [p, q] = answer.on.map(|spot| spot.part as usize);
         [p.min(q), p.max(q)]

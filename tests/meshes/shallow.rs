@@ -2,7 +2,7 @@
 
 use super::contacts::{exact, is_normal, patches};
 use super::{mesh, relative};
-use lin_canny::{ContactPatches, ContactState, Mesh, PairTracker};
+use lin_canny::{ContactState, ConvexPatches, Mesh, PairTracker};
 use truth::Pose;
 use truth::pose::{add, scale, sub};
 use truth::rng::Rng;
@@ -43,7 +43,7 @@ fn entered(a: &Mesh, b: &Mesh, size: f64, rng: &mut Rng) -> Pose {
 fn thin_bodies_a_little_way_in_have_a_contact() {
     let mut rng = Rng::new(77);
     let shapes = stretched(&mut rng);
-    let parts: Vec<ContactPatches> = shapes.iter().map(patches).collect();
+    let parts: Vec<ConvexPatches> = shapes.iter().map(patches).collect();
     let meshes: Vec<Mesh> = shapes.iter().map(mesh).collect();
     let (mut met, mut parted) = (0, 0);
     for k in 0..500 {

@@ -3,7 +3,7 @@
 use super::contacts::exact;
 use super::{mesh, relative};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
-use lin_canny::{Compound, ContactPatches, ConvexPolyhedron, PairTracker, PatchContacts, Piece, Shape};
+use lin_canny::{Compound, ContactGroup, ConvexPatches, ConvexPolyhedron, PairTracker, Piece, Shape};
 use truth::Pose;
 use truth::rng::Rng;
 use truth::soups::Soup;
@@ -46,7 +46,7 @@ impl Valley {
     }
 
     /// The valley as two pieces in frames of their own.
-    fn pieces(&self, kind: usize, radius: f64, rng: &mut Rng) -> ContactPatches {
+    fn pieces(&self, kind: usize, radius: f64, rng: &mut Rng) -> ConvexPatches {
         let piece = |k: usize, rng: &mut Rng| {
             let own = if rng.below(2) == 0 {
                 Isometry3::identity()
@@ -70,13 +70,13 @@ impl Valley {
                 ..Piece::new(shape)
             }
         };
-        ContactPatches::of_pieces(Compound::new(vec![piece(0, rng), piece(1, rng)]).unwrap())
+        ConvexPatches::of_pieces(Compound::new(vec![piece(0, rng), piece(1, rng)]).unwrap())
     }
 
     /// The valley as two faces of an open mesh.
-    fn faces(&self) -> ContactPatches {
+    fn faces(&self) -> ConvexPatches {
         let ends = |p: Vector3<f64>| [[p.x, -1.0, p.z], [p.x, 1.0, p.z]];
-        ContactPatches::of_mesh(mesh(&Soup {
+        ConvexPatches::of_mesh(mesh(&Soup {
             points: [self.up[0], Vector3::zeros(), self.up[1]]
                 .into_iter()
                 .flat_map(ends)
@@ -169,7 +169,7 @@ impl Tally {
     }
 
     /// Every contact is on a face of the valley, along its normal, and opposite a point of the body.
-    fn judge_all(&mut self, valley: &Valley, found: &[PatchContacts], pose: &Pose, what: &str) {
+    fn judge_all(&mut self, valley: &Valley, found: &[ContactGroup], pose: &Pose, what: &str) {
         for c in found.iter().flat_map(|g| &g.contacts) {
             let (n, on_a) = (c.normal.into_inner(), c.point.point_on_a.coords);
             let is_along = |side: &usize| (n - valley.normals[*side]).norm() < 1e-9;
@@ -189,7 +189,7 @@ impl Tally {
     fn judge(
         &mut self,
         valley: &Valley,
-        found: &[PatchContacts],
+        found: &[ContactGroup],
         core: (&[Vector3<f64>], f64),
         pose: &Pose,
         what: &str,
@@ -242,10 +242,10 @@ fn heights(k: usize, rng: &mut Rng) -> [f64; 2] {
 }
 
 /// Poses of a body over a valley, each judged; the tally of a hundred or more.
-fn poses(name: &str, make: impl Fn(&Valley, &mut Rng) -> ContactPatches, kind: usize, seed: u64) -> Tally {
+fn poses(name: &str, make: impl Fn(&Valley, &mut Rng) -> ConvexPatches, kind: usize, seed: u64) -> Tally {
     let (mut rng, mut tally) = (Rng::new(seed), Tally::default());
     let (shape, core, radius) = body(kind);
-    let b = ContactPatches::from(shape);
+    let b = ConvexPatches::from(shape);
     for k in 0..240 {
         // No steeper than the sides of the body.
         let steep = if kind == 5 { 0.7 } else { 0.9 };
@@ -355,7 +355,7 @@ fn a_corner_beside_a_ridge_between_two_pieces_has_contacts_of_the_ridge() {
             .map(|p| (pose.isometry() * Point3::from(*p)).coords)
             .collect();
         let found = PairTracker::new()
-            .contacts_between(&a, &ContactPatches::from(shape), &relative(&pose), &exact(PREDICTION))
+            .contacts_between(&a, &ConvexPatches::from(shape), &relative(&pose), &exact(PREDICTION))
             .to_vec();
         let (height, is_vertex) = ridge.lowest(side, (&placed, radius));
         let what = format!("{k} {kind} {side} {depth:e} {height:e} {is_vertex} {found:?}");

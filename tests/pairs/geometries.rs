@@ -7,7 +7,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::separation::Separation;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{
-    Answer, Compound, ContactState, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh,
+    Compound, ContactState, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh, PairOutcome,
     PairTracker, PairWork, PatchContact, Question, RelativePose, Shape, Velocity,
 };
 use truth::Pose;
@@ -152,7 +152,7 @@ fn a_mesh_beside_a_surface_is_a_solid() {
         let back = kept.ask(surface, &mesh, &pose.swapped(), &narrow);
         for o in [&found, &back] {
             let is_close = truth.upper < 1e-6 && truth.state != ContactState::Overlapping;
-            let shares = |o: &Answer| matches!(o.state, ContactState::Overlapping | ContactState::Touching);
+            let shares = |o: &PairOutcome| matches!(o.state, ContactState::Overlapping | ContactState::Touching);
             assert!(is_close || shares(o) == shares(&truth), "{o:?} {truth:?}");
             let (lower, upper) = (truth.lower.max(0.0), truth.upper);
             assert!(o.lower <= upper + 1e-12 && lower <= o.upper + 1e-12, "{o:?} {truth:?}");

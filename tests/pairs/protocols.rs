@@ -6,7 +6,7 @@
 //!
 //! Coherence (Mirtich 1998, section 7): one body on a sinusoidal path turns by a fixed angle a frame.
 
-use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Solver, Totals, Tracker};
+use lin_canny::{ContactState, ConvexPolyhedron, Outcome, Solver, Tracker, TrackerWork};
 use truth::pose::{quat, unit};
 use truth::rng::Rng;
 use truth::shapes::{self, Shape};
@@ -22,7 +22,7 @@ fn certified(o: &Outcome, size: f64, what: &str) {
     assert!(o.upper - o.lower <= WIDTH * size, "{what}: {o:?}");
 }
 
-fn share(totals: &Totals) -> f64 {
+fn share(totals: &TrackerWork) -> f64 {
     let walked = totals.answered_by(Solver::Walk) + totals.answered_by(Solver::Restart);
     1.0 - walked as f64 / totals.queries as f64
 }
@@ -72,7 +72,7 @@ fn bisect(
     }
 }
 
-fn degenerate(shape: &Shape, trials: usize, seed: u64) -> Totals {
+fn degenerate(shape: &Shape, trials: usize, seed: u64) -> TrackerWork {
     let (a, mut rng) = (body(shape), Rng::new(seed));
     let mut pair = Tracker::new();
     let mut judged = 0;
@@ -142,7 +142,7 @@ fn warm_is_cold_along_coherent_motion() {
     for shape in &bodies {
         let a = body(shape);
         for degrees in [0.0, 0.1, 0.5, 1.0, 5.0, 10.0, 25.0] {
-            let (mut warm, mut cold) = (Tracker::new(), Totals::default());
+            let (mut warm, mut cold) = (Tracker::new(), TrackerWork::default());
             for (i, p) in sinusoid(&mut rng, 1000, degrees).iter().enumerate() {
                 let pose = between(&Pose::IDENTITY, p);
                 let o = warm.closest(&a, &a, &pose);

@@ -47,7 +47,7 @@ fn judge(pair: &mut dyn Separation, throw: [&Steady; 2], truth: Option<f64>, kee
             assert!(t.is_none_or(|t| t > 1.0 - 1e-9), "{t:?} missed");
             false
         }
-        (Impact::Near { safe, .. } | Impact::Unknown { safe }, t) => {
+        (Impact::Undecided { safe, .. } | Impact::Incomplete { safe }, t) => {
             assert!(t.is_none_or(|t| safe <= t), "{t:?} {found:?}");
             panic!("undecided: {t:?} {found:?}");
         }
@@ -179,7 +179,7 @@ fn patches_meet_patches_never_late() {
                 1.0
             }
             // The border of a patch that meets a border is no crossing: nothing is said to be free.
-            Impact::Near { safe, .. } | Impact::Unknown { safe } => {
+            Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
                 println!("{k}: {:?}", found.impact);
                 safe
             }

@@ -3,7 +3,7 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
-use lin_canny::{Answer, ContactState, PairTracker, Question, Shape, Tracker};
+use lin_canny::{ContactState, PairOutcome, PairTracker, Question, Shape, Tracker};
 use truth::rng::Rng;
 
 use crate::bodies::{place, pose, sphere, tube};
@@ -11,7 +11,7 @@ use crate::bodies::{place, pose, sphere, tube};
 /// Circles of rational patches are round to this, times the radius.
 const ROUND: f64 = 1e-15;
 
-fn holds(o: &Answer, truth: f64, width: f64) {
+fn holds(o: &PairOutcome, truth: f64, width: f64) {
     let slack = 4.0 * ROUND;
     assert!(o.lower <= truth + slack && truth <= o.upper + slack, "{truth:e}: {o:?}");
     assert!(o.is_reached && o.upper - o.lower <= width, "{truth:e}: {o:?}");

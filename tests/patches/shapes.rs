@@ -3,7 +3,7 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
-use lin_canny::{Answer, ContactState, ConvexPolyhedron, Decision, PairTracker, Question, RelativePose, Shape};
+use lin_canny::{ContactState, ConvexPolyhedron, Decision, PairOutcome, PairTracker, Question, RelativePose, Shape};
 use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose, sphere, tube, vase};
@@ -26,7 +26,7 @@ pub(crate) fn kinds() -> Vec<Shape> {
     made.into_iter().map(|s| s.expect("a shape")).collect()
 }
 
-fn holds(o: &Answer, truth: f64, width: f64) {
+fn holds(o: &PairOutcome, truth: f64, width: f64) {
     let slack = 4e-15;
     assert!(o.lower <= truth + slack && truth <= o.upper + slack, "{truth:e}: {o:?}");
     assert!(o.is_reached && o.upper - o.lower <= width, "{truth:e}: {o:?}");

@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::surface::BezierSurface;
-use lin_canny::{Answer, ConvexPolyhedron, PairTracker, RelativePose, Shape, Spot};
+use lin_canny::{ConvexPolyhedron, PairOutcome, PairTracker, RelativePose, Shape, Spot};
 
 use truth::curved::{Kind, Triple, Wide, dot, matrix, norm, turned, turned_back, wide};
 
@@ -177,7 +177,13 @@ fn is_apart(a: &Part, b: &Part, n: &Vector3<f64>, goal: f64) -> bool {
 }
 
 /// Judges an outcome; panics if a bound is wrong by more than `slack`.
-pub(crate) fn judge(a: &BezierSurface, b: &BezierSurface, pose: &Isometry3<f64>, o: &Answer, slack: f64) -> Sentence {
+pub(crate) fn judge(
+    a: &BezierSurface,
+    b: &BezierSurface,
+    pose: &Isometry3<f64>,
+    o: &PairOutcome,
+    slack: f64,
+) -> Sentence {
     let (parts_a, parts_b) = (Part::all(a, &Isometry3::identity()), Part::all(b, pose));
     let p = parts_a[o.on[0].part as usize].point(&o.on[0]);
     let q = parts_b[o.on[1].part as usize].point(&o.on[1]);
@@ -240,7 +246,7 @@ impl Body {
     }
 
     /// Judges the upper bound and the witnesses.
-    fn judge_witnesses(&self, place: &Place, p: &Triple, o: &Answer, slack: f64) {
+    fn judge_witnesses(&self, place: &Place, p: &Triple, o: &PairOutcome, slack: f64) {
         let inward = turned_back(&place.rotation, &wide((*o.normal).into()));
         let q = wide(o.point_on_b.coords.into());
         let core = [0, 1, 2].map(|k| q[k] + inward[k] * Wide::from(self.round));
@@ -263,7 +269,7 @@ impl Body {
 
 /// Judges an outcome; panics if a bound is wrong by more than `slack`. Directions, and points that would
 /// refute a bound, are those of the tracker of shapes.
-pub(crate) fn judge_shape(a: &BezierSurface, b: &Body, pose: &Isometry3<f64>, o: &Answer, slack: f64) -> Sentence {
+pub(crate) fn judge_shape(a: &BezierSurface, b: &Body, pose: &Isometry3<f64>, o: &PairOutcome, slack: f64) -> Sentence {
     let (parts, place) = (Part::all(a, &Isometry3::identity()), Place::new(pose));
     b.judge_witnesses(&place, &parts[o.on[0].part as usize].point(&o.on[0]), o, slack);
     if o.lower <= 0.0 {

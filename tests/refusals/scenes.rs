@@ -205,7 +205,7 @@ fn questions_out_of_turn_are_refused() {
 
 #[test]
 fn an_origin_that_is_none_is_refused_with_the_first_body() {
-    use lin_canny::broad::{Aabb, BroadPhaseError, PencilSweep, Settings};
+    use lin_canny::broad::{Aabb, BroadPhaseError, Settings, SweepAndPrune};
     for (axis, x) in [(0, f64::NAN), (1, f64::INFINITY), (2, f64::NEG_INFINITY)] {
         let mut origin = Point3::origin();
         origin[axis] = x;
@@ -219,9 +219,9 @@ fn an_origin_that_is_none_is_refused_with_the_first_body() {
             lin_canny::broad::BodyOptions::moving(),
         );
         let error = Err(BroadPhaseError::Origin { axis });
-        assert_eq!(PencilSweep::with_settings(settings).insert(&aabb, body), error);
+        assert_eq!(SweepAndPrune::with_settings(settings).insert(&aabb, body), error);
         assert_eq!(
-            PencilSweep::with_settings(settings).insert_unbounded(&Aabb::everything(), body),
+            SweepAndPrune::with_settings(settings).insert_unbounded(&Aabb::everything(), body),
             error
         );
     }

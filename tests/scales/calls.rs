@@ -9,7 +9,7 @@ mod worlds;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
-    Compound, ContactPatches, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh, PairTracker,
+    Compound, ConvexPatches, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh, PairTracker,
     Piece, Question, RelativePose, Shape, Tracker, Until,
 };
 use truth::rng::Rng;
@@ -349,8 +349,8 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
 
 /// The contacts of bodies of patches.
 fn patches(scene: &mut Scene, rng: &mut Rng) {
-    let bodies = [dented(scene, rng), dented(scene, rng)].map(ContactPatches::of_mesh);
-    let pieces = [compound(scene, rng), compound(scene, rng)].map(ContactPatches::of_pieces);
+    let bodies = [dented(scene, rng), dented(scene, rng)].map(ConvexPatches::of_mesh);
+    let pieces = [compound(scene, rng), compound(scene, rng)].map(ConvexPatches::of_pieces);
     let options = ManifoldOptions::within(0.2 * scene.unit);
     for [a, b] in [&bodies, &pieces] {
         let mut warm = PairTracker::new();

@@ -1,7 +1,7 @@
 //! Promise: a scene finds what brute force over all pairs finds, on every frame, whatever is enabled and however cheaply.
 
 use crate::{ALL, Keys, NONE, Replay};
-use lin_canny::scene::{Body, BodyId, PairQueries, Group, Scene};
+use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene};
 use lin_canny::{ContactState, ConvexPolyhedron, ManifoldOptions, RelativePose, Tracker};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -272,7 +272,7 @@ fn dropping_an_effect_never_raises_a_work_counter() {
     for kind in KINDS {
         let totals = ladder().map(|queries| {
             let mut play = Play::new(kind, 300, queries);
-            let mut total = lin_canny::scene::Counts::default();
+            let mut total = lin_canny::scene::StepWork::default();
             for _ in 0..60 {
                 play.step();
                 total += play.scene.report().counts;
@@ -304,7 +304,7 @@ fn dropping_an_effect_never_raises_a_work_counter() {
         for (less, more) in [(0, 1), (1, 4), (2, 4), (3, 4), (4, 5), (5, 6), (6, 7), (7, 8)] {
             let (l, m) = (&totals[less], &totals[more]);
             let work =
-                |t: &lin_canny::scene::Counts| [t.boxes, t.queries, t.walked, t.certificates, t.depths, t.manifolds];
+                |t: &lin_canny::scene::StepWork| [t.boxes, t.queries, t.walked, t.certificates, t.depths, t.manifolds];
             for (x, y) in work(l).into_iter().zip(work(m)) {
                 assert!(x <= y, "{kind:?}: {less} {:?} above {more} {:?}", work(l), work(m));
             }

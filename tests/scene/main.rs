@@ -3,8 +3,8 @@
 #[cfg(feature = "meshes")]
 mod bending;
 mod calls;
-mod lattice;
 mod events;
+mod lattice;
 mod queries;
 mod shapes;
 mod surfaces;

@@ -6,8 +6,8 @@ use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, Group, PairQueries, Scene, SceneError};
 use lin_canny::{
-    Compound, ContactState, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairTracker, Piece,
-    RelativePose, Shape, ShapeKind, Tracker, Velocity,
+    Compound, ContactState, ConvexPolyhedron, Geometry, GeometryKind, Manifold, ManifoldOptions, Mesh, PairTracker,
+    Piece, RelativePose, Shape, Tracker, Velocity,
 };
 use std::sync::Arc;
 use truth::rng::Rng;
@@ -430,7 +430,7 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     scene.set_queries(ALL, other, near.depth(true)).unwrap();
     scene.insert(Body::moving(mesh()).group(other), at).unwrap();
     let refused = scene.insert(Body::moving(bracket()), at).unwrap_err();
-    assert_eq!(refused, refusal("depth", ShapeKind::Compound, ShapeKind::Mesh));
+    assert_eq!(refused, refusal("depth", GeometryKind::Compound, GeometryKind::Mesh));
     assert_eq!(
         refused.to_string(),
         "no depth is computed between a compound and a mesh"
@@ -444,13 +444,16 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     let id = scene.insert(Body::moving(mesh()), at).unwrap();
     scene.set_queries(ALL, ALL, deep).unwrap();
     let refused = scene.insert(Body::moving(mesh()), at).unwrap_err();
-    assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Mesh));
+    assert_eq!(refused, refusal("depth", GeometryKind::Mesh, GeometryKind::Mesh));
     scene.insert(Body::moving(cylinder()).group(other), at).unwrap();
     let refused = scene.set_queries(ALL, other, deep).unwrap_err();
-    assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Curved));
+    assert_eq!(refused, refusal("depth", GeometryKind::Mesh, GeometryKind::Curved));
     let local = near.local_depth(true);
     let refused = scene.set_queries(ALL, other, local).unwrap_err();
-    assert_eq!(refused, refusal("local_depth", ShapeKind::Mesh, ShapeKind::Curved));
+    assert_eq!(
+        refused,
+        refusal("local_depth", GeometryKind::Mesh, GeometryKind::Curved)
+    );
     assert_eq!(scene.queries(ALL, other), NONE, "a refused call changes nothing");
     scene.set_queries(ALL, other, near).unwrap();
 
@@ -458,7 +461,7 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     let third = Group::new(2).unwrap();
     scene.set_queries(other, third, deep).unwrap();
     let refused = scene.set_group(id, third).unwrap_err();
-    assert_eq!(refused, refusal("depth", ShapeKind::Mesh, ShapeKind::Curved));
+    assert_eq!(refused, refusal("depth", GeometryKind::Mesh, GeometryKind::Curved));
     assert_eq!(scene.group(id), Some(ALL));
     scene.set_group(id, ALL).unwrap();
 
@@ -474,5 +477,5 @@ fn queries_that_kinds_cannot_answer_are_refused_by_name() {
     assert!(scene.insert(Body::moving(cylinder()), at).is_err());
     let wire = ConvexPolyhedron::point([0.0; 3].into()).unwrap();
     let refused = scene.insert(Body::moving(wire), at).unwrap_err();
-    assert_eq!(refused, refusal("depth", ShapeKind::Wire, ShapeKind::Mesh));
+    assert_eq!(refused, refusal("depth", GeometryKind::Wire, GeometryKind::Mesh));
 }

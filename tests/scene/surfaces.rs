@@ -4,7 +4,7 @@ use crate::{ALL, NONE, read_back};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, BodyId, PairQueries, Scene, SceneError};
-use lin_canny::{Compound, ContactState, Feature, Geometry, Mesh, Piece, Shape, ShapeKind, Velocity};
+use lin_canny::{Compound, ContactState, Feature, Geometry, GeometryKind, Mesh, Piece, Shape, Velocity};
 use truth::forms::sphere;
 use truth::rng::Rng;
 
@@ -246,7 +246,7 @@ fn what_no_tracker_answers_is_refused() {
         Err(SceneError::Unanswered {
             query,
             these,
-            those: ShapeKind::BezierSurface,
+            those: GeometryKind::BezierSurface,
         })
     };
     let die = || solids::cuboid(Vector3::repeat(0.5)).unwrap();
@@ -257,19 +257,19 @@ fn what_no_tracker_answers_is_refused() {
     let mut scene = call(NONE.depth(true));
     assert_eq!(
         scene.insert(Body::moving(die()), at),
-        refusal("depth", ShapeKind::Polyhedron)
+        refusal("depth", GeometryKind::Polyhedron)
     );
     let refused = scene.insert(Body::moving(sphere(0.5)), at);
-    assert_eq!(refused, refusal("depth", ShapeKind::BezierSurface));
+    assert_eq!(refused, refusal("depth", GeometryKind::BezierSurface));
     assert_eq!(
         refused.unwrap_err().to_string(),
         "no depth is computed between a Bézier surface and a Bézier surface"
     );
     let mut scene = call(NONE.local_depth(true));
     let bodies = [
-        (Body::moving(mesh), ShapeKind::Mesh),
-        (Body::moving(die()), ShapeKind::Polyhedron),
-        (Body::moving(sphere(0.5)), ShapeKind::BezierSurface),
+        (Body::moving(mesh), GeometryKind::Mesh),
+        (Body::moving(die()), GeometryKind::Polyhedron),
+        (Body::moving(sphere(0.5)), GeometryKind::BezierSurface),
     ];
     for (body, kind) in bodies {
         assert_eq!(scene.insert(body, at), refusal("local_depth", kind));

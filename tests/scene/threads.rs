@@ -58,7 +58,7 @@ type Seen = (
         Option<Outcome>,
         Option<Manifold>,
     )>,
-    lin_canny::scene::Counts,
+    lin_canny::scene::StepWork,
 );
 
 fn seen(scene: &Scene) -> Seen {

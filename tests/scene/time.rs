@@ -6,7 +6,7 @@ use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Change, Counts, Event, PairQueries, Scene, SceneError};
+use lin_canny::scene::{Body, BodyId, Change, Event, PairQueries, Scene, SceneError, StepWork};
 use lin_canny::schedule::Schedule;
 use lin_canny::{Compound, Geometry, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity};
 use std::collections::BTreeMap;
@@ -30,7 +30,7 @@ struct Gas {
     ids: Vec<BodyId>,
     half: f64,
     tick: f64,
-    counts: Counts,
+    counts: StepWork,
     events: Vec<Event>,
 }
 
@@ -59,7 +59,7 @@ impl Gas {
                 id
             })
             .collect();
-        let (counts, events) = (Counts::default(), Vec::new());
+        let (counts, events) = (StepWork::default(), Vec::new());
         Self {
             scene,
             ids,
@@ -261,7 +261,7 @@ fn check_tick(scene: &Scene, flyers: &[Flyer], motions: &BTreeMap<BodyId, Steady
                     );
                     assert!(!meets(safe) && meets(hit), "{safe} {hit}");
                 }
-                Some(Impact::Near { safe, .. }) => {
+                Some(Impact::Undecided { safe, .. }) => {
                     mix.grazed += 1;
                     assert!(first.is_none_or(|t| safe < t));
                 }

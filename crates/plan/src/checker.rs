@@ -235,10 +235,10 @@ impl<C: ConfigurationSpace> Checker<C> {
         for body in 0..self.space.bodies() {
             let mut from = 0.0;
             while from < 1.0 {
-                let (pose, course) = segment.placed(0, body, from, 1.0 - from);
+                let (pose, model) = segment.placed(0, body, from, 1.0 - from);
                 let ball = self.pairs.robot_balls[body];
-                let until = f64::smaller(1.0, from + even_span(ball, &course, 1.0 - from));
-                let swept = swept_box(ball, &pose, &course, until - from, self.margin);
+                let until = f64::smaller(1.0, from + even_span(ball, &model, 1.0 - from));
+                let swept = swept_box(ball, &pose, &model, until - from, self.margin);
                 self.pairs.near_within(body, &swept, (from, until), stretches)?;
                 from = until;
             }
@@ -267,9 +267,9 @@ impl<C: ConfigurationSpace> Checker<C> {
             self.work.queries += u64::from(found.queries + found.proofs);
             let (safe, hit) = match found.impact {
                 Impact::Miss => continue,
-                Impact::Start { seen } => (stretch.from, Some((stretch.from, seen))),
+                Impact::AtStart { seen } => (stretch.from, Some((stretch.from, seen))),
                 Impact::Hit { safe, hit, seen } => (safe, Some((hit, seen))),
-                Impact::Near { safe, .. } | Impact::Unknown { safe } => (safe, None),
+                Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => (safe, None),
                 // An answer that is not known here proves nothing.
                 _ => (stretch.from, None),
             };
@@ -284,7 +284,7 @@ impl<C: ConfigurationSpace> Checker<C> {
                         witnesses: self.in_world(segment, pair, safe, points),
                     }
                 }
-                None => Verdict::Unknown { t: safe },
+                None => Verdict::Undecided { t: safe },
             };
             until = safe;
             if any || !(until > 0.0) {

@@ -144,7 +144,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             self.candidates.extend(0..self.pairs.own);
         } else {
             for (body, pose) in poses.iter().enumerate() {
-                let still = Steady::new(pose, Velocity::default())?.course(0.0, 1.0);
+                let still = Steady::new(pose, Velocity::default())?.model(0.0, 1.0);
                 let about = swept_box(self.pairs.robot_balls[body], pose, &still, 0.0, reach);
                 self.pairs.near(body, &about, &mut self.candidates)?;
             }
@@ -308,12 +308,12 @@ impl<C: ConfigurationSpace> Checker<C> {
             let pair = self.pairs.all[index].pair;
             match cast.impact {
                 Impact::Miss => return Ok(Some(keep)),
-                Impact::Start { seen } => found.lower_to(seen.upper, time, pair),
+                Impact::AtStart { seen } => found.lower_to(seen.upper, time, pair),
                 Impact::Hit { safe, seen, .. } => {
                     time = safe;
                     found.lower_to(seen.upper, time, pair);
                 }
-                Impact::Near { safe, .. } | Impact::Unknown { safe } => time = safe,
+                Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => time = safe,
                 // An answer that is not known here proves nothing.
                 _ => break,
             }

@@ -8,8 +8,8 @@ use crate::error::PlanError;
 use crate::extremes::Extremes;
 use crate::tolerance::PLACED;
 use crate::world::{World, WorldId, WorldPair};
-use lin_canny::broad::{Aabb, BodyId, BodyOptions, PencilSweep};
-use lin_canny::motion::{Course, Steady, Velocity};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
+use lin_canny::motion::{MotionModel, Steady, Velocity};
 use lin_canny::polyhedron::BoxHint;
 use lin_canny::{Geometry, PairTracker};
 
@@ -45,7 +45,7 @@ pub(crate) struct Pairs {
     /// The index of the first pair of two bodies of the robot.
     pub(crate) own: usize,
     obstacles: usize,
-    boxes: PencilSweep,
+    boxes: SweepAndPrune,
     /// Obstacles found by a query.
     found: Vec<BodyId>,
     /// The obstacles as bodies that rest.
@@ -68,7 +68,7 @@ impl Pairs {
             all: Vec::new(),
             own: 0,
             obstacles: world.obstacles.len(),
-            boxes: PencilSweep::new(),
+            boxes: SweepAndPrune::new(),
             found: Vec::new(),
             resting: Vec::new(),
             robot_balls: world.robot.iter().map(|b| b.1.bounding_ball()).collect(),
@@ -190,10 +190,10 @@ impl WorldPair {
 
 /// Returns a span, at most `most`, over which the pivot of a body stays near the parabola of its
 /// course: within half the reach of the body.
-pub(crate) fn even_span((centre, radius): (Point3<f64>, f64), course: &Course, most: f64) -> f64 {
-    let near = 0.5 * (radius + (centre - course.pivot).norm());
+pub(crate) fn even_span((centre, radius): (Point3<f64>, f64), model: &MotionModel, most: f64) -> f64 {
+    let near = 0.5 * (radius + (centre - model.pivot).norm());
     let mut span = most;
-    while course.shift.at(span) > near && span > SWEPT {
+    while model.shift.at(span) > near && span > SWEPT {
         span *= 0.5;
     }
     span
@@ -205,17 +205,17 @@ pub(crate) fn even_span((centre, radius): (Point3<f64>, f64), course: &Course, m
 pub(crate) fn swept_box(
     (centre, radius): (Point3<f64>, f64),
     pose: &Isometry3<f64>,
-    course: &Course,
+    model: &MotionModel,
     span: f64,
     margin: f64,
 ) -> Aabb {
-    let start = pose * course.pivot;
-    let (way, bend) = (course.linear * span, course.acceleration * (0.5 * span * span));
+    let start = pose * model.pivot;
+    let (way, bend) = (model.linear * span, model.acceleration * (0.5 * span * span));
     let ends = [start, start + way * 0.5, start + way + bend];
     let path = ends[1..]
         .iter()
         .fold(Aabb::new(start, start), |all, p| all.united(&Aabb::new(*p, *p)));
-    let reach = radius + (centre - course.pivot).norm();
+    let reach = radius + (centre - model.pivot).norm();
     let size = reach + start.coords.abs().sum() + way.abs().sum() + bend.abs().sum();
-    path.grown(margin + reach + course.shift.at(span) + PLACED * size)
+    path.grown(margin + reach + model.shift.at(span) + PLACED * size)
 }

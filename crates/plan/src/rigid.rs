@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vect
 
 use crate::error::PlanError;
 use crate::space::{ConfigurationSpace, SegmentMotion, check, check_bounds, within};
-use lin_canny::motion::{Course, Motion, Steady, Velocity};
+use lin_canny::motion::{Motion, MotionModel, Steady, Velocity};
 use lin_canny::tolerance::{EXTENT_MAX, POSE_UNIT};
 
 /// Largest angle of a configuration in the plane: sums and remainders of angles err by UNIT of
@@ -20,8 +20,8 @@ impl SegmentMotion for Steady {
         Motion::pose(self, time)
     }
 
-    fn course(&self, _: usize, time: f64, span: f64) -> Course {
-        Motion::course(self, time, span)
+    fn model(&self, _: usize, time: f64, span: f64) -> MotionModel {
+        Motion::model(self, time, span)
     }
 }
 

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::error::PlanError;
 use crate::extremes::Extremes;
-use lin_canny::motion::{Course, Motion, Steady};
+use lin_canny::motion::{Motion, MotionModel, Steady};
 
 /// A configuration space: configurations are lists of numbers, and each places all bodies of a
 /// robot.
@@ -148,7 +148,7 @@ pub trait SegmentMotion {
 
     /// Returns the velocities of a body at a time and bounds of the deviation within `span` from
     /// then on.
-    fn course(&self, body: usize, time: f64, span: f64) -> Course;
+    fn model(&self, body: usize, time: f64, span: f64) -> MotionModel;
 
     /// Returns the *stem* of two bodies: a moving frame as seen from which both move less than in
     /// the world, such as the last link that carries both. 0 is the world.
@@ -156,10 +156,10 @@ pub trait SegmentMotion {
         0
     }
 
-    /// Returns the pose of a body as seen from a stem, and the course from there on. The bounds
-    /// hold of the poses that [`pose`](Self::pose) places as well.
-    fn placed(&self, _stem: usize, body: usize, time: f64, span: f64) -> (Isometry3<f64>, Course) {
-        (self.pose(body, time), self.course(body, time, span))
+    /// Returns the pose of a body as seen from a stem, and the motion model from there on. The
+    /// bounds hold of the poses that [`pose`](Self::pose) places as well.
+    fn placed(&self, _stem: usize, body: usize, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
+        (self.pose(body, time), self.model(body, time, span))
     }
 }
 
@@ -182,11 +182,11 @@ impl<M: SegmentMotion + ?Sized> Motion for BodyMotion<'_, M> {
         self.placed(time, 0.0).0
     }
 
-    fn course(&self, time: f64, span: f64) -> Course {
+    fn model(&self, time: f64, span: f64) -> MotionModel {
         self.placed(time, span).1
     }
 
-    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
+    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
         self.segment.placed(self.stem, self.body, time, span)
     }
 }
@@ -205,14 +205,14 @@ impl<M: SegmentMotion> Motion for PartMotion<'_, M> {
         }
     }
 
-    fn course(&self, time: f64, span: f64) -> Course {
+    fn model(&self, time: f64, span: f64) -> MotionModel {
         match self {
-            Self::Robot(motion) => motion.course(time, span),
-            Self::Obstacle(motion) => motion.course(time, span),
+            Self::Robot(motion) => motion.model(time, span),
+            Self::Obstacle(motion) => motion.model(time, span),
         }
     }
 
-    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
+    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
         match self {
             Self::Robot(motion) => motion.placed(time, span),
             Self::Obstacle(motion) => motion.placed(time, span),

@@ -28,7 +28,7 @@ use crate::extremes::Extremes;
 use crate::space::SegmentMotion;
 use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE};
 use crate::tree::TreeJoint;
-use lin_canny::motion::{Course, Drift};
+use lin_canny::motion::{MotionModel, Remainder};
 use lin_canny::normalize;
 
 /// Radians by which the joints that two links share turn, beyond which the pair is looked at from
@@ -130,21 +130,21 @@ pub struct TreeSegment {
     tree: LinkTree,
     links: Vec<usize>,
     joints: Vec<JointCourse>,
-    /// Pose and course of each link at the begin, where every pair is looked at first.
-    begin: Vec<(Isometry3<f64>, Course)>,
+    /// Pose and motion model of each link at the begin, where every pair is looked at first.
+    begin: Vec<(Isometry3<f64>, MotionModel)>,
 }
 
 impl TreeSegment {
     pub(crate) fn new(tree: &LinkTree, links: &[usize], from: &[f64], to: &[f64]) -> Self {
         let joints: Vec<_> = tree.joints().iter().map(|j| JointCourse::new(j, from, to)).collect();
         let mut motions = std::vec![LinkMotion::new(tree.base())];
-        for (joint, course) in tree.joints().iter().zip(&joints) {
+        for (joint, model) in tree.joints().iter().zip(&joints) {
             let mut motion = motions[joint.parent].clone();
-            motion.pass(joint, course, 0.0);
+            motion.pass(joint, model, 0.0);
             motions.push(motion);
         }
         Self {
-            begin: motions.iter().map(|motion| (motion.pose, motion.course())).collect(),
+            begin: motions.iter().map(|motion| (motion.pose, motion.model())).collect(),
             tree: tree.clone(),
             links: links.into(),
             joints,
@@ -164,7 +164,7 @@ impl SegmentMotion for TreeSegment {
         })
     }
 
-    fn course(&self, body: usize, time: f64, span: f64) -> Course {
+    fn model(&self, body: usize, time: f64, span: f64) -> MotionModel {
         self.placed(0, body, time, span).1
     }
 
@@ -179,7 +179,7 @@ impl SegmentMotion for TreeSegment {
         if turned > TURNED { stem } else { 0 }
     }
 
-    fn placed(&self, stem: usize, body: usize, time: f64, _: f64) -> (Isometry3<f64>, Course) {
+    fn placed(&self, stem: usize, body: usize, time: f64, _: f64) -> (Isometry3<f64>, MotionModel) {
         let link = self.links[body];
         if stem == 0 && time == 0.0 {
             return self.begin[link];
@@ -193,7 +193,7 @@ impl SegmentMotion for TreeSegment {
             motion.pose = Isometry3::identity();
         }
         path.for_each(|(k, joint)| motion.pass(joint, &self.joints[k], time));
-        (motion.pose, motion.course())
+        (motion.pose, motion.model())
     }
 }
 
@@ -234,11 +234,11 @@ impl RateBounds {
     }
 
     /// The rounding of the value of a joint, and of the turn by the joint.
-    fn round(&mut self, kind: JointKind, course: &JointCourse) {
-        self.turn += ARM_TURN + ARM_VALUE * course.size;
+    fn round(&mut self, kind: JointKind, model: &JointCourse) {
+        self.turn += ARM_TURN + ARM_VALUE * model.size;
         if kind == JointKind::Prismatic {
             // What the rounding of a value that mimics exceeds the part in `ARM_PLACE` by.
-            self.place += ARM_VALUE * (course.size - course.most).at_least(0.0);
+            self.place += ARM_VALUE * (model.size - model.most).at_least(0.0);
         }
     }
 }
@@ -263,26 +263,26 @@ impl LinkMotion {
 
     /// Goes on to the link behind a joint that moves the partner as well: the motion that both
     /// share is left out, the rounding is not.
-    fn share(&mut self, joint: &TreeJoint, course: &JointCourse) {
+    fn share(&mut self, joint: &TreeJoint, model: &JointCourse) {
         self.bounds.reach_on(joint.origin.translation.vector.abs().sum());
-        self.bounds.round(joint.kind, course);
+        self.bounds.round(joint.kind, model);
         if joint.kind == JointKind::Prismatic {
-            self.bounds.reach_on(joint.axis.abs().sum() * course.most);
+            self.bounds.reach_on(joint.axis.abs().sum() * model.most);
         }
     }
 
     /// Goes on to the link behind a joint at a time.
-    fn pass(&mut self, joint: &TreeJoint, course: &JointCourse, time: f64) {
-        let (value, rate) = (course.at(time), course.rate);
+    fn pass(&mut self, joint: &TreeJoint, model: &JointCourse, time: f64) {
+        let (value, rate) = (model.at(time), model.rate);
         let offset = self.pose.rotation * joint.origin.translation.vector;
         self.carry(&offset, &joint.origin.translation.vector, 0.0, None);
-        self.bounds.round(joint.kind, course);
+        self.bounds.round(joint.kind, model);
         self.pose = joint.after(&self.pose, value);
         let axis = self.pose.rotation * joint.axis.into_inner();
         match joint.kind {
             JointKind::Revolute => self.spin(&axis, rate),
             JointKind::Prismatic => {
-                let longer = course.most - value.abs();
+                let longer = model.most - value.abs();
                 self.carry(
                     &(axis * value),
                     &(joint.axis.into_inner() * value),
@@ -323,22 +323,22 @@ impl LinkMotion {
     }
 
     /// Errors count twice: a bound begins at a pose that is placed, and ends at another.
-    fn course(&self) -> Course {
+    fn model(&self) -> MotionModel {
         let b = &self.bounds;
         let error = 2.0 * b.turn + ARM_PLACE;
         let growth = 1.0 + ARM_PLACE;
-        Course {
+        MotionModel {
             pivot: Point3::origin(),
             linear: self.linear,
             angular: self.angular,
             acceleration: self.acceleration,
-            shift: Drift([
+            shift: Remainder([
                 2.0 * b.place,
                 2.0 * error * b.speed,
                 4.0 * error * b.push,
                 b.jerk * growth,
             ]),
-            turn: Drift([2.0 * b.turn, error * b.rate, b.bend * growth, 0.0]),
+            turn: Remainder([2.0 * b.turn, error * b.rate, b.bend * growth, 0.0]),
         }
     }
 }

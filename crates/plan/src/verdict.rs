@@ -26,7 +26,7 @@ pub enum Verdict {
         witnesses: [Point3<f64>; 2],
     },
     /// Neither proven: rounding hides whether a pair meets.
-    Unknown {
+    Undecided {
         /// All pairs are proven apart up to here.
         t: f64,
     },
@@ -45,7 +45,7 @@ impl Verdict {
         match *self {
             Self::Free { .. } => 1.0,
             Self::Blocked { safe, .. } => safe,
-            Self::Unknown { t } => t,
+            Self::Undecided { t } => t,
         }
     }
 }

@@ -6,7 +6,7 @@ mod patches;
 use std::borrow::Cow;
 
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{Compound, Geometry as Body, Mesh, Piece, ShapeKind};
+use lin_canny::{Compound, Geometry as Body, Mesh, Piece, GeometryKind};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -95,7 +95,7 @@ impl Geometry {
     fn is_convex(&self) -> bool {
         !matches!(
             self.0.kind(),
-            ShapeKind::Compound | ShapeKind::Mesh | ShapeKind::BezierSurface
+            GeometryKind::Compound | GeometryKind::Mesh | GeometryKind::BezierSurface
         )
     }
 

@@ -149,7 +149,7 @@ impl Free {
     }
 
     pub(crate) fn report(&self) -> Report {
-        let near = |pair: &scene::PairAnswer| pair.overlaps == Some(true) || pair.manifold.is_some();
+        let near = |pair: &scene::PairResults| pair.overlaps == Some(true) || pair.manifold.is_some();
         Report {
             moved: self.moved,
             touching: self.scene.pairs().filter(near).count(),

@@ -17,7 +17,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::scene::{Body, Group, PairQueries, Scene};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{Compound, Geometry, ManifoldOptions, Mesh, PairTracker, Piece, RelativePose, Shape, Velocity, impact};
-use lin_canny_record::{Bracket, PencilLine, Recorder};
+use lin_canny_record::{Bracket, ColumnLine, Recorder};
 
 type Trouble = Box<dyn Error>;
 
@@ -169,7 +169,7 @@ fn pile(file: &Path) -> Result<(), Trouble> {
         for column in 0..2u32 {
             let x = -2.0 + 2.0 * f64::from(column);
             let listed = cubes.len() as u32;
-            recorder.pencil(PencilLine {
+            recorder.column(ColumnLine {
                 axis: 2,
                 lo: [x, -2.0],
                 hi: [x + 2.0, 2.0],

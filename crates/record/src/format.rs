@@ -70,7 +70,7 @@ pub struct Frame {
     pub boxes: Vec<[Point3<f64>; 2]>,
     /// Columns of the broad phase.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub pencils: Vec<PencilLine>,
+    pub columns: Vec<ColumnLine>,
     /// Brackets of times of impact.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub brackets: Vec<Bracket>,
@@ -121,7 +121,7 @@ pub struct Contact {
 
 /// A column of the broad phase, infinite along one axis.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PencilLine {
+pub struct ColumnLine {
     /// The axis of the column: 0, 1, 2 for x, y, z. The other two follow in cyclic order.
     pub axis: u8,
     /// Lower corner on the two other axes, in the world.

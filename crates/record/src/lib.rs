@@ -55,7 +55,7 @@ mod read;
 mod scene;
 mod write;
 
-pub use format::{BodyLine, Bracket, Contact, FORMAT, Frame, Header, PairLine, PencilLine, VERSION, poses};
+pub use format::{BodyLine, Bracket, ColumnLine, Contact, FORMAT, Frame, Header, PairLine, VERSION, poses};
 pub use picture::BodyPicture;
 pub use read::{Cursor, ReadError, Recording};
 pub use write::{Recorder, WriteError};

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use lin_canny::BoxHint;
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::scene::{BodyId, PairAnswer, Scene};
+use lin_canny::scene::{BodyId, PairResults, Scene};
 
 use crate::format::Contact;
 use crate::write::{Recorder, WriteError};
@@ -71,7 +71,7 @@ impl<W: Write> Recorder<W> {
 }
 
 /// Returns the contacts of a pair in the world.
-fn contacts(pair: &PairAnswer<'_>, pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Vec<Contact> {
+fn contacts(pair: &PairResults<'_>, pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Vec<Contact> {
     let convex = pair.manifold.into_iter().flat_map(|manifold| {
         let normal = manifold.normal();
         manifold

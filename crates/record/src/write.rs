@@ -8,9 +8,9 @@ use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::scene::BodyId;
-use lin_canny::{Answer, Geometry, PatchContacts};
+use lin_canny::{ContactGroup, Geometry, PairOutcome};
 
-use crate::format::{BodyLine, Bracket, Contact, FORMAT, Frame, Header, Line, PairLine, PencilLine, VERSION, poses};
+use crate::format::{BodyLine, Bracket, ColumnLine, Contact, FORMAT, Frame, Header, Line, PairLine, VERSION, poses};
 
 /// What stops a recorder.
 #[derive(Debug, thiserror::Error)]
@@ -166,7 +166,7 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// An unknown body.
-    pub fn answer(&mut self, a: u32, b: u32, answer: &Answer) -> Result<(), WriteError> {
+    pub fn answer(&mut self, a: u32, b: u32, answer: &PairOutcome) -> Result<(), WriteError> {
         let line = self.pair(a, b)?;
         line.outcome = Some(answer.outcome);
         line.parts = [answer.on[0].part, answer.on[1].part];
@@ -177,7 +177,7 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// An unknown body, or one that is not shown.
-    pub fn contacts(&mut self, a: u32, b: u32, groups: &[PatchContacts]) -> Result<(), WriteError> {
+    pub fn contacts(&mut self, a: u32, b: u32, groups: &[ContactGroup]) -> Result<(), WriteError> {
         let (pose_a, pose_b) = (self.pose_of(a)?, self.pose_of(b)?);
         let points = groups.iter().flat_map(|group| &group.contacts);
         let contacts: Vec<Contact> = points
@@ -199,8 +199,8 @@ impl<W: Write> Recorder<W> {
     }
 
     /// Adds a column of the broad phase.
-    pub fn pencil(&mut self, pencil: PencilLine) {
-        self.frame.pencils.push(pencil);
+    pub fn column(&mut self, column: ColumnLine) {
+        self.frame.columns.push(column);
     }
 
     /// Adds the bracket of a first contact.

@@ -18,7 +18,7 @@
 //! | the bracket of a cast | `casts`: `TextLog` with both times |
 //! | the note of a frame | `notes`: `TextLog` |
 //!
-//! Frames are the timeline `frame`. Left out: pencils of the broad phase, which are infinite, and the poses of a bracket. rerun counts in single
+//! Frames are the timeline `frame`. Left out: columns of the broad phase, which are infinite, and the poses of a bracket. rerun counts in single
 //! precision: numbers that have to be exact are read from the recording.
 
 mod shown;

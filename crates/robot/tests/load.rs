@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use lin_canny::ShapeKind;
+use lin_canny::GeometryKind;
 use lin_canny_robot::{FileError, FileProblem, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot};
 
 /// A folder of the examples.
@@ -59,8 +59,8 @@ fn the_example_has_one_coordinate_for_both_fingers() {
         right.drive.map(|d| (d.coordinate, d.factor, d.offset)),
         Some((6, 1.0, 0.0))
     );
-    let kinds: Vec<ShapeKind> = robot.links().iter().map(|l| l.bodies[0].geometry.kind()).collect();
-    assert!(kinds.contains(&ShapeKind::Curved) && kinds.contains(&ShapeKind::Polyhedron));
+    let kinds: Vec<GeometryKind> = robot.links().iter().map(|l| l.bodies[0].geometry.kind()).collect();
+    assert!(kinds.contains(&GeometryKind::Curved) && kinds.contains(&GeometryKind::Polyhedron));
     for (k, joint) in robot.joints().iter().enumerate() {
         assert_eq!(joint.child, k + 1);
         assert!(joint.parent <= k);
@@ -87,12 +87,12 @@ fn every_solid_and_joint_is_read() {
     assert_eq!(robot.coordinates().len(), 6 + 3 + 1);
     assert_eq!(robot.coordinates()[6].name, "p/x");
     let bodies = &robot.links()[robot.link("c").expect("a link")].bodies;
-    let kinds: Vec<ShapeKind> = bodies.iter().map(|b| b.geometry.kind()).collect();
+    let kinds: Vec<GeometryKind> = bodies.iter().map(|b| b.geometry.kind()).collect();
     let expected = [
-        ShapeKind::Rounded,
-        ShapeKind::Curved,
-        ShapeKind::Rounded,
-        ShapeKind::Polyhedron,
+        GeometryKind::Rounded,
+        GeometryKind::Curved,
+        GeometryKind::Rounded,
+        GeometryKind::Polyhedron,
     ];
     assert_eq!(kinds, expected);
     assert!((bodies[0].geometry.bounding_ball().1 - 2.0).abs() < 1e-12);
@@ -114,7 +114,7 @@ fn meshes_are_hulls_meshes_or_pieces() {
     let [left, right] = load(of_one).expect("a robot");
     assert_eq!(
         (left.geometry.kind(), right.geometry.kind()),
-        (ShapeKind::Polyhedron, ShapeKind::Mesh)
+        (GeometryKind::Polyhedron, GeometryKind::Mesh)
     );
     let fit = left.hull_fit.expect("measured");
     assert!(fit.gap_lower < 1e-12 && fit.air().expect("a volume") < 1e-6, "{fit:?}");
@@ -138,7 +138,10 @@ fn meshes_are_hulls_meshes_or_pieces() {
             .contains("finger.obj")
     );
     pieces.pieces = Some(examples().join("gripper_arm"));
-    assert_eq!(load(pieces).expect("a robot")[0].geometry.kind(), ShapeKind::Compound);
+    assert_eq!(
+        load(pieces).expect("a robot")[0].geometry.kind(),
+        GeometryKind::Compound
+    );
 }
 
 #[test]

@@ -147,7 +147,7 @@ fn a_chain_is_a_serial_arm() {
             assert!(off(&ours[body], &(place * own)) < 1e-12);
             let pose = chain.pose(link, t) * own;
             assert!(off(&segment.pose(body, t), &pose) < 1e-12);
-            let (x, y) = (segment.course(body, t, 1.0), chain.course(link, t, 1.0));
+            let (x, y) = (segment.model(body, t, 1.0), chain.model(link, t, 1.0));
             assert!((x.angular - y.angular).norm() < 1e-12 && (x.turn.at(1.0) - y.turn.at(1.0)).abs() < 1e-9);
         }
     }

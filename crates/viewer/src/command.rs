@@ -23,7 +23,7 @@ asks for a picture or for times, which need no display.
   --size WxH            of the picture (default: 800x600)
   --samples N           samples a pixel, 1 or 4 (default: 4)
   --no-panel            the picture without the panel
-  --regions, --boxes, --pencils, --no-names
+  --regions, --boxes, --columns, --no-names
                         show Voronoi regions, boxes, columns; no names of contacts
   --view YAW,PITCH,NEAR radians, and the distance of the camera as a part of the usual one
   --drag X,Y,DX,DY      first drag the mouse from a pixel by so many pixels
@@ -72,7 +72,7 @@ struct Options {
     panel: bool,
     regions: bool,
     boxes: bool,
-    pencils: bool,
+    columns: bool,
     names: bool,
     view: Option<[f64; 3]>,
 }
@@ -94,7 +94,7 @@ impl Options {
         viewer.panel = self.panel;
         viewer.show.regions = self.regions;
         viewer.show.boxes = self.boxes;
-        viewer.show.pencils = self.pencils;
+        viewer.show.columns = self.columns;
         viewer.show.names = self.names;
         viewer.look_at_all();
         if let Some([yaw, pitch, near]) = self.view {
@@ -130,7 +130,7 @@ pub fn run(words: Vec<String>) -> Result<(), Trouble> {
         panel: !arguments.flag("--no-panel"),
         regions: arguments.flag("--regions"),
         boxes: arguments.flag("--boxes"),
-        pencils: arguments.flag("--pencils"),
+        columns: arguments.flag("--columns") | arguments.flag("--pencils"),
         names: !arguments.flag("--no-names"),
         view: arguments.numbers("--view")?,
     };

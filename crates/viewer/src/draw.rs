@@ -3,7 +3,7 @@
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::{ContactState, Outcome};
-use lin_canny_record::{Bracket, PencilLine};
+use lin_canny_record::{Bracket, ColumnLine};
 
 use crate::lit::{self, Lit};
 use crate::stage::{Pair, Stage};
@@ -44,7 +44,7 @@ pub struct Show {
     /// Boxes of the broad phase.
     pub boxes: bool,
     /// Columns of the broad phase.
-    pub pencils: bool,
+    pub columns: bool,
     /// Brackets of casts.
     pub brackets: bool,
     /// Paths.
@@ -60,7 +60,7 @@ impl Default for Show {
             contacts: true,
             names: true,
             boxes: false,
-            pencils: false,
+            columns: false,
             brackets: true,
             paths: true,
         }
@@ -109,9 +109,9 @@ impl DrawList {
         if show.boxes {
             stage.boxes.iter().for_each(|b| self.aabb(b, BOX));
         }
-        if show.pencils {
+        if show.columns {
             let (centre, radius) = stage.ball();
-            stage.pencils.iter().for_each(|p| self.pencil(p, &centre, radius));
+            stage.columns.iter().for_each(|p| self.column(p, &centre, radius));
         }
         if show.brackets {
             stage.brackets.iter().for_each(|b| self.bracket(stage, b));
@@ -206,14 +206,14 @@ impl DrawList {
         }
     }
 
-    fn pencil(&mut self, pencil: &PencilLine, centre: &Point3<f64>, radius: f64) {
-        let axis = usize::from(pencil.axis) % 3;
+    fn column(&mut self, column: &ColumnLine, centre: &Point3<f64>, radius: f64) {
+        let axis = usize::from(column.axis) % 3;
         let (mut low, mut high) = (*centre, *centre);
         low[axis] -= radius;
         high[axis] += radius;
         for (k, other) in [(axis + 1) % 3, (axis + 2) % 3].into_iter().enumerate() {
-            low[other] = pencil.lo[k];
-            high[other] = pencil.hi[k];
+            low[other] = column.lo[k];
+            high[other] = column.hi[k];
         }
         self.aabb(&[low, high], PENCIL);
     }

@@ -132,7 +132,7 @@ fn shown(viewer: &mut Viewer, ui: &mut egui::Ui) {
             (&mut show.contacts, "contacts"),
             (&mut show.names, "names"),
             (&mut show.boxes, "boxes"),
-            (&mut show.pencils, "pencils"),
+            (&mut show.columns, "columns"),
             (&mut show.brackets, "brackets"),
             (&mut show.paths, "paths"),
         ];

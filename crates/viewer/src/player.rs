@@ -62,7 +62,7 @@ impl Player {
             contacts: p.contacts.clone(),
         }));
         stage.boxes.clone_from(&frame.boxes);
-        stage.pencils.clone_from(&frame.pencils);
+        stage.columns.clone_from(&frame.columns);
         stage.brackets.clone_from(&frame.brackets);
         stage.paths.clone_from(&frame.paths);
         stage.note.clone_from(&frame.note);

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Geometry, ManifoldOptions, Outcome, PairTracker, RelativePose};
-use lin_canny_record::{BodyPicture, Bracket, Contact, PencilLine};
+use lin_canny_record::{BodyPicture, Bracket, Contact, ColumnLine};
 
 /// A body and where it stands.
 #[derive(Clone, Debug)]
@@ -62,7 +62,7 @@ pub struct Stage {
     /// Boxes of the broad phase.
     pub boxes: Vec<[Point3<f64>; 2]>,
     /// Columns of the broad phase.
-    pub pencils: Vec<PencilLine>,
+    pub columns: Vec<ColumnLine>,
     /// Brackets of casts.
     pub brackets: Vec<Bracket>,
     /// Paths.

@@ -134,12 +134,12 @@ fn decorations_are_seen() {
     let plain = draw(&mut headless);
     let yellow = |r: i32, g: i32, b: i32| r > 200 && g > 170 && b < 110;
     assert!(count(&plain, yellow) > 100, "contacts");
-    for switch in ["boxes", "pencils", "regions"] {
+    for switch in ["boxes", "columns", "regions"] {
         let show = &mut headless.viewer.show;
         let before = *show;
         match switch {
             "boxes" => show.boxes = true,
-            "pencils" => show.pencils = true,
+            "columns" => show.columns = true,
             _ => show.regions = true,
         }
         let with = draw(&mut headless);

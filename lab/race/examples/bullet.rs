@@ -103,7 +103,7 @@ fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[
             fine,
         )?
         .impact;
-        if let Impact::Start { .. } = found {
+        if let Impact::AtStart { .. } = found {
             continue;
         }
         let truth = matches!(found, Impact::Hit { .. });

@@ -126,9 +126,9 @@ fn answer(line: &str) -> Result<String, Trouble> {
     Ok(match found.impact {
         Impact::Hit { safe, hit, .. } => format!("hit {safe:.17e} {hit:.17e}"),
         Impact::Miss => "miss".into(),
-        Impact::Near { safe, .. } => format!("near {safe:.17e}"),
-        Impact::Start { .. } => "start".into(),
-        Impact::Unknown { safe } => format!("unknown {safe:.17e}"),
+        Impact::Undecided { safe, .. } => format!("near {safe:.17e}"),
+        Impact::AtStart { .. } => "start".into(),
+        Impact::Incomplete { safe } => format!("unknown {safe:.17e}"),
         other => format!("{other:?}"),
     })
 }

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use lin_canny::nalgebra::Point3;
-use lin_canny::{Answer, Mesh, PairTracker, RelativePose};
+use lin_canny::{Mesh, PairOutcome, PairTracker, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
@@ -79,7 +79,7 @@ fn race(ring: &Soup) -> Result<(), Trouble> {
         .collect::<Result<_, _>>()?;
     let mut tracker = PairTracker::new();
     let start = Instant::now();
-    let ours: Vec<Answer> = at.iter().map(|at| tracker.closest(&m, &m, at)).collect();
+    let ours: Vec<PairOutcome> = at.iter().map(|at| tracker.closest(&m, &m, at)).collect();
     let tracked = start.elapsed().as_secs_f64() * 1e6 / FRAMES as f64;
     let start = Instant::now();
     at.iter().for_each(|at| {

@@ -1,9 +1,9 @@
 //! Motions of a rigid body: where it is at a time, and how it may go on from there.
 //!
-//! A [`Motion`] places its body at any time and gives a [`Course`]: velocities at that time and a
-//! proven bound of how far the body can leave the motion at those velocities. Bounds hold for the
-//! motion meant, and for the poses that [`Motion::pose`] places, rounding included (`PLACED_*` and
-//! `TURN` in [`tolerance`](crate::tolerance)).
+//! A [`Motion`] places its body at any time and gives a [`MotionModel`]: velocities at that time
+//! and a proven bound of how far the body can leave the motion at those velocities. Bounds hold for
+//! the motion meant, and for the poses that [`Motion::pose`] places, rounding included (`PLACED_*`
+//! and `TURN` in [`tolerance`](crate::tolerance)).
 //!
 //! | motion | kind |
 //! |---|---|
@@ -21,8 +21,8 @@
 //! turn, from the pose that is placed at `t`. Of a motion whose angular velocity changes at most at
 //! a rate `k`, the turn that parts motion and model has a rate of at most `k s`, hence an angle of
 //! at most `k s^2 / 2`, and no point within `r` of the pivot is farther from where the model has it
-//! than `r k s^2 / 2`. A [`Drift`] is a cubic bound of that form, of the pivot's place (a length)
-//! and of the turn (an angle).
+//! than `r k s^2 / 2`. A [`Remainder`] is a cubic bound of that form, of the pivot's place (a
+//! length) and of the turn (an angle).
 
 mod nlerp;
 mod steady;
@@ -43,11 +43,11 @@ use nalgebra::{Isometry3, Point3, Vector3};
 ///
 /// # Contract
 ///
-/// For every `s` in `0..=span` the course at `time` bounds two things: the motion itself at `time +
+/// For every `s` in `0..=span` the model at `time` bounds two things: the motion itself at `time +
 /// s` and, if `time + s` is an f64, the pose that [`pose`](Self::pose) returns for `time + s`. For
 /// every point within `r` of the pivot both are within `shift(s) + r turn(s)` of the position in
-/// the model of the course, if the model starts from the pose returned for `time`. Rounding of the
-/// poses is part of the bound: drifts begin above zero. A course with a number that is NaN or
+/// the model, if the model starts from the pose returned for `time`. Rounding of the
+/// poses is part of the bound: remainders start above zero. A model with a number that is NaN or
 /// infinite, or with a negative bound, is one of which nothing is known: no query proves anything
 /// by it.
 ///
@@ -55,7 +55,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 /// of time:
 ///
 /// ```
-/// use lin_canny::motion::{Course, Drift, Motion};
+/// use lin_canny::motion::{MotionModel, Remainder, Motion};
 /// use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 ///
 /// struct Swing;
@@ -65,18 +65,18 @@ use nalgebra::{Isometry3, Point3, Vector3};
 ///         let turn = UnitQuaternion::from_scaled_axis(Vector3::z() * angle);
 ///         Isometry3::from_parts(Vector3::zeros().into(), turn)
 ///     }
-///     fn course(&self, time: f64, _span: f64) -> Course {
-///         Course {
+///     fn model(&self, time: f64, _span: f64) -> MotionModel {
+///         MotionModel {
 ///             pivot: Point3::origin(),
 ///             linear: Vector3::zeros(),
 ///             angular: Vector3::z() * 0.6 * time.sin(),
 ///             acceleration: Vector3::zeros(),
-///             shift: Drift::default(),
-///             turn: Drift([1e-13, 0.0, 0.6, 0.0]),
+///             shift: Remainder::default(),
+///             turn: Remainder([1e-13, 0.0, 0.6, 0.0]),
 ///         }
 ///     }
 /// }
-/// let most = Swing.course(1.0, 0.5).displacement(2.0, 0.5);
+/// let most = Swing.model(1.0, 0.5).displacement(2.0, 0.5);
 /// let x = Point3::new(2.0, 0.0, 0.0);
 /// let far = |s: f64| (Swing.pose(1.0 + s) * x - Swing.pose(1.0) * x).norm();
 /// assert!(far(0.25) <= most && far(0.5) <= most);
@@ -87,13 +87,13 @@ pub trait Motion {
 
     /// Returns the velocities at a time, and bounds of the deviation from these velocities within
     /// `span` from then on.
-    fn course(&self, time: f64, span: f64) -> Course;
+    fn model(&self, time: f64, span: f64) -> MotionModel;
 
-    /// Returns the pose and the course at a time: for motions that find one on the way to the
-    /// other.
+    /// Returns the pose and the model at a time: for motions that compute one while they compute
+    /// the other.
     #[inline(always)]
-    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
-        (self.pose(time), self.course(time, span))
+    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
+        (self.pose(time), self.model(time, span))
     }
 }
 
@@ -102,12 +102,12 @@ impl<M: Motion + ?Sized> Motion for &M {
         (**self).pose(time)
     }
 
-    fn course(&self, time: f64, span: f64) -> Course {
-        (**self).course(time, span)
+    fn model(&self, time: f64, span: f64) -> MotionModel {
+        (**self).model(time, span)
     }
 
     #[inline(always)]
-    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, Course) {
+    fn placed(&self, time: f64, span: f64) -> (Isometry3<f64>, MotionModel) {
         (**self).placed(time, span)
     }
 }
@@ -116,7 +116,7 @@ impl<M: Motion + ?Sized> Motion for &M {
 /// from then on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Course {
+pub struct MotionModel {
     /// The point of the body, in the body's own frame, about which the body turns and whose
     /// velocity is `linear`.
     pub pivot: Point3<f64>,
@@ -127,12 +127,12 @@ pub struct Course {
     /// Acceleration of the pivot, constant in the model.
     pub acceleration: Vector3<f64>,
     /// Upper bound of the distance of the pivot from the model: a length.
-    pub shift: Drift,
+    pub shift: Remainder,
     /// Upper bound of the angle of the body against the model: radians.
-    pub turn: Drift,
+    pub turn: Remainder,
 }
 
-impl Course {
+impl MotionModel {
     /// Returns an upper bound of the displacement of any point within `radius` of the pivot within
     /// `span`.
     #[must_use]
@@ -152,7 +152,7 @@ impl Course {
         // Zero times a finite number is zero, and NaN times any other: no branch a number. Two sums
         // side by side take one instruction a step.
         let (p, v, w, a) = (&self.pivot.coords, &self.linear, &self.angular, &self.acceleration);
-        let (Drift(s), Drift(t)) = (self.shift, self.turn);
+        let (Remainder(s), Remainder(t)) = (self.shift, self.turn);
         let mut sums = [0.0; 2];
         for [x, y] in [[p.x, p.y], [p.z, v.x], [v.y, v.z], [w.x, w.y], [w.z, a.x], [a.y, a.z]] {
             sums = [sums[0] + 0.0 * x, sums[1] + 0.0 * y];
@@ -165,7 +165,7 @@ impl Course {
         (sums[0] + sums[1]) + (least[0] + least[1]) == 0.0
     }
 
-    /// Returns the course on a clock with this unit, a power of two.
+    /// Returns the model on a clock with this unit, a power of two.
     #[inline(always)]
     pub(crate) fn on_clock(&self, unit: f64) -> Self {
         Self {
@@ -182,9 +182,9 @@ impl Course {
     /// model.
     #[must_use]
     #[inline]
-    pub fn drift(&self, radius: f64) -> Drift {
-        let (Drift(p), Drift(q)) = (self.shift, self.turn);
-        Drift(core::array::from_fn(|k| p[k] + radius * q[k]))
+    pub fn drift(&self, radius: f64) -> Remainder {
+        let (Remainder(p), Remainder(q)) = (self.shift, self.turn);
+        Remainder(core::array::from_fn(|k| p[k] + radius * q[k]))
     }
 }
 
@@ -192,9 +192,9 @@ impl Course {
 /// 6` at `s` after the start. No coefficient is negative.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Drift(pub [f64; 4]);
+pub struct Remainder(pub [f64; 4]);
 
-impl Drift {
+impl Remainder {
     /// Returns the bound at `s` after the start.
     #[must_use]
     pub fn at(&self, s: f64) -> f64 {
@@ -229,7 +229,7 @@ fn length_of_any_size(v: &Vector3<f64>) -> f64 {
     unit * sqrt((v / unit).norm_squared())
 }
 
-impl core::ops::Add for Drift {
+impl core::ops::Add for Remainder {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self(core::array::from_fn(|k| self.0[k] + other.0[k]))

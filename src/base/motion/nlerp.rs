@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
 use super::steady::{in_range, normalised, positive, turned};
-use super::{Course, Drift, Motion, MotionError};
+use super::{Motion, MotionError, MotionModel, Remainder};
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
@@ -132,7 +132,7 @@ impl Motion for Nlerp {
         Isometry3::from_parts(Translation3::from(at), rotation)
     }
 
-    fn course(&self, time: f64, span: f64) -> Course {
+    fn model(&self, time: f64, span: f64) -> MotionModel {
         let (x, end) = (time / self.duration, (time + span) / self.duration);
         let latest = x.abs().larger(end.abs());
         let length = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
@@ -151,13 +151,13 @@ impl Motion for Nlerp {
         let least = self.square(near) * self.duration;
         let bend = 8.0 * sqrt(self.axis.norm_squared()) * self.versine * far / (least * least);
         let constant = TURN * (1.0 + 4.0 * latest);
-        Course {
+        MotionModel {
             pivot: self.pivot,
             linear: self.way / self.duration,
             angular: self.axis * rate,
             acceleration: Vector3::zeros(),
-            shift: Drift([off + PLACED_PIVOT * length(&self.pivot.coords), 0.0, 0.0, 0.0]),
-            turn: Drift([constant, 0.0, bend * (1.0 + 64.0 * UNIT), 0.0]),
+            shift: Remainder([off + PLACED_PIVOT * length(&self.pivot.coords), 0.0, 0.0, 0.0]),
+            turn: Remainder([constant, 0.0, bend * (1.0 + 64.0 * UNIT), 0.0]),
         }
     }
 }

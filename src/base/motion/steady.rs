@@ -2,7 +2,7 @@
 //! axis.
 
 use crate::base::motion::turn::Spin;
-use crate::base::motion::{Course, Drift, Motion, MotionError};
+use crate::base::motion::{Motion, MotionError, MotionModel, Remainder};
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
@@ -235,7 +235,7 @@ impl Motion for Steady {
     }
 
     #[inline]
-    fn course(&self, time: f64, span: f64) -> Course {
+    fn model(&self, time: f64, span: f64) -> MotionModel {
         let latest = time.abs().larger((time + span).abs());
         let length = |v: &Vector3<f64>| v.x.abs() + v.y.abs() + v.z.abs();
         let gone = latest * (length(&self.velocity.linear) + latest * length(&self.acceleration));
@@ -244,9 +244,9 @@ impl Motion for Steady {
         let open = |k: usize, constant: f64| {
             let bound = self.open[k];
             let ago = time.abs();
-            Drift([constant + 0.5 * bound * ago * ago, bound * ago, bound, 0.0])
+            Remainder([constant + 0.5 * bound * ago * ago, bound * ago, bound, 0.0])
         };
-        Course {
+        MotionModel {
             pivot: self.pivot,
             linear: self.velocity.linear + self.acceleration * time,
             angular: self.velocity.angular,

@@ -63,7 +63,7 @@ pub struct Events<'a> {
     pub began: &'a [Pair],
     /// [`BroadPhaseError::TooManyPairs`] if some pairs found no slot. The refused pairs did not
     /// begin, and all remaining pairs are unaffected; each refused pair is tried again when its
-    /// boxes have parted and meet again, or by [`regroup`](super::PencilSweep::regroup).
+    /// boxes have parted and meet again, or by [`regroup`](super::SweepAndPrune::regroup).
     pub refused: Option<BroadPhaseError>,
 }
 

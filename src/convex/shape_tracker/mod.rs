@@ -12,7 +12,7 @@ use crate::body::polyhedron::{ConvexPolyhedron, FaceId, Feature, FeaturePair};
 use crate::body::shape::{Core, Curved, Shape, Support, match_core};
 use crate::convex::replay::Replay;
 use crate::convex::smooth;
-use crate::convex::tracker::{Totals, Tracker};
+use crate::convex::tracker::{Tracker, TrackerWork};
 use crate::pair::outcome::{Accuracy, ContactState, Outcome, Until};
 use crate::pair::rounding;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
@@ -26,7 +26,7 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 pub(crate) struct ShapeTracker {
     polyhedral: Tracker,
     curved: smooth::WarmStart,
-    totals: Totals,
+    totals: TrackerWork,
 }
 
 impl ShapeTracker {
@@ -119,7 +119,7 @@ impl ShapeTracker {
 
     /// Returns what has been done so far.
     #[must_use]
-    pub(crate) fn work(&self) -> Totals {
+    pub(crate) fn work(&self) -> TrackerWork {
         let mut totals = self.totals;
         totals += self.polyhedral.work();
         totals

@@ -80,7 +80,7 @@ impl Starts {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct Totals {
+pub struct TrackerWork {
     /// Queries that reached a walk.
     pub queries: u64,
     /// Queries whose walk started from the features of the previous answer.
@@ -93,7 +93,7 @@ pub struct Totals {
     pub depths: u64,
 }
 
-impl Totals {
+impl TrackerWork {
     /// Returns how many queries `solver` answered.
     #[must_use]
     pub fn answered_by(&self, solver: Solver) -> u64 {
@@ -102,7 +102,7 @@ impl Totals {
 }
 
 /// Prints queries, the share of warm starts, steps and depths, and the solvers that answered.
-impl core::fmt::Display for Totals {
+impl core::fmt::Display for TrackerWork {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         write!(
             f,
@@ -116,7 +116,7 @@ impl core::fmt::Display for Totals {
     }
 }
 
-impl Totals {
+impl TrackerWork {
     /// Counts a query and its work.
     #[inline(always)]
     pub(crate) fn note(&mut self, warm: bool, solver: Solver, work: &Work) {
@@ -131,7 +131,7 @@ impl Totals {
     }
 }
 
-sum_of_counters!(Totals {
+sum_of_counters!(TrackerWork {
     queries,
     warm,
     answered,

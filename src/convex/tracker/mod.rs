@@ -31,7 +31,7 @@ use crate::pair::outcome::{Accuracy, Ask, ContactState, Distance, Outcome, Propo
 use crate::pair::posed::PosedPair;
 
 pub(crate) use crate::convex::depth::Workspace;
-pub use crate::convex::tracker::counts::Totals;
+pub use crate::convex::tracker::counts::TrackerWork;
 
 /// Walks of so many steps were near their end at the start, and extrapolation of the features would
 /// gain nothing. Not measured.
@@ -68,7 +68,7 @@ pub struct Tracker {
     #[cfg_attr(feature = "serde", serde(default))]
     next: Option<FeaturePair>,
     starts: Starts,
-    totals: Totals,
+    totals: TrackerWork,
     /// The surface of the last answer, if the last answer was an overlap.
     #[cfg_attr(feature = "serde", serde(default))]
     memory: Memory,
@@ -180,7 +180,7 @@ impl Tracker {
             last: features,
             next: features,
             starts: Starts::default(),
-            totals: Totals::default(),
+            totals: TrackerWork::default(),
             memory: Memory::default(),
             overlap_proof: None,
         }
@@ -254,7 +254,7 @@ impl Tracker {
 
     /// Returns the counters since the tracker was made or reset.
     #[must_use]
-    pub fn work(&self) -> Totals {
+    pub fn work(&self) -> TrackerWork {
         self.totals
     }
 

@@ -32,7 +32,7 @@ use crate::nonconvex::pieces::{Compound, Piece};
 /// two. The patches of a mesh face outward, whether the mesh is closed or not: a body that touches
 /// an open mesh from behind has no contact.
 #[derive(Clone, Debug)]
-pub struct ContactPatches(PatchedBody, Fingerprint);
+pub struct ConvexPatches(PatchedBody, Fingerprint);
 
 /// Returns the fingerprint of the patches of a mesh, by a tolerance in stored units.
 fn of_mesh(mesh: &Mesh, tolerance: f64) -> Fingerprint {
@@ -45,7 +45,7 @@ enum PatchedBody {
     Pieces(Arc<Compound>, f64),
 }
 
-impl ContactPatches {
+impl ConvexPatches {
     /// Returns the patches of a mesh. Flat regions and convex bodies are one patch each, however
     /// finely they are cut into triangles; saddles and walls seen from inside give small patches.
     ///
@@ -228,7 +228,7 @@ impl ContactPatches {
     }
 }
 
-impl From<Shape> for ContactPatches {
+impl From<Shape> for ConvexPatches {
     /// Returns a convex body as its only patch.
     fn from(shape: Shape) -> Self {
         Self::of_pieces(Compound::from(shape))

@@ -27,7 +27,7 @@ use alloc::collections::btree_map::Entry;
 use alloc::vec::Vec;
 use nalgebra::{Translation3, Unit, Vector3};
 
-pub use body::ContactPatches;
+pub use body::ConvexPatches;
 
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::fingerprint::Fingerprint;
@@ -67,7 +67,7 @@ pub struct PatchContact {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct PatchContacts {
+pub struct ContactGroup {
     /// Unit direction from A to B, in A's frame: that of the deepest contact. The others' differ by
     /// a degree at most.
     pub normal: Unit<Vector3<f64>>,
@@ -89,13 +89,13 @@ pub(crate) struct ContactTracker {
     near: BTreeMap<NodePair, NearPatches>,
     /// Says whether bodies without a contact overlap.
     overlap: CompoundTracker,
-    found: Vec<PatchContacts>,
+    found: Vec<ContactGroup>,
 }
 
 /// A question about two bodies.
 struct PatchQuery<'a> {
-    a: &'a ContactPatches,
-    b: &'a ContactPatches,
+    a: &'a ConvexPatches,
+    b: &'a ConvexPatches,
     pose: &'a RelativePose,
     placed: Placed<'a>,
     options: &'a ManifoldOptions,
@@ -106,7 +106,7 @@ struct PatchQuery<'a> {
 impl ContactTracker {
     /// Returns the contacts of the last query.
     #[must_use]
-    pub(crate) fn found(&self) -> &[PatchContacts] {
+    pub(crate) fn found(&self) -> &[ContactGroup] {
         &self.found
     }
 
@@ -115,11 +115,11 @@ impl ContactTracker {
     /// two patches.
     pub(crate) fn contacts(
         &mut self,
-        a: &ContactPatches,
-        b: &ContactPatches,
+        a: &ConvexPatches,
+        b: &ConvexPatches,
         a_from_b: &RelativePose,
         options: &ManifoldOptions,
-    ) -> &[PatchContacts] {
+    ) -> &[ContactGroup] {
         let fingerprints = [a.fingerprint(), b.fingerprint()];
         if self.fingerprints != fingerprints {
             *self = Self::default();
@@ -184,7 +184,7 @@ impl ContactTracker {
 
 /// Puts contacts of like normals together and keeps a few of each; the first `old` were there
 /// before.
-fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64)) -> Vec<PatchContacts> {
+fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64)) -> Vec<ContactGroup> {
     let mut deepest: Vec<usize> = (0..all.len()).collect();
     deepest.sort_by(|&i, &j| all[i].point.separation.total_cmp(&all[j].point.separation));
     let mut groups: Vec<(Unit<Vector3<f64>>, Vec<usize>)> = Vec::new();
@@ -208,7 +208,7 @@ fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64
         let candidates: Vec<_> = members.iter().map(candidate).collect();
         let kept = if before < 64 { (1 << before) - 1 } else { u64::MAX };
         let chosen = reduce(&candidates, kept, most, merge, tie);
-        PatchContacts {
+        ContactGroup {
             normal,
             contacts: chosen.all().iter().map(|&k| all[members[k]]).collect(),
         }

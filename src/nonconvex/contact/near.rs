@@ -10,7 +10,7 @@
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
-use super::body::{ContactPatches, Under, is_in};
+use super::body::{ConvexPatches, Under, is_in};
 use super::patches::Borne;
 use super::{PatchContact, PatchQuery};
 use crate::base::num::each::Each;
@@ -52,7 +52,7 @@ struct PosedPatches<'a> {
 
 impl NearPatches {
     /// `None` for a patch that is no body.
-    pub(super) fn new((a, b): (&ContactPatches, &ContactPatches), [p, q]: NodePair) -> Option<Self> {
+    pub(super) fn new((a, b): (&ConvexPatches, &ConvexPatches), [p, q]: NodePair) -> Option<Self> {
         Some(Self {
             parts: [a.part(p)?, b.part(q)?],
             tracker: ShapeTracker::new(),

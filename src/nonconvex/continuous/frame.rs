@@ -87,7 +87,7 @@ impl<'a> MeshOverFrame<'a> {
     /// If the mesh does not rotate, places at both ends are rounded, within some 1e-15 of their
     /// size, and vertices are on straight paths between these places. Points of a mesh that rotates
     /// move on arcs: what is proven of them holds for the motion itself, rounding included, so that
-    /// a touch that no surface passes ends as [`Near`](crate::impact::Impact::Near).
+    /// a touch that no surface passes ends as [`Near`](crate::impact::Impact::Undecided).
     ///
     /// # Errors
     /// If a pose is refused as by [`RelativePose::new`](crate::RelativePose::new).

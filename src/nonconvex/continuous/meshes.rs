@@ -40,10 +40,10 @@ const ARC_STEPS: f64 = 64.0;
 /// If a mesh rotates, a hit is proven of the motion itself: no contact up to `safe`, and at `hit`
 /// an edge of one surface passes through a triangle of the other, beyond all rounding. The bracket
 /// is as wide as asked for if the surfaces are some 1e-12 of their size deep in each other by its
-/// end, else wider. [`Impact::Start`](crate::impact::Impact::Start) is told of the places at the
-/// begin as rounded. [`Impact::Near`](crate::impact::Impact::Near) remains if surfaces touch
-/// without an edge that passes, come nearer than some 1e-12 of their size, or 1,024 intervals do
-/// not prove a pair of triangles apart; nothing is known of later instants then.
+/// end, else wider. [`Impact::AtStart`](crate::impact::Impact::AtStart) is told of the places at
+/// the begin as rounded. [`Impact::Undecided`](crate::impact::Impact::Undecided) remains if
+/// surfaces touch without an edge that passes, come nearer than some 1e-12 of their size, or 1,024
+/// intervals do not prove a pair of triangles apart; nothing is known of later instants then.
 ///
 /// ```
 /// use lin_canny::continuous::{self, MeshOverFrame};

@@ -54,12 +54,13 @@
 //! Results hold for the paths themselves, over the reals, in whatever position the vertices are:
 //! faces and edges may be degenerate. [`Impact::Miss`]: no contact from time zero to time one.
 //! [`Impact::Hit`]: no contact up to `safe`, and a contact after `safe` and not after `hit`. Unlike
-//! solid bodies, surfaces may have passed through each other at `hit`. [`Impact::Start`]: in
+//! solid bodies, surfaces may have passed through each other at `hit`. [`Impact::AtStart`]: in
 //! contact at time zero, touching included.
-//! Of vertices on straight paths [`Impact::Near`] is returned without the feature `exact` alone,
-//! and [`Impact::Unknown`] if exact arithmetic reaches a limit: 65,536 halvings, which no test has
-//! met, or in one call 1e8 products of words of integers of more than 1,024 bits. Coordinates that
-//! differ by hundreds of magnitudes make such integers; those of twenty magnitudes do not.
+//! Of vertices on straight paths [`Impact::Undecided`] is returned without the feature `exact`
+//! alone, and [`Impact::Incomplete`] if exact arithmetic reaches a limit: 65,536 halvings, which no
+//! test has met, or in one call 1e8 products of words of integers of more than 1,024 bits.
+//! Coordinates that differ by hundreds of magnitudes make such integers; those of twenty magnitudes
+//! do not.
 //!
 //! Points of a body that rotates do not move on straight paths. [`MeshOverFrame::moving`] cuts the
 //! frame into intervals in which the arcs are nearly straight, takes off what they are not, and
@@ -104,7 +105,7 @@ use crate::base::tolerance::{PATH_DIRECTION, PATH_GAP};
 use crate::nonconvex::meet::triangle;
 use crate::pair::outcome::ContactState;
 use crate::time::impact::{Cast, Impact, ImpactError, Tolerance};
-use crate::time::separation::{Measure, Tangent};
+use crate::time::separation::{Measurement, Tangent};
 
 use paths::{Parts, VertexPaths, VertexPlaces};
 use search::{FirstContact, SearchWork};
@@ -160,10 +161,15 @@ where
 
 /// Returns what is found as a cast; what is open is near if rounding, or paths that are not quite
 /// straight, hide it.
-fn cast_of(found: FirstContact, work: &SearchWork, is_near: bool, seen: impl Fn(f64, ContactState) -> Measure) -> Cast {
+fn cast_of(
+    found: FirstContact,
+    work: &SearchWork,
+    is_near: bool,
+    seen: impl Fn(f64, ContactState) -> Measurement,
+) -> Cast {
     let impact = match found {
         FirstContact::Miss => Impact::Miss,
-        FirstContact::Start => Impact::Start {
+        FirstContact::Start => Impact::AtStart {
             seen: seen(0.0, ContactState::Touching),
         },
         FirstContact::Hit { safe, hit } => Impact::Hit {
@@ -171,8 +177,8 @@ fn cast_of(found: FirstContact, work: &SearchWork, is_near: bool, seen: impl Fn(
             hit,
             seen: seen(safe, ContactState::Separated),
         },
-        FirstContact::Open { safe } if !is_near => Impact::Unknown { safe },
-        FirstContact::Open { safe } => Impact::Near {
+        FirstContact::Open { safe } if !is_near => Impact::Incomplete { safe },
+        FirstContact::Open { safe } => Impact::Undecided {
             safe,
             distance: seen(safe, ContactState::Separated).upper,
         },
@@ -217,12 +223,12 @@ fn width<'a>(paths: impl Iterator<Item = &'a Path>, tolerance: Tolerance) -> Res
 }
 
 /// Returns the closest points of two parts at a time, in the coordinates given.
-fn measure<const A: usize, const B: usize>(a: &[Path; A], b: &[Path; B], time: f64, state: ContactState) -> Measure
+fn measure<const A: usize, const B: usize>(a: &[Path; A], b: &[Path; B], time: f64, state: ContactState) -> Measurement
 where
     VertexPlaces<A, B>: Parts,
 {
     let origin = a[0].at(time).coords;
-    let mut measure = Measure {
+    let mut measure = Measurement {
         state,
         distance: 0.0,
         lower: 0.0,
@@ -232,7 +238,7 @@ where
         point_on_a: Point3::from(origin),
         point_on_b: Point3::from(origin),
         normal: Vector3::z_axis(),
-        tangent: Tangent::Free,
+        tangent: Tangent::FreeSpan,
         by_plane: false,
     };
     let Some(paths) = VertexPaths::new(a, b) else {

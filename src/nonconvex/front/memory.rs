@@ -14,7 +14,7 @@ use crate::base::num::scalar::sqrt;
 use crate::nonconvex::front::{EntryId, Front, NodePair};
 use crate::nonconvex::meet::box_gaps::{WIDTH, along};
 use crate::nonconvex::meet::frame::{TreeFrame, TreeMoves};
-use crate::nonconvex::meet::search::MeshWork;
+use crate::nonconvex::meet::search::TreeWork;
 use crate::nonconvex::meet::search::{Judge, TreeSearch};
 
 /// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a
@@ -67,7 +67,7 @@ pub(crate) struct FrontMemory {
     stack: Vec<NodePair>,
     #[cfg_attr(feature = "serde", serde(skip))]
     failed: Vec<EntryId>,
-    pub(crate) work: MeshWork,
+    pub(crate) work: TreeWork,
 }
 
 impl FrontMemory {
@@ -330,7 +330,7 @@ struct FrontWorth {
 
 impl FrontWorth {
     /// Returns the work of a query, in bounds of boxes.
-    fn work(done: &MeshWork) -> u64 {
+    fn work(done: &TreeWork) -> u64 {
         done.bounds + done.entries / ENTRY_WORK + LEAF_WORK * done.leaves + MEASURE_WORK * done.measured
     }
 

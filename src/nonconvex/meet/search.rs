@@ -143,7 +143,7 @@ pub(crate) struct TreeSearch<'a, J: Judge> {
     single: f32,
     /// The least gap that single precision has proven.
     least: f32,
-    pub(crate) work: MeshWork,
+    pub(crate) work: TreeWork,
 }
 
 /// A unit direction from A to B.
@@ -188,7 +188,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             close: 0,
             single: f32::INFINITY,
             least: f32::INFINITY,
-            work: MeshWork::default(),
+            work: TreeWork::default(),
         };
         search.single = search.single_level();
         search
@@ -686,7 +686,7 @@ impl<J: Judge> TreeSearch<'_, J> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub struct MeshWork {
+pub struct TreeWork {
     /// Queries.
     pub queries: u64,
     /// Entries of the front that were proven again, or not, by their direction.
@@ -709,7 +709,7 @@ pub struct MeshWork {
     pub windings: u64,
 }
 
-sum_of_counters!(MeshWork {
+sum_of_counters!(TreeWork {
     queries,
     entries,
     failed,

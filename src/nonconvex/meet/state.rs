@@ -18,7 +18,7 @@ use crate::nonconvex::parts::Parted;
 #[cfg(feature = "exact")]
 use crate::nonconvex::parts::PartsRef;
 use crate::pair::outcome::{ContactState, Outcome};
-use crate::pair::spot::{Answer, Spot, features_on};
+use crate::pair::spot::{PairOutcome, Spot, features_on};
 
 /// The state of a tracker between queries. Saving a state (feature `serde`) keeps the counters
 /// alone: claims in a file prove nothing.
@@ -391,7 +391,7 @@ impl<F: Copy> TreeAnswer<F> {
 
 impl<F> TreeAnswer<F> {
     /// Returns the answer with the places of the witnesses.
-    pub(crate) fn on(&self, on: [Spot; 2]) -> Answer {
+    pub(crate) fn on(&self, on: [Spot; 2]) -> PairOutcome {
         let outcome = Outcome {
             state: self.state,
             distance: self.distance,
@@ -402,7 +402,7 @@ impl<F> TreeAnswer<F> {
             normal: self.normal,
             ..Outcome::starting_at(features_on(&on))
         };
-        Answer {
+        PairOutcome {
             outcome,
             on,
             is_reached: true,

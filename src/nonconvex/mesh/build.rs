@@ -460,7 +460,7 @@ mod tests {
     use std::vec::Vec;
 
     use super::*;
-    use crate::nonconvex::contact::ContactPatches;
+    use crate::nonconvex::contact::ConvexPatches;
 
     /// Everything that a kept state relies on, changed alone.
     #[test]
@@ -511,7 +511,7 @@ mod tests {
             by_itself,
         ];
         for (k, one) in all.iter().enumerate() {
-            let patches = ContactPatches::of_mesh(one.clone());
+            let patches = ConvexPatches::of_mesh(one.clone());
             assert!(patches.are_of(one));
             for (j, other) in all[..k].iter().enumerate() {
                 assert!(

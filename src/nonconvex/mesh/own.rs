@@ -20,7 +20,7 @@ use crate::nonconvex::meet::overlap::Touching;
 use crate::nonconvex::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::nonconvex::meet::state::{PosedTrees, TreeAnswer};
 use crate::nonconvex::meet::triangle::TriangleSpot;
-use crate::pair::spot::Answer;
+use crate::pair::spot::PairOutcome;
 
 /// The state of a mesh against itself.
 #[derive(Clone, Debug, Default)]
@@ -138,7 +138,7 @@ impl Mesh {
 }
 
 /// Returns a pair of triangles of a mesh, with a lower bound over all pairs, in the caller's unit.
-fn told(mesh: &Mesh, frame: &TreeFrame, m: &Measured<[TriangleSpot; 2]>, lower: f64) -> Answer {
+fn told(mesh: &Mesh, frame: &TreeFrame, m: &Measured<[TriangleSpot; 2]>, lower: f64) -> PairOutcome {
     let answer = TreeAnswer::of_one_body(m, lower, mesh.unit(), frame);
     answer.on(spots(mesh, mesh, m.pair, m.features))
 }
@@ -167,7 +167,7 @@ impl MeshTracker {
     }
 
     /// Returns the closest two triangles of a mesh that share no vertex; `None` if all share one.
-    pub(crate) fn self_closest(&mut self, mesh: &Mesh) -> Option<Answer> {
+    pub(crate) fn self_closest(&mut self, mesh: &Mesh) -> Option<PairOutcome> {
         self.ask_self(mesh, (MeshGoal::Least, None), |search| {
             let best = search.best.as_ref()?;
             let lower = search.proven().at_least(0.0);
@@ -182,7 +182,7 @@ impl MeshTracker {
     }
 
     /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart.
-    pub(crate) fn self_pairs(&mut self, mesh: &Mesh, d: f64) -> Vec<Answer> {
+    pub(crate) fn self_pairs(&mut self, mesh: &Mesh, d: f64) -> Vec<PairOutcome> {
         if !(d >= 0.0) {
             return Vec::new();
         }

@@ -15,7 +15,7 @@ use crate::nonconvex::front::memory::FrontMemory;
 use crate::nonconvex::front::{FrontFault, NodePair, audit};
 use crate::nonconvex::meet::frame::TreeFrame;
 use crate::nonconvex::meet::overlap::Touching;
-use crate::nonconvex::meet::search::MeshWork;
+use crate::nonconvex::meet::search::TreeWork;
 use crate::nonconvex::meet::search::{Judge, Measured};
 use crate::nonconvex::meet::state::{PosedTrees, TreeAnswer, TreeState};
 use crate::nonconvex::meet::triangle::{self, Closest, Triangle, TriangleSpot, certainly_cross};
@@ -23,7 +23,7 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::mesh::own::SelfState;
 use crate::nonconvex::parts::Parted;
 use crate::pair::outcome::Outcome;
-use crate::pair::spot::{Answer, Spot};
+use crate::pair::spot::{PairOutcome, Spot};
 
 /// The front of the last answer for one pair of meshes, from which the next query starts, and
 /// counters.
@@ -43,7 +43,7 @@ pub(crate) struct MeshTracker {
 impl MeshTracker {
     /// Returns the work of all queries so far.
     #[must_use]
-    pub(crate) fn work(&self) -> MeshWork {
+    pub(crate) fn work(&self) -> TreeWork {
         self.state.kept.work
     }
 
@@ -109,7 +109,7 @@ impl MeshTracker {
     /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`.
     /// Bodies in contact end the search early: surfaces at the first pair in contact, solids after
     /// 128 of them if inner points of both are found.
-    pub(crate) fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Answer {
+    pub(crate) fn closest(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> PairOutcome {
         if PosedTrees::is_turned(a, b, a_from_b) {
             return self.closest(b, a, &a_from_b.swapped()).swapped(a_from_b);
         }
@@ -154,7 +154,7 @@ impl MeshTracker {
     }
 }
 
-fn answered(a: &Mesh, b: &Mesh, found: &TreeAnswer<[TriangleSpot; 2]>) -> Answer {
+fn answered(a: &Mesh, b: &Mesh, found: &TreeAnswer<[TriangleSpot; 2]>) -> PairOutcome {
     let (pair, features) = found.of.unwrap_or(([0, 0], [TriangleSpot::Vertex(0); 2]));
     found.on(spots(a, b, pair, features))
 }

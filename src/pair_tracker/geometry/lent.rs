@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 
 use nalgebra::Point3;
 
-use super::{Geometry, OfKind, ShapeKind, match_kind};
+use super::{Geometry, GeometryKind, OfKind, match_kind};
 use crate::base::num::fingerprint::Fingerprint;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, Shape};
@@ -152,7 +152,7 @@ impl<'a> GeometryRef<'a> {
 
     /// Returns the kind of the geometry.
     #[must_use]
-    pub fn kind(self) -> ShapeKind {
+    pub fn kind(self) -> GeometryKind {
         match_kind!(Lent, self.0, body => OfKind::kind(body.get()))
     }
 

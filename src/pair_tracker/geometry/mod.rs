@@ -51,7 +51,7 @@ use match_kind;
 /// | a surface, with any other geometry | depths, `manifold` |
 ///
 /// Depths are the queries `depth` and `local_depth`. The query `manifold` of a pair with a
-/// compound or mesh is answered by [`PairAnswer::contacts`](crate::scene::PairAnswer::contacts);
+/// compound or mesh is answered by [`PairResults::contacts`](crate::scene::PairResults::contacts);
 /// overlaps of such a pair have the distance 0.
 ///
 /// A call that would make a pair with a query that the pair cannot answer is refused with
@@ -137,7 +137,7 @@ impl Geometry {
 
     /// Returns the kind of the shape.
     #[must_use]
-    pub fn kind(&self) -> ShapeKind {
+    pub fn kind(&self) -> GeometryKind {
         GeometryRef::from(self).kind()
     }
 
@@ -205,7 +205,7 @@ impl From<Arc<Shape>> for Geometry {
 /// A body of one kind.
 pub(super) trait OfKind {
     /// Returns the kind of the geometry.
-    fn kind(&self) -> ShapeKind;
+    fn kind(&self) -> GeometryKind;
 
     /// Returns the hash by which kept state recognises the geometry: one for all places of the
     /// vertices of a mesh.
@@ -222,7 +222,7 @@ pub(super) trait OfKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
-pub enum ShapeKind {
+pub enum GeometryKind {
     /// A convex polyhedron or polygon.
     Polyhedron,
     /// A point or a segment: a polyhedron without faces.
@@ -239,7 +239,7 @@ pub enum ShapeKind {
     BezierSurface,
 }
 
-impl core::fmt::Display for ShapeKind {
+impl core::fmt::Display for GeometryKind {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.pad(match self {
             Self::Polyhedron => "polyhedron",
@@ -253,18 +253,18 @@ impl core::fmt::Display for ShapeKind {
     }
 }
 
-impl ShapeKind {
+impl GeometryKind {
     pub(crate) fn is_convex(self) -> bool {
         self < Self::Compound
     }
 }
 
 impl OfKind for ConvexPolyhedron {
-    fn kind(&self) -> ShapeKind {
+    fn kind(&self) -> GeometryKind {
         if self.face_count() == 0 {
-            ShapeKind::Wire
+            GeometryKind::Wire
         } else {
-            ShapeKind::Polyhedron
+            GeometryKind::Polyhedron
         }
     }
 
@@ -284,11 +284,11 @@ impl OfKind for ConvexPolyhedron {
 }
 
 impl OfKind for Shape {
-    fn kind(&self) -> ShapeKind {
+    fn kind(&self) -> GeometryKind {
         match self.core() {
             Core::Polyhedron(body) if self.round() == 0.0 => body.kind(),
-            Core::Polyhedron(_) => ShapeKind::Rounded,
-            _ => ShapeKind::Curved,
+            Core::Polyhedron(_) => GeometryKind::Rounded,
+            _ => GeometryKind::Curved,
         }
     }
 

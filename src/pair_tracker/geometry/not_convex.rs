@@ -9,13 +9,13 @@ use crate::body::polyhedron::BoxHint;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::pieces::Compound;
 use crate::nonconvex::separation::ball_about;
-use crate::pair_tracker::geometry::{OfKind, ShapeKind};
+use crate::pair_tracker::geometry::{GeometryKind, OfKind};
 #[cfg(feature = "surfaces")]
 use crate::surface::BezierSurface;
 
 impl OfKind for Compound {
-    fn kind(&self) -> ShapeKind {
-        ShapeKind::Compound
+    fn kind(&self) -> GeometryKind {
+        GeometryKind::Compound
     }
 
     fn fingerprint(&self) -> Fingerprint {
@@ -32,8 +32,8 @@ impl OfKind for Compound {
 }
 
 impl OfKind for Mesh {
-    fn kind(&self) -> ShapeKind {
-        ShapeKind::Mesh
+    fn kind(&self) -> GeometryKind {
+        GeometryKind::Mesh
     }
 
     fn fingerprint(&self) -> Fingerprint {
@@ -51,8 +51,8 @@ impl OfKind for Mesh {
 
 #[cfg(feature = "surfaces")]
 impl OfKind for BezierSurface {
-    fn kind(&self) -> ShapeKind {
-        ShapeKind::BezierSurface
+    fn kind(&self) -> GeometryKind {
+        GeometryKind::BezierSurface
     }
 
     fn fingerprint(&self) -> Fingerprint {

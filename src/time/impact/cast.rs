@@ -9,7 +9,7 @@ use crate::base::num::extremes::Extremes;
 use crate::base::pose::{PoseError, RelativePose};
 use crate::base::tolerance::ROOT;
 use crate::pair::outcome::ContactState;
-use crate::time::separation::{Flight, Measure, Proof, Separation};
+use crate::time::separation::{Measurement, PairMotion, Proof, Separation};
 
 /// Looks of a cast, at most. Measured: 21 at most up to a turn, thousands if gears turn a hundred
 /// times a hair apart.
@@ -47,7 +47,7 @@ pub(super) struct CastSearch<'a, S: ?Sized, A: ?Sized, B: ?Sized> {
     pub(super) tolerance: Tolerance,
     pub(super) distance: f64,
     /// What is known of the begin of the interval.
-    pub(super) seen: Option<Measure>,
+    pub(super) seen: Option<Measurement>,
     pub(super) queries: u32,
     pub(super) proofs: u32,
     /// Takes the proof of each step, one after the other from the begin of the interval.
@@ -88,7 +88,7 @@ impl LookBudget {
 impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<'_, S, A, B> {
     pub(super) fn run(&mut self, from: f64) -> Result<Impact, PoseError> {
         let found = self.search(from);
-        if let Ok(Impact::Unknown { .. }) = found {
+        if let Ok(Impact::Incomplete { .. }) = found {
             notice::spent("a cast", LOOKS);
         }
         found
@@ -127,9 +127,9 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
                 // Steps are proven, so a pair can meet only at the begin of the interval, or on a
                 // motion that breaks its contract.
                 return Ok(if time == from {
-                    Impact::Start { seen }
+                    Impact::AtStart { seen }
                 } else {
-                    Impact::Near {
+                    Impact::Undecided {
                         safe: time,
                         distance: seen.upper,
                     }
@@ -146,7 +146,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
                 Next::Found(impact) => return Ok(impact),
             }
         }
-        Ok(Impact::Unknown { safe: time })
+        Ok(Impact::Incomplete { safe: time })
     }
 
     fn note(&mut self, (from, until): (f64, f64), distance: f64, proof: Proof) {
@@ -160,7 +160,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         }
     }
 
-    fn is_met(&self, seen: &Measure) -> bool {
+    fn is_met(&self, seen: &Measurement) -> bool {
         if self.distance > 0.0 {
             seen.upper <= self.distance
         } else {
@@ -169,16 +169,16 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
     }
 
     /// Returns the answer of an interval without length, for a pair that is not seen to meet.
-    fn at_once(&mut self, time: f64, seen: Measure, noise: f64, relative: &RelativePose) -> Impact {
+    fn at_once(&mut self, time: f64, seen: Measurement, noise: f64, relative: &RelativePose) -> Impact {
         if seen.state == ContactState::Separated && seen.lower - noise > self.distance {
             self.note((time, time), self.distance, Proof::Own);
             return Impact::Miss;
         }
         self.proofs += 1;
         if self.pair.meets(relative, self.distance, &seen) {
-            return Impact::Start { seen };
+            return Impact::AtStart { seen };
         }
-        Impact::Near {
+        Impact::Undecided {
             safe: time,
             distance: seen.upper,
         }
@@ -189,8 +189,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
     fn step(
         &mut self,
         time: f64,
-        seen: &Measure,
-        flight: &mut Flight,
+        seen: &Measurement,
+        flight: &mut PairMotion,
         noise: f64,
         budget: &mut LookBudget,
     ) -> Result<Next, PoseError> {
@@ -230,17 +230,17 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             }
             if !(allowed > least) {
                 let distance = seen.upper;
-                return Ok(Next::Found(Impact::Near { safe: time, distance }));
+                return Ok(Next::Found(Impact::Undecided { safe: time, distance }));
             }
             if !budget.again() {
                 break;
             }
         }
-        Ok(Next::Found(Impact::Unknown { safe: time }))
+        Ok(Next::Found(Impact::Incomplete { safe: time }))
     }
 
     /// Returns the tolerance as a length.
-    fn allowed(&self, seen: &Measure, flight: &Flight) -> f64 {
+    fn allowed(&self, seen: &Measurement, flight: &PairMotion) -> f64 {
         match self.tolerance {
             Tolerance::Distance(length) => length,
             // The displacement of the witnesses towards each other in half that time, at the pace
@@ -258,8 +258,8 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
     fn hit(
         &mut self,
         time: f64,
-        seen: &Measure,
-        flight: &Flight,
+        seen: &Measurement,
+        flight: &PairMotion,
         way: f64,
         last: bool,
     ) -> Result<Option<f64>, PoseError> {
@@ -294,17 +294,17 @@ pub(super) fn flight<A: Motion + ?Sized, B: Motion + ?Sized>(
     time: f64,
     until: f64,
     keep: f64,
-) -> Result<(RelativePose, Flight), PoseError> {
+) -> Result<(RelativePose, PairMotion), PoseError> {
     // Rounded up, so that a proof for the span is a proof to the end.
     let span = if until > time { (until - time).next_up() } else { 0.0 };
-    let (pose_a, course_a) = motion_a.placed(time, span);
-    let (pose_b, course_b) = motion_b.placed(time, span);
+    let (pose_a, model_a) = motion_a.placed(time, span);
+    let (pose_b, model_b) = motion_b.placed(time, span);
     let relative = RelativePose::new(&pose_a, &pose_b)?;
-    let flight = Flight {
+    let flight = PairMotion {
         pose_a,
         pose_b,
-        course_a,
-        course_b,
+        model_a,
+        model_b,
         span,
         keep,
     };

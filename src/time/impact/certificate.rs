@@ -68,7 +68,7 @@ impl Certificate {
 /// look.
 ///
 /// The certificate ends at its begin if the shapes are not more than `distance` apart there, or if
-/// a motion returns a course that is not finite.
+/// a motion returns a model that is not finite.
 ///
 /// # Errors
 /// If the interval ends before its begin, the distance is negative or not finite, or a motion
@@ -127,7 +127,7 @@ where
 
 /// Returns the instant until which shapes that overlap at least `depth` deep at the begin of the
 /// interval are proven to overlap: the begin if nothing is proven, as of a motion that returns a
-/// course that is not finite.
+/// model that is not finite.
 ///
 /// A motion that moves no point of A, seen from B, by more than `m` changes the depth by at most
 /// `m`.

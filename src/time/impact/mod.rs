@@ -2,7 +2,7 @@
 //!
 //! A cast returns a bracket, never an estimate: the shapes are apart at every instant up to `safe`,
 //! and meet at `hit`. A miss is proven for every instant of the interval, and an undecided case has
-//! a name ([`Impact::Unknown`], [`Impact::Near`]).
+//! a name ([`Impact::Incomplete`], [`Impact::Undecided`]).
 //!
 //! ```
 //! use lin_canny::impact::{self, Impact, Tolerance};
@@ -74,7 +74,7 @@ use alloc::vec::Vec;
 use crate::base::motion::Motion;
 use crate::base::pose::PoseError;
 use crate::pair::outcome::ContactState;
-use crate::time::separation::{Measure, Separation};
+use crate::time::separation::{Measurement, Separation};
 
 use cast::CastSearch;
 #[cfg(feature = "__internals")]
@@ -100,9 +100,9 @@ pub enum Tolerance {
 pub enum Impact {
     /// The shapes touch, overlap, or are within the distance asked for, at the begin of the
     /// interval.
-    Start {
+    AtStart {
         /// The measure at the begin, without the depth of an overlap.
-        seen: Measure,
+        seen: Measurement,
     },
     /// The first contact lies after `safe`, and not after `hit`.
     Hit {
@@ -111,12 +111,12 @@ pub enum Impact {
         /// The shapes are proven to meet here.
         hit: f64,
         /// Features, witnesses and normal at `safe`: the features that meet.
-        seen: Measure,
+        seen: Measurement,
     },
     /// The shapes come so near that rounding hides whether they meet, and nothing is known of later
     /// instants. Also the answer if the shapes are seen to meet at `safe`, which happens only to a
     /// [`Motion`] that breaks its contract.
-    Near {
+    Undecided {
         /// The shapes are proven apart up to here.
         safe: f64,
         /// Upper bound of the distance at `safe`.
@@ -127,9 +127,9 @@ pub enum Impact {
     /// The limit of 20,000 looks was reached, further rounds of a look with a smaller tolerance
     /// counted, as of some motions that graze; or after 1,024 looks or more the pace was less than
     /// a fiftieth of the one that the limit needs, as of bodies that turn by 1e15 radians; or a
-    /// motion returned a [`Course`](crate::motion::Course) that is not finite or has a negative
-    /// bound: nothing is known of later instants.
-    Unknown {
+    /// motion returned a [`MotionModel`](crate::motion::MotionModel) that is not finite or has a
+    /// negative bound: nothing is known of later instants.
+    Incomplete {
         /// The shapes are proven apart up to here.
         safe: f64,
     },
@@ -189,7 +189,7 @@ pub enum ImpactError {
 /// The bracket of a hit is as wide as the tolerance asks for. The cost hardly depends on the
 /// tolerance: down to some 1e-13 of the size of the pair each decade is a fraction of a look.
 ///
-/// A cast takes at most 20,000 looks, then it ends as [`Impact::Unknown`] with the part that is
+/// A cast takes at most 20,000 looks, then it ends as [`Impact::Incomplete`] with the part that is
 /// proven. Most take fewer than 21; bodies that graze take hundreds or thousands, the more the
 /// closer they pass.
 ///

@@ -4,8 +4,8 @@ use crate::time::separation::bernstein::ROUNDS;
 use nalgebra::{Isometry3, Vector3};
 
 use super::fixed_normal::cut;
-use super::{Flight, Separation};
-use crate::base::motion::{Course, Drift, length};
+use super::{PairMotion, Separation};
+use crate::base::motion::{MotionModel, Remainder, length};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
@@ -27,26 +27,31 @@ pub(crate) struct Apart {
 
 /// Returns the radius about the pivot, and the pivot in the world less the pose's translation.
 #[inline(always)]
-fn about<S: Separation + ?Sized>(pair: &S, of: Operand, pose: &Isometry3<f64>, course: &Course) -> (f64, Vector3<f64>) {
+fn about<S: Separation + ?Sized>(
+    pair: &S,
+    of: Operand,
+    pose: &Isometry3<f64>,
+    model: &MotionModel,
+) -> (f64, Vector3<f64>) {
     let (centre, radius) = pair.ball(of);
-    let arm = centre - course.pivot;
+    let arm = centre - model.pivot;
     let radius = radius
         + if arm == Vector3::zeros() {
             0.0
         } else {
             length(&arm) * (1.0 + PLANE)
         };
-    let lever = if course.pivot.coords == Vector3::zeros() {
+    let lever = if model.pivot.coords == Vector3::zeros() {
         Vector3::zeros()
     } else {
-        pose.rotation * course.pivot.coords
+        pose.rotation * model.pivot.coords
     };
     (radius, lever)
 }
 
-pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart {
-    let (a, b) = (&flight.course_a, &flight.course_b);
-    // On the flight's own clock, see [`Flight::on_own_clock`].
+pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &PairMotion) -> Apart {
+    let (a, b) = (&flight.model_a, &flight.model_b);
+    // On the flight's own clock, see [`PairMotion::on_own_clock`].
     let tick = magnitude(flight.span);
     let span = flight.span / tick;
     let (radius_a, lever_a) = about(pair, Operand::A, &flight.pose_a, a);
@@ -69,9 +74,9 @@ pub(super) fn apart<S: Separation + ?Sized>(pair: &S, flight: &Flight) -> Apart 
         };
     }
     // What grows faster than evenly may take half of the gap: as far ahead as that.
-    let Drift([_, d1, d2, d3]) = drift;
-    let growth = Drift([0.0, d1, d2 + length(&flight.acceleration()) * tick * tick, d3]);
-    let ahead = if growth == Drift::default() {
+    let Remainder([_, d1, d2, d3]) = drift;
+    let growth = Remainder([0.0, d1, d2 + length(&flight.acceleration()) * tick * tick, d3]);
+    let ahead = if growth == Remainder::default() {
         span
     } else {
         until_as_far(&growth, 0.5 * (distance - near), span)
@@ -117,21 +122,21 @@ pub(crate) fn flight_of_ball(from: &Vector3<f64>, velocity: &Vector3<f64>, radiu
 }
 
 /// Returns the time in which no point of A, seen from B, moves by as much as `way`.
-pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &Flight, way: f64) -> f64 {
+pub(super) fn held<S: Separation + ?Sized>(pair: &S, flight: &PairMotion, way: f64) -> f64 {
     let (timed, tick) = flight.on_own_clock();
-    let (a, b) = (&timed.course_a, &timed.course_b);
+    let (a, b) = (&timed.model_a, &timed.model_b);
     let (radius_a, _) = about(pair, Operand::A, &flight.pose_a, a);
     let (radius_b, _) = about(pair, Operand::B, &flight.pose_b, b);
-    let Drift([d0, d1, d2, d3]) = a.drift(radius_a) + b.drift(radius_b);
+    let Remainder([d0, d1, d2, d3]) = a.drift(radius_a) + b.drift(radius_b);
     let push = length(&(b.acceleration - a.acceleration));
     let pace = length(&(b.linear - a.linear)) + radius_a * length(&a.angular) + radius_b * length(&b.angular);
     let way = way * (1.0 - PLANE) - d0 - f64::MIN_POSITIVE;
-    until_as_far(&Drift([0.0, pace + d1, push + d2, d3]), way, timed.span) * tick
+    until_as_far(&Remainder([0.0, pace + d1, push + d2, d3]), way, timed.span) * tick
 }
 
 /// Returns a time up to which a displacement that grows from zero is less than `way`: at most
 /// `span`.
-fn until_as_far(growth: &Drift, way: f64, span: f64) -> f64 {
+fn until_as_far(growth: &Remainder, way: f64, span: f64) -> f64 {
     // Comparisons are written so that NaN ends at zero.
     if !(way > 0.0) {
         return 0.0;
@@ -179,7 +184,7 @@ mod tests {
                     0.0
                 }
             };
-            let growth = Drift([0.0, term(&mut rng, 0), term(&mut rng, 1), term(&mut rng, 2)]);
+            let growth = Remainder([0.0, term(&mut rng, 0), term(&mut rng, 1), term(&mut rng, 2)]);
             let (way, span) = (rng.log_range(1e-30, 1e30), rng.log_range(1e-3, 1e3));
             let until = until_as_far(&growth, way, span);
             assert!(
@@ -192,8 +197,8 @@ mod tests {
             );
         }
         for bad in [f64::NAN, f64::INFINITY] {
-            assert_eq!(until_as_far(&Drift([0.0, bad, 1.0, 1.0]), 1.0, 1.0), 0.0);
-            assert_eq!(until_as_far(&Drift([0.0, 1.0, 1.0, bad]), 1.0, 1.0), 0.0);
+            assert_eq!(until_as_far(&Remainder([0.0, bad, 1.0, 1.0]), 1.0, 1.0), 0.0);
+            assert_eq!(until_as_far(&Remainder([0.0, 1.0, 1.0, bad]), 1.0, 1.0), 0.0);
         }
     }
 }

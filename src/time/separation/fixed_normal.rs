@@ -9,8 +9,8 @@ use nalgebra::Vector3;
 
 use super::bernstein::{line_positive_until, positive_until};
 use super::plane::tilt;
-use super::{Flight, Free, Measure, Proof, Separation};
-use crate::base::motion::{Course, Drift};
+use super::{FreeSpan, Measurement, PairMotion, Proof, Separation};
+use crate::base::motion::{MotionModel, Remainder};
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::{magnitude, sqrt};
 use crate::base::pose::Operand;
@@ -36,18 +36,18 @@ const FIXED_SHARE: f64 = 0.3;
 const FIXED_GAP: f64 = 0.002;
 
 /// Returns whether neither shape turns: then the gap along a normal is a parabola, exactly.
-pub(super) fn turns_neither(flight: &Flight) -> bool {
-    flight.course_a.angular == Vector3::zeros() && flight.course_b.angular == Vector3::zeros()
+pub(super) fn turns_neither(flight: &PairMotion) -> bool {
+    flight.model_a.angular == Vector3::zeros() && flight.model_b.angular == Vector3::zeros()
 }
 
 /// A plane that keeps its normal while the shapes move, on the flight's own clock (see
-/// [`Flight::on_own_clock`]).
+/// [`PairMotion::on_own_clock`]).
 ///
 /// A point `x` of a shape that turns at `w` has the velocity `w x x` about the pivot, along the
 /// normal `(n x w) . x`: at most `|n x w|` times the reach of the shape. So the gap along the
 /// normal is at least a parabola.
 pub(super) struct FixedNormal<'a> {
-    flight: &'a Flight,
+    flight: &'a PairMotion,
     n: &'a Vector3<f64>,
     /// The gap along the normal now.
     gap: f64,
@@ -63,15 +63,15 @@ pub(super) struct FixedNormal<'a> {
 impl<'a> FixedNormal<'a> {
     pub(super) fn new<S: Separation + ?Sized>(
         pair: &S,
-        flight: &'a Flight,
+        flight: &'a PairMotion,
         n: &'a Vector3<f64>,
         gap: f64,
     ) -> FixedNormal<'a> {
-        let reach = |which: Operand, course: &Course| {
+        let reach = |which: Operand, model: &MotionModel| {
             let (centre, radius) = pair.ball(which);
-            radius + one_norm(&(centre - course.pivot))
+            radius + one_norm(&(centre - model.pivot))
         };
-        let (a, b) = (&flight.course_a, &flight.course_b);
+        let (a, b) = (&flight.model_a, &flight.model_b);
         let tick = magnitude(flight.span);
         let reach = [reach(Operand::A, a), reach(Operand::B, b)];
         let velocity = flight.velocity() * tick;
@@ -109,12 +109,12 @@ impl<'a> FixedNormal<'a> {
     }
 
     /// Returns the time for which the plane parts the shapes, and the plane.
-    pub(super) fn proof(&self) -> Free {
+    pub(super) fn proof(&self) -> FreeSpan {
         let proof = Proof::Plane {
             normal: *self.n,
             spin: Vector3::zeros(),
         };
-        Free {
+        FreeSpan {
             span: self.until(),
             proof,
         }
@@ -123,8 +123,8 @@ impl<'a> FixedNormal<'a> {
     fn until(&self) -> f64 {
         let (flight, tick, [reach_a, reach_b]) = (self.flight, self.tick, self.reach);
         let size = flight.size(reach_a + reach_b);
-        let drift = flight.course_a.drift(reach_a) + flight.course_b.drift(reach_b);
-        let Drift([d0, d1, d2, d3]) = drift.on_clock(tick);
+        let drift = flight.model_a.drift(reach_a) + flight.model_b.drift(reach_b);
+        let Remainder([d0, d1, d2, d3]) = drift.on_clock(tick);
         let d1 = d1 + self.turning;
         let acceleration = flight.acceleration() * tick * tick;
         let (slope, bend) = (self.slope, self.n.dot(&acceleration));
@@ -155,10 +155,10 @@ impl<'a> FixedNormal<'a> {
     }
 }
 
-impl Flight {
+impl PairMotion {
     /// Returns a proof by a plane that keeps its normal, if it proves the whole flight or is
     /// expected to prove most of what a plane that turns can, which takes support points.
-    pub(crate) fn by_fixed_normal<S: Separation + ?Sized>(&self, pair: &S, seen: &Measure) -> Option<Free> {
+    pub(crate) fn by_fixed_normal<S: Separation + ?Sized>(&self, pair: &S, seen: &Measurement) -> Option<FreeSpan> {
         if !seen.by_plane {
             return None;
         }
@@ -173,18 +173,18 @@ impl Flight {
 
     /// Returns the velocity of B's pivot less that of A's.
     pub(super) fn velocity(&self) -> Vector3<f64> {
-        self.course_b.linear - self.course_a.linear
+        self.model_b.linear - self.model_a.linear
     }
 
     pub(super) fn acceleration(&self) -> Vector3<f64> {
-        self.course_b.acceleration - self.course_a.acceleration
+        self.model_b.acceleration - self.model_a.acceleration
     }
 
     /// Returns lengths to which rounding is relative, without the displacements of the pivots;
     /// `reach` is the sum of those of both shapes.
     pub(super) fn size(&self, reach: f64) -> f64 {
         let offset = self.pose_b.translation.vector - self.pose_a.translation.vector;
-        let pivots = one_norm(&self.course_a.pivot.coords) + one_norm(&self.course_b.pivot.coords);
+        let pivots = one_norm(&self.model_a.pivot.coords) + one_norm(&self.model_b.pivot.coords);
         reach + one_norm(&offset) + 2.0 * pivots + self.keep
     }
 }

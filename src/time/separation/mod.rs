@@ -18,12 +18,12 @@ pub(crate) mod plane;
 
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
-use crate::base::motion::Course;
+use crate::base::motion::MotionModel;
 use crate::base::num::scalar::magnitude;
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::FeaturePair;
 use crate::pair::outcome::{ContactState, Outcome, Solver};
-use crate::pair::spot::Answer;
+use crate::pair::spot::PairOutcome;
 
 pub(crate) use pairs::PolyhedronPair;
 pub(crate) use pairs::ShapePair;
@@ -39,11 +39,11 @@ pub trait Separation {
 
     /// Returns the closest points at a pose. Of an overlap only the contact state counts; the depth
     /// need not be found.
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure;
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measurement;
 
     /// Returns whether the shapes are proven to be at most `distance` apart at a pose; false
     /// without a proof. `seen` is the last measure, taken nearby.
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool;
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measurement) -> bool;
 
     /// Returns the height of a shape along a direction of any length, in the frame of the shape: an
     /// upper bound of `direction . (x - c)` over all points `x`, with `c` the centre of the
@@ -66,7 +66,7 @@ pub trait Separation {
     /// look ahead from the pose at which `seen` was measured. The default is a separating plane
     /// that turns with the closest features, bounded over both shapes by
     /// [`support`](Self::support).
-    fn free_for(&mut self, seen: &Measure, flight: &Flight) -> Free {
+    fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
         plane::free_for(self, seen, flight)
     }
 }
@@ -74,7 +74,7 @@ pub trait Separation {
 /// The closest points of a pair at a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Measure {
+pub struct Measurement {
     /// Whether the shapes are apart, touch or overlap.
     pub state: ContactState,
     /// The best estimate of the distance; zero or less if the shapes touch or overlap.
@@ -109,7 +109,7 @@ pub struct Measure {
 pub enum Tangent {
     /// Depends on the points more than on the turns of the shapes: two vertices, or curved shapes.
     #[default]
-    Free,
+    FreeSpan,
     /// With A: a face of A, or an edge of A and a vertex of B.
     WithA,
     /// With B: a face of B, or a vertex of A and an edge of B.
@@ -131,15 +131,15 @@ pub struct SupportPoint {
 
 /// Both motions from one instant on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flight {
+pub struct PairMotion {
     /// Poses at the instant.
     pub pose_a: Isometry3<f64>,
     /// Pose of B at the instant.
     pub pose_b: Isometry3<f64>,
     /// Velocities and bounds of A from the instant on, for at least `span`.
-    pub course_a: Course,
+    pub model_a: MotionModel,
     /// Velocities and bounds of B from the instant on, for at least `span`.
-    pub course_b: Course,
+    pub model_b: MotionModel,
     /// How far ahead is of interest.
     pub span: f64,
     /// The distance to stay beyond: zero or more.
@@ -148,7 +148,7 @@ pub struct Flight {
 
 /// The time for which a pair is proven free, and the proof.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Free {
+pub struct FreeSpan {
     /// Time from the instant of the look on: at most the span of the flight.
     pub span: f64,
     /// The proof.
@@ -173,11 +173,11 @@ pub enum Proof {
     Own,
 }
 
-impl Flight {
-    /// Returns whether both courses are those of motions: else nothing is proven of them.
+impl PairMotion {
+    /// Returns whether both models are those of motions: else nothing is proven of them.
     #[inline]
     pub(crate) fn is_known(&self) -> bool {
-        self.course_a.is_known() && self.course_b.is_known()
+        self.model_a.is_known() && self.model_b.is_known()
     }
 
     /// Returns the flight on a clock on which the span is at least one and less than two, and the
@@ -188,8 +188,8 @@ impl Flight {
     pub(crate) fn on_own_clock(&self) -> (Self, f64) {
         let unit = magnitude(self.span);
         let timed = Self {
-            course_a: self.course_a.on_clock(unit),
-            course_b: self.course_b.on_clock(unit),
+            model_a: self.model_a.on_clock(unit),
+            model_b: self.model_b.on_clock(unit),
             span: self.span / unit,
             ..*self
         };
@@ -199,7 +199,7 @@ impl Flight {
     /// Returns the time in which the witnesses come nearer by `way`, to second order: an
     /// expectation, no bound. `None` if never.
     #[must_use]
-    pub fn forecast<S: Separation + ?Sized>(&self, pair: &S, seen: &Measure, way: f64) -> Option<f64> {
+    pub fn forecast<S: Separation + ?Sized>(&self, pair: &S, seen: &Measurement, way: f64) -> Option<f64> {
         plane::forecast(pair, seen, self, way)
     }
 
@@ -215,7 +215,7 @@ impl Flight {
     }
 }
 
-impl Measure {
+impl Measurement {
     /// Returns the measure of an outcome of two polyhedra.
     pub(crate) fn new(outcome: &Outcome, tangent: Tangent) -> Self {
         Self {
@@ -235,13 +235,13 @@ impl Measure {
     }
 }
 
-impl From<&Answer> for Measure {
+impl From<&PairOutcome> for Measurement {
     /// Returns the measure of geometries that no plane keeps apart.
-    fn from(answer: &Answer) -> Self {
+    fn from(answer: &PairOutcome) -> Self {
         Self {
             pieces: answer.parts(),
             by_plane: false,
-            ..Self::new(&answer.outcome, Tangent::Free)
+            ..Self::new(&answer.outcome, Tangent::FreeSpan)
         }
     }
 }

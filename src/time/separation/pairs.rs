@@ -13,8 +13,8 @@ use crate::convex::shape_tracker::ShapeTracker;
 use crate::convex::tracker::Tracker;
 use crate::pair::outcome::{Decision, Outcome, Until};
 use crate::pair::question::Question;
-use crate::pair::spot::Answer;
-use crate::time::separation::{Measure, Separation, SupportPoint, Tangent};
+use crate::pair::spot::PairOutcome;
+use crate::time::separation::{Measurement, Separation, SupportPoint, Tangent};
 use nalgebra::{Point3, Vector3};
 
 /// Faces with longer boundaries are not divided into triangles for the guess of an overlap: the
@@ -178,9 +178,9 @@ impl<'a> PolyhedronPair<'a> {
 
     /// Returns the closest points.
     #[inline]
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> PairOutcome {
         let (a, b, tracker) = self.sides();
-        Answer::of_convex(tracker.measure(a, b, a_from_b, question.until))
+        PairOutcome::of_convex(tracker.measure(a, b, a_from_b, question.until))
     }
 
     /// Returns whether the polyhedra are at most `d` apart.
@@ -198,11 +198,11 @@ impl<'a> PolyhedronPair<'a> {
 
     /// Returns an outcome of the tracker as a measure, and takes note of the features.
     #[inline]
-    pub(crate) fn seen(&mut self, outcome: &Outcome) -> Measure {
+    pub(crate) fn seen(&mut self, outcome: &Outcome) -> Measurement {
         let (on_a, on_b) = outcome.features.vertices_of(self.a.shape, self.b.shape);
         self.a.note(outcome.features.a, on_a);
         self.b.note(outcome.features.b, on_b);
-        let mut seen = Measure::new(outcome, self.tangent(outcome.features.a, outcome.features.b));
+        let mut seen = Measurement::new(outcome, self.tangent(outcome.features.a, outcome.features.b));
         // Of bodies that are stored in other units the normal was turned once more.
         seen.by_plane &= self.a.shape.exponent == self.b.shape.exponent;
         seen
@@ -213,14 +213,14 @@ impl<'a> PolyhedronPair<'a> {
             (Feature::Face(_), _) | (Feature::Edge(_), Feature::Vertex(_)) => Tangent::WithA,
             (_, Feature::Face(_)) | (Feature::Vertex(_), Feature::Edge(_)) => Tangent::WithB,
             (Feature::Edge(a), Feature::Edge(b)) => Tangent::Edges(self.a.direction(a), self.b.direction(b)),
-            (Feature::Vertex(_), Feature::Vertex(_)) => Tangent::Free,
+            (Feature::Vertex(_), Feature::Vertex(_)) => Tangent::FreeSpan,
         }
     }
 
     /// Returns four points of the Minkowski difference that are expected to contain the origin just
     /// behind the facet of the closest features: the triangle of the facet with the witnesses, and
     /// the point farthest behind the facet.
-    fn behind(&self, a_from_b: &RelativePose, seen: &Measure) -> Option<OverlapProof> {
+    fn behind(&self, a_from_b: &RelativePose, seen: &Measurement) -> Option<OverlapProof> {
         if !(self.a.shape.is_unscaled && self.b.shape.is_unscaled) {
             return None;
         }
@@ -261,7 +261,7 @@ impl Separation for PolyhedronPair<'_> {
     }
 
     #[inline]
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
         let outcome = self
             .tracker
             .measure(self.a.shape, self.b.shape, a_from_b, Until::ContactState);
@@ -270,7 +270,7 @@ impl Separation for PolyhedronPair<'_> {
 
     /// By [`Tracker::intersects`] and [`Tracker::within`]: without the feature `exact`, ties count
     /// as met.
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measure) -> bool {
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, seen: &Measurement) -> bool {
         let (a, b) = (self.a.shape, self.b.shape);
         if distance > 0.0 {
             return self.tracker.within(a, b, a_from_b, distance);
@@ -329,9 +329,9 @@ impl<'a> ShapePair<'a> {
     /// Returns the closest points, and for an overlap as much as the question sets. Rounded shapes
     /// need the depth of their cores, because a deep overlap differs from touch by it alone.
     #[inline]
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> Answer {
+    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> PairOutcome {
         let (a, b, tracker) = self.sides();
-        Answer::of_convex(match question.until {
+        PairOutcome::of_convex(match question.until {
             Until::ContactState => tracker.closest(a, b, a_from_b).without_depth(),
             until => tracker.measure(a, b, a_from_b, until),
         })
@@ -352,11 +352,11 @@ impl<'a> ShapePair<'a> {
     }
 
     /// Returns an outcome of the tracker as a measure.
-    pub(crate) fn seen(outcome: &Outcome) -> Measure {
-        Measure {
+    pub(crate) fn seen(outcome: &Outcome) -> Measurement {
+        Measurement {
             // A radius moves the lower bound; the height along the normal is taken again.
             by_plane: false,
-            ..Measure::new(outcome, Tangent::Free)
+            ..Measurement::new(outcome, Tangent::FreeSpan)
         }
     }
 }
@@ -371,14 +371,14 @@ impl Separation for ShapePair<'_> {
         }
     }
 
-    fn measure(&mut self, a_from_b: &RelativePose) -> Measure {
+    fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
         let (a, b, tracker) = self.sides();
         Self::seen(&tracker.closest(a, b, a_from_b))
     }
 
     /// Proven by the upper bound of the distance; exact for rounded polyhedra with the feature
     /// `exact`.
-    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measure) -> bool {
+    fn meets(&mut self, a_from_b: &RelativePose, distance: f64, _: &Measurement) -> bool {
         let (a, b, tracker) = self.sides();
         tracker.closest(a, b, a_from_b).upper <= distance
     }

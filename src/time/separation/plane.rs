@@ -57,8 +57,8 @@ use nalgebra::{Isometry3, Matrix3, Vector3};
 
 use super::bernstein::positive_until;
 use super::fixed_normal::{FixedNormal, cut, one_norm, time_to, turns_neither};
-use super::{Flight, Free, Measure, Proof, Separation, Tangent};
-use crate::base::motion::{Course, Drift, length};
+use super::{FreeSpan, Measurement, PairMotion, Proof, Separation, Tangent};
+use crate::base::motion::{MotionModel, Remainder, length};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::num::scalar::magnitude;
@@ -81,7 +81,7 @@ const TRIES: u32 = 3;
 const FAR: f64 = 0.05;
 
 /// Returns the time for which a turning plane proves the shapes more than `flight.keep` apart.
-pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
+pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
     if seen.by_plane && turns_neither(flight) {
         let normal = flight.pose_a.rotation * seen.normal.into_inner();
         return FixedNormal::new(pair, flight, &normal, seen.lower).proof();
@@ -95,13 +95,13 @@ pub(super) fn free_for<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, fli
         },
         other => other,
     };
-    Free {
+    FreeSpan {
         span: free.span * tick,
         proof,
     }
 }
 
-fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, flight: &Flight) -> Free {
+fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
     let still = Vector3::zeros();
     let setting = PlaneSetting::new(pair, flight);
     let normal = setting.a.rotation * seen.normal.into_inner();
@@ -114,14 +114,19 @@ fn free_on_own_clock<S: Separation + ?Sized>(pair: &mut S, seen: &Measure, fligh
             (plane, chosen) = (other, still);
         }
     }
-    Free {
+    FreeSpan {
         span: plane.reach(pair),
         proof: Proof::Plane { normal, spin: chosen },
     }
 }
 
 /// Returns the time in which the witnesses come nearer by `way`, to second order; `None` if never.
-pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight: &Flight, way: f64) -> Option<f64> {
+pub(super) fn forecast<S: Separation + ?Sized>(
+    pair: &S,
+    seen: &Measurement,
+    flight: &PairMotion,
+    way: f64,
+) -> Option<f64> {
     let tick = magnitude(flight.span);
     let ahead = |slope: f64, bend: f64| Some(time_to(way, slope, bend) * tick).filter(|t| *t < f64::INFINITY);
     if turns_neither(flight) {
@@ -135,8 +140,8 @@ pub(super) fn forecast<S: Separation + ?Sized>(pair: &S, seen: &Measure, flight:
     let normal = set.a.rotation * seen.normal.into_inner();
     let spin = set.spin(&normal, &seen.tangent);
     let (turn_a, turn_b) = (set.a.turn(&normal, &spin), set.b.turn(&normal, &spin));
-    let on_a = set.a.rotation * (seen.point_on_a - flight.course_a.pivot);
-    let on_b = set.b.rotation * (seen.point_on_b - flight.course_b.pivot);
+    let on_a = set.a.rotation * (seen.point_on_a - flight.model_a.pivot);
+    let on_b = set.b.rotation * (seen.point_on_b - flight.model_b.pivot);
     let [_, f1, f2] = way_along(&normal, &spin, [&set.between, &set.velocity, &set.acceleration]);
     let slope = f1 - turn_a.first.dot(&on_a) + turn_b.first.dot(&on_b);
     let bend = f2 - turn_a.second.dot(&on_a) + turn_b.second.dot(&on_b);
@@ -173,17 +178,17 @@ struct Turn {
 }
 
 impl PlaneSide {
-    fn new<S: Separation + ?Sized>(pair: &S, which: Operand, pose: &Isometry3<f64>, course: &Course) -> Self {
+    fn new<S: Separation + ?Sized>(pair: &S, which: Operand, pose: &Isometry3<f64>, model: &MotionModel) -> Self {
         let (centre, radius) = pair.ball(which);
         let q = pose.rotation.coords;
-        let arm = centre - course.pivot;
+        let arm = centre - model.pivot;
         Self {
             which,
             rotation: rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared()),
             arm,
             reach: radius + one_norm(&arm),
-            angular: course.angular,
-            rate: length(&course.angular),
+            angular: model.angular,
+            rate: length(&model.angular),
         }
     }
 
@@ -228,31 +233,31 @@ impl PlaneSide {
 
 /// Both shapes at the instant.
 struct PlaneSetting<'a> {
-    flight: &'a Flight,
+    flight: &'a PairMotion,
     a: PlaneSide,
     b: PlaneSide,
     /// From A's pivot to B's.
     between: Vector3<f64>,
     velocity: Vector3<f64>,
     acceleration: Vector3<f64>,
-    drift: Drift,
+    drift: Remainder,
     /// Lengths to which rounding is relative, without the displacements of the pivots.
     size: f64,
 }
 
 impl<'a> PlaneSetting<'a> {
-    fn new<S: Separation + ?Sized>(pair: &S, flight: &'a Flight) -> Self {
-        let (course_a, course_b) = (&flight.course_a, &flight.course_b);
-        let a = PlaneSide::new(pair, Operand::A, &flight.pose_a, course_a);
-        let b = PlaneSide::new(pair, Operand::B, &flight.pose_b, course_b);
+    fn new<S: Separation + ?Sized>(pair: &S, flight: &'a PairMotion) -> Self {
+        let (model_a, model_b) = (&flight.model_a, &flight.model_b);
+        let a = PlaneSide::new(pair, Operand::A, &flight.pose_a, model_a);
+        let b = PlaneSide::new(pair, Operand::B, &flight.pose_b, model_b);
         let offset = flight.pose_b.translation.vector - flight.pose_a.translation.vector;
-        let (pivot_a, pivot_b) = (course_a.pivot.coords, course_b.pivot.coords);
+        let (pivot_a, pivot_b) = (model_a.pivot.coords, model_b.pivot.coords);
         let between = offset + (b.rotation * pivot_b - a.rotation * pivot_a);
         Self {
             between,
             velocity: flight.velocity(),
             acceleration: flight.acceleration(),
-            drift: course_a.drift(a.reach) + course_b.drift(b.reach),
+            drift: model_a.drift(a.reach) + model_b.drift(b.reach),
             size: flight.size(a.reach + b.reach),
             flight,
             a,
@@ -263,7 +268,7 @@ impl<'a> PlaneSetting<'a> {
     /// Returns the rate at which the plane turns with the features.
     fn spin(&self, n: &Vector3<f64>, tangent: &Tangent) -> Vector3<f64> {
         match tangent {
-            Tangent::Free => Vector3::zeros(),
+            Tangent::FreeSpan => Vector3::zeros(),
             Tangent::WithA => self.a.angular,
             Tangent::WithB => self.b.angular,
             Tangent::Edges(a, b) => {

@@ -81,13 +81,13 @@ impl Scene {
 
     pub(super) fn impact(&mut self, what: &str, impact: Impact) {
         match impact {
-            Impact::Start { seen } => self.lengths(what, [seen.distance, seen.lower, seen.upper]),
+            Impact::AtStart { seen } => self.lengths(what, [seen.distance, seen.lower, seen.upper]),
             Impact::Hit { safe, hit, seen } => {
                 self.bounds("time", safe * self.unit, hit * self.unit);
                 self.plain(what, seen.state);
                 self.lengths(what, [seen.distance, seen.lower, seen.upper]);
             }
-            Impact::Near { safe, distance } => {
+            Impact::Undecided { safe, distance } => {
                 self.bounds("time", safe * self.unit, f64::INFINITY);
                 self.lengths(what, [distance]);
             }

@@ -1,7 +1,7 @@
 //! Worlds of boxes, and scenes of bodies of every kind: events, pairs and answers.
 
 use super::{Scene, compound, curved, dented};
-use lin_canny::broad::{self, Aabb, PencilSweep};
+use lin_canny::broad::{self, Aabb, SweepAndPrune};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::scene::{self, Body, Group, PairQueries};
@@ -10,7 +10,7 @@ use truth::rng::Rng;
 
 pub(super) fn boxes(scene: &mut Scene, rng: &mut Rng) {
     let seed = rng.bits();
-    world(scene, &mut Rng::new(seed), PencilSweep::new());
+    world(scene, &mut Rng::new(seed), SweepAndPrune::new());
 }
 
 fn aabb(scene: &Scene, rng: &mut Rng) -> Aabb {
@@ -21,9 +21,9 @@ fn aabb(scene: &Scene, rng: &mut Rng) -> Aabb {
     )
 }
 
-fn world(scene: &mut Scene, rng: &mut Rng, mut broad: PencilSweep) {
+fn world(scene: &mut Scene, rng: &mut Rng, mut broad: SweepAndPrune) {
     let margin = 0.05 * scene.unit;
-    let insert = |broad: &mut PencilSweep, rng: &mut Rng, k: usize| {
+    let insert = |broad: &mut SweepAndPrune, rng: &mut Rng, k: usize| {
         let body = [
             broad::BodyOptions::moving().margin(margin).lookahead(1.0),
             broad::BodyOptions::fixed(),

@@ -113,8 +113,8 @@ fn fly(
     let mut hit = |time| hit((a, b), (&x.pose(time), &y.pose(time)), time, &mut tracker);
     let (found, status) = match cast.impact {
         Impact::Miss => return Flown::Free,
-        Impact::Start { .. } if !is_wanted => return Flown::Start(None),
-        Impact::Start { seen } => {
+        Impact::AtStart { .. } if !is_wanted => return Flown::Start(None),
+        Impact::AtStart { seen } => {
             // An overlap of two polyhedra is measured without a depth.
             let is_touching = seen.state != ContactState::Overlapping && seen.distance >= target;
             let status = if is_touching {
@@ -126,8 +126,8 @@ fn fly(
             return start.unwrap_or(Flown::Refused);
         }
         // Proven apart up to `safe`, and nearer than the tolerance there.
-        Impact::Hit { safe, .. } | Impact::Near { safe, .. } => (hit(safe), Converged),
-        Impact::Unknown { safe } => (hit(safe), OutOfIterations),
+        Impact::Hit { safe, .. } | Impact::Undecided { safe, .. } => (hit(safe), Converged),
+        Impact::Incomplete { safe } => (hit(safe), OutOfIterations),
         _ => (None, Converged),
     };
     found.map_or(Flown::Refused, |found| Flown::Hit(ShapeCastHit { status, ..found }))

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{
-    Compound, ContactPatches, ContactPoint, Feature, Geometry, ManifoldOptions, Mesh, MeshError, PairTracker,
-    PatchContacts, Piece, RelativePose,
+    Compound, ContactGroup, ContactPoint, ConvexPatches, Feature, Geometry, ManifoldOptions, Mesh, MeshError,
+    PairTracker, Piece, RelativePose,
 };
 
 use super::dispatcher::ContactOptions;
@@ -47,7 +47,7 @@ use super::part;
 pub struct MeshShape {
     pub(super) mesh: Arc<Mesh>,
     pub(super) geometry: Geometry,
-    patches: ContactPatches,
+    patches: ConvexPatches,
     pub(super) mass: UnitMass,
 }
 
@@ -64,7 +64,7 @@ impl MeshShape {
         let mesh: Arc<Mesh> = mesh.into();
         Self {
             geometry: Geometry::from(mesh.clone()),
-            patches: ContactPatches::of_mesh_within(mesh.clone(), tolerance),
+            patches: ConvexPatches::of_mesh_within(mesh.clone(), tolerance),
             mass: UnitMass::new(mesh.volume().max(0.0), &mesh.centroid(), &mesh.inertia()),
             mesh,
         }
@@ -130,11 +130,11 @@ pub(super) fn mesh(shape: &dyn Shape) -> Option<&MeshShape> {
 
 /// Returns the patches of a mesh, or of a convex shape or compound in the frame of the engine's
 /// shape.
-fn patches(known: &Known, shape: &dyn Shape) -> Option<ContactPatches> {
+fn patches(known: &Known, shape: &dyn Shape) -> Option<ConvexPatches> {
     if let Some(mesh) = mesh(shape) {
         return Some(mesh.patches.clone());
     }
-    Some(ContactPatches::of_pieces(compound(known, shape)?))
+    Some(ConvexPatches::of_pieces(compound(known, shape)?))
 }
 
 /// Returns a compound, or a convex shape as its only piece, in the frame of the engine's shape.
@@ -248,7 +248,7 @@ pub(super) fn write<M: Default, C: Default + Copy>(
     true
 }
 
-fn manifold<M: Default, C: Default + Copy>(group: &PatchContacts) -> ContactManifold<M, C> {
+fn manifold<M: Default, C: Default + Copy>(group: &ContactGroup) -> ContactManifold<M, C> {
     let mut manifold = ContactManifold::new();
     manifold.points.extend(group.contacts.iter().map(|contact| {
         let ContactPoint {

@@ -1,6 +1,6 @@
 //! Motions of configuration spaces keep the contract of `Motion`, and gradients are derivatives.
 
-use lin_canny::motion::Course;
+use lin_canny::motion::MotionModel;
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, Vector3};
 use lin_canny_plan::{
     ConfigurationSpace, Drive, Joint, JointKind, JointTree, PlanarSpace, RigidSpace, SegmentMotion, SerialArm,
@@ -71,7 +71,7 @@ fn configuration<C: ConfigurationSpace>(space: &C, rng: &mut Rng) -> Vec<f64> {
     space.sample(&mut || rng.uniform())
 }
 
-/// For random segments, bodies, stems, times and spans: no point leaves the model of the course by more than the bound. Returns
+/// For random segments, bodies, stems, times and spans: no point leaves the motion model by more than the bound. Returns
 /// how many bounds were used by a fifth and more, and how many were those of a body as seen from another link.
 fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exact: bool) -> [u32; 2] {
     let (mut tight, mut stems) = (0, 0);
@@ -83,11 +83,11 @@ fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exac
         let time = if rng.chance(0.25) { 0.0 } else { rng.uniform() };
         let span = (1.0 - time) * rng.log_range(1e-3, 1.0);
         let stem = segment.stem(body, rng.below(space.bodies()));
-        let (start, course) = segment.placed(stem, body, time, span);
+        let (start, model) = segment.placed(stem, body, time, span);
         // The rounding of the poses in the world counts, whatever the stem.
-        let in_world = segment.course(body, time, span);
-        let constant = |course: &Course| [course.shift.0[0], course.turn.0[0]];
-        let [seen, least] = [&course, &in_world].map(constant);
+        let in_world = segment.model(body, time, span);
+        let constant = |model: &MotionModel| [model.shift.0[0], model.turn.0[0]];
+        let [seen, least] = [&model, &in_world].map(constant);
         assert!(seen[0] >= least[0] * (1.0 - 1e-12) && seen[1] >= least[1] * (1.0 - 1e-12));
         for _ in 0..8 {
             let s = span * rng.uniform();
@@ -96,16 +96,16 @@ fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exac
                 stems += 1;
                 // Body k of these trees is link k.
                 let placed = segment.pose(stem, time + s) * now;
-                let off = (placed * course.pivot - segment.pose(body, time + s) * course.pivot).norm();
-                assert!(off <= course.shift.0[0], "{off:e} of {stem} and {body}");
+                let off = (placed * model.pivot - segment.pose(body, time + s) * model.pivot).norm();
+                assert!(off <= model.shift.0[0], "{off:e} of {stem} and {body}");
             }
             let x = Point3::from(Vector3::from(rng.unit()) * rng.range(0.0, 2.0));
-            let arm = x - course.pivot;
-            let pivot = start * course.pivot + course.linear * s + course.acceleration * (0.5 * s * s);
-            let turn = lin_canny::nalgebra::UnitQuaternion::from_scaled_axis(course.angular * s);
-            let model = pivot + turn * (start.rotation * arm);
-            let bound = course.shift.at(s) + arm.norm() * course.turn.at(s);
-            let off = (now * x - model).norm();
+            let arm = x - model.pivot;
+            let pivot = start * model.pivot + model.linear * s + model.acceleration * (0.5 * s * s);
+            let turn = lin_canny::nalgebra::UnitQuaternion::from_scaled_axis(model.angular * s);
+            let at = pivot + turn * (start.rotation * arm);
+            let bound = model.shift.at(s) + arm.norm() * model.turn.at(s);
+            let off = (now * x - at).norm();
             // The comparison itself rounds.
             let slack = if exact {
                 4e-15 * (1.0 + model.coords.norm())

@@ -2,7 +2,7 @@
 
 use lin_canny::impact::Impact;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny::scene::{ClosestPair, PairAnswer, Scene as Loaded};
+use lin_canny::scene::{ClosestPair, PairResults, Scene as Loaded};
 use lin_canny::{Distance, Outcome};
 use numpy::PyArray1;
 use pyo3::prelude::*;
@@ -105,7 +105,7 @@ fn flag(answer: Option<bool>) -> i8 {
 }
 
 /// Returns a number of a distance, NaN if there is none.
-fn number_of(pair: &PairAnswer, get: fn(&Distance) -> f64) -> f64 {
+fn number_of(pair: &PairResults, get: fn(&Distance) -> f64) -> f64 {
     pair.distance.as_ref().map_or(f64::NAN, get)
 }
 
@@ -115,9 +115,9 @@ impl Scene {
     /// `overlaps`, `within` (1 yes, 0 no, -1 not enabled), `distance`, `lower`, `upper` (NaN if
     /// not enabled, or beyond the range of the query).
     fn pairs<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let pairs: Vec<PairAnswer> = self.0.pairs().collect();
-        let ids = |id: fn(&PairAnswer) -> u64| PyArray1::from_iter(py, pairs.iter().map(id)).into_any();
-        let flags = |get: fn(&PairAnswer) -> Option<bool>| {
+        let pairs: Vec<PairResults> = self.0.pairs().collect();
+        let ids = |id: fn(&PairResults) -> u64| PyArray1::from_iter(py, pairs.iter().map(id)).into_any();
+        let flags = |get: fn(&PairResults) -> Option<bool>| {
             PyArray1::from_iter(py, pairs.iter().map(|pair| flag(get(pair)))).into_any()
         };
         let numbers = |get: fn(&Distance) -> f64| {

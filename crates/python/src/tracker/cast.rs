@@ -4,7 +4,7 @@ use lin_canny::Velocity;
 use lin_canny::impact::{self, Impact, Tolerance, cast_within};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::separation::Measure;
+use lin_canny::separation::Measurement;
 use numpy::PyArray1;
 use pyo3::prelude::*;
 
@@ -28,9 +28,9 @@ pub(crate) struct Cast {
 }
 
 impl Cast {
-    fn measure(&self) -> Option<&Measure> {
+    fn measure(&self) -> Option<&Measurement> {
         match &self.cast.impact {
-            Impact::Start { seen } | Impact::Hit { seen, .. } => Some(seen),
+            Impact::AtStart { seen } | Impact::Hit { seen, .. } => Some(seen),
             _ => None,
         }
     }
@@ -43,9 +43,9 @@ impl Cast {
     #[getter]
     fn state(&self) -> &'static str {
         match self.cast.impact {
-            Impact::Start { .. } => "start",
+            Impact::AtStart { .. } => "start",
             Impact::Hit { .. } => "hit",
-            Impact::Near { .. } => "near",
+            Impact::Undecided { .. } => "near",
             Impact::Miss => "miss",
             _ => "unknown",
         }
@@ -55,8 +55,8 @@ impl Cast {
     #[getter]
     fn safe(&self) -> Option<f64> {
         match self.cast.impact {
-            Impact::Start { .. } => Some(0.0),
-            Impact::Hit { safe, .. } | Impact::Near { safe, .. } | Impact::Unknown { safe } => Some(safe),
+            Impact::AtStart { .. } => Some(0.0),
+            Impact::Hit { safe, .. } | Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => Some(safe),
             _ => None,
         }
     }
@@ -101,7 +101,7 @@ impl Cast {
     fn __repr__(&self) -> String {
         let time = match self.cast.impact {
             Impact::Hit { safe, hit, .. } => format!(" between {safe:.9} and {hit:.9}"),
-            Impact::Near { safe, .. } | Impact::Unknown { safe } => format!(", apart until {safe:.9}"),
+            Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => format!(", apart until {safe:.9}"),
             _ => String::new(),
         };
         format!("<Cast {}{time}>", self.state())

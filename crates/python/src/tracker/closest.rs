@@ -1,6 +1,6 @@
 //! The answer about the closest points.
 
-use lin_canny::{Answer, ContactState, RelativePose};
+use lin_canny::{PairOutcome, ContactState, RelativePose};
 use numpy::PyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -25,13 +25,13 @@ pub(crate) fn state_name(state: ContactState) -> &'static str {
 /// to some 1e-6.
 #[pyclass(frozen, module = "lin_canny")]
 pub(crate) struct Closest {
-    answer: Answer,
+    answer: PairOutcome,
     pose: RelativePose,
 }
 
 impl Closest {
     #[inline]
-    pub(crate) fn new(answer: Answer, pose: RelativePose) -> Self {
+    pub(crate) fn new(answer: PairOutcome, pose: RelativePose) -> Self {
         Self { answer, pose }
     }
 }
@@ -94,7 +94,7 @@ impl Closest {
     }
 
     fn __repr__(&self) -> String {
-        let Answer { outcome: o, .. } = &self.answer;
+        let PairOutcome { outcome: o, .. } = &self.answer;
         format!(
             "<Closest {}: {:.6} in [{:.15}, {:.15}], {}>",
             state_name(o.state),

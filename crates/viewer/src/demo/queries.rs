@@ -6,7 +6,7 @@ use eframe::egui::{self, Color32};
 use lin_canny::ManifoldOptions;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
-use lin_canny::scene::{Body, BodyId, Counts, PairQueries, Group, Scene};
+use lin_canny::scene::{Body, BodyId, StepWork, PairQueries, Group, Scene};
 use lin_canny_record::Contact;
 use web_time::Instant;
 
@@ -36,7 +36,7 @@ pub(super) struct Pile {
     /// Means of microseconds: the whole step, then boxes, pairs, narrow phase, events, which a scene
     /// does not tell on a page, where it has no clock.
     stages: [f64; 5],
-    counts: Counts,
+    counts: StepWork,
 }
 
 impl Pile {
@@ -61,7 +61,7 @@ impl Pile {
             runs: true,
             time: 0.0,
             stages: [0.0; 5],
-            counts: Counts::default(),
+            counts: StepWork::default(),
         };
         pile.call()?;
         Ok(pile)

@@ -24,10 +24,10 @@ pub(super) fn bounds() -> Vec<Bound> {
             .sum("product, in UNIT^2", &[(4.0, "UNIT_DOUBLE_DOUBLE")]),
         whole("PLANE_OFFSET", "polyhedron::plane::plane", tilted() + offset()),
         whole("NEAR_PLANE", "polyhedron::query::contains", near_plane()),
-        column("COLUMN_SUM", "broad::pencil::scan", column_sum()),
-        column("COLUMN_MOVE", "broad::pencil::scan", RBig::from(4) * v()),
-        column("COLUMN_SEARCH", "broad::pencil::repair", RBig::from(6) * v()),
-        column("COLUMN_REACH", "broad::pencil::repair", RBig::from(6) * v()),
+        column("COLUMN_SUM", "broad::sweep::scan", column_sum()),
+        column("COLUMN_MOVE", "broad::sweep::scan", RBig::from(4) * v()),
+        column("COLUMN_SEARCH", "broad::sweep::repair", RBig::from(6) * v()),
+        column("COLUMN_REACH", "broad::sweep::repair", RBig::from(6) * v()),
     ]
 }
 

@@ -16,7 +16,7 @@ use std::time::Instant;
 use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::surface::{BezierSurface, Nurbs, SurfaceError, SurfacePart, revolution};
-use lin_canny::{Answer, PairTracker, Question, RelativePose};
+use lin_canny::{PairOutcome, PairTracker, Question, RelativePose};
 use truth::Point;
 use truth::command::{count, file, number};
 use truth::pose::dot;
@@ -107,7 +107,12 @@ fn run(options: &Options) -> Result<(), String> {
 }
 
 /// The outcomes of all frames, the tracker after them, microseconds a frame.
-fn track(a: &BezierSurface, b: &BezierSurface, at: &[RelativePose], width: f64) -> (Vec<Answer>, PairTracker, f64) {
+fn track(
+    a: &BezierSurface,
+    b: &BezierSurface,
+    at: &[RelativePose],
+    width: f64,
+) -> (Vec<PairOutcome>, PairTracker, f64) {
     let mut tracker = PairTracker::new();
     let began = Instant::now();
     let found = at
@@ -129,7 +134,7 @@ fn picture(
     a: &BezierSurface,
     b: &BezierSurface,
     tracker: &PairTracker,
-    found: &[Answer],
+    found: &[PairOutcome],
     pose: &Isometry3<f64>,
 ) -> String {
     let mut svg = String::from(

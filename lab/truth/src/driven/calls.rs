@@ -94,7 +94,7 @@ impl Bytes<'_> {
 /// A broad phase, and the pairs that its events tell.
 #[derive(Default)]
 struct Fed {
-    broad: PencilSweep,
+    broad: SweepAndPrune,
     told: BTreeMap<PairId, (BodyId, BodyId)>,
     live: BTreeSet<BodyId>,
     ids: Vec<BodyId>,

@@ -5,7 +5,7 @@
 //! The test `broad` and the instrument `soak` share this.
 
 use crate::rng::Rng;
-use lin_canny::broad::{Aabb, BodyId, BodyOptions, PencilSweep};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
 use lin_canny::nalgebra::{Point3, Vector3};
 
 /// What happened in some sequences; a mix that lacks an ingredient tests nothing.
@@ -121,7 +121,7 @@ struct Held {
 
 /// One world.
 struct Play {
-    broad: PencilSweep,
+    broad: SweepAndPrune,
     held: Vec<Held>,
     rng: Rng,
     mix: Mix,
@@ -240,7 +240,7 @@ impl Play {
 ///
 /// # Errors
 /// What was lost, what should not be there, or what contradicts itself.
-pub fn sequence(seed: u64, broad: PencilSweep) -> Result<Mix, String> {
+pub fn sequence(seed: u64, broad: SweepAndPrune) -> Result<Mix, String> {
     let mut rng = Rng::new(seed);
     let bricks = world(&mut rng);
     let mut play = Play {

@@ -370,7 +370,7 @@ impl World {
             RayCast::Miss => !is_in && first.is_none(),
             RayCast::Hit(hit) => !is_in && first.is_some_and(|s| exact(hit.safe) <= *s && *s <= exact(hit.hit)),
             // A point that moves along a hull proves no contact.
-            RayCast::Near { safe } => is_hull && first.is_none_or(|s| exact(safe) <= *s),
+            RayCast::Undecided { safe } => is_hull && first.is_none_or(|s| exact(safe) <= *s),
             _ => false,
         };
         if is_right {

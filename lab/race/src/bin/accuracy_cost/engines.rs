@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use lin_canny::{RelativePose, Totals, Tracker};
+use lin_canny::{RelativePose, Tracker, TrackerWork};
 use race::parry_f32;
 use truth::Point;
 use truth::pairs::Pair;
@@ -147,7 +147,7 @@ pub(crate) fn ask(case: Case, pair: &Pair, frame: usize, state: &mut State) -> A
 }
 
 /// The answers of a whole motion, and what the trackers counted.
-pub(crate) fn answers(case: Case, pair: &Pair) -> (Vec<Answer>, Totals) {
+pub(crate) fn answers(case: Case, pair: &Pair) -> (Vec<Answer>, TrackerWork) {
     let mut state = State::new(case, pair);
     let list = (0..pair.frames.len()).map(|f| ask(case, pair, f, &mut state)).collect();
     (list, state.tracker.work())

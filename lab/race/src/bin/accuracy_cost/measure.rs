@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use lin_canny::{Solver, Totals};
+use lin_canny::{Solver, TrackerWork};
 use race::progress::Progress;
 use race::record::{Row, spread};
 
@@ -19,7 +19,7 @@ pub(crate) struct Seen {
     pub(crate) case: Case,
     pub(crate) ns: Vec<f64>,
     pub(crate) err: Vec<f64>,
-    pub(crate) totals: Totals,
+    pub(crate) totals: TrackerWork,
 }
 
 /// All cases on one pair, with their errors, and what is open of the truth they are judged by.
@@ -40,7 +40,7 @@ pub(crate) fn timed(pair: &Pair, cases: &[Case], options: &Options) -> Vec<Seen>
         case,
         ns: Vec::new(),
         err: Vec::new(),
-        totals: Totals::default(),
+        totals: TrackerWork::default(),
     };
     let mut all: Vec<Seen> = cases.iter().filter(|c| c.takes(pair)).map(open).collect();
     for _ in 0..options.passes() {

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use lin_canny::nalgebra::{Isometry3, Vector3};
-use lin_canny::{PairTracker, RelativePose, Shape, Solver, Totals};
+use lin_canny::{PairTracker, RelativePose, Shape, Solver, TrackerWork};
 use truth::motion::{self, Frame};
 use truth::parry::{Core, Map, MapGjk};
 use truth::rng::Rng;
@@ -112,8 +112,8 @@ fn race(rows: &mut Rows, names: (&str, &str), (a, b): (&Body, &Body), count: usi
     let radii = (a.shape.bounding_ball().1, b.shape.bounding_ball().1);
     let frames = motion::orbit_and_spin(&mut rng, count, 0.5, radii, (0.02, 0.2), 200);
     let poses: Vec<Poses> = frames.iter().map(|f| (f.a.isometry(), f.b.isometry())).collect();
-    let mut totals = Totals::default();
-    let time_of = |x: &Shape, y: &Shape, totals: &mut Totals| {
+    let mut totals = TrackerWork::default();
+    let time_of = |x: &Shape, y: &Shape, totals: &mut TrackerWork| {
         timed(count, || {
             let mut pair = PairTracker::new();
             for p in &poses {
@@ -123,7 +123,7 @@ fn race(rows: &mut Rows, names: (&str, &str), (a, b): (&Body, &Body), count: usi
         })
     };
     let mine = time_of(&a.shape, &b.shape, &mut totals);
-    let core = time_of(&a.core, &b.core, &mut Totals::default());
+    let core = time_of(&a.core, &b.core, &mut TrackerWork::default());
     let theirs = timed(count, || {
         let mut gjk = MapGjk::default();
         for f in &frames {

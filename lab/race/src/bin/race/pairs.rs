@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use lin_canny::nalgebra::{Isometry3, Point3};
-use lin_canny::{ConvexPolyhedron, RelativePose, Solver, Totals, Tracker};
+use lin_canny::{ConvexPolyhedron, RelativePose, Solver, Tracker, TrackerWork};
 use race::progress::Progress;
 use truth::Point;
 use truth::contacts::plain;
@@ -164,7 +164,7 @@ pub(crate) fn ask(engine: Engine, pair: &Pair, frame: usize, state: &mut State) 
 }
 
 /// One pass over all frames of all pairs, pairs in turn: nanoseconds a query, and the answers on request.
-fn pass(engine: Engine, pairs: &[Pair], frames: usize, answers: Option<&mut Vec<Answer>>) -> (f64, Totals) {
+fn pass(engine: Engine, pairs: &[Pair], frames: usize, answers: Option<&mut Vec<Answer>>) -> (f64, TrackerWork) {
     match engine {
         Engine::Ours => time(pairs, frames, answers, |p, f, s| ask(Engine::Ours, p, f, s)),
         Engine::Walk => time(pairs, frames, answers, |p, f, s| ask(Engine::Walk, p, f, s)),
@@ -180,14 +180,14 @@ fn time(
     frames: usize,
     answers: Option<&mut Vec<Answer>>,
     ask: impl Fn(&Pair, usize, &mut State) -> Answer,
-) -> (f64, Totals) {
+) -> (f64, TrackerWork) {
     let fresh = || pairs.iter().map(|_| State::default()).collect::<Vec<State>>();
     if let Some(list) = answers {
         let mut states = fresh();
         for f in 0..frames {
             list.extend(pairs.iter().zip(&mut states).map(|(p, s)| ask(p, f, s)));
         }
-        return (0.0, Totals::default());
+        return (0.0, TrackerWork::default());
     }
     let pass = || {
         let mut states = fresh();
@@ -205,7 +205,7 @@ fn time(
         pass();
     }
     let last = pass();
-    let mut totals = Totals::default();
+    let mut totals = TrackerWork::default();
     last.1.iter().for_each(|s| totals += s.tracker.work());
     (last.0.as_nanos() as f64 / (frames * pairs.len()) as f64, totals)
 }
@@ -228,7 +228,7 @@ struct Row {
     shape: &'static str,
     n: usize,
     ns: BTreeMap<usize, f64>,
-    totals: Totals,
+    totals: TrackerWork,
     note: String,
 }
 
@@ -242,7 +242,7 @@ fn race(scene: &'static str, shape: &'static str, n: usize, pairs: &[Pair], quic
         shape,
         n,
         ns: BTreeMap::new(),
-        totals: Totals::default(),
+        totals: TrackerWork::default(),
         note: String::new(),
     };
     let mut times: BTreeMap<usize, Vec<f64>> = BTreeMap::new();

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::time::Duration;
 
 use cpu_time::ThreadTime;
-use lin_canny::broad::{Aabb, BodyOptions, PencilSweep};
+use lin_canny::broad::{Aabb, BodyOptions, SweepAndPrune};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{BoxHint, RelativePose, Tracker};
@@ -40,7 +40,7 @@ struct Segment {
 struct Fixed<'a> {
     room: &'a Room,
     space: RigidSpace,
-    boxes: PencilSweep,
+    boxes: SweepAndPrune,
     trackers: Vec<Tracker>,
     hint: BoxHint,
     checks: u64,
@@ -48,7 +48,7 @@ struct Fixed<'a> {
 
 impl<'a> Fixed<'a> {
     fn new(room: &'a Room) -> Self {
-        let mut boxes = PencilSweep::new();
+        let mut boxes = SweepAndPrune::new();
         for (hull, pose) in &room.hulls {
             let aabb = Aabb::from(hull.aabb_at(pose, &mut BoxHint::default()));
             boxes.insert(&aabb, BodyOptions::fixed()).expect("a finite box");

@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 use clap::Parser;
 use draw::Trial;
 use judge::Judge;
-use lin_canny::broad::PencilSweep;
+use lin_canny::broad::SweepAndPrune;
 use lin_canny::scene::Scene;
 use lin_canny::{Accuracy, ContactState, Manifold, ManifoldOptions, Outcome, RelativePose, Tracker};
 use race::progress::Progress;
@@ -241,7 +241,7 @@ const DRIVERS: [Driver; 8] = [
         name: "world of equal boxes",
         salt: 0x1a77,
         count: 16,
-        play: |seed, tally| lattice::sequence(seed, PencilSweep::new()).map(|mix| tally.worlds.add(&mix)),
+        play: |seed, tally| lattice::sequence(seed, SweepAndPrune::new()).map(|mix| tally.worlds.add(&mix)),
     },
     // A failure is written as the numbers of the pair, because only polyhedra can be replayed.
     Driver {

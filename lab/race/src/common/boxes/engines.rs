@@ -1,7 +1,7 @@
 //! Broad phases in one form.
 
 use crate::common::tree::Tree;
-use lin_canny::broad::{Aabb, BodyId, BodyOptions, PencilSweep};
+use lin_canny::broad::{Aabb, BodyId, BodyOptions, SweepAndPrune};
 use truth::boxes::{Kind, Scene};
 
 /// A broad phase that is fed a scene.
@@ -19,14 +19,14 @@ pub trait Engine {
 }
 
 struct Ours {
-    broad: PencilSweep,
+    broad: SweepAndPrune,
     ids: Vec<BodyId>,
     batch: Vec<(BodyId, Aabb)>,
 }
 
 impl Ours {
     fn new(scene: &Scene) -> Self {
-        let mut broad = PencilSweep::new();
+        let mut broad = SweepAndPrune::new();
         let margin = if matches!(scene.kind, Kind::Movers | Kind::UniformSlow) {
             0.04
         } else {

@@ -3,7 +3,7 @@
 use super::{Keys, NONE, World};
 use crate::forms::{self, Form};
 use lin_canny::impact::Impact;
-use lin_canny::scene::{BodyId, Change, PairAnswer, PairQueries, Scene};
+use lin_canny::scene::{BodyId, Change, PairQueries, PairResults, Scene};
 use lin_canny::{ContactState, RelativePose};
 
 /// Instants of a tick at which impacts are looked for.
@@ -101,7 +101,7 @@ impl<C: Fn(&Scene) -> Scene> World<C> {
         let whole = queries.features || queries.manifold.is_some();
         assert_eq!(found.and_then(|p| p.outcome).is_some(), distance.is_some() && whole);
         let near = queries.manifold.map_or(Some(false), |m| at_most(m.prediction));
-        let has_contacts = |p: &PairAnswer<'_>| p.manifold.is_some() || p.contacts.is_some();
+        let has_contacts = |p: &PairResults<'_>| p.manifold.is_some() || p.contacts.is_some();
         let has_contacts = found.as_ref().is_some_and(has_contacts);
         assert!(
             near.is_none_or(|truth| truth == has_contacts),

@@ -10,7 +10,7 @@ use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::scene::{Body, Change, Group, PairQueries, Scene};
 use lin_canny::shape::Core;
-use lin_canny::{Answer, ContactState, PairTracker, RelativePose, Shape, Velocity};
+use lin_canny::{ContactState, PairOutcome, PairTracker, RelativePose, Shape, Velocity};
 
 /// Poses of a pair.
 const POSES: usize = 5;
@@ -104,7 +104,7 @@ impl<'a> Judged<'a> {
     }
 
     /// Judges bounds and contact state.
-    fn judge(&self, found: &Answer, what: &str) -> Result<(), String> {
+    fn judge(&self, found: &PairOutcome, what: &str) -> Result<(), String> {
         let (noise, width) = (NOISE * self.size, WIDTH * self.size);
         let [lower, upper] = [self.truth.lower, self.truth.upper].map(|x| x.max(0.0));
         let is_right = match found.state {
@@ -312,8 +312,8 @@ fn casts(a: &Drawn, b: &Drawn, pose: &Isometry3<f64>, rng: &mut Rng, mix: &mut M
         Judged::new(a, b, &now)
     };
     let safe = match found {
-        Impact::Hit { safe, .. } | Impact::Near { safe, .. } | Impact::Unknown { safe } => safe,
-        Impact::Start { .. } => 0.0,
+        Impact::Hit { safe, .. } | Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => safe,
+        Impact::AtStart { .. } => 0.0,
         _ => 1.0,
     };
     for k in 0..=40 {

@@ -1,6 +1,6 @@
-//! Promise: a body on a motion is nowhere farther from the model of its course than the drift says, poses as rounded.
+//! Promise: a body on a motion is nowhere farther from the model of its motion than the remainder says, poses as rounded.
 
-use lin_canny::motion::{Course, Motion, MotionError, Nlerp, Steady};
+use lin_canny::motion::{Motion, MotionError, MotionModel, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Operand, PoseError, Velocity};
 use truth::rng::Rng;
@@ -15,11 +15,11 @@ fn pose(rng: &mut Rng) -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::from(vector(rng, 3.0)), rotation)
 }
 
-/// Where the model of a course has a point `s` after it was at `pose`.
-fn model(course: &Course, pose: &Isometry3<f64>, p: &Point3<f64>, s: f64) -> Vector3<f64> {
-    let centre = (pose * course.pivot).coords + course.linear * s + course.acceleration * (0.5 * s * s);
-    let turn = UnitQuaternion::from_scaled_axis(course.angular * s);
-    centre + turn * (pose.rotation * (p - course.pivot))
+/// Where a motion model has a point `s` after it was at `pose`.
+fn place(model: &MotionModel, pose: &Isometry3<f64>, p: &Point3<f64>, s: f64) -> Vector3<f64> {
+    let centre = (pose * model.pivot).coords + model.linear * s + model.acceleration * (0.5 * s * s);
+    let turn = UnitQuaternion::from_scaled_axis(model.angular * s);
+    centre + turn * (pose.rotation * (p - model.pivot))
 }
 
 /// What was seen: the largest part of the drift that is used, with and without what rounding is given.
@@ -34,7 +34,7 @@ struct Used {
 fn check(rng: &mut Rng, motion: &impl Motion, truth: &impl Motion, latest: f64, used: &mut Used) {
     let from = rng.range(0.0, latest);
     let span = rng.range(0.0, latest - from);
-    let course = motion.course(from, span);
+    let model = motion.model(from, span);
     let start = motion.pose(from);
     let radius = rng.log_range(0.01, 10.0);
     for k in 0..20 {
@@ -43,15 +43,15 @@ fn check(rng: &mut Rng, motion: &impl Motion, truth: &impl Motion, latest: f64, 
         if s > span {
             continue;
         }
-        let p = course.pivot + Vector3::from(rng.unit()) * radius;
-        let off = (truth.pose(from + s) * p).coords - model(&course, &start, &p, s);
-        let bound = course.shift.at(s) + radius * course.turn.at(s);
-        let constant = course.shift.0[0] + radius * course.turn.0[0];
+        let p = model.pivot + Vector3::from(rng.unit()) * radius;
+        let off = (truth.pose(from + s) * p).coords - place(&model, &start, &p, s);
+        let bound = model.shift.at(s) + radius * model.turn.at(s);
+        let constant = model.shift.0[0] + radius * model.turn.0[0];
         // What the model here is rounded by itself.
-        let own = 1e-15 * radius * (1.0 + course.angular.norm() * s);
+        let own = 1e-15 * radius * (1.0 + model.angular.norm() * s);
         assert!(
             off.norm() <= bound + own,
-            "{} exceeds {bound:e} after {s}: {course:?}",
+            "{} exceeds {bound:e} after {s}: {model:?}",
             off.norm()
         );
         if bound < 2.0 * constant {
@@ -60,7 +60,7 @@ fn check(rng: &mut Rng, motion: &impl Motion, truth: &impl Motion, latest: f64, 
             used.whole = used.whole.max(off.norm() / bound);
         }
         let way = (truth.pose(from + s) * p - start * p).norm();
-        let most = course.displacement(radius, span);
+        let most = model.displacement(radius, span);
         assert!(way <= most, "{way} {most}");
         used.way = used.way.max(way / most);
     }
@@ -131,8 +131,8 @@ impl Motion for Pushed {
         pose
     }
 
-    fn course(&self, time: f64, span: f64) -> Course {
-        self.nominal.course(time, span)
+    fn model(&self, time: f64, span: f64) -> MotionModel {
+        self.nominal.model(time, span)
     }
 }
 

@@ -1,10 +1,10 @@
-//! Draws the columns, the sweep and the pairs of a small scene: `cargo run --release -p race --example pencils`.
+//! Draws the columns, the sweep and the pairs of a small scene: `cargo run --release -p race --example columns`.
 //!
 //! Above: the columns seen from the side, shaded by how many bodies they list, and the pairs. Below: the busiest column,
 //! its boxes in sorted order, each from start to end; pairs are joined by lines.
 
 use clap::Parser;
-use lin_canny::broad::{BodyId, BodyOptions, Pencil, PencilSweep, StoredBox};
+use lin_canny::broad::{BodyId, BodyOptions, ColumnBounds, StoredBox, SweepAndPrune};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -17,7 +17,7 @@ const SCALE: f32 = 9.0;
 #[derive(Parser)]
 struct Options {
     /// Where to draw
-    #[arg(long, value_name = "FILE.svg", default_value = "target/pencils.svg", value_parser = file("svg"))]
+    #[arg(long, value_name = "FILE.svg", default_value = "target/columns.svg", value_parser = file("svg"))]
     out: PathBuf,
 }
 
@@ -27,7 +27,7 @@ fn main() -> ExitCode {
 
 fn run(out: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = Scene::new(Kind::Floor, 1200);
-    let mut broad = PencilSweep::new();
+    let mut broad = SweepAndPrune::new();
     let ids = scene
         .boxes
         .iter()
@@ -44,14 +44,14 @@ fn run(out: &Path) -> Result<(), Box<dyn std::error::Error>> {
     println!(
         "{} bodies in {} columns, {} pairs: {}",
         ids.len(),
-        broad.pencils().count(),
+        broad.columns().count(),
         broad.pair_count(),
         out.display()
     );
     Ok(())
 }
 
-fn picture(broad: &PencilSweep) -> String {
+fn picture(broad: &SweepAndPrune) -> String {
     let view = View::new(broad);
     let mut svg = String::new();
     view.columns(&mut svg);
@@ -76,8 +76,8 @@ fn picture(broad: &PencilSweep) -> String {
 
 /// A broad phase from the side: the swept axis to the right, the first of the others upward.
 struct View<'a> {
-    broad: &'a PencilSweep,
-    pencils: Vec<Pencil>,
+    broad: &'a SweepAndPrune,
+    columns: Vec<ColumnBounds>,
     boxes: Vec<(BodyId, StoredBox)>,
     axis: usize,
     up: usize,
@@ -87,11 +87,11 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(broad: &'a PencilSweep) -> Self {
-        let pencils: Vec<Pencil> = broad.pencils().collect();
+    fn new(broad: &'a SweepAndPrune) -> Self {
+        let columns: Vec<ColumnBounds> = broad.columns().collect();
         let stored = broad.bodies().filter_map(|id| Some((id, broad.stored_box(id)?)));
         let boxes: Vec<(BodyId, StoredBox)> = stored.collect();
-        let axis = pencils.first().map_or(0, |p| p.swept_axis);
+        let axis = columns.first().map_or(0, |p| p.swept_axis);
         let up = (axis + 1) % 3;
         let span = |k: usize| {
             let least = boxes.iter().map(|(_, b)| b.lo[k]).fold(f32::MAX, f32::min);
@@ -104,7 +104,7 @@ impl<'a> View<'a> {
             up,
             across: span(axis),
             height: span(up),
-            pencils,
+            columns,
             boxes,
         }
     }
@@ -126,8 +126,8 @@ impl<'a> View<'a> {
     }
 
     fn columns(&self, svg: &mut String) {
-        let busiest = self.pencils.iter().map(|p| p.listed).max().unwrap_or(1) as f32;
-        for p in &self.pencils {
+        let busiest = self.columns.iter().map(|p| p.listed).max().unwrap_or(1) as f32;
+        for p in &self.columns {
             let (top, bottom) = (p.hi[0].min(self.height[1]), p.lo[0].max(self.height[0]));
             let shade = 250.0 - 60.0 * p.listed as f32 / busiest;
             let (height, width) = ((top - bottom).max(0.0) * SCALE, self.wide());
@@ -182,7 +182,7 @@ impl<'a> View<'a> {
 
     /// The busiest column: its boxes as intervals in sorted order, with a bar for each entry a window looks at. Where it ends.
     fn sweep(&self, top: f32, svg: &mut String) -> f32 {
-        let Some(p) = self.pencils.iter().max_by_key(|p| p.listed) else {
+        let Some(p) = self.columns.iter().max_by_key(|p| p.listed) else {
             return top;
         };
         let across = [self.up, (self.axis + 2) % 3];

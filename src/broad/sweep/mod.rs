@@ -1,4 +1,4 @@
-//! Sweep and prune over pencils: the world is cut into columns along the swept axis, each with a
+//! Sweep and prune over columns: the world is cut into columns along the swept axis, each with a
 //! sorted list. Holds the step, the queries about the boxes of the last step, and the check of the
 //! columns.
 
@@ -15,12 +15,12 @@ use crate::broad::body::{Bodies, JUMPS, Record, UNBOUNDED};
 use crate::broad::change::note_unbounded;
 use crate::broad::grid::Grid;
 use crate::broad::parallel::{Threads, join};
-use crate::broad::pencil::column::{Column, entry, index_of, who};
-use crate::broad::pencil::repair::Touch;
-use crate::broad::pencil::scan::Worker;
-use crate::broad::pencil::tune::{StepCounts, Tuning};
 use crate::broad::simd_box::Bounds;
 use crate::broad::state::{BroadPhaseState, nearest};
+use crate::broad::sweep::column::{Column, entry, index_of, who};
+use crate::broad::sweep::repair::Touch;
+use crate::broad::sweep::scan::Worker;
+use crate::broad::sweep::tune::{StepCounts, Tuning};
 use crate::broad::{
     Aabb, BatchError, BodyId, BodyOptions, BroadPhaseError, Events, Groups, Nearest, Pair, PairId, Settings,
 };
@@ -32,11 +32,11 @@ use alloc::vec::Vec;
 /// sweep and of repairs meet near 9 % of the bodies.
 const WORLD_SHARE: usize = 10;
 
-/// Sweep and prune over pencils, the recommended broad phase: the world is cut into columns along
+/// Sweep and prune over columns, the recommended broad phase: the world is cut into columns along
 /// the swept axis, each with a sorted list.
 ///
 /// ```text
-///    v ^   +------+------+------+        a column (pencil) seen end on, along the swept axis
+///    v ^   +------+------+------+        a column (column) seen end on, along the swept axis
 ///      |   |    +-|--+   |      |        a box is listed in every column it touches
 ///      |   |    | |  |   |      |        a pair belongs to the column that holds the lower corner
 ///      |   +----|-+--|---+------+        of its intersection, so that it is found exactly once
@@ -67,7 +67,7 @@ const WORLD_SHARE: usize = 10;
 #[doc(alias = "bvh")]
 #[doc(alias = "sweep and prune")]
 #[derive(Clone, Debug)]
-pub struct PencilSweep {
+pub struct SweepAndPrune {
     pub(super) state: BroadPhaseState,
     columns: Vec<Column>,
     workers: Vec<Worker>,
@@ -82,7 +82,7 @@ pub struct PencilSweep {
     pub(super) parallel_from: usize,
 }
 
-impl PencilSweep {
+impl SweepAndPrune {
     /// Returns an empty broad phase about the origin.
     #[must_use]
     pub fn new() -> Self {
@@ -303,14 +303,14 @@ fn repair_columns(workers: &mut [Worker], columns: &mut [Column], first: usize, 
     worker.changes.sort();
 }
 
-impl Default for PencilSweep {
+impl Default for SweepAndPrune {
     fn default() -> Self {
         Self::new()
     }
 }
 
 /// The calls of a step, and queries about the last step.
-impl PencilSweep {
+impl SweepAndPrune {
     /// Applies all calls since the last step and returns the pairs that began and ended. `filter`
     /// is called once for each pair whose boxes begin to overlap and whose groups match; a pair
     /// refused by the filter is tried again only after the boxes parted or after
@@ -572,10 +572,10 @@ fn overlapping(
     }
 }
 
-impl PencilSweep {
+impl SweepAndPrune {
     /// Iterates over the columns that hold a body, for pictures and statistics: lower corner and
     /// upper corner on the two axes that are not swept, and the number of listed bodies.
-    pub fn pencils(&self) -> impl Iterator<Item = Pencil> + '_ {
+    pub fn columns(&self) -> impl Iterator<Item = ColumnBounds> + '_ {
         let grid = &self.state.bodies.grid;
         let held = self
             .columns
@@ -585,7 +585,7 @@ impl PencilSweep {
         held.map(move |(i, column)| {
             let cell = grid.column(i);
             let lo = core::array::from_fn(|k| grid.corner()[k] + f32::from(cell[k]) * grid.width);
-            Pencil {
+            ColumnBounds {
                 swept_axis: grid.axis,
                 lo,
                 hi: lo.each(|v| v + grid.width),
@@ -595,11 +595,11 @@ impl PencilSweep {
     }
 }
 
-/// A column of [`PencilSweep`]. Columns at the border of the grid also hold all bodies beyond the
+/// A column of [`SweepAndPrune`]. Columns at the border of the grid also hold all bodies beyond the
 /// border.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Pencil {
+pub struct ColumnBounds {
     /// The axis of the column: 0, 1, 2 for x, y, z. The two remaining axes follow in cyclic order.
     pub swept_axis: usize,
     /// Lower corner on the two remaining axes, relative to the origin of the structure.
@@ -610,7 +610,7 @@ pub struct Pencil {
     pub listed: usize,
 }
 
-impl PencilSweep {
+impl SweepAndPrune {
     /// Returns the first contradiction between columns and bodies. Between steps only.
     fn check_columns(&self) -> Result<(), String> {
         let bodies = &self.state.bodies;
