@@ -108,7 +108,7 @@ fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exac
             let off = (now * x - at).norm();
             // The comparison itself rounds.
             let slack = if exact {
-                4e-15 * (1.0 + model.coords.norm())
+                4e-15 * (1.0 + at.coords.norm())
             } else {
                 0.0
             };
