@@ -58,7 +58,7 @@ fn ours(group: &mut Group, s: &Scene, n: usize) {
         });
     });
     let (mut k, mut pair, mut manifold) = (0, Tracker::new(), Manifold::new());
-    let options = ManifoldOptions::within(PREDICTION);
+    let options = ManifoldOptions::with_prediction(PREDICTION);
     group.bench_function(BenchmarkId::new("ours-manifold", n), |bench| {
         bench.iter(|| {
             k = (k + 1) % FRAMES;

@@ -15,7 +15,7 @@ const SETS: [(&str, PairQueries); 7] = [
     ("distance", NONE.distance(0.02)),
     ("features", NONE.distance(0.02).features(true)),
     ("depth", NONE.distance(0.02).features(true).depth(true)),
-    ("manifold", NONE.manifold(ManifoldOptions::within(0.02))),
+    ("manifold", NONE.manifold(ManifoldOptions::with_prediction(0.02))),
 ];
 
 /// A crowd in a scene, some steps after its beginning.

@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             frames += u32::from(pair.intersects(&wall, &rod, &RelativePose::new(&rest.pose(t), &flight.pose(t))?));
         }
         let found = cast(
-            &mut pair.over(&wall, &rod),
+            &mut pair.pair(&wall, &rod),
             &rest,
             &flight,
             (0.0, 2.0 / 60.0),

@@ -30,8 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             "at {position:.2}: {:?}, distance {:.4} in [{:.4}, {:.4}]",
             found.state, found.distance, found.lower, found.upper
         );
-        println!(", on triangle {}", found.on[0].part);
-        for group in pair.contacts(&bracket, &block, &pose, &ManifoldOptions::within(1e-3))? {
+        println!(", on triangle {}", found.locations[0].subshape);
+        for group in pair.contacts(&bracket, &block, &pose, &ManifoldOptions::with_prediction(1e-3))? {
             let n = group.normal;
             let deepest = group
                 .contacts

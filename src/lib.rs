@@ -58,7 +58,7 @@
 //! | Which points hold two bodies apart? | [`Tracker::manifold`] | [`Manifold`]: contact points with names that last over frames |
 //! | What does a motion do to the distance? | [`Outcome::gradient_a`], [`gradient_b`](Outcome::gradient_b) | [`Gradient`]: derivative of the signed distance by either pose |
 //! | When do they meet? | [`impact::cast`], [`cast_within`](impact::cast_within) | a proven bracket, or a proven miss |
-//! | When do triangles whose vertices move on straight paths meet, when meshes that bend, or one and itself? | [`continuous::triangles`], [`vertex_face`](continuous::vertex_face), [`edge_edge`](continuous::edge_edge), [`meshes`](continuous::meshes), [`self_contact`](continuous::self_contact) | a proven bracket, or a proven miss; touching is decided |
+//! | When do triangles whose vertices move on straight paths meet, when meshes that bend, or one and itself? | [`continuous::cast_triangles`], [`vertex_face`](continuous::cast_vertex_face), [`edge_edge`](continuous::cast_edge_edge), [`meshes`](continuous::cast_meshes), [`self_contact`](continuous::cast_self) | a proven bracket, or a proven miss; touching is decided |
 //! | How far is a mesh from itself, which of its triangles are near each other? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
 //! | Where does a ray enter a body? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a proven bracket, point, normal, feature |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
@@ -155,8 +155,8 @@
 //! ## Poses from `f32`, files and integration
 //!
 //! [`RelativePose::new`] refuses a rotation whose squared norm differs from 1 by more than 1e-12.
-//! [`RelativePose::normalized`] normalises both rotations first, and [`normalize`] does so for the
-//! poses of a scene.
+//! [`RelativePose::new_normalized`] normalises both rotations first, and [`normalize_rotation`] does so for
+//! the poses of a scene.
 //!
 //! ## Another version of nalgebra
 //!
@@ -313,7 +313,7 @@ mod time;
 
 pub use base::motion::Velocity;
 pub use base::notice::Progress;
-pub use base::pose::{Operand, PoseError, RelativePose, normalize};
+pub use base::pose::{Operand, PoseError, RelativePose, normalize_rotation};
 pub use base::{cost, motion, tolerance};
 pub use body::polyhedron::{
     BoxHint, BuildError, BuildReport, ConvexPolyhedron, EdgeId, FaceId, Feature, FeaturePair, VertexId,
@@ -340,13 +340,13 @@ pub use nonconvex::mesh::{HullFit, Mesh, MeshError, MeshInspection, MeshKind, Me
 pub use nonconvex::penetration::PenetrationBounds;
 #[cfg(feature = "meshes")]
 pub use nonconvex::pieces::{Compound, CompoundError, Piece};
+pub use pair::location::{PairOutcome, WitnessLocation};
+pub use pair::options::QueryOptions;
 pub use pair::outcome::WorldWitnesses;
-pub use pair::outcome::{Accuracy, ContactState, Decision, Distance, Outcome, Proposal, Solver, Until, Work};
-pub use pair::question::Question;
-pub use pair::spot::{PairOutcome, Spot};
+pub use pair::outcome::{Accuracy, ContactState, Decision, DepthMode, Distance, Outcome, Proposal, Solver, Work};
 pub use pair_tracker::geometry::{Geometry, GeometryKind, GeometryRef};
 pub use pair_tracker::ray::{Ray, RayCast, RayCaster, RayError, RayHit};
-pub use pair_tracker::{OverTime, PairError, PairTracker, PairWork};
+pub use pair_tracker::{MovingPair, PairError, PairTracker, PairWork};
 pub use time::{impact, schedule, separation};
 
 /// Runs the README as a test.

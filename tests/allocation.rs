@@ -74,7 +74,7 @@ fn queries_below_the_exact_rung_allocate_nothing() {
             });
             let lean = lean.min().unwrap();
             // A manifold takes no more than the answer it is made from, and again at the same pose nothing.
-            let options = ManifoldOptions::within(0.1);
+            let options = ManifoldOptions::with_prediction(0.1);
             let [mut answered, mut made, mut kept] = [usize::MAX; 3];
             let mut manifolds = [(); 3].map(|()| Manifold::new());
             for m in &mut manifolds {

@@ -84,8 +84,8 @@ fn convexity(mesh: &truth::meshes::Mesh, body: &ConvexPolyhedron) -> Result<Stri
         return Ok(format!("the mesh is not a solid ({report}); the hull is used"));
     }
     let fit = surface.hull_fit(body);
-    Ok(match fit.air() {
-        Some(air) if air <= CONVEX_TO => "the mesh is convex".into(),
+    Ok(match fit.void_fraction() {
+        Some(void_fraction) if void_fraction <= CONVEX_TO => "the mesh is convex".into(),
         _ => format!("the mesh is not convex: {fit}; the hull is used"),
     })
 }

@@ -25,11 +25,11 @@ pub enum PoseError {
         value: f64,
     },
     /// The rotation is not a unit quaternion: `| |q|^2 - 1 |` must not exceed 1e-12.
-    /// [`RelativePose::normalized`] accepts rotations from `f32`, from files and from many
+    /// [`RelativePose::new_normalized`] accepts rotations from `f32`, from files and from many
     /// products.
     #[error(
         "rotation of {body} is not a unit quaternion: its squared norm is {norm_squared} (`normalize` the pose, or use \
-         `RelativePose::normalized`)"
+         `RelativePose::new_normalized`)"
     )]
     Rotation {
         /// Body with the refused pose.
@@ -81,8 +81,8 @@ impl core::fmt::Display for Operand {
 /// outcome.
 ///
 /// A rotation must be a unit quaternion in `f64`. A rotation from `f32`, from a file or from many
-/// products is farther off than [`new`](Self::new) accepts; [`normalized`](Self::normalized)
-/// divides by the norm first:
+/// products is farther off than [`new`](Self::new) accepts;
+/// [`new_normalized`](Self::new_normalized) divides by the norm first:
 ///
 /// ```
 /// use lin_canny::nalgebra::{Isometry3, Vector3};
@@ -93,7 +93,7 @@ impl core::fmt::Display for Operand {
 /// let pose: Isometry3<f64> = pose.cast();
 /// let refused = RelativePose::from_isometry(&pose);
 /// assert!(matches!(refused, Err(PoseError::Rotation { .. })));
-/// let a_from_b = RelativePose::normalized(&Isometry3::identity(), &pose)?;
+/// let a_from_b = RelativePose::new_normalized(&Isometry3::identity(), &pose)?;
 /// # Ok::<(), PoseError>(())
 /// ```
 ///
@@ -184,7 +184,7 @@ pub(crate) fn is_unit(pose: &Isometry3<f64>) -> bool {
 /// Returns the pose with its quaternion divided by the norm, as [`RelativePose::new`] and a scene
 /// require. A quaternion that is zero or not finite is returned unchanged, and refused there.
 #[must_use]
-pub fn normalize(pose: &Isometry3<f64>) -> Isometry3<f64> {
+pub fn normalize_rotation(pose: &Isometry3<f64>) -> Isometry3<f64> {
     let q = pose.rotation.coords;
     let largest = q.amax();
     if !(largest > 0.0 && largest < f64::INFINITY) {
@@ -237,13 +237,13 @@ impl RelativePose {
     }
 
     /// Returns the relative pose of two poses whose rotations are normalised first, see
-    /// [`normalize`]. Bounds then hold for the normalised poses.
+    /// [`normalize_rotation`]. Bounds then hold for the normalised poses.
     ///
     /// # Errors
     /// A translation that is not finite or out of range, or a quaternion that is zero or not
     /// finite.
-    pub fn normalized(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
-        Self::new(&normalize(pose_a), &normalize(pose_b))
+    pub fn new_normalized(pose_a: &Isometry3<f64>, pose_b: &Isometry3<f64>) -> Result<Self, PoseError> {
+        Self::new(&normalize_rotation(pose_a), &normalize_rotation(pose_b))
     }
 
     /// Returns the relative pose with A and B exchanged.

@@ -36,8 +36,8 @@ use crate::nonconvex::mesh::hull::{RESOLUTION, greatest};
 use crate::nonconvex::mesh::{Mesh, MeshError};
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::pieces::{Compound, Piece};
+use crate::pair::location::PairOutcome;
 use crate::pair::outcome::{ContactState, Distance};
-use crate::pair::spot::PairOutcome;
 
 /// How far convex pieces and a mesh are apart, in the caller's unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -245,7 +245,7 @@ struct InnerPlanes {
 pub(super) fn hulls(pieces: &Compound) -> Result<Vec<PieceHull<'_>>, MeshError> {
     let mut hulls = Vec::with_capacity(pieces.pieces().len());
     for (piece, Piece { shape, pose, .. }) in pieces.pieces().iter().enumerate() {
-        let (Core::Polyhedron(body), 0.0) = (shape.core(), shape.round()) else {
+        let (Core::Polyhedron(body), 0.0) = (shape.core(), shape.rounding_radius()) else {
             return Err(MeshError::Curved { piece });
         };
         let (centre, radius) = body.bounding_ball();

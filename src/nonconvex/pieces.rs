@@ -33,8 +33,8 @@ use crate::nonconvex::mesh::{Mesh, MeshError, MeshKind};
 use crate::nonconvex::parts::Placed;
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::tree::Tree;
+use crate::pair::location::{PairOutcome, WitnessLocation};
 use crate::pair::outcome::{ContactState, Outcome};
-use crate::pair::spot::{PairOutcome, Spot};
 
 /// A convex piece of a [`Compound`]: a shape of any kind, its pose in the body's frame, and a
 /// name.
@@ -224,7 +224,7 @@ impl Compound {
     pub fn to_mesh(&self) -> Result<Mesh, MeshError> {
         let (mut points, mut triangles, mut ends) = (Vec::new(), Vec::new(), Vec::new());
         for (k, piece) in self.pieces.iter().enumerate() {
-            let (Core::Polyhedron(shape), 0.0) = (piece.shape.core(), piece.shape.round()) else {
+            let (Core::Polyhedron(shape), 0.0) = (piece.shape.core(), piece.shape.rounding_radius()) else {
                 return Err(MeshError::Curved { piece: k });
             };
             if shape.face_count() == 0 {
@@ -438,7 +438,7 @@ fn probe(piece: &Piece) -> [Vector3<f64>; 2] {
 /// Adds points in whose hull a shape lies: the vertices of a polyhedron, the corners of a box of
 /// any other shape.
 fn extend_by_hull(points: &mut Vec<Vector3<f64>>, shape: &Shape) {
-    match (shape.core(), shape.round()) {
+    match (shape.core(), shape.rounding_radius()) {
         (Core::Polyhedron(body), 0.0) => points.extend(body.vertex_points().map(|p| p.coords)),
         _ => {
             let (low, high) = shape.aabb_at(&Isometry3::identity(), &mut BoxHint::default());
@@ -523,8 +523,8 @@ impl CompoundTracker {
     }
 
     /// Returns the bytes of the front on the heap.
-    pub(crate) fn heap_bytes(&self) -> usize {
-        self.state.kept.heap_bytes()
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.state.kept.memory_usage()
     }
 
     /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`:
@@ -593,7 +593,10 @@ impl CompoundTracker {
 
 fn answered<A: Parted, B: Parted>(a: &A, b: &B, found: &TreeAnswer<FeaturePair>) -> PairOutcome {
     let ([i, j], features) = found.of.unwrap_or(([0, 0], FeaturePair::FIRST));
-    found.on([Spot::new(a.number(i), features.a), Spot::new(b.number(j), features.b)])
+    found.on([
+        WitnessLocation::new(a.number(i), features.a),
+        WitnessLocation::new(b.number(j), features.b),
+    ])
 }
 
 /// Two parts that came near.

@@ -43,9 +43,9 @@ use crate::nonconvex::mesh::tracker::MeshTracker;
 use crate::nonconvex::parts::{Parted, PartsRef};
 use crate::nonconvex::pieces::CompoundTracker;
 use crate::nonconvex::tree::height;
+use crate::pair::location::PairOutcome;
+use crate::pair::options::QueryOptions;
 use crate::pair::outcome::Decision;
-use crate::pair::question::Question;
-use crate::pair::spot::PairOutcome;
 use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation};
 
 /// Two compounds, or a compound and a mesh, that can be measured over time.
@@ -66,24 +66,24 @@ pub(crate) struct MeshPair<'a> {
 
 impl CompoundPair<'_> {
     /// Returns the closest points.
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> PairOutcome {
+    pub(crate) fn closest_with(&mut self, a_from_b: &RelativePose, _: &QueryOptions) -> PairOutcome {
         self.tracker.closest(&self.a, &self.b, a_from_b).without_depth()
     }
 
     /// Returns whether the bodies are at most `d` apart.
-    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+    pub(crate) fn decide_within(&mut self, a_from_b: &RelativePose, d: f64, _: &QueryOptions) -> Decision {
         Decision::of(self.tracker.within(&self.a, &self.b, a_from_b, d))
     }
 }
 
 impl MeshPair<'_> {
     /// Returns the closest points.
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, _: &Question) -> PairOutcome {
+    pub(crate) fn closest_with(&mut self, a_from_b: &RelativePose, _: &QueryOptions) -> PairOutcome {
         self.tracker.closest(self.a, self.b, a_from_b).without_depth()
     }
 
     /// Returns whether the meshes are at most `d` apart.
-    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+    pub(crate) fn decide_within(&mut self, a_from_b: &RelativePose, d: f64, _: &QueryOptions) -> Decision {
         Decision::of(self.tracker.within(self.a, self.b, a_from_b, d))
     }
 }

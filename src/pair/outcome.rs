@@ -61,12 +61,12 @@ pub enum Accuracy {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Ask {
     pub(crate) accuracy: Accuracy,
-    pub(crate) until: Until,
+    pub(crate) until: DepthMode,
 }
 
 impl Ask {
     /// Returns a request for proven bounds, with or without the depth of an overlap.
-    pub(crate) const fn certified(until: Until) -> Self {
+    pub(crate) const fn certified(until: DepthMode) -> Self {
         Self {
             accuracy: Accuracy::Certified,
             until,
@@ -74,38 +74,37 @@ impl Ask {
     }
 }
 
-/// The point at which a query of two convex geometries that overlap may stop.
+/// Which penetration depth a query of two convex geometries that overlap returns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub enum Until {
-    /// An overlap is proven; the penetration depth stays open.
-    ContactState,
+pub enum DepthMode {
+    /// No depth: the query proves the overlap alone.
+    None,
     /// The penetration depth of an overlap of two polyhedra, rounded or not, is bounded from above,
     /// by the height of a facet that is nearest in its neighbourhood, at about three times the
     /// price of a walk
     /// ([`Tracker::closest_with_local_depth`](crate::Tracker::closest_with_local_depth)). Other
     /// shapes get the depth.
-    LocalDepth,
-    /// The penetration depth of an overlap is bounded as well.
+    Local,
+    /// The penetration depth is bounded from both sides.
     #[default]
-    Depth,
+    Full,
 }
 
-impl Until {
-    /// Returns where a query may stop: whether the depth of an overlap is called for at all, and
-    /// whether a local depth is enough.
+impl DepthMode {
+    /// Returns the mode that serves two requests: for a depth at all, and for a local one.
     pub(crate) fn of_depth(depth: bool, local: bool) -> Self {
         match (depth, local) {
-            (false, _) => Self::ContactState,
-            (true, true) => Self::LocalDepth,
-            (true, false) => Self::Depth,
+            (false, _) => Self::None,
+            (true, true) => Self::Local,
+            (true, false) => Self::Full,
         }
     }
 
     /// Returns whether overlaps get a depth.
     #[inline(always)]
     pub(crate) fn has_depth(self) -> bool {
-        self != Self::ContactState
+        self != Self::None
     }
 }
 
@@ -404,7 +403,7 @@ impl Decision {
 
     /// Returns the answer, `None` if undecided.
     #[must_use]
-    pub fn known(self) -> Option<bool> {
+    pub fn as_bool(self) -> Option<bool> {
         match self {
             Self::Yes => Some(true),
             Self::No => Some(false),

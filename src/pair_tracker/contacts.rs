@@ -61,8 +61,8 @@ impl PatchwiseContacts {
 /// Returns the patches of a body; `None` for a surface, which bears no contacts.
 pub(crate) fn patches_of(own: GeometryRef) -> Option<ConvexPatches> {
     match own.0 {
-        Lent::Mesh(mesh) => Some(ConvexPatches::of_mesh(mesh.to_arc())),
-        Lent::Compound(body) => Some(ConvexPatches::of_pieces(body.to_arc())),
+        Lent::Mesh(mesh) => Some(ConvexPatches::from_mesh(mesh.to_arc())),
+        Lent::Compound(body) => Some(ConvexPatches::from_compound(body.to_arc())),
         Lent::Polyhedron(_) | Lent::Convex(_) => own.to_shape().map(|s| ConvexPatches::from((*s).clone())),
         #[cfg(feature = "surfaces")]
         Lent::BezierSurface(_) => None,
@@ -121,7 +121,7 @@ impl PairTracker {
     /// let at = Isometry3::translation(0.1, 0.0, 1.49);
     /// let at = RelativePose::from_isometry(&at)?;
     /// let mut tracker = PairTracker::new();
-    /// let options = ManifoldOptions::within(0.02);
+    /// let options = ManifoldOptions::with_prediction(0.02);
     /// let found = tracker.contacts(&floor, &die, &at, &options)?;
     /// assert_eq!((found.len(), found[0].contacts.len()), (1, 4));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -161,7 +161,7 @@ impl PairTracker {
     /// [`contacts`](Self::contacts) does: for bodies of many pairs, which share their patches, and
     /// for patches with a tolerance of their own.
     ///
-    /// `options.sine` and `options.drift` are those of the manifold of two patches. Contacts are
+    /// `options.max_face_sine` and `options.rebuild_motion` are those of the manifold of two patches. Contacts are
     /// those of shallow overlap: a body that is wholly behind a face, or whose deepest point has
     /// left the mesh on another side, has no contact with that face. If solids overlap whose hulls
     /// of patches bear no contact at all, they have one along a translation that parts them, that
@@ -176,13 +176,13 @@ impl PairTracker {
     ///
     /// let half = Vector3::new(5.0, 5.0, 1.0);
     /// let floor = Mesh::from_convex(&solids::cuboid(half)?)?;
-    /// let floor = ConvexPatches::of_mesh(floor);
+    /// let floor = ConvexPatches::from_mesh(floor);
     /// let die = Shape::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
     /// let die = ConvexPatches::from(die);
     /// let at = Isometry3::translation(0.1, 0.0, 1.49);
     /// let at = RelativePose::from_isometry(&at)?;
     /// let mut tracker = PairTracker::new();
-    /// let options = ManifoldOptions::within(0.02);
+    /// let options = ManifoldOptions::with_prediction(0.02);
     /// let found = tracker.contacts_between(&floor, &die, &at, &options);
     /// assert_eq!((found.len(), found[0].contacts.len()), (1, 4));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -233,7 +233,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> Option<PenetrationBounds> {
-        self.pair([a.into(), b.into()]).penetration(a_from_b)
+        self.lend([a.into(), b.into()]).penetration(a_from_b)
     }
 }
 

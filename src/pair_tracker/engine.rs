@@ -35,9 +35,9 @@ use crate::body::shape::Shape;
 use crate::convex::replay::Replay;
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::convex::tracker::{Tracker, TrackerWork};
+use crate::pair::location::PairOutcome;
+use crate::pair::options::QueryOptions;
 use crate::pair::outcome::Decision;
-use crate::pair::question::Question;
-use crate::pair::spot::PairOutcome;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::separation::{PolyhedronPair, ShapePair};
 
@@ -135,25 +135,25 @@ impl Engine {
 
     /// Returns the closest points.
     #[inline]
-    pub(super) fn ask(
+    pub(super) fn closest_with(
         &mut self,
         bodies: [GeometryRef<'_>; 2],
         pose: &RelativePose,
-        question: &Question,
+        question: &QueryOptions,
     ) -> PairOutcome {
-        at_once!(self, bodies, pair => pair.ask(pose, question))
+        at_once!(self, bodies, pair => pair.closest_with(pose, question))
     }
 
     /// Returns whether the geometries are at most `d` apart.
     #[inline]
-    pub(super) fn ask_within(
+    pub(super) fn decide_within(
         &mut self,
         bodies: [GeometryRef<'_>; 2],
         pose: &RelativePose,
         d: f64,
-        question: &Question,
+        question: &QueryOptions,
     ) -> Decision {
-        at_once!(self, bodies, pair => pair.ask_within(pose, d, question))
+        at_once!(self, bodies, pair => pair.decide_within(pose, d, question))
     }
 
     /// Lends the tracker to the two geometries for which the engine was made. Others are known by
@@ -189,8 +189,8 @@ impl Engine {
     }
 
     /// Returns the bytes on the heap, without those of stand-ins.
-    pub(crate) fn heap_bytes(&self) -> usize {
-        self.report().heap_bytes
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.report().memory_usage
     }
 
     /// Returns the part of the engine that is written, with the parts of the last answer.
@@ -206,15 +206,15 @@ pub(super) struct EngineReport {
     /// Entries of the front; convex pairs have none.
     pub(super) front_len: usize,
     /// Bytes on the heap, without those of stand-ins.
-    pub(super) heap_bytes: usize,
+    pub(super) memory_usage: usize,
 }
 
 impl EngineReport {
-    fn of_convex(work: TrackerWork, heap_bytes: usize) -> Self {
+    fn of_convex(work: TrackerWork, memory_usage: usize) -> Self {
         Self {
             work: PairWork::of_convex(work),
             front_len: 0,
-            heap_bytes,
+            memory_usage,
         }
     }
 }
@@ -265,7 +265,7 @@ impl WithStandIns<Tracker, ConvexPolyhedron> {
     }
 
     fn report(&self) -> EngineReport {
-        EngineReport::of_convex(self.tracker.work(), self.tracker.heap_bytes())
+        EngineReport::of_convex(self.tracker.work(), self.tracker.memory_usage())
     }
 
     #[cfg(feature = "serde")]

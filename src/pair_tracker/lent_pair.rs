@@ -15,9 +15,9 @@ use crate::convex::tracker::Tracker;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::separation::{CompoundPair, MeshPair};
 use crate::pair::draft::far;
+use crate::pair::location::PairOutcome;
+use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{Accuracy, ContactState, Decision, Outcome};
-use crate::pair::question::Question;
-use crate::pair::spot::PairOutcome;
 use crate::pair_tracker::geometry::GeometryRef;
 #[cfg(feature = "surfaces")]
 use crate::surface::{SurfaceCompoundTracker, SurfacePair, SurfaceShapeTracker, SurfaceSolidPair};
@@ -69,14 +69,14 @@ macro_rules! each {
 impl<'p> LentPair<'p> {
     /// Returns the closest points with bounds of the signed distance.
     #[inline]
-    pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> PairOutcome {
-        each!(self, pair => pair.ask(pose, question))
+    pub(crate) fn closest_with(&mut self, pose: &RelativePose, question: &QueryOptions) -> PairOutcome {
+        each!(self, pair => pair.closest_with(pose, question))
     }
 
     /// Returns whether the geometries are at most `d` apart.
     #[inline]
-    pub(crate) fn ask_within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        each!(self, pair => pair.ask_within(pose, d, question))
+    pub(crate) fn decide_within(&mut self, pose: &RelativePose, d: f64, question: &QueryOptions) -> Decision {
+        each!(self, pair => pair.decide_within(pose, d, question))
     }
 
     /// Returns whether the geometries are at most `d` apart, from the outcome of the last question;
@@ -90,7 +90,7 @@ impl<'p> LentPair<'p> {
             let (a, b, tracker) = pair.sides();
             tracker.decides_within(a, b, pose, outcome, d)
         } else {
-            !self.ask_within(pose, d, &Question::new()).is_no()
+            !self.decide_within(pose, d, &QueryOptions::new()).is_no()
         }
     }
 
@@ -101,7 +101,7 @@ impl<'p> LentPair<'p> {
             Self::Pieces(pair) => pair.tracker.lower_bound(&pair.a, &pair.b, pose),
             #[cfg(feature = "meshes")]
             Self::Meshes(pair) => pair.tracker.lower_bound(pair.a, pair.b, pose),
-            _ => self.ask(pose, &Question::new()).lower.at_least(0.0),
+            _ => self.closest_with(pose, &QueryOptions::new()).lower.at_least(0.0),
         }
     }
 
@@ -152,8 +152,8 @@ impl<'p> LentPair<'p> {
     }
 
     /// Returns the pair for questions over time.
-    pub(crate) fn over_time(self) -> OverTime<'p> {
-        OverTime(match self {
+    pub(crate) fn over_time(self) -> MovingPair<'p> {
+        MovingPair(match self {
             Self::Shapes(pair) => Self::Shapes(pair.with_balls()),
             _ => self,
         })
@@ -163,9 +163,9 @@ impl<'p> LentPair<'p> {
 /// Two geometries that can be measured over time, followed by a borrowed tracker: what
 /// [`impact`](crate::impact) asks.
 #[derive(Debug)]
-pub struct OverTime<'p>(LentPair<'p>);
+pub struct MovingPair<'p>(LentPair<'p>);
 
-impl Separation for OverTime<'_> {
+impl Separation for MovingPair<'_> {
     #[inline]
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
         each!(&self.0, pair => pair.ball(of))
@@ -200,15 +200,15 @@ impl Tracker {
     /// let a = solids::cuboid(Vector3::new(1.0, 1.0, 1.0))?;
     /// let b = solids::octahedron(0.5)?;
     /// let mut tracker = Tracker::new();
-    /// let mut pair = tracker.over(&a, &b);
+    /// let mut pair = tracker.pair(&a, &b);
     /// let pose = Isometry3::translation(3.0, 0.0, 0.0);
     /// let seen = pair.measure(&RelativePose::from_isometry(&pose)?);
     /// assert!(seen.lower <= 1.5 && 1.5 <= seen.upper);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn over<'p>(&'p mut self, a: &'p ConvexPolyhedron, b: &'p ConvexPolyhedron) -> OverTime<'p> {
-        OverTime(LentPair::Polyhedra(PolyhedronPair::new(a, b, self)))
+    pub fn pair<'p>(&'p mut self, a: &'p ConvexPolyhedron, b: &'p ConvexPolyhedron) -> MovingPair<'p> {
+        MovingPair(LentPair::Polyhedra(PolyhedronPair::new(a, b, self)))
     }
 }
 
@@ -225,11 +225,11 @@ impl BallPair {
         }
     }
 
-    fn ask(&self, pose: &RelativePose, _: &Question) -> PairOutcome {
+    fn closest_with(&self, pose: &RelativePose, _: &QueryOptions) -> PairOutcome {
         let reach = self.balls.each(|(centre, radius)| centre.coords.norm() + radius);
         let (lower, upper, normal) = far(reach, pose);
         PairOutcome {
-            is_reached: false,
+            is_converged: false,
             ..PairOutcome::of_convex(Outcome {
                 state: if lower > 0.0 {
                     ContactState::Separated
@@ -247,8 +247,8 @@ impl BallPair {
         }
     }
 
-    fn ask_within(&self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
-        let found = self.ask(pose, question);
+    fn decide_within(&self, pose: &RelativePose, d: f64, question: &QueryOptions) -> Decision {
+        let found = self.closest_with(pose, question);
         if d >= 0.0 {
             Decision::by(found.lower, found.upper, d)
         } else {
@@ -263,7 +263,7 @@ impl Separation for BallPair {
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
-        Measurement::from(&self.ask(a_from_b, &Question::new()))
+        Measurement::from(&self.closest_with(a_from_b, &QueryOptions::new()))
     }
 
     fn meets(&mut self, _: &RelativePose, _: f64, seen: &Measurement) -> bool {

@@ -14,9 +14,9 @@ use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::mesh::tracker::MeshTracker;
 use crate::nonconvex::parts::PartsRef;
 use crate::nonconvex::separation::CompoundPair;
+use crate::pair::location::PairOutcome;
+use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{Decision, Distance};
-use crate::pair::question::Question;
-use crate::pair::spot::PairOutcome;
 use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
 
 impl PairTracker {
@@ -59,7 +59,7 @@ impl PairTracker {
     /// assert!(folded.state == ContactState::Separated && folded.distance <= 0.125);
     /// // Triangles that lie over each other, by the indices of the caller.
     /// assert!(tracker.self_pairs(&strip, 0.2).iter().all(|pair| {
-    ///     let [p, q] = pair.on.map(|spot| spot.part);
+    ///     let [p, q] = pair.locations.map(|at| at.subshape);
     ///     (p < 10) != (q < 10)
     /// }));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -86,7 +86,7 @@ impl PairTracker {
 
     /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart, in
     /// the caller's unit, each once and in no order: with the closest points, bounds, and the
-    /// triangles by the caller's indices ([`PairOutcome::on`]). Which pairs are returned is exact
+    /// triangles by the caller's indices ([`PairOutcome::locations`]). Which pairs are returned is exact
     /// with the feature `exact`; without it ties count as within. None for a negative `d` and NaN.
     ///
     /// Triangles are left out as told at [`self_closest`](Self::self_closest). If `d` exceeds the
@@ -118,7 +118,7 @@ impl PairTracker {
         let followed = self.follow_by(pair, || of_pieces(bodies));
         match followed.engine.lend(bodies) {
             LentPair::Pieces(CompoundPair { a, b, tracker }) => bounds(&tracker.closest(&a, &b, a_from_b), &b),
-            mut other => Distance::from(&other.ask(a_from_b, &Question::new())),
+            mut other => Distance::from(&other.closest_with(a_from_b, &QueryOptions::new())),
         }
     }
 }

@@ -25,7 +25,7 @@ pub(crate) mod ray;
 #[cfg(feature = "meshes")]
 mod ray_mesh;
 
-pub use lent_pair::OverTime;
+pub use lent_pair::MovingPair;
 pub use tracker::{PairError, PairTracker, PairWork};
 
 #[cfg(feature = "meshes")]

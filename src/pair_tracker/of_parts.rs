@@ -61,7 +61,7 @@ macro_rules! report_front {
             EngineReport {
                 work: PairWork::$work(self.tracker.work()),
                 front_len: self.tracker.front_len(),
-                heap_bytes: size_of::<Self>() + self.tracker.heap_bytes(),
+                memory_usage: size_of::<Self>() + self.tracker.memory_usage(),
             }
         }
 

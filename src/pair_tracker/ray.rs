@@ -152,7 +152,7 @@ pub struct RayHit {
     /// The feature that is hit, for bodies with named features.
     pub feature: Option<Feature>,
     /// The triangle or piece of the feature; zero for bodies of one piece.
-    pub part: u32,
+    pub subshape: u32,
 }
 
 /// Casts rays at geometries; keeps the state of the body that was asked last.
@@ -247,7 +247,7 @@ impl RayCaster {
         {
             return Ok(found);
         }
-        let mut pair = self.tracker.over(body, &self.point);
+        let mut pair = self.tracker.pair(body, &self.point);
         let found = cast(&mut pair, &still, &flight, (from, until), Tolerance::Distance(width))?;
         let found = match found.impact {
             Impact::Miss => RayCast::Miss,
@@ -291,7 +291,7 @@ impl RayCaster {
         let (Some(at), true) = (placed(pose, &ray.origin), is_near) else {
             return found;
         };
-        match (self.tracker.intersects(body, &self.point, &at).known(), found) {
+        match (self.tracker.intersects(body, &self.point, &at).as_bool(), found) {
             (Some(true), _) => RayCast::Inside,
             (Some(false), RayCast::Inside) => RayCast::Undecided { safe: 0.0 },
             _ => found,
@@ -300,7 +300,7 @@ impl RayCaster {
 
     /// Returns the body's point closest to a point in the world.
     fn seen(&mut self, body: GeometryRef, pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<Measurement> {
-        Some(self.tracker.over(body, &self.point).measure(&placed(pose, at)?))
+        Some(self.tracker.pair(body, &self.point).measure(&placed(pose, at)?))
     }
 }
 
@@ -322,7 +322,7 @@ fn entered(pose: &Isometry3<f64>, (safe, hit): (f64, f64), seen: &Measurement) -
         point: pose * seen.point_on_a,
         normal: Unit::new_unchecked(pose.rotation * seen.normal.into_inner()),
         feature: seen.features.map(|f| f.a),
-        part: seen.pieces[0],
+        subshape: seen.subshapes[0],
     })
 }
 

@@ -81,7 +81,7 @@ pub(super) fn entered(mesh: &Mesh, pose: &Isometry3<f64>, ray: &Ray, (safe, hit)
         // A sliver may have no normal.
         normal: Unit::try_new(pose.rotation * normal, 0.5).unwrap_or(-ray.direction),
         feature: Some(spot.feature),
-        part: spot.part,
+        subshape: spot.subshape,
     })
 }
 

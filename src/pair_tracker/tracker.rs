@@ -11,14 +11,14 @@ use crate::convex::tracker::TrackerWork;
 use crate::nonconvex::contact::ContactTracker;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::meet::search::TreeWork;
+use crate::pair::location::PairOutcome;
+use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{Decision, Distance};
-use crate::pair::question::Question;
-use crate::pair::spot::PairOutcome;
 #[cfg(feature = "meshes")]
 use crate::pair_tracker::contacts::PairContacts;
 use crate::pair_tracker::engine::Engine;
 use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
-use crate::pair_tracker::lent_pair::{LentPair, OverTime};
+use crate::pair_tracker::lent_pair::{LentPair, MovingPair};
 #[cfg(feature = "surfaces")]
 use crate::surface::SurfaceWork;
 #[cfg(feature = "meshes")]
@@ -146,14 +146,14 @@ impl PairTracker {
     /// let before = PairTracker::new().closest(&floor, &can, &pose(0.0)?);
     ///
     /// // In the next frame, from what the caller kept:
-    /// let mut pair = PairTracker::starting_along(&before.normal, &floor, &can);
+    /// let mut pair = PairTracker::with_direction(&before.normal, &floor, &can);
     /// let now = pair.closest(&floor, &can, &pose(0.01)?);
     /// assert!((now.distance - before.distance).abs() < 1e-12);
     /// assert!(now.work.steps < before.work.steps);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn starting_along<'g>(
+    pub fn with_direction<'g>(
         normal: &Unit<Vector3<f64>>,
         a: impl Into<GeometryRef<'g>>,
         b: impl Into<GeometryRef<'g>>,
@@ -186,7 +186,7 @@ impl PairTracker {
 
     /// Lends the engine of a pair.
     #[inline]
-    pub(super) fn pair<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> LentPair<'p> {
+    pub(super) fn lend<'p>(&'p mut self, bodies: [GeometryRef<'p>; 2]) -> LentPair<'p> {
         self.follow(bodies).engine.lend(bodies)
     }
 
@@ -223,7 +223,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> PairOutcome {
-        self.ask(a, b, a_from_b, &Question::new())
+        self.closest_with(a, b, a_from_b, &QueryOptions::new())
     }
 
     /// Returns the closest points as [`closest`](Self::closest) does, with the options of a
@@ -232,7 +232,7 @@ impl PairTracker {
     /// ```
     /// use lin_canny::nalgebra::{Isometry3, Point3};
     /// use lin_canny::surface::{BezierPatch, BezierSurface};
-    /// use lin_canny::{PairTracker, Question, RelativePose, Shape};
+    /// use lin_canny::{PairTracker, QueryOptions, RelativePose, Shape};
     ///
     /// // A ball over the top of a dome.
     /// let at = |k: usize| {
@@ -245,24 +245,24 @@ impl PairTracker {
     /// let ball = Shape::ball(0.5)?;
     /// let pose = Isometry3::translation(0.1, 0.0, 2.0);
     /// let pose = RelativePose::from_isometry(&pose)?;
-    /// let narrow = Question::new().width(1e-9);
+    /// let narrow = QueryOptions::new().width(1e-9);
     /// let mut tracker = PairTracker::new();
-    /// let answer = tracker.ask(&dome, &ball, &pose, &narrow);
-    /// assert!(answer.is_reached && answer.upper - answer.lower <= 1e-9);
+    /// let answer = tracker.closest_with(&dome, &ball, &pose, &narrow);
+    /// assert!(answer.is_converged && answer.upper - answer.lower <= 1e-9);
     /// // The parameters of the closest point of the dome.
-    /// let [u, v] = answer.on[0].parameters;
+    /// let [u, v] = answer.locations[0].parameters;
     /// assert!((0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn ask<'g>(
+    pub fn closest_with<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
-        question: &Question,
+        question: &QueryOptions,
     ) -> PairOutcome {
         let bodies = [a.into(), b.into()];
-        self.follow(bodies).engine.ask(bodies, a_from_b, question)
+        self.follow(bodies).engine.closest_with(bodies, a_from_b, question)
     }
 
     /// Returns the signed distance and its bounds without the witnesses.
@@ -284,7 +284,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> f64 {
-        self.pair([a.into(), b.into()]).lower_bound(a_from_b)
+        self.lend([a.into(), b.into()]).lower_bound(a_from_b)
     }
 
     /// Returns whether the geometries share a point; touching counts. Only pairs with a surface of
@@ -319,21 +319,21 @@ impl PairTracker {
         a_from_b: &RelativePose,
         d: f64,
     ) -> Decision {
-        self.ask_within(a, b, a_from_b, d, &Question::new())
+        self.decide_within(a, b, a_from_b, d, &QueryOptions::new())
     }
 
     /// Returns whether the geometries are at most `d` apart as [`within`](Self::within) does, with
     /// the budget of a question.
-    pub fn ask_within<'g>(
+    pub fn decide_within<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
         d: f64,
-        question: &Question,
+        question: &QueryOptions,
     ) -> Decision {
         let bodies = [a.into(), b.into()];
-        self.follow(bodies).engine.ask_within(bodies, a_from_b, d, question)
+        self.follow(bodies).engine.decide_within(bodies, a_from_b, d, question)
     }
 
     /// Returns two geometries that can be measured over time, followed by this tracker: what
@@ -357,7 +357,7 @@ impl PairTracker {
     /// let velocity = Velocity::new(Vector3::new(-2.0, 0.0, 0.0), Vector3::zeros());
     /// let thrown = Steady::new(&Isometry3::translation(4.0, 0.0, 0.0), velocity)?;
     /// let mut tracker = PairTracker::new();
-    /// let mut pair = tracker.over(&wall, &ball);
+    /// let mut pair = tracker.pair(&wall, &ball);
     /// let tolerance = Tolerance::Distance(1e-9);
     /// let found = cast(&mut pair, &still, &thrown, (0.0, 2.0), tolerance)?;
     /// let Impact::Hit { safe, hit, .. } = found.impact else {
@@ -367,8 +367,8 @@ impl PairTracker {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn over<'p>(&'p mut self, a: impl Into<GeometryRef<'p>>, b: impl Into<GeometryRef<'p>>) -> OverTime<'p> {
-        self.pair([a.into(), b.into()]).over_time()
+    pub fn pair<'p>(&'p mut self, a: impl Into<GeometryRef<'p>>, b: impl Into<GeometryRef<'p>>) -> MovingPair<'p> {
+        self.lend([a.into(), b.into()]).over_time()
     }
 
     /// Forgets everything that is kept, counters too.
@@ -386,7 +386,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> Option<Replay> {
-        self.pair([a.into(), b.into()]).replay(a_from_b)
+        self.lend([a.into(), b.into()]).replay(a_from_b)
     }
 
     /// Returns the work of all queries so far.
@@ -410,8 +410,8 @@ impl PairTracker {
     /// Returns the bytes that the tracker keeps on the heap, without those of stand-ins and
     /// contacts.
     #[must_use]
-    pub fn heap_bytes(&self) -> usize {
-        self.followed.as_ref().map_or(0, |f| f.engine.heap_bytes())
+    pub fn memory_usage(&self) -> usize {
+        self.followed.as_ref().map_or(0, |f| f.engine.memory_usage())
     }
 
     /// Returns the first broken invariant of what is kept: a tool of tests and fuzzing. The front
@@ -426,7 +426,7 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
     ) -> Result<(), String> {
-        self.pair([a.into(), b.into()]).check(a_from_b)
+        self.lend([a.into(), b.into()]).check(a_from_b)
     }
 }
 
@@ -517,7 +517,7 @@ impl PairTracker {
     ///
     /// Rounded polyhedra have the contacts of their cores, moved out by the radii along the normal.
     /// Curved shapes bear contacts by their flat round faces and straight generators within
-    /// `options.sine` of the normal; an ellipsoid, a superquadric, or a rim or apex without such a
+    /// `options.max_face_sine` of the normal; an ellipsoid, a superquadric, or a rim or apex without such a
     /// face has one contact, the witnesses.
     ///
     /// Contacts of a flat round face are eight points of its rim at multiples of 45 degrees, as far
@@ -536,7 +536,7 @@ impl PairTracker {
     /// let can = Shape::cylinder(0.5, 0.25)?;
     /// let at = RelativePose::from_isometry(&Isometry3::translation(1.0, 2.0, 1.51))?;
     /// let (mut tracker, mut manifold) = (PairTracker::new(), Manifold::new());
-    /// let options = ManifoldOptions::within(0.02);
+    /// let options = ManifoldOptions::with_prediction(0.02);
     /// tracker.manifold(&floor, &can, &at, &options, &mut manifold)?;
     /// assert_eq!(manifold.points().len(), 4);
     /// assert!(manifold.points().iter().all(|p| (p.separation - 0.01).abs() < 1e-12));
@@ -554,7 +554,7 @@ impl PairTracker {
         manifold: &mut Manifold,
     ) -> Result<(), PairError> {
         let bodies = [a.into(), b.into()];
-        if self.pair(bodies).manifold(a_from_b, options, manifold) {
+        if self.lend(bodies).manifold(a_from_b, options, manifold) {
             Ok(())
         } else {
             Err(refused(bodies, "manifold"))

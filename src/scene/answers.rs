@@ -47,7 +47,7 @@ pub struct PairResults<'a> {
     pub outcome: Option<&'a Outcome>,
     /// The piece of a compound, the triangle of a mesh, or the patch of a surface, to which the
     /// features of `a` and of `b` belong, by the caller's order; zero for a convex shape.
-    pub pieces: Option<[u32; 2]>,
+    pub subshapes: Option<[u32; 2]>,
     /// Contact points of two convex shapes; `None` also for bodies farther apart than the
     /// prediction.
     pub manifold: Option<&'a Manifold>,
@@ -109,7 +109,7 @@ impl Scene {
             within: None,
             distance: None,
             outcome: None,
-            pieces: None,
+            subshapes: None,
             manifold: None,
             #[cfg(feature = "meshes")]
             contacts: None,
@@ -123,7 +123,7 @@ impl Scene {
             {
                 answer.contacts = seen.contacts;
             }
-            answer.pieces = seen.outcome.map(|_| seen.pieces);
+            answer.subshapes = seen.outcome.map(|_| seen.pieces);
         }
         answer
     }

@@ -55,7 +55,7 @@ impl Scene {
     /// from which contacts are computed are made anew in the next step, in a time that grows with
     /// the mesh. A tick sees the vertices as they are set before it, not where they will be:
     /// impacts are those of the motion of the body. For those of its vertices ask
-    /// [`continuous::meshes`](crate::continuous::meshes).
+    /// [`continuous::cast_meshes`](crate::continuous::cast_meshes).
     ///
     /// # Errors
     /// If the id is stale, the body no mesh, or the vertices are refused; the body keeps its

@@ -49,7 +49,7 @@
 //! return the results, [`report`](Scene::report) returns the cost. Further queries that a step does
 //! not answer: [`closest_pair`](Scene::closest_pair) of two groups,
 //! [`pairs_within`](Scene::pairs_within), [`nearest`](Scene::nearest),
-//! [`first_contact`](Scene::first_contact).
+//! [`first_contact`](Scene::any_contact).
 //!
 //! # The nearest pair of a robot and its cell
 //!
@@ -181,7 +181,7 @@ use crate::scene::pair_table::PairTables;
 use crate::scene::queries::Census;
 use crate::scene::queries::{GROUPS, Table};
 pub use crate::scene::queries::{Group, PairQueries};
-pub use crate::scene::report::{Bytes, Report, StepWork, Times};
+pub use crate::scene::report::{MemoryUsage, Report, StepWork, Times};
 pub use crate::scene::search::ClosestPair;
 use alloc::vec::Vec;
 use nalgebra::Isometry3;

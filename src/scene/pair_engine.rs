@@ -10,8 +10,8 @@ use crate::convex::contact::{Manifold, ManifoldOptions, Query};
 use crate::convex::tracker::{Tracker, Workspace};
 #[cfg(feature = "meshes")]
 use crate::nonconvex::contact::{ContactGroup, ConvexPatches};
-use crate::pair::outcome::{Outcome, Until};
-use crate::pair::question::Question;
+use crate::pair::options::QueryOptions;
+use crate::pair::outcome::{DepthMode, Outcome};
 #[cfg(feature = "meshes")]
 use crate::pair_tracker::PatchwiseContacts;
 #[cfg(feature = "serde")]
@@ -50,8 +50,8 @@ pub(super) trait PairEngine: Clone + Send + Sync {
     fn shapes<'a>(a: &'a Geometry, b: &'a Geometry) -> Option<Self::Shapes<'a>>;
 
     /// Returns the signed distance with bounds and features; an overlap without a depth if `until`
-    /// is [`Until::ContactState`].
-    fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome;
+    /// is [`DepthMode::None`].
+    fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: DepthMode) -> Outcome;
 
     /// Exchanges the working memory of measurements, which holds nothing between two, for another.
     fn exchange(&mut self, _: &mut Workspace) {}
@@ -100,7 +100,7 @@ pub(super) trait PairEngine: Clone + Send + Sync {
     fn shed(&mut self) {}
 
     /// Returns the bytes on the heap.
-    fn heap_bytes(&self) -> usize;
+    fn memory_usage(&self) -> usize;
 
     /// Returns an engine that begins with this state, for the two bodies in the order of the pair
     /// or in the other.
@@ -116,7 +116,7 @@ impl PairEngine for Tracker {
     }
 
     #[inline]
-    fn measure(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
+    fn measure(&mut self, (a, b): Self::Shapes<'_>, pose: &RelativePose, until: DepthMode) -> Outcome {
         Self::measure(self, a, b, pose, until)
     }
 
@@ -168,15 +168,15 @@ impl PairEngine for Tracker {
         Self::shed(self);
     }
 
-    fn heap_bytes(&self) -> usize {
-        Self::heap_bytes(self)
+    fn memory_usage(&self) -> usize {
+        Self::memory_usage(self)
     }
 
     fn started(&self, a: &Geometry, b: &Geometry, is_in_order: bool) -> Option<Engine> {
         let features = self.features()?;
         let features = if is_in_order { features } else { features.swapped() };
         let (a, b) = <Self as PairEngine>::shapes(a, b)?;
-        Some(Engine::of_polyhedra(Self::starting_from(features, a, b)))
+        Some(Engine::of_polyhedra(Self::with_features(features, a, b)))
     }
 }
 
@@ -197,8 +197,11 @@ impl PairEngine for MixedPair {
         Some([a.into(), b.into()])
     }
 
-    fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: Until) -> Outcome {
-        let answer = self.engine.lend(shapes).ask(pose, &Question::new().until(until));
+    fn measure(&mut self, shapes: Self::Shapes<'_>, pose: &RelativePose, until: DepthMode) -> Outcome {
+        let answer = self
+            .engine
+            .lend(shapes)
+            .closest_with(pose, &QueryOptions::new().depth(until));
         self.parts = answer.parts();
         answer.outcome
     }
@@ -261,8 +264,8 @@ impl PairEngine for MixedPair {
         self.parts
     }
 
-    fn heap_bytes(&self) -> usize {
-        size_of::<Engine>() + self.engine.heap_bytes()
+    fn memory_usage(&self) -> usize {
+        size_of::<Engine>() + self.engine.memory_usage()
     }
 
     fn started(&self, _: &Geometry, _: &Geometry, is_in_order: bool) -> Option<Engine> {

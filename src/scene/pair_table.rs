@@ -22,7 +22,7 @@ use crate::convex::contact::Manifold;
 use crate::convex::tracker::Tracker;
 #[cfg(feature = "meshes")]
 use crate::nonconvex::contact::ContactGroup;
-use crate::pair::outcome::{Distance, Outcome, Until};
+use crate::pair::outcome::{DepthMode, Distance, Outcome};
 use crate::pair_tracker::Engine;
 use crate::pair_tracker::geometry::Geometry;
 
@@ -112,7 +112,7 @@ impl<T: PairEngine, A: StoredAnswer> PairTable<T, A> {
     }
 
     fn bytes(&self) -> usize {
-        let surfaces: usize = self.trackers.iter().map(T::heap_bytes).sum();
+        let surfaces: usize = self.trackers.iter().map(T::memory_usage).sum();
         let manifolds = self.answers.iter().filter(|a| a.contacts().is_some()).count();
         self.headers.capacity() * size_of::<PairHeader>()
             + manifolds * size_of::<Manifold>()
@@ -208,7 +208,7 @@ impl<T> Default for DetailTables<T> {
 impl<T: PairEngine> DetailTables<T> {
     /// Inserts a pair; returns the number of its table and the row.
     fn push(&mut self, plan: &PairPlan, header: PairHeader, mut tracker: T) -> Option<(u32, u32)> {
-        if plan.until == Until::ContactState {
+        if plan.until == DepthMode::None {
             tracker.shed();
         }
         if plan.detail != Detail::Manifold {

@@ -5,7 +5,7 @@
 use crate::base::num::extremes::Extremes;
 use crate::base::tolerance::SCENE_REACH;
 use crate::convex::contact::ManifoldOptions;
-use crate::pair::outcome::Until;
+use crate::pair::outcome::DepthMode;
 use crate::pair_tracker::geometry::GeometryKind;
 use crate::scene::SceneError;
 use crate::time::impact::Tolerance;
@@ -222,10 +222,11 @@ impl PairQueries {
         if let Some(options) = self.manifold.filter(|m| !finite(m.prediction)) {
             return refused(options.prediction);
         }
-        if self
-            .manifold
-            .is_some_and(|m| [m.sine, m.drift, m.choice].iter().any(|x| x.is_nan()))
-        {
+        if self.manifold.is_some_and(|m| {
+            [m.max_face_sine, m.rebuild_motion, m.reselect_motion]
+                .iter()
+                .any(|x| x.is_nan())
+        }) {
             return Err(SceneError::ManifoldOptions);
         }
         if let Some(Tolerance::Distance(size) | Tolerance::Time(size)) = self.impact
@@ -241,10 +242,10 @@ impl PairQueries {
     }
 
     /// Returns what the queries need of an overlap: the least that serves all of them.
-    fn until(&self) -> Until {
+    fn until(&self) -> DepthMode {
         let has_depth = self.depth || self.local_depth || self.manifold.is_some();
         let is_local = !self.depth && self.manifold.is_none_or(|m| m.local_depth);
-        Until::of_depth(has_depth, is_local)
+        DepthMode::of_depth(has_depth, is_local)
     }
 
     fn resolved(&self) -> PairPlan {
@@ -303,7 +304,7 @@ pub(super) struct PairPlan {
     /// The largest distance that is computed, or [`NEVER`].
     pub(super) range: f64,
     /// Whether overlaps get a depth.
-    pub(super) until: Until,
+    pub(super) until: DepthMode,
     /// Options of the contact points, if enabled.
     pub(super) manifold: Option<ManifoldOptions>,
     /// Width of the brackets of impacts, if enabled.

@@ -262,7 +262,7 @@ impl Clock {
 /// Bytes of a scene by purpose.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
-pub struct Bytes {
+pub struct MemoryUsage {
     /// Tables of bodies.
     pub bodies: usize,
     /// The broad phase, including its slots of pairs.
@@ -273,7 +273,7 @@ pub struct Bytes {
     pub scratch: usize,
 }
 
-impl Bytes {
+impl MemoryUsage {
     /// Returns the sum of all bytes.
     #[must_use]
     pub fn total(&self) -> usize {
@@ -284,13 +284,13 @@ impl Bytes {
 impl Scene {
     /// Returns the bytes reserved, without the shapes, which may be shared.
     #[must_use]
-    pub fn bytes(&self) -> Bytes {
-        Bytes {
+    pub fn memory_usage(&self) -> MemoryUsage {
+        MemoryUsage {
             bodies: self.bodies.bytes() + self.ignored.bytes(),
-            broad: self.broad.bytes(),
+            broad: self.broad.memory_usage(),
             pairs: self.pair_tables.bytes(),
             scratch: self.batch.capacity() * size_of::<(broad::BodyId, broad::Aabb)>()
-                + self.workspace.heap_bytes()
+                + self.workspace.memory_usage()
                 + self.events.capacity() * size_of::<Event>()
                 + self.impacts.capacity() * size_of::<PairImpact>(),
         }

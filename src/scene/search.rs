@@ -20,9 +20,9 @@ use crate::base::pose::RelativePose;
 use crate::base::tolerance::{BOX_DISTANCE_DOWN, RAY, SCENE_REACH};
 use crate::body::polyhedron::BoxHint;
 use crate::broad::{Aabb, StoredBox};
-use crate::pair::outcome::{Outcome, Until};
-use crate::pair::question::Question;
-use crate::pair::spot::PairOutcome;
+use crate::pair::location::PairOutcome;
+use crate::pair::options::QueryOptions;
+use crate::pair::outcome::{DepthMode, Outcome};
 use crate::pair_tracker::Engine;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::pair_tracker::ray::{Ray, RayCast, RayCaster, placed_ball};
@@ -47,8 +47,8 @@ pub struct ClosestPair {
     /// Distance with bounds, features, witnesses and normal.
     pub outcome: Outcome,
     /// The pieces or triangles of the features, as in
-    /// [`PairResults::pieces`](super::PairResults::pieces).
-    pub pieces: [u32; 2],
+    /// [`PairResults::subshapes`](super::PairResults::subshapes).
+    pub subshapes: [u32; 2],
 }
 
 impl Scene {
@@ -77,7 +77,7 @@ impl Scene {
     /// # Errors
     /// If no query is enabled between the groups, or a step is due.
     #[doc(alias = "early exit")]
-    pub fn first_contact(&self, these: Group, those: Group) -> Result<Option<ClosestPair>, SceneError> {
+    pub fn any_contact(&self, these: Group, those: Group) -> Result<Option<ClosestPair>, SceneError> {
         let mut found = None;
         self.visit_pairs(these, those, 0.0, |a, b| {
             found = self.near_within(a, b, 0.0);
@@ -86,7 +86,7 @@ impl Scene {
         Ok(found.map(|near| {
             let outcome = self
                 .query(near.a.index, near.b.index)
-                .map(|mut q| q.measure(Until::Depth).outcome);
+                .map(|mut q| q.measure(DepthMode::Full).outcome);
             ClosestPair {
                 outcome: outcome.unwrap_or(near.outcome),
                 ..near
@@ -202,12 +202,12 @@ impl Scene {
             return None;
         }
         let mut query = self.query(a, b)?;
-        let answer = query.measure(Until::ContactState);
+        let answer = query.measure(DepthMode::None);
         query.decides_within(&answer, d).then(|| ClosestPair {
             a: self.bodies.id(a),
             b: self.bodies.id(b),
             outcome: answer.outcome,
-            pieces: answer.parts(),
+            subshapes: answer.parts(),
         })
     }
 
@@ -238,9 +238,9 @@ pub(super) struct PairQuery<'a> {
 }
 
 impl PairQuery<'_> {
-    pub(super) fn measure(&mut self, until: Until) -> PairOutcome {
-        let question = Question::new().until(until);
-        self.engine.lend(self.shapes).ask(&self.pose, &question)
+    pub(super) fn measure(&mut self, until: DepthMode) -> PairOutcome {
+        let question = QueryOptions::new().depth(until);
+        self.engine.lend(self.shapes).closest_with(&self.pose, &question)
     }
 
     fn decides_within(&mut self, outcome: &Outcome, d: f64) -> bool {
@@ -399,15 +399,20 @@ impl ClosestSearch<'_> {
         let Some(mut query) = scene.query(a, b) else {
             return;
         };
-        let answer = query.measure(Until::Depth);
-        let (outcome, pieces) = (answer.outcome, answer.parts());
+        let answer = query.measure(DepthMode::Full);
+        let (outcome, subshapes) = (answer.outcome, answer.parts());
         let [a, b] = [a, b].each(|i| scene.bodies.id(i));
         let is_closer = |best: &ClosestPair| {
             let order = outcome.distance.total_cmp(&best.outcome.distance);
             order.then((a, b).cmp(&(best.a, best.b))).is_lt()
         };
         if self.best.as_ref().is_none_or(is_closer) {
-            self.best = Some(ClosestPair { a, b, outcome, pieces });
+            self.best = Some(ClosestPair {
+                a,
+                b,
+                outcome,
+                subshapes,
+            });
         }
     }
 }

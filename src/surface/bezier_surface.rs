@@ -15,7 +15,7 @@ use crate::base::tolerance::{SEAM, SURFACE_POINT};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::separation::ball_about;
-use crate::pair::spot::Spot;
+use crate::pair::location::WitnessLocation;
 
 /// A surface of Bézier patches, not trimmed: the set of points of its patches.
 ///
@@ -139,27 +139,27 @@ impl BezierSurface {
 
     /// Returns a point of the surface; `None` if there is no such patch.
     #[must_use]
-    pub fn point(&self, at: &Spot) -> Option<Point3<f64>> {
+    pub fn point(&self, at: &WitnessLocation) -> Option<Point3<f64>> {
         Some(
             self.patches
-                .get(at.part as usize)?
+                .get(at.subshape as usize)?
                 .point(at.parameters[0], at.parameters[1]),
         )
     }
 
     /// Returns the unit normal at a point of the surface, as [`BezierPatch::normal`].
     #[must_use]
-    pub fn normal(&self, at: &Spot) -> Option<Unit<Vector3<f64>>> {
+    pub fn normal(&self, at: &WitnessLocation) -> Option<Unit<Vector3<f64>>> {
         self.patches
-            .get(at.part as usize)?
+            .get(at.subshape as usize)?
             .normal(at.parameters[0], at.parameters[1])
     }
 
     /// Returns the parameters of a point in the knots of the NURBS surface; those of the patch for
     /// any other surface; `None` if there is no such patch.
     #[must_use]
-    pub fn parameters(&self, at: &Spot) -> Option<[f64; 2]> {
-        let [u, v] = self.domains.get(at.part as usize)?;
+    pub fn parameters(&self, at: &WitnessLocation) -> Option<[f64; 2]> {
+        let [u, v] = self.domains.get(at.subshape as usize)?;
         let mixed = |[low, high]: [f64; 2], t: f64| low * (1.0 - t) + high * t;
         Some([mixed(*u, at.parameters[0]), mixed(*v, at.parameters[1])])
     }

@@ -24,7 +24,7 @@ use crate::base::num::extremes::{Bounded, Extremes, largest};
 use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::{AGREE, PARALLEL, PATCH_SLOPE, UNIT};
 use crate::body::polyhedron::{FaceId, Feature};
-use crate::pair::spot::Spot;
+use crate::pair::location::WitnessLocation;
 
 /// Steps of Newton's method for two points. Quadratic once near; not measured.
 pub(super) const NEWTON: usize = 24;
@@ -60,8 +60,8 @@ pub(super) struct Meeting {
 
 impl Meeting {
     /// Returns the point of A (0) or of B (1) by its parameters.
-    pub(super) fn place(&self, k: usize) -> Spot {
-        Spot::on_patch(self.patches[k], [self.at[2 * k], self.at[2 * k + 1]])
+    pub(super) fn place(&self, k: usize) -> WitnessLocation {
+        WitnessLocation::on_patch(self.patches[k], [self.at[2 * k], self.at[2 * k + 1]])
     }
 
     /// Returns a unit direction from A to B: along w, or, where w is short beside `size`, along the

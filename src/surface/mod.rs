@@ -69,10 +69,10 @@
 //!
 //! After 2,048 splits, 4,096 and so on a query of two surfaces looks how fast its bounds approach
 //! each other. If they would need several times the budget, 20,000 splits by default, the query
-//! ends there, with `is_reached` false or undecided. The interval of the pairs named is then some
+//! ends there, with `is_converged` false or undecided. The interval of the pairs named is then some
 //! 1e-3 of the size L wide along a curve, and up to 4e-2 over an area. A larger budget makes it
-//! narrower: [`Question::splits`](crate::Question::splits). A query of a surface and a shape goes
-//! on until its budget is used up.
+//! narrower: [`QueryOptions::splits`](crate::QueryOptions::splits). A query of a surface and a
+//! shape goes on until its budget is used up.
 //!
 //! Of 10,000 random pairs of surfaces 7 end so or use up their budget, nearly all with the closest
 //! point at a pole, and of 10,000 surfaces and shapes 14, all within some 1e-6 of the rim of a

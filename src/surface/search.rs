@@ -76,7 +76,7 @@ pub(crate) enum NetGoal {
 
 impl NetGoal {
     /// Returns whether bounds are as close as asked for.
-    pub(super) fn is_reached(self, lower: f64, upper: f64) -> bool {
+    pub(super) fn is_converged(self, lower: f64, upper: f64) -> bool {
         match self {
             Self::Width(width) => upper - lower <= width,
             Self::Part(part) => upper - lower <= part * upper,
@@ -623,7 +623,7 @@ impl SurfaceMemory {
         }
     }
 
-    pub(super) fn heap_bytes(&self) -> usize {
+    pub(super) fn memory_usage(&self) -> usize {
         self.front.entries.capacity() * size_of::<NetEntry>() + self.heap.capacity() * size_of::<OpenNodePair>()
     }
 

@@ -13,7 +13,7 @@ use super::tree::Cut;
 use super::tree::Node;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
-use crate::base::pose::{RelativePose, normalize};
+use crate::base::pose::{RelativePose, normalize_rotation};
 use crate::base::tolerance::UNIT;
 use crate::body::shape::Shape;
 use crate::convex::shape_tracker::ShapeTracker;
@@ -125,7 +125,7 @@ impl<'a> Feet<'a> {
         pose: &RelativePose,
     ) -> Self {
         let (a, b) = pose.poses();
-        let turn = normalize(&Isometry3::from_parts(
+        let turn = normalize_rotation(&Isometry3::from_parts(
             Vector3::zeros().into(),
             a.rotation.inverse() * b.rotation,
         ));
@@ -200,7 +200,7 @@ impl<'a> Feet<'a> {
         }
         let (p, j) = (now.jet.point, [now.jet.u, now.jet.v]);
         let n = self.frame.direction_in_b(&self.along(now));
-        let top = self.shape.core_point(&-n).1 - n * self.shape.round();
+        let top = self.shape.core_point(&-n).1 - n * self.shape.rounding_radius();
         let way = self.frame.place(&top) - p;
         let right = [-j[0].dot(&way), -j[1].dot(&way), 0.0, 0.0];
         let square = [j[0].norm_squared(), j[0].dot(&j[1]), j[1].norm_squared()];

@@ -28,9 +28,9 @@ use crate::nonconvex::parts::{Parted, Placed};
 use crate::nonconvex::pieces::{Compound, Piece};
 use crate::nonconvex::separation::ball_about;
 use crate::pair::draft::{far, unit};
+use crate::pair::location::{PairOutcome, WitnessLocation, features_on};
+use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{ContactState, Decision, Outcome};
-use crate::pair::question::Question;
-use crate::pair::spot::{PairOutcome, Spot, features_on};
 use crate::time::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation};
 
 /// Width of a measure over time, as a part of the distance: a look of conservative advancement goes
@@ -76,14 +76,14 @@ pub(crate) struct SurfaceSolidPair<'a, T: BesideSurface> {
 
 impl<T: BesideSurface> SurfaceSolidPair<'_, T> {
     /// Returns the closest points, with bounds of the width that the question sets.
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> PairOutcome {
+    pub(crate) fn closest_with(&mut self, a_from_b: &RelativePose, question: &QueryOptions) -> PairOutcome {
         let width = width_asked(self, question);
         self.tracker.allow(question.splits);
         self.answer(a_from_b, NetGoal::Width(width)).without_depth()
     }
 
     /// Returns whether the distance is at most `d`, within the splits that the question allows.
-    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, question: &Question) -> Decision {
+    pub(crate) fn decide_within(&mut self, a_from_b: &RelativePose, d: f64, question: &QueryOptions) -> Decision {
         self.tracker.allow(question.splits);
         self.is_within(a_from_b, d)
     }
@@ -131,13 +131,13 @@ fn exchanged(found: PairOutcome, pose: &RelativePose) -> PairOutcome {
             normal,
             ..o
         },
-        on: [found.on[1], found.on[0]],
+        locations: [found.locations[1], found.locations[0]],
         ..found
     }
 }
 
 /// Returns the width of the bounds that the question sets.
-pub(super) fn width_asked(pair: &impl Separation, question: &Question) -> f64 {
+pub(super) fn width_asked(pair: &impl Separation, question: &QueryOptions) -> f64 {
     let radius = |of| pair.ball(of).1;
     question
         .width
@@ -243,8 +243,8 @@ impl SurfaceShapeTracker {
 
     /// Returns the bytes kept on the heap, without those of shapes.
     #[must_use]
-    pub(crate) fn heap_bytes(&self) -> usize {
-        self.grown.heap_bytes() + self.state.heap_bytes()
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.grown.memory_usage() + self.state.memory_usage()
     }
 
     /// Returns the closest points at a pose that puts points of B up to `placing` aside.
@@ -275,7 +275,7 @@ impl SurfaceShapeTracker {
         let mut feet = Feet::new(a.patches(), [&self.point, b], &mut self.feet, &frame, a_from_b);
         match self.state.search(&mut trees, &mut feet, goal) {
             Some((lower, best)) => {
-                let on = [best.place(0), Spot::new(0, best.feature)];
+                let locations = [best.place(0), WitnessLocation::new(0, best.feature)];
                 let outcome = Outcome {
                     state: state(lower, best.upper),
                     distance: best.distance.clamped(lower, best.upper),
@@ -284,13 +284,13 @@ impl SurfaceShapeTracker {
                     point_on_a: best.on_a.into(),
                     point_on_b: best.on_b.into(),
                     normal: Unit::new_unchecked(best.normal.unwrap_or_else(Vector3::x)),
-                    ..Outcome::starting_at(features_on(&on))
+                    ..Outcome::starting_at(features_on(&locations))
                 };
-                let is_reached = goal.is_reached(lower, best.upper);
+                let is_converged = goal.is_converged(lower, best.upper);
                 PairOutcome {
                     outcome,
-                    on,
-                    is_reached,
+                    locations,
+                    is_converged,
                 }
             }
             None => far_apart(a, b, a_from_b),
@@ -336,21 +336,24 @@ fn reach(shape: &Shape) -> f64 {
 pub(super) fn far_apart(a: &BezierSurface, b: &Shape, a_from_b: &RelativePose) -> PairOutcome {
     let (lower, upper, n) = far([a.reach, reach(b)], a_from_b);
     let facing = -a_from_b.rotation().tr_mul(&n);
-    let on = [Spot::on_patch(0, [0.0; 2]), Spot::new(0, Feature::Vertex(VertexId(0)))];
+    let locations = [
+        WitnessLocation::on_patch(0, [0.0; 2]),
+        WitnessLocation::new(0, Feature::Vertex(VertexId(0))),
+    ];
     let outcome = Outcome {
         state: state(lower, upper),
         distance: 0.5 * lower + 0.5 * upper,
         lower,
         upper,
         point_on_a: a.patches()[0].point(0.0, 0.0),
-        point_on_b: (b.core_point(&facing).1 + facing * b.round()).into(),
+        point_on_b: (b.core_point(&facing).1 + facing * b.rounding_radius()).into(),
         normal: Unit::new_unchecked(n),
-        ..Outcome::starting_at(features_on(&on))
+        ..Outcome::starting_at(features_on(&locations))
     };
     PairOutcome {
         outcome,
-        on,
-        is_reached: false,
+        locations,
+        is_converged: false,
     }
 }
 
@@ -360,7 +363,7 @@ fn lower_to(answer: &mut PairOutcome, lower: f64, goal: NetGoal) {
     o.lower = o.lower.smaller(lower);
     o.distance = o.distance.larger(o.lower);
     o.state = state(o.lower, o.upper);
-    answer.is_reached = goal.is_reached(o.lower, o.upper);
+    answer.is_converged = goal.is_converged(o.lower, o.upper);
 }
 
 /// The trackers of a surface and the pieces of a [`Compound`].
@@ -392,9 +395,9 @@ impl SurfaceCompoundTracker {
 
     /// Returns the bytes kept on the heap, without those of shapes.
     #[must_use]
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         let own = self.pieces.capacity() * size_of::<SurfaceShapeTracker>();
-        own + self.pieces.iter().map(SurfaceShapeTracker::heap_bytes).sum::<usize>()
+        own + self.pieces.iter().map(SurfaceShapeTracker::memory_usage).sum::<usize>()
     }
 }
 
@@ -441,7 +444,7 @@ impl BesideSurface for SurfaceCompoundTracker {
         self.last = last;
         lower_to(&mut best, lower, goal);
         best.outcome.point_on_b = pieces[last].pose * best.point_on_b;
-        best.on[1].part = last as u32;
+        best.locations[1].subshape = last as u32;
         best
     }
 }

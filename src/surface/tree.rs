@@ -356,7 +356,7 @@ impl Grown {
         self.tree.numbers.len()
     }
 
-    pub(super) fn heap_bytes(&self) -> usize {
+    pub(super) fn memory_usage(&self) -> usize {
         self.tree.numbers.capacity() * size_of::<f64>()
             + self.tree.nodes.capacity() * size_of::<Node>()
             + self.of_own.capacity() * size_of::<u32>()

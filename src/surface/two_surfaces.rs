@@ -18,9 +18,9 @@ use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{CERTIFICATE, SURFACE_POINT, UNIT};
 use crate::nonconvex::mesh::Mesh;
 use crate::pair::draft::far;
+use crate::pair::location::{PairOutcome, WitnessLocation, features_on};
+use crate::pair::options::QueryOptions;
 use crate::pair::outcome::{ContactState, Decision, Outcome};
-use crate::pair::question::Question;
-use crate::pair::spot::{PairOutcome, Spot, features_on};
 use crate::time::separation::{FreeSpan, Measurement, PairMotion, Separation};
 
 /// Numbers that a tracker keeps for the nets of split nodes, at most: 16 MB.
@@ -43,7 +43,7 @@ pub(crate) struct SurfaceTracker {
 struct Found {
     lower: f64,
     upper: f64,
-    on: [Spot; 2],
+    on: [WitnessLocation; 2],
     points: [Point3<f64>; 2],
     normal: Unit<Vector3<f64>>,
     distance: f64,
@@ -87,8 +87,8 @@ impl SurfaceTracker {
 
     /// Returns the bytes kept on the heap.
     #[must_use]
-    pub(crate) fn heap_bytes(&self) -> usize {
-        self.grown.iter().map(Grown::heap_bytes).sum::<usize>() + self.state.heap_bytes()
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.grown.iter().map(Grown::memory_usage).sum::<usize>() + self.state.memory_usage()
     }
 
     /// Returns the closest points with bounds as close as a goal asks for.
@@ -119,8 +119,8 @@ impl SurfaceTracker {
         };
         PairOutcome {
             outcome,
-            on: found.on,
-            is_reached: goal.is_reached(found.lower, found.upper),
+            locations: found.on,
+            is_converged: goal.is_converged(found.lower, found.upper),
         }
     }
 
@@ -185,7 +185,7 @@ fn apart(a: &BezierSurface, b: &BezierSurface, a_from_b: &RelativePose) -> Found
     Found {
         lower,
         upper,
-        on: [Spot::on_patch(0, [0.0; 2]); 2],
+        on: [WitnessLocation::on_patch(0, [0.0; 2]); 2],
         points: [a, b].each(|s| s.patches()[0].point(0.0, 0.0)),
         normal: Unit::new_unchecked(n),
         distance: 0.5 * lower + 0.5 * upper,
@@ -207,21 +207,21 @@ pub(crate) struct SurfacePair<'a> {
 enum Side {
     Outside,
     /// In the mesh, with this point.
-    Inside(Spot, Point3<f64>),
+    Inside(WitnessLocation, Point3<f64>),
     /// A point is too close to the triangles, or every segment to the outside met an edge.
     Unclear,
 }
 
 impl SurfacePair<'_> {
     /// Returns the closest points, with bounds of the width that the question sets.
-    pub(crate) fn ask(&mut self, pose: &RelativePose, question: &Question) -> PairOutcome {
+    pub(crate) fn closest_with(&mut self, pose: &RelativePose, question: &QueryOptions) -> PairOutcome {
         let width = width_asked(self, question);
         self.tracker.allow(question.splits);
         self.answer(pose, NetGoal::Width(width)).without_depth()
     }
 
     /// Returns whether the distance is at most `d`, within the splits that the question allows.
-    pub(crate) fn ask_within(&mut self, pose: &RelativePose, d: f64, question: &Question) -> Decision {
+    pub(crate) fn decide_within(&mut self, pose: &RelativePose, d: f64, question: &QueryOptions) -> Decision {
         self.tracker.allow(question.splits);
         self.is_within(pose, d)
     }
@@ -258,7 +258,7 @@ impl SurfacePair<'_> {
                         lower: 0.0,
                         ..found.outcome
                     },
-                    is_reached: false,
+                    is_converged: false,
                     ..found
                 },
             },
@@ -267,13 +267,18 @@ impl SurfacePair<'_> {
     }
 
     /// Returns the answer of a surface that has a point within the mesh.
-    fn inside(&self, found: PairOutcome, (spot, point): (Spot, Point3<f64>), pose: &RelativePose) -> PairOutcome {
+    fn inside(
+        &self,
+        found: PairOutcome,
+        (spot, point): (WitnessLocation, Point3<f64>),
+        pose: &RelativePose,
+    ) -> PairOutcome {
         let mut answer = found;
         let o = &mut answer.outcome;
         (o.state, o.distance, o.lower, o.upper) = (ContactState::Overlapping, 0.0, 0.0, 0.0);
         let is_mesh_a = matches!(self.mesh, Some((Operand::A, _)));
         let [from, to] = if is_mesh_a { [1, 0] } else { [0, 1] };
-        answer.on[from] = spot;
+        answer.locations[from] = spot;
         let there = moved(&point, pose, is_mesh_a);
         [o.point_on_a, o.point_on_b] = if is_mesh_a { [there, point] } else { [point, there] };
         if from == 0 {
@@ -281,8 +286,8 @@ impl SurfacePair<'_> {
         } else {
             o.features.b = spot.feature;
         }
-        answer.on[to] = found.on[to];
-        answer.is_reached = true;
+        answer.locations[to] = found.locations[to];
+        answer.is_converged = true;
         answer
     }
 
@@ -303,7 +308,7 @@ impl SurfacePair<'_> {
             let point = net.point(0.0, 0.0);
             let place = moved(&point, pose, is_mesh_a);
             match mesh.holds_point(&(place.coords / unit), doubt / unit) {
-                Some(true) => return Side::Inside(Spot::on_patch(patch, [0.0; 2]), point),
+                Some(true) => return Side::Inside(WitnessLocation::on_patch(patch, [0.0; 2]), point),
                 Some(false) => {}
                 None => is_clear = false,
             }

@@ -123,8 +123,8 @@ fn the_largest_gap_is_bracketed() {
         assert!(fit.gap_lower <= fit.gap_upper && fit.gap_upper - fit.gap_lower < 0.007 * soup.radius());
         // Samples come near the largest gap.
         assert!(found > 0.8 * fit.gap_lower, "{found} {fit:?}");
-        let air = fit.air().unwrap();
-        assert!((air - (1.0 - mesh.volume() / hull.volume())).abs() < 1e-12);
+        let void_fraction = fit.void_fraction().unwrap();
+        assert!((void_fraction - (1.0 - mesh.volume() / hull.volume())).abs() < 1e-12);
         println!("{fit}");
     }
     // The middle of the disc that closes a torus: a circle of radius 1 in the plane z = 0, less the tube.
@@ -142,7 +142,7 @@ fn a_convex_mesh_has_no_air_and_no_gap() {
     for body in bodies().into_iter().filter(|b| b.face_count() > 2) {
         let mesh = Mesh::from_convex(&body).unwrap();
         let fit: HullFit = mesh.hull_fit(&mesh.hull().unwrap());
-        assert!(fit.air().unwrap() < 1e-13, "{fit:?}");
+        assert!(fit.void_fraction().unwrap() < 1e-13, "{fit:?}");
         assert!(fit.gap_upper < 0.004 * body.bounding_ball().1, "{fit:?}");
     }
     let sheet = Mesh::new(
@@ -151,6 +151,6 @@ fn a_convex_mesh_has_no_air_and_no_gap() {
     );
     let sheet = sheet.unwrap();
     let fit = sheet.hull_fit(&sheet.hull().unwrap());
-    assert_eq!((fit.mesh_volume, fit.air()), (None, None));
+    assert_eq!((fit.mesh_volume, fit.void_fraction()), (None, None));
     assert!(fit.to_string().starts_with("the mesh is not closed"));
 }

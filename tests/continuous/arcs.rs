@@ -2,7 +2,7 @@
 //! arithmetic.
 
 use super::meshes::{ends, moved, sheet, vertices};
-use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::continuous::{self, MovingMesh};
 use lin_canny::impact::{Cast, Impact, Tolerance};
 use lin_canny::{ContactState, Mesh, PairTracker, RelativePose};
 use truth::exact_meshes::apart;
@@ -29,15 +29,15 @@ impl Turning {
         }
     }
 
-    fn moves<'a>(&self, m: &'a Mesh) -> MeshOverFrame<'a> {
+    fn moves<'a>(&self, m: &'a Mesh) -> MovingMesh<'a> {
         let (begin, end) = (self.at(0.0).isometry(), self.at(1.0).isometry());
-        MeshOverFrame::new(m, m).unwrap().moving(&begin, &end).unwrap()
+        MovingMesh::new(m, m).unwrap().with_poses(&begin, &end).unwrap()
     }
 }
 
-fn both(a: &MeshOverFrame, b: &MeshOverFrame, tolerance: f64) -> [Cast; 2] {
+fn both(a: &MovingMesh, b: &MovingMesh, tolerance: f64) -> [Cast; 2] {
     let tolerance = Tolerance::Time(tolerance);
-    [(a, b), (b, a)].map(|(a, b)| continuous::meshes(a, b, tolerance).unwrap())
+    [(a, b), (b, a)].map(|(a, b)| continuous::cast_meshes(a, b, tolerance).unwrap())
 }
 
 /// The instant at which a function rises above zero, to a rounding.
@@ -102,9 +102,9 @@ fn a_turning_blade_hits_a_sheet_at_the_known_angle() {
             to: far,
         };
         let still = lin_canny::nalgebra::Isometry3::translation(far[0], far[1], far[2]);
-        let a = MeshOverFrame::new(&m[0], &m[1])
+        let a = MovingMesh::new(&m[0], &m[1])
             .unwrap()
-            .moving(&still, &still)
+            .with_poses(&still, &still)
             .unwrap();
         let b = turning.moves(&n);
         let tolerance = [1e-2, 1e-6, 1e-9, 1e-12][round % 4];
@@ -145,10 +145,10 @@ fn a_tip_that_sweeps_past_a_sheet_hits_it_only_if_it_reaches_it() {
         let rest = sheet(5, 4.0).map(|p| add(p, [0.37 * (round as f64 * 0.618).fract(), 0.13, depth - radius]));
         let (from, angle) = (rng.range(-1.5, -0.2), rng.range(0.6, 3.0));
         let m = mesh(&rest);
-        let a = MeshOverFrame::new(&m, &m).unwrap();
+        let a = MovingMesh::new(&m, &m).unwrap();
         let pose = |angle: f64| Pose::turn([0.0, 1.0, 0.0], angle, [0.0; 3]).isometry();
-        let b = MeshOverFrame::new(&n, &n).unwrap();
-        let b = b.moving(&pose(from), &pose(from + angle)).unwrap();
+        let b = MovingMesh::new(&n, &n).unwrap();
+        let b = b.with_poses(&pose(from), &pose(from + angle)).unwrap();
         // A corner is in the sheet while it is nearer to the lowest place than this.
         let reach = (1.0 - depth / radius).acos();
         let windows = [-aside, aside].map(|lowest| [lowest - reach, lowest + reach].map(|x| (x - from) / angle));
@@ -221,7 +221,7 @@ fn run(rounds: usize, seed: u64) -> Tally {
             from,
             to: add(from, scale(rng.unit(), 0.6)),
         };
-        let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
+        let a = MovingMesh::new(&m[0], &m[1]).unwrap();
         let b = turning.moves(&n);
         let tolerance = [1e-3, 1e-9][round % 2];
         let mut at = m[0].clone();
@@ -299,7 +299,7 @@ fn a_touch_of_a_body_that_turns_is_near_or_a_start() {
     let b = turning.moves(&n);
     let frame = |from: f64, to: f64| {
         let m = ends(&at(from), [&at(from), &at(to)]);
-        let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
+        let a = MovingMesh::new(&m[0], &m[1]).unwrap();
         both(&a, &b, 1e-9).map(|cast| cast.impact)
     };
     for impact in frame(-0.625, -0.125) {
@@ -341,7 +341,7 @@ fn casts_of_bodies_that_turn_scale_by_powers_of_two() {
                 from: [0.0, 0.0, -0.7 * size],
                 to,
             };
-            let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
+            let a = MovingMesh::new(&m[0], &m[1]).unwrap();
             for cast in both(&a, &turning.moves(&n), 1e-9) {
                 all.push(match cast.impact {
                     Impact::Hit { safe, hit, seen } => ([safe, hit, seen.upper / size], cast.queries),

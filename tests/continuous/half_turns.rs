@@ -1,7 +1,7 @@
 //! Half turns: a mesh over a frame goes round as `Steady::between` of the poses given.
 
 use lin_canny::Mesh;
-use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::continuous::{self, MovingMesh};
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Quaternion, Unit, UnitQuaternion, Vector3};
@@ -21,7 +21,7 @@ fn a_mesh_turns_half_round_as_the_motion_of_its_poses_does() {
     let corners = [tip, Point3::new(0.8, 0.02, 0.0), Point3::new(0.8, 0.0, 0.02)];
     let blade = Mesh::new(&corners, &[[0, 1, 2]]).unwrap();
     let stone = mesh(&soups::rock(1, 3).map(|p| p.map(|x| 0.05 * x)));
-    let still = MeshOverFrame::new(&stone, &stone).unwrap();
+    let still = MovingMesh::new(&stone, &stone).unwrap();
     let mut rng = Rng::new(71);
     let (mut exact, mut back) = (0, 0);
     for round in 0..400 {
@@ -39,14 +39,14 @@ fn a_mesh_turns_half_round_as_the_motion_of_its_poses_does() {
         let middle = motion.pose(0.5) * tip;
         exact += usize::from(first.dot(&last) == 0.0);
         back += usize::from(first.dot(&last) < 0.0);
-        let moving = MeshOverFrame::new(&blade, &blade)
+        let moving = MovingMesh::new(&blade, &blade)
             .unwrap()
-            .moving(&begin, &end)
+            .with_poses(&begin, &end)
             .unwrap();
         for side in [1.0, -1.0] {
             let at = Isometry3::from_parts((middle.coords * side).into(), UnitQuaternion::identity());
-            let still = still.clone().moving(&at, &at).unwrap();
-            let impact = continuous::meshes(&moving, &still, Tolerance::Time(1e-6))
+            let still = still.clone().with_poses(&at, &at).unwrap();
+            let impact = continuous::cast_meshes(&moving, &still, Tolerance::Time(1e-6))
                 .unwrap()
                 .impact;
             let is_hit = matches!(impact, Impact::Hit { safe, .. } if (0.4..0.5).contains(&safe));

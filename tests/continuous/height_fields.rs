@@ -1,7 +1,7 @@
 //! Meshes that all but one condition of a height field hold of: each meets itself where the condition is broken.
 
 use super::meshes::{ends, judge, sheet};
-use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::continuous::{self, MovingMesh};
 use lin_canny::impact::Tolerance;
 use std::f64::consts::TAU;
 use truth::Point;
@@ -11,8 +11,8 @@ use truth::soups::Soup;
 /// Judges a mesh against itself over a frame; returns whether it meets.
 fn meets(begin: &Soup, end: &Soup, what: &str) -> bool {
     let m = ends(begin, [begin, end]);
-    let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
-    let found = continuous::self_contact(&a, Tolerance::Time(1e-9)).unwrap();
+    let a = MovingMesh::new(&m[0], &m[1]).unwrap();
+    let found = continuous::cast_self(&a, Tolerance::Time(1e-9)).unwrap();
     let p = [begin, end];
     judge(&found.impact, p, p, true, what) > 0
 }

@@ -2,7 +2,7 @@
 //! decided.
 
 use super::Tally;
-use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::continuous::{self, MovingMesh};
 use lin_canny::impact::Tolerance;
 use lin_canny::nalgebra::Point3;
 use lin_canny::{Mesh, VertexError};
@@ -29,8 +29,8 @@ fn ends(moving: &Moving, rng: &mut Rng) -> Result<[Mesh; 2], VertexError> {
     Ok([begin, m])
 }
 
-fn over(ends: &[Mesh; 2]) -> MeshOverFrame<'_> {
-    MeshOverFrame::new(&ends[0], &ends[1]).unwrap()
+fn over(ends: &[Mesh; 2]) -> MovingMesh<'_> {
+    MovingMesh::new(&ends[0], &ends[1]).unwrap()
 }
 
 /// So many pairs of meshes of each kind, either slow or fast, both ways, and both as one against itself.
@@ -50,10 +50,10 @@ fn run(count: usize, seed: u64) {
             let tolerance = Tolerance::Time(WIDTH);
             let truth = paths::first_contact(&a, &b);
             for (p, q) in [(m, n), (n, m)] {
-                let cast = continuous::meshes(&over(p), &over(q), tolerance).unwrap();
+                let cast = continuous::cast_meshes(&over(p), &over(q), tolerance).unwrap();
                 tally.judge(&cast, &truth, WIDTH, &(kind, k, &a, &b));
             }
-            let cast = continuous::self_contact(&over(w), tolerance).unwrap();
+            let cast = continuous::cast_self(&over(w), tolerance).unwrap();
             tally.judge(&cast, &paths::self_contact(&whole), WIDTH, &(kind, k, &whole));
         }
         println!("{kind}: {tally:?}");

@@ -2,7 +2,7 @@
 
 use cpu_time::ThreadTime;
 use lin_canny::Mesh;
-use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::continuous::{self, MovingMesh};
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::nalgebra::Isometry3;
 use std::time::Duration;
@@ -25,12 +25,12 @@ fn wide_ranges_of_numbers_end_at_a_budget() {
     for (far, away) in [(1e100, 1e240), (1e100, 1e300), (1e60, 1e270)] {
         let (body, other) = (stretched(far), stretched(-far));
         let [from, to] = [0.1, away].map(|x| Isometry3::translation(x, 2.0 * x, -x));
-        let moving = MeshOverFrame::new(&body, &body).unwrap().moving(&from, &to).unwrap();
+        let moving = MovingMesh::new(&body, &body).unwrap().with_poses(&from, &to).unwrap();
         for still in [&body, &other] {
-            let still = MeshOverFrame::new(still, still).unwrap();
+            let still = MovingMesh::new(still, still).unwrap();
             for tolerance in [1e-3, 1e-12] {
                 let began = ThreadTime::now();
-                let cast = continuous::meshes(&moving, &still, Tolerance::Time(tolerance)).unwrap();
+                let cast = continuous::cast_meshes(&moving, &still, Tolerance::Time(tolerance)).unwrap();
                 let spent = began.elapsed();
                 std::println!("{far:e} {away:e} {tolerance:e}: {cast:?} {spent:?}");
                 // Half a second on one core in release, and room for a build with checks.

@@ -23,10 +23,10 @@ fn count() -> usize {
     std::env::var(MANY).map_or(400, |n| n.parse().expect("a number of queries"))
 }
 
-fn given<const N: usize>(paths: &[Path]) -> [continuous::Path; N] {
+fn given<const N: usize>(paths: &[Path]) -> [continuous::VertexPath; N] {
     std::array::from_fn(|k| {
         let [begin, end] = paths[k].map(Point3::from);
-        continuous::Path::new(begin, end)
+        continuous::VertexPath::new(begin, end)
     })
 }
 
@@ -110,7 +110,7 @@ fn run(
 fn a_vertex_and_a_face_meet_when_exact_arithmetic_says() {
     let ask = |p: &[Path]| {
         let [vertex] = given(&p[..1]);
-        continuous::vertex_face(&vertex, &given(&p[1..]), Tolerance::Time(WIDTH))
+        continuous::cast_vertex_face(&vertex, &given(&p[1..]), Tolerance::Time(WIDTH))
     };
     run("vertex-face", (1, 3), count(), ask, |p| {
         paths::vertex_face(p.try_into().unwrap())
@@ -119,7 +119,7 @@ fn a_vertex_and_a_face_meet_when_exact_arithmetic_says() {
 
 #[test]
 fn two_edges_meet_when_exact_arithmetic_says() {
-    let ask = |p: &[Path]| continuous::edge_edge(&given(&p[..2]), &given(&p[2..]), Tolerance::Time(WIDTH));
+    let ask = |p: &[Path]| continuous::cast_edge_edge(&given(&p[..2]), &given(&p[2..]), Tolerance::Time(WIDTH));
     run("edge-edge", (2, 2), count(), ask, |p| {
         paths::edge_edge(p.try_into().unwrap())
     });
@@ -127,21 +127,21 @@ fn two_edges_meet_when_exact_arithmetic_says() {
 
 #[test]
 fn two_triangles_meet_when_exact_arithmetic_says() {
-    let ask = |p: &[Path]| continuous::triangles(&given(&p[..3]), &given(&p[3..]), Tolerance::Time(WIDTH));
+    let ask = |p: &[Path]| continuous::cast_triangles(&given(&p[..3]), &given(&p[3..]), Tolerance::Time(WIDTH));
     let truth = |p: &[Path]| paths::triangles(p[..3].try_into().unwrap(), p[3..].try_into().unwrap());
     run("triangles", (3, 3), count() / 10, ask, truth);
 }
 
 #[test]
 fn coordinates_that_are_no_numbers_are_refused_by_the_vertex() {
-    let at = |x: f64, y: f64| continuous::Path::new(Point3::new(x, y, 0.0), Point3::new(x, y, 1.0));
+    let at = |x: f64, y: f64| continuous::VertexPath::new(Point3::new(x, y, 0.0), Point3::new(x, y, 1.0));
     let paths = [at(0., 0.), at(1., 0.), at(0., 1.), at(2., 2.), at(3., 2.), at(2., 3.)];
     let tolerance = Tolerance::Time(WIDTH);
     for k in 0..6 {
         for bad in [f64::NAN, f64::INFINITY, -f64::INFINITY, 2e301] {
             for end in [false, true] {
                 let mut p = paths;
-                let place = if end { &mut p[k].end } else { &mut p[k].begin };
+                let place = if end { &mut p[k].end } else { &mut p[k].start };
                 place[k % 3] = bad;
                 let refused = |cast: Result<Cast, ImpactError>, index: usize| match cast {
                     Err(ImpactError::Vertex { index: named, value }) => {
@@ -153,10 +153,10 @@ fn coordinates_that_are_no_numbers_are_refused_by_the_vertex() {
                     other => panic!("{other:?} {index} {bad}"),
                 };
                 let [a, b, c, d, e, f] = p;
-                refused(continuous::triangles(&[a, b, c], &[d, e, f], tolerance), k);
+                refused(continuous::cast_triangles(&[a, b, c], &[d, e, f], tolerance), k);
                 if k < 4 {
-                    refused(continuous::vertex_face(&a, &[b, c, d], tolerance), k);
-                    refused(continuous::edge_edge(&[a, b], &[c, d], tolerance), k);
+                    refused(continuous::cast_vertex_face(&a, &[b, c, d], tolerance), k);
+                    refused(continuous::cast_edge_edge(&[a, b], &[c, d], tolerance), k);
                 }
             }
         }
@@ -164,7 +164,7 @@ fn coordinates_that_are_no_numbers_are_refused_by_the_vertex() {
     let [a, b, c, d, ..] = paths;
     for bad in [f64::NAN, -1.0, f64::INFINITY] {
         assert!(
-            continuous::vertex_face(&a, &[b, c, d], Tolerance::Time(bad)).is_err(),
+            continuous::cast_vertex_face(&a, &[b, c, d], Tolerance::Time(bad)).is_err(),
             "{bad}"
         );
     }

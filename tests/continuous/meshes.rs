@@ -1,7 +1,7 @@
 //! Meshes over a frame: first contacts are those of all pairs of triangles, and exact arithmetic finds them in the bracket.
 
 use super::given;
-use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::continuous::{self, MovingMesh};
 use lin_canny::impact::{Impact, ImpactError, Tolerance};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{ContactState, Mesh};
@@ -56,8 +56,11 @@ fn brute(a: [&Soup; 2], b: [&Soup; 2], is_self: bool) -> Option<[f64; 2]> {
             if is_self && (i >= j || s.iter().any(|v| t.contains(v))) {
                 continue;
             }
-            let [p, q]: [[continuous::Path; 3]; 2] = [given(&corners(a, i)), given(&corners(b, j))];
-            match continuous::triangles(&p, &q, Tolerance::Time(WIDTH)).unwrap().impact {
+            let [p, q]: [[continuous::VertexPath; 3]; 2] = [given(&corners(a, i)), given(&corners(b, j))];
+            match continuous::cast_triangles(&p, &q, Tolerance::Time(WIDTH))
+                .unwrap()
+                .impact
+            {
                 Impact::Miss => {}
                 Impact::AtStart { .. } => return Some([-1.0, 0.0]),
                 Impact::Hit { safe, hit, .. } => first = [first[0].min(safe), first[1].min(hit)],
@@ -78,7 +81,7 @@ pub(crate) fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool
     match (impact, truth) {
         (Impact::Miss, None) => 0,
         (Impact::AtStart { seen }, Some([_, 0.0])) => {
-            assert!(matches!(named(seen.pieces), Truth::Start), "{what}: {impact:?}");
+            assert!(matches!(named(seen.subshapes), Truth::Start), "{what}: {impact:?}");
             1
         }
         (Impact::Hit { safe, hit, seen }, Some([low, high])) if high > 0.0 => {
@@ -91,7 +94,7 @@ pub(crate) fn judge(impact: &Impact, a: [&Soup; 2], b: [&Soup; 2], is_self: bool
                 "{what}: {impact:?}"
             );
             // The triangles named meet in the bracket, or after it begins and before it ends.
-            let Truth::At(from, to) = named(seen.pieces) else {
+            let Truth::At(from, to) = named(seen.subshapes) else {
                 panic!("{what}: {impact:?} does not meet")
             };
             assert!(exact(*safe) <= to && from < exact(*hit), "{what}: {impact:?}");
@@ -160,15 +163,12 @@ fn a_bending_mesh_meets_another_when_all_pairs_of_triangles_say() {
                 };
                 let m = ends(rest, [&begin, &end]);
                 let n = mesh(&other);
-                let (a, b) = (
-                    MeshOverFrame::new(&m[0], &m[1]).unwrap(),
-                    MeshOverFrame::new(&n, &n).unwrap(),
-                );
+                let (a, b) = (MovingMesh::new(&m[0], &m[1]).unwrap(), MovingMesh::new(&n, &n).unwrap());
                 let what = format!("{way} {round} {k}");
                 let (p, q) = ([&begin, &end], [&other, &other]);
-                let found = continuous::meshes(&a, &b, Tolerance::Time(WIDTH)).unwrap();
+                let found = continuous::cast_meshes(&a, &b, Tolerance::Time(WIDTH)).unwrap();
                 tally[judge(&found.impact, p, q, false, &what)] += 1;
-                let back = continuous::meshes(&b, &a, Tolerance::Time(WIDTH)).unwrap();
+                let back = continuous::cast_meshes(&b, &a, Tolerance::Time(WIDTH)).unwrap();
                 judge(&back.impact, q, p, false, &what);
             }
         }
@@ -184,8 +184,8 @@ fn a_mesh_meets_itself_when_all_pairs_of_triangles_say() {
             for (k, rest) in [sheet(6, 2.0), soups::knot(16, 4, 0.1)].iter().enumerate() {
                 let [begin, end] = moved(way, &mut rng, rest);
                 let m = ends(rest, [&begin, &end]);
-                let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
-                let found = continuous::self_contact(&a, Tolerance::Time(WIDTH)).unwrap();
+                let a = MovingMesh::new(&m[0], &m[1]).unwrap();
+                let found = continuous::cast_self(&a, Tolerance::Time(WIDTH)).unwrap();
                 let p = [&begin, &end];
                 tally[judge(&found.impact, p, p, true, &format!("{way} {round} {k}"))] += 1;
             }
@@ -230,8 +230,8 @@ fn strips_that_wind_over_themselves_meet_when_all_pairs_of_triangles_say() {
             };
             let (begin, end) = (at((from, turns)), at((to, turns + more)));
             let m = ends(&at((0.5, turns)), [&begin, &end]);
-            let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
-            let found = continuous::self_contact(&a, Tolerance::Time(WIDTH)).unwrap();
+            let a = MovingMesh::new(&m[0], &m[1]).unwrap();
+            let found = continuous::cast_self(&a, Tolerance::Time(WIDTH)).unwrap();
             let p = [&begin, &end];
             tally[judge(&found.impact, p, p, true, &format!("{turns} {from} {to} {more} {k}"))] += 1;
         }
@@ -248,15 +248,15 @@ fn a_tree_may_be_made_anew_within_a_frame() {
         triangles: rest.triangles.clone(),
     };
     let floor = mesh(&at(&|p| -0.5 + 0.2 * p[0] * p[1]));
-    let floor = MeshOverFrame::new(&floor, &floor).unwrap();
+    let floor = MovingMesh::new(&floor, &floor).unwrap();
     for k in 0..10 {
         let bend = 0.015 * f64::from(k);
         let [before, after] = ends(&rest, [&at(&|p| bend * p[0]), &at(&|p| bend * p[0] * p[0] - 1.0)]);
         let mut anew = after.clone();
         anew.rebuild();
         let frames = [(&before, &after), (&before, &anew), (&anew, &before)].map(|(begin, end)| {
-            let frame = MeshOverFrame::new(begin, end).unwrap();
-            continuous::meshes(&frame, &floor, Tolerance::Time(WIDTH))
+            let frame = MovingMesh::new(begin, end).unwrap();
+            continuous::cast_meshes(&frame, &floor, Tolerance::Time(WIDTH))
                 .unwrap()
                 .impact
         });
@@ -296,8 +296,8 @@ fn a_sheet_that_is_pushed_over_itself_meets_itself_when_all_pairs_of_triangles_s
             pushed(far * rng.range(0.5, 1.2), up * rng.range(-1.0, 1.0)),
         );
         let m = ends(&rest, [&begin, &end]);
-        let a = MeshOverFrame::new(&m[0], &m[1]).unwrap();
-        let found = continuous::self_contact(&a, Tolerance::Time(WIDTH)).unwrap();
+        let a = MovingMesh::new(&m[0], &m[1]).unwrap();
+        let found = continuous::cast_self(&a, Tolerance::Time(WIDTH)).unwrap();
         let p = [&begin, &end];
         tally[judge(&found.impact, p, p, true, &format!("{round}"))] += 1;
     }
@@ -308,20 +308,20 @@ fn a_sheet_that_is_pushed_over_itself_meets_itself_when_all_pairs_of_triangles_s
 fn other_meshes_and_sizes_are_refused() {
     let (rest, other) = (sheet(4, 2.0), sheet(5, 2.0));
     let (m, n) = (mesh(&rest), mesh(&other));
-    assert_eq!(MeshOverFrame::new(&m, &n).err(), Some(ImpactError::Mesh));
+    assert_eq!(MovingMesh::new(&m, &n).err(), Some(ImpactError::Mesh));
     let mut anew = m.clone();
     let fold = |p: &Point| Point3::new(p[0].abs(), p[1], 0.2 * p[0]);
     anew.set_vertices(&rest.points.iter().map(fold).collect::<Vec<_>>())
         .unwrap();
-    assert!(MeshOverFrame::new(&m, &anew).is_ok());
-    let frame = MeshOverFrame::new(&m, &m).unwrap();
+    assert!(MovingMesh::new(&m, &anew).is_ok());
+    let frame = MovingMesh::new(&m, &m).unwrap();
     for bad in [f64::NAN, -1.0, f64::INFINITY] {
-        assert!(continuous::meshes(&frame, &frame, Tolerance::Time(bad)).is_err());
-        assert!(continuous::self_contact(&frame, Tolerance::Distance(bad)).is_err());
+        assert!(continuous::cast_meshes(&frame, &frame, Tolerance::Time(bad)).is_err());
+        assert!(continuous::cast_self(&frame, Tolerance::Distance(bad)).is_err());
     }
     let nan = Isometry3::translation(f64::NAN, 0.0, 0.0);
     assert!(matches!(
-        frame.moving(&nan, &Isometry3::identity()).err(),
+        frame.with_poses(&nan, &Isometry3::identity()).err(),
         Some(ImpactError::Pose(_))
     ));
 }
@@ -337,14 +337,11 @@ fn casts_scale_by_powers_of_two() {
             let [begin, end] = moved(way, &mut rng, &rest).map(sized);
             let m = ends(&sized(rest), [&begin, &end]);
             let n = mesh(&sized(soups::rock(1, 3).map(|p| scale(p, 0.5))));
-            let (a, b) = (
-                MeshOverFrame::new(&m[0], &m[1]).unwrap(),
-                MeshOverFrame::new(&n, &n).unwrap(),
-            );
+            let (a, b) = (MovingMesh::new(&m[0], &m[1]).unwrap(), MovingMesh::new(&n, &n).unwrap());
             let at = Isometry3::translation(0.0, 0.0, -0.7 * size);
-            let b = b.moving(&at, &at).unwrap();
-            let cast = continuous::meshes(&a, &b, Tolerance::Time(WIDTH)).unwrap();
-            let own = continuous::self_contact(&a, Tolerance::Distance(1e-6 * size)).unwrap();
+            let b = b.with_poses(&at, &at).unwrap();
+            let cast = continuous::cast_meshes(&a, &b, Tolerance::Time(WIDTH)).unwrap();
+            let own = continuous::cast_self(&a, Tolerance::Distance(1e-6 * size)).unwrap();
             let bracket = |impact: Impact| match impact {
                 Impact::Hit { safe, hit, seen } => [safe, hit, seen.upper / size],
                 Impact::Miss => [2.0; 3],

@@ -62,7 +62,7 @@ fn every_line_is_answered() {
         // Rounded: both radii less; warm, swapped, and after another pair.
         let mut tracker = PairTracker::new();
         let rounded = tracker.closest(&pair.a, &pair.b, &pair.pose);
-        let radii = pair.a.round() + pair.b.round();
+        let radii = pair.a.rounding_radius() + pair.b.rounding_radius();
         let slack = 1e-15 * (size + radii);
         assert!(
             rounded.lower <= o.upper - radii + slack && o.lower - radii <= rounded.upper + slack,

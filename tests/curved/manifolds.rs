@@ -89,8 +89,8 @@ fn contacts_at_rest_stand_still() {
                 q: truth::pose::unit_quat(truth::pose::quat_mul(yaw, q)),
                 t: [0.2, -0.3, 0.5 + height + gap],
             };
-            let mut options = ManifoldOptions::within(0.01);
-            options.drift = drift;
+            let mut options = ManifoldOptions::with_prediction(0.01);
+            options.rebuild_motion = drift;
             let (a, b) = (floor.shape(), kind.shape());
             let (mut pair, mut manifold) = (PairTracker::new(), Manifold::new());
             let mut first: Vec<ContactPoint> = Vec::new();
@@ -122,7 +122,7 @@ fn contacts_at_rest_stand_still() {
 #[test]
 fn caps_are_clipped_by_edges_and_by_caps() {
     let (can, floor) = (Kind::Cylinder(1.0, R), plate());
-    let mut options = ManifoldOptions::within(0.01);
+    let mut options = ManifoldOptions::with_prediction(0.01);
     options.max_points = 8;
     let contacts = |a: &Kind, t: [f64; 3]| {
         let q = truth::pose::quat([0.0, 0.0, 1.0], 0.1);
@@ -170,7 +170,7 @@ fn caps_are_clipped_by_edges_and_by_caps() {
 #[test]
 fn contacts_of_all_pairs_are_sound() {
     let (mut rng, mut counts, mut overlapping) = (Rng::new(2161), [0; 9], 0);
-    let options = ManifoldOptions::within(0.02);
+    let options = ManifoldOptions::with_prediction(0.02);
     for k in 0..2000 {
         let kinds = [0, 1].map(|_| Kind::random(KINDS[rng.below(KINDS.len())], &mut rng, 4.0));
         if matches!(kinds, [Kind::Hull(_), Kind::Hull(_)]) {
@@ -235,9 +235,15 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
             t: [0.003 * f64::from(k), 0.1, 0.8 + 0.375 + rng.range(-0.01, 0.02)],
         };
         let pose = place.pose();
-        pair.manifold(&a, &b, &pose, &ManifoldOptions::within(0.01), &mut manifold)
+        pair.manifold(&a, &b, &pose, &ManifoldOptions::with_prediction(0.01), &mut manifold)
             .unwrap();
-        cores.manifold(&floor, &core, &pose, &ManifoldOptions::within(0.385), &mut of_cores);
+        cores.manifold(
+            &floor,
+            &core,
+            &pose,
+            &ManifoldOptions::with_prediction(0.385),
+            &mut of_cores,
+        );
         assert_eq!(manifold.points().len(), of_cores.points().len());
         let n = manifold.normal();
         for (p, q) in manifold.points().iter().zip(of_cores.points()) {
@@ -265,8 +271,14 @@ fn rounded_polyhedra_have_the_contacts_of_their_cores() {
         q: [0.0, 0.0, 0.0, 1.0],
         t: [0.505, 0.0, 0.5],
     };
-    pair.manifold(&pill, &pill, &at.pose(), &ManifoldOptions::within(0.01), &mut manifold)
-        .unwrap();
+    pair.manifold(
+        &pill,
+        &pill,
+        &at.pose(),
+        &ManifoldOptions::with_prediction(0.01),
+        &mut manifold,
+    )
+    .unwrap();
     assert_eq!(manifold.points().len(), 2);
     for p in manifold.points() {
         assert!(

@@ -43,8 +43,14 @@ fn a_face_flush_over_an_edge_is_a_gap_along_its_axis() {
             note(1, &last);
         }
         let mut manifold = Manifold::new();
-        pair.manifold(&x, &y, &place.pose(), &ManifoldOptions::within(1e-6), &mut manifold)
-            .unwrap();
+        pair.manifold(
+            &x,
+            &y,
+            &place.pose(),
+            &ManifoldOptions::with_prediction(1e-6),
+            &mut manifold,
+        )
+        .unwrap();
         let upright = |n: Vector3<f64>| side * n.z > 1.0 - 1e-9;
         if manifold.points().is_empty() || !upright(*manifold.normal()) {
             note(2, &last);

@@ -62,7 +62,7 @@ fn starts_along_normals_change_the_work_alone() {
             let (x, y, pose) = (a.shape(), b.shape(), next.pose());
             let before = PairTracker::new().closest(&x, &y, &place.pose());
             let cold = PairTracker::new().closest(&x, &y, &pose).outcome;
-            let told = PairTracker::starting_along(&before.normal, &x, &y)
+            let told = PairTracker::with_direction(&before.normal, &x, &y)
                 .closest(&x, &y, &pose)
                 .outcome;
             agree(&told, &cold);
@@ -70,12 +70,12 @@ fn starts_along_normals_change_the_work_alone() {
             let (pose_a, pose_b) = place.pose().poses();
             let in_world = pose_a.rotation * before.normal.into_inner();
             let back = Unit::new_normalize(-pose_b.rotation.inverse_transform_vector(&in_world));
-            let swapped = PairTracker::starting_along(&back, &y, &x)
+            let swapped = PairTracker::with_direction(&back, &y, &x)
                 .closest(&y, &x, &pose.swapped())
                 .outcome;
             agree(&swapped, &cold);
             let wrong = Unit::new_normalize(Vector3::from(rng.unit()));
-            let wrong = PairTracker::starting_along(&wrong, &x, &y).closest(&x, &y, &pose);
+            let wrong = PairTracker::with_direction(&wrong, &x, &y).closest(&x, &y, &pose);
             agree(&wrong, &cold);
             wrong_work.add(&wrong);
             if cold.state == ContactState::Separated {
@@ -110,7 +110,7 @@ fn other_pairs_take_no_start() {
         };
         let cold = PairTracker::new().closest(&cube, &cube, &place.pose());
         let normal = Unit::new_normalize(Vector3::from(rng.unit()));
-        let told = PairTracker::starting_along(&normal, &cube, &cube).closest(&cube, &cube, &place.pose());
+        let told = PairTracker::with_direction(&normal, &cube, &cube).closest(&cube, &cube, &place.pose());
         assert_eq!(
             (told.lower, told.upper, told.features),
             (cold.lower, cold.upper, cold.features)
@@ -129,9 +129,9 @@ fn local_depths_of_curved_shapes_part_them() {
             let (x, y, pose) = (a.shape(), b.shape(), next.pose());
             let before = PairTracker::new().closest(&x, &y, &place.pose());
             let full = PairTracker::new().closest(&x, &y, &pose);
-            let options = ManifoldOptions::within(0.0).local_depth(true);
+            let options = ManifoldOptions::with_prediction(0.0).local_depth(true);
             let mut manifold = Manifold::new();
-            PairTracker::starting_along(&before.normal, &x, &y)
+            PairTracker::with_direction(&before.normal, &x, &y)
                 .manifold(&x, &y, &pose, &options, &mut manifold)
                 .expect("convex shapes");
             let size = next.size(&a, &b);

@@ -3,7 +3,7 @@
 
 use crate::nearest::{nudged, pose, shape};
 use lin_canny::{
-    ContactState, ConvexPolyhedron, Manifold, ManifoldOptions, Outcome, PairTracker, Question, Tracker, Until,
+    ContactState, ConvexPolyhedron, DepthMode, Manifold, ManifoldOptions, Outcome, PairTracker, QueryOptions, Tracker,
 };
 use truth::exact::{self, Exact};
 use truth::motion::{self, Frame};
@@ -94,7 +94,7 @@ fn local_depths_bound_the_exact_depth() {
             if k % 2 == 0 {
                 mixed.closest(&a, &b, &pose);
             }
-            let mut hint = last.map_or_else(Tracker::new, |o| Tracker::resuming(o.features, o.state, &a, &b));
+            let mut hint = last.map_or_else(Tracker::new, |o| Tracker::with_previous(o.features, o.state, &a, &b));
             for tracker in [warm, mixed, &mut hint] {
                 let o = tracker.closest_with_local_depth(&a, &b, &pose);
                 there.judge(&frame, &o, &truth, &mut count);
@@ -158,8 +158,8 @@ fn motions_through_contact_keep_class_and_bounds() {
 #[test]
 fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
     let mut rng = Rng::new(523);
-    let mut options = ManifoldOptions::within(0.01);
-    (options.local_depth, options.drift) = (true, 0.0);
+    let mut options = ManifoldOptions::with_prediction(0.01);
+    (options.local_depth, options.rebuild_motion) = (true, 0.0);
     let (mut points, mut overlaps) = (0, 0);
     for _ in 0..30 {
         let (sa, sb) = (shapes::sphere(&mut rng, 24), shapes::cuboid([0.6, 0.5, 0.4]));
@@ -190,11 +190,11 @@ fn contacts_of_a_local_depth_are_no_deeper_than_the_bound() {
                 overlaps += usize::from(m.lower() < 0.0);
             }
             let truth = PairTracker::new().closest(&rounded[0], &rounded[1], &pose);
-            let o = shape_pair.ask(
+            let o = shape_pair.closest_with(
                 &rounded[0],
                 &rounded[1],
                 &pose,
-                &Question::new().until(Until::LocalDepth),
+                &QueryOptions::new().depth(DepthMode::Local),
             );
             assert_eq!(o.state, truth.state, "{o:?} {truth:?}");
             assert!(o.lower <= truth.upper && truth.lower <= o.upper, "{o:?} {truth:?}");

@@ -96,7 +96,7 @@ fn nearest_facets_are_the_exact_depth() {
         for _ in 0..4 {
             let truth = exact::solve(Body::from(&sa), &frame.a, Body::from(&sb), &frame.b);
             let (there, swapped) = (support::relative(&frame), support::relative(&frame.swapped()));
-            let hint = last.map_or_else(Tracker::new, |o| Tracker::resuming(o.features, o.state, &a, &b));
+            let hint = last.map_or_else(Tracker::new, |o| Tracker::with_previous(o.features, o.state, &a, &b));
             let answers = [
                 pair.closest(&a, &b, &there),
                 Tracker::new().closest(&a, &b, &there),

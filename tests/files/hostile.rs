@@ -128,7 +128,7 @@ pub(super) fn small_scene() -> (Scene, Vec<BodyId>) {
     let none = PairQueries::none();
     let mut scene = Scene::new();
     let near = none.overlap(true).distance(0.5).features(true);
-    let contacts = none.manifold(ManifoldOptions::within(0.1)).within(0.2);
+    let contacts = none.manifold(ManifoldOptions::with_prediction(0.1)).within(0.2);
     scene.set_queries(group(0), group(0), near).unwrap();
     scene.set_queries(group(0), group(1), contacts).unwrap();
     scene
@@ -191,7 +191,7 @@ fn numbers_changed_in_a_file_do_no_harm() {
     let (cube, flush, options) = (
         solids::cuboid(Vector3::repeat(0.5)).unwrap(),
         pose([0.3, 0.2, 0.99]),
-        ManifoldOptions::within(0.1),
+        ManifoldOptions::with_prediction(0.1),
     );
     pair.manifold(&cube, &cube, &flush, &options, &mut manifold);
     let read = survives(&manifold, 2000, 84, |mut manifold, _| {

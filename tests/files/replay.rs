@@ -73,7 +73,7 @@ fn a_query_of_rounded_bodies_comes_back_bit_for_bit() {
             let replay = pair.replay(&a, &b, &pose).expect("polyhedral cores");
             let again: Replay = replay.to_string().parse().unwrap();
             assert_eq!(again, replay);
-            assert_eq!(again.shapes().map(|s| s.round()), [round, 0.5]);
+            assert_eq!(again.shapes().map(|s| s.rounding_radius()), [round, 0.5]);
             warm += usize::from(again.start.is_some());
             let [c, d] = again.shapes();
             let (mine, theirs) = (

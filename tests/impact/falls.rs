@@ -2,7 +2,7 @@
 
 use super::pairs::{Bodies, Fall};
 use lin_canny::RelativePose;
-use lin_canny::impact::{Impact, Tolerance, cast, free_until, held_until};
+use lin_canny::impact::{Impact, Tolerance, cast, free_until, overlapping_until};
 use lin_canny::motion::Motion;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use truth::rng::Rng;
@@ -123,7 +123,7 @@ fn holds_are_most_of_what_there_is() {
             };
             let truth = f64::min(until, (2.0 * way / 9.81f64).sqrt());
             bodies.each(|kind, pair| {
-                let held = held_until(pair, &Fall::still(), &fall, (0.0, until), way).expect("an answer");
+                let held = overlapping_until(pair, &Fall::still(), &fall, (0.0, until), way).expect("an answer");
                 assert!(
                     held <= truth && held > 0.7 * truth,
                     "{kind}, {way} until {until}: {held} {truth}"

@@ -1,7 +1,7 @@
 //! Motions that are no motions, and intervals of no length: nothing is proven by them, and every cast ends.
 
 use super::pairs::{Bodies, Fall};
-use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance, cast, cast_within, free_until, held_until};
+use lin_canny::impact::{Cast, Impact, ImpactError, Tolerance, cast, cast_within, free_until, overlapping_until};
 use lin_canny::motion::{Motion, MotionModel, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::separation::{FreeSpan, Measurement, PairMotion, Proof, Separation, Tangent};
@@ -90,7 +90,7 @@ fn a_course_that_is_none_proves_nothing() {
                     if from == 0.0 {
                         let free = free_until(pair, &still, &broken, (0.0, 8.0), 0.1).expect("an answer");
                         assert_eq!(free.until, 0.0, "{kind}, {what}: {free:?}");
-                        let held = held_until(pair, &still, &broken, (0.0, 8.0), 0.1).expect("an answer");
+                        let held = overlapping_until(pair, &still, &broken, (0.0, 8.0), 0.1).expect("an answer");
                         assert_eq!(held, 0.0, "{kind}, {what}");
                     }
                 });
@@ -244,8 +244,8 @@ fn wild(rng: &mut Rng, at: Vector3<f64>) -> Box<dyn Motion> {
     if let (Ok(steady), true) = (steady, rng.chance(0.7)) {
         let most = number(rng).abs();
         let other = match rng.below(3) {
-            0 => steady.accelerated(gravity),
-            1 => steady.within(most, number(rng).abs()),
+            0 => steady.with_acceleration(gravity),
+            1 => steady.with_acceleration_bounds(most, number(rng).abs()),
             _ => Ok(steady),
         };
         return Box::new(other.unwrap_or(steady));
@@ -350,7 +350,7 @@ impl Separation for Stubborn {
             lower: gap,
             upper: gap,
             features: None,
-            pieces: [0; 2],
+            subshapes: [0; 2],
             point_on_a: Point3::origin(),
             point_on_b: Point3::origin(),
             normal: Vector3::x_axis(),

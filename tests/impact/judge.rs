@@ -91,7 +91,7 @@ impl<'a> Judge<'a> {
     pub(crate) fn cast(&self, tolerance: Tolerance, instants: usize, turn: f64, tally: &mut Tally) -> Cast {
         let [a, b] = &self.motions;
         let cast = cast(
-            &mut Tracker::new().over(self.bodies[0], self.bodies[1]),
+            &mut Tracker::new().pair(self.bodies[0], self.bodies[1]),
             a,
             b,
             (0.0, 1.0),

@@ -80,7 +80,9 @@ fn steady_motions_keep_to_their_courses() {
         };
         let mut motion = Steady::about(&pose(&mut rng), pivot, velocity).expect("a motion");
         if k % 3 == 0 {
-            motion = motion.accelerated(vector(&mut rng, 9.8)).expect("an acceleration");
+            motion = motion
+                .with_acceleration(vector(&mut rng, 9.8))
+                .expect("an acceleration");
         }
         check(&mut rng, &motion, &motion, 1.0, &mut used);
     }
@@ -99,7 +101,7 @@ fn open_motions_keep_to_their_courses() {
         let start = pose(&mut rng);
         let nominal = Steady::new(&start, Velocity::new(vector(&mut rng, 5.0), axis * spin)).expect("a motion");
         let (push, twist) = (vector(&mut rng, 1.0).normalize() * 4.0, rng.range(-2.0, 2.0));
-        let open = nominal.within(4.0, 2.0).expect("bounds");
+        let open = nominal.with_acceleration_bounds(4.0, 2.0).expect("bounds");
         let truth = Pushed {
             nominal,
             axis,
@@ -215,7 +217,10 @@ fn numbers_that_are_no_motion_are_refused() {
     ));
     assert!(Steady::screw(&one, &Point3::origin(), &Vector3::zeros(), 1.0, 1.0).is_err());
     let rest = Steady::new(&one, Velocity::default()).expect("rest is a motion");
-    assert!(rest.within(-1.0, 0.0).is_err() && rest.accelerated(Vector3::repeat(f64::INFINITY)).is_err());
+    assert!(
+        rest.with_acceleration_bounds(-1.0, 0.0).is_err()
+            && rest.with_acceleration(Vector3::repeat(f64::INFINITY)).is_err()
+    );
     let long = Isometry3::from_parts(
         Translation3::identity(),
         UnitQuaternion::new_unchecked(Quaternion::new(1.1, 0.0, 0.0, 0.0)),

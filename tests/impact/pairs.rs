@@ -67,17 +67,17 @@ impl Bodies {
             mesh,
             surface,
         } = self;
-        call("polyhedra", &mut Tracker::new().over(hull, hull));
-        call("shapes", &mut PairTracker::new().over(ball, cone));
-        call("compounds", &mut PairTracker::new().over(pieces, pieces));
-        call("compound and mesh", &mut PairTracker::new().over(pieces, mesh));
-        call("meshes", &mut PairTracker::new().over(mesh, mesh));
+        call("polyhedra", &mut Tracker::new().pair(hull, hull));
+        call("shapes", &mut PairTracker::new().pair(ball, cone));
+        call("compounds", &mut PairTracker::new().pair(pieces, pieces));
+        call("compound and mesh", &mut PairTracker::new().pair(pieces, mesh));
+        call("meshes", &mut PairTracker::new().pair(mesh, mesh));
         let Some(surface) = surface else { return };
-        call("surfaces", &mut PairTracker::new().over(surface, surface));
-        call("surface and shape", &mut PairTracker::new().over(surface, ball));
-        call("shape and surface", &mut PairTracker::new().over(ball, surface));
-        call("surface and compound", &mut PairTracker::new().over(surface, pieces));
-        call("mesh and surface", &mut PairTracker::new().over(mesh, surface));
+        call("surfaces", &mut PairTracker::new().pair(surface, surface));
+        call("surface and shape", &mut PairTracker::new().pair(surface, ball));
+        call("shape and surface", &mut PairTracker::new().pair(ball, surface));
+        call("surface and compound", &mut PairTracker::new().pair(surface, pieces));
+        call("mesh and surface", &mut PairTracker::new().pair(mesh, surface));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{bodies, radius};
 use lin_canny::Tracker;
-use lin_canny::impact::{Certificate, Tolerance, cast_proving, free_until};
+use lin_canny::impact::{Certificate, Tolerance, cast_with_certificates, free_until};
 use lin_canny::motion::{Motion, Nlerp, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::separation::Proof;
@@ -55,7 +55,7 @@ fn judge<A: Motion, B: Motion>(
     seen: &mut Seen,
 ) {
     let mut tracker = Tracker::new();
-    let mut pair = tracker.over(bodies.0, bodies.1);
+    let mut pair = tracker.pair(bodies.0, bodies.1);
     let (interval, (ma, mb)) = ((from, 1.0), motions);
     let look = free_until(&mut pair, ma, mb, interval, distance).expect("an answer");
     if let Some(part) = holds(bodies, motions, &look) {
@@ -70,7 +70,7 @@ fn judge<A: Motion, B: Motion>(
     }
     let mut steps = Vec::new();
     let tolerance = Tolerance::Distance(1e-9);
-    cast_proving(&mut pair, ma, mb, interval, tolerance, distance, &mut steps).expect("a cast");
+    cast_with_certificates(&mut pair, ma, mb, interval, tolerance, distance, &mut steps).expect("a cast");
     for step in steps {
         let keeps = matches!(step.proof, Proof::Plane { spin, .. } if spin == Vector3::zeros());
         if let Some(part) = holds(bodies, motions, &step)
@@ -95,7 +95,7 @@ fn holds<A: Motion, B: Motion>(
         from, until, distance, ..
     } = *certificate;
     let mut tracker = Tracker::new();
-    let mut pair = tracker.over(a, b);
+    let mut pair = tracker.pair(a, b);
     certificate.normal(from).filter(|_| until > from)?;
     let at = |t: f64| {
         let n = certificate.normal(t).expect("a plane");
@@ -163,11 +163,13 @@ fn planes_hold_for_every_motion() {
         let [sa, sb] = throw.start;
         let push = Vector3::from(rng.in_ball()) * 5.0;
         let ma = Steady::about(&sa, pivot, va)
-            .and_then(|m| m.accelerated(push))
+            .and_then(|m| m.with_acceleration(push))
             .expect("a motion");
         let from = rng.range(0.0, 0.9);
         if k % 2 == 0 {
-            let mb = Steady::new(&sb, vb).and_then(|m| m.within(0.3, 0.2)).expect("a motion");
+            let mb = Steady::new(&sb, vb)
+                .and_then(|m| m.with_acceleration_bounds(0.3, 0.2))
+                .expect("a motion");
             judge((&a, &b), (&ma, &mb), from, 0.0, &mut seen);
         } else {
             let end = Velocity::new(vb.linear, Vector3::from(rng.in_ball()) * 3.0).applied(&sb, 1.0);

@@ -82,7 +82,7 @@ fn rays_enter_meshes_at_their_first_crossing() {
                         let (safe, end) = (hit.safe / scale, hit.hit / scale);
                         assert!(safe - 1e-10 < *expected && *expected < end + 1e-10, "{told}");
                         assert!(end - safe < 1e-9, "{told}");
-                        assert_eq!(hit.part, *t as u32, "{told}");
+                        assert_eq!(hit.subshape, *t as u32, "{told}");
                         assert!(
                             matches!(hit.feature, Some(Feature::Face(f)) if f.index() == *t),
                             "{told}"

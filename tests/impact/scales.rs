@@ -2,7 +2,7 @@
 
 use super::pairs::{Bodies, Fall};
 use lin_canny::Tracker;
-use lin_canny::impact::{Cast, Impact, Tolerance, cast, cast_within, held_until};
+use lin_canny::impact::{Cast, Impact, Tolerance, cast, cast_within, overlapping_until};
 use lin_canny::motion::{Motion, MotionModel, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{ConvexPolyhedron, Velocity};
@@ -95,7 +95,7 @@ fn answers_scale_bit_for_bit() {
                 let motion = Steady::about(&start, pivot, velocity).expect("a motion");
                 if case % 5 == 0 {
                     motion
-                        .accelerated(push * (size / tick / tick))
+                        .with_acceleration(push * (size / tick / tick))
                         .expect("an acceleration")
                 } else {
                     motion
@@ -103,7 +103,7 @@ fn answers_scale_bit_for_bit() {
             };
             let (motions, bodies) = ([motion(0), motion(1)], [scaled(&a, size), scaled(&b, size)]);
             let mut tracker = Tracker::new();
-            let mut pair = tracker.over(&bodies[0], &bodies[1]);
+            let mut pair = tracker.pair(&bodies[0], &bodies[1]);
             let tolerance = Tolerance::Distance(1e-9 * size);
             cast(&mut pair, &motions[0], &motions[1], (0.0, tick), tolerance).expect("a cast")
         };
@@ -178,7 +178,7 @@ fn no_clock_changes_an_answer() {
             bodies.each(|kind, pair| {
                 let tolerance = Tolerance::Distance(1e-6);
                 let found = cast(pair, &a, &b, (0.0, until), tolerance).expect("a cast");
-                let held = held_until(pair, &a, &b, (0.0, until), 0.5).expect("an answer");
+                let held = overlapping_until(pair, &a, &b, (0.0, until), 0.5).expect("an answer");
                 answers.push((kind.to_string(), told(&found, tick), found.queries, held / tick));
             });
             answers

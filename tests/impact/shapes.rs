@@ -39,7 +39,7 @@ fn balls_meet_when_the_closed_form_says() {
             steady(&Isometry3::from_parts(x.into(), lin_canny::nalgebra::one()), v, -spin),
         ];
         let found = cast(
-            &mut PairTracker::new().over(&a, &b),
+            &mut PairTracker::new().pair(&a, &b),
             &motions[0],
             &motions[1],
             (0.0, 1.0),
@@ -88,13 +88,13 @@ fn every_pair_of_kinds_is_apart_until_it_is_hit() {
         let throw = casts::aimed(&mut rng, (a.bounding_ball().1, b.bounding_ball().1), turn);
         let motions = [0, 1].map(|k| steady(&throw.start[k], throw.velocity[k].linear, throw.velocity[k].angular));
         let found = cast(
-            &mut PairTracker::new().over(a, b),
+            &mut PairTracker::new().pair(a, b),
             &motions[0],
             &motions[1],
             (0.0, 1.0),
             Tolerance::Distance(TOLERANCE),
         );
-        let relative = |t: f64| RelativePose::normalized(&motions[0].pose(t), &motions[1].pose(t)).expect("a pose");
+        let relative = |t: f64| RelativePose::new_normalized(&motions[0].pose(t), &motions[1].pose(t)).expect("a pose");
         let (until, hit) = match found.expect("a finite cast").impact {
             Impact::Hit { safe, hit, .. } => (safe, Some(hit)),
             Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => (safe, None),

@@ -21,7 +21,7 @@ fn casts_of_bodies_that_turn_too_fast_end_early() {
         for w in [1e15, 1e12] {
             let turning = Steady::new(&near, spin(w)).unwrap();
             let mut tracker = PairTracker::new();
-            let mut pair = tracker.over(a, b);
+            let mut pair = tracker.pair(a, b);
             let began = cpu_time::ThreadTime::now();
             let tolerance = Tolerance::Distance(1e-6);
             let found = cast(&mut pair, &still, &turning, (0.0, 1.0), tolerance).unwrap();

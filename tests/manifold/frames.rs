@@ -29,8 +29,8 @@ fn names_last_at_rest() {
                 let spin = if k % 2 == 0 { 0.0 } else { rng.range(0.0, 6.0) };
                 let start = workload::stacked(face_a, face_b, spin, -1e-3);
                 let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-                let mut options = ManifoldOptions::within(0.05);
-                options.drift = drift.unwrap_or(options.drift);
+                let mut options = ManifoldOptions::with_prediction(0.05);
+                options.rebuild_motion = drift.unwrap_or(options.rebuild_motion);
                 let mut before: Option<Vec<FeaturePair>> = None;
                 for frame in workload::at_rest(start, noise, reach, 60, &mut rng) {
                     pair.manifold(a, b, &support::relative(&frame), &options, &mut m);
@@ -57,7 +57,7 @@ fn sliding_contacts_keep_their_names_and_order() {
     let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
     let cube = support::body(&shapes::cube());
     let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-    let options = ManifoldOptions::within(0.05);
+    let options = ManifoldOptions::with_prediction(0.05);
     let mut first: Option<Vec<FeaturePair>> = None;
     for k in 0..100 {
         let pose = support::shifted([0.025 * f64::from(k) - 1.0, 0.3, 1.49]);
@@ -75,10 +75,10 @@ fn sliding_contacts_keep_their_names_and_order() {
 fn names_last_over_a_change_of_features() {
     let plate = support::body(&shapes::cuboid([4.0, 4.0, 0.5]));
     let cube = support::body(&shapes::cube());
-    for drift in [0.0, ManifoldOptions::default().drift] {
+    for drift in [0.0, ManifoldOptions::default().rebuild_motion] {
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let mut options = ManifoldOptions::within(0.05);
-        (options.drift, options.choice) = (drift, 0.0);
+        let mut options = ManifoldOptions::with_prediction(0.05);
+        (options.rebuild_motion, options.reselect_motion) = (drift, 0.0);
         let (mut first, mut changed) = (None, 0);
         for k in 0..100 {
             let pose = support::shifted([2.95 + 0.001 * f64::from(k), 0.3, 1.49]);
@@ -101,8 +101,8 @@ fn names_are_never_given_twice() {
     let mut strange = 0;
     for _ in 0..60 {
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let mut options = ManifoldOptions::within(0.05);
-        (options.drift, options.choice, options.max_points) = (0.0, 0.0, 8);
+        let mut options = ManifoldOptions::with_prediction(0.05);
+        (options.rebuild_motion, options.reselect_motion, options.max_points) = (0.0, 0.0, 8);
         let (yaw, aside) = (rng.range(0.1, 1.4), rng.range(-0.5, 0.5));
         for k in 0..120 {
             let x = 2.6 + 0.1 * (0.2 * f64::from(k)).sin() + rng.range(0.0, 0.02);
@@ -135,8 +135,8 @@ fn old_manifolds_keep_their_bounds() {
         let radii = (radius(&a.points), radius(&b.points));
         let (a, b) = (support::body(&a), support::body(&b));
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let mut options = ManifoldOptions::within(0.02);
-        options.drift = 1.0 / 64.0;
+        let mut options = ManifoldOptions::with_prediction(0.02);
+        options.rebuild_motion = 1.0 / 64.0;
         for frame in motion::pass_through(&mut rng, 4000, radii, 0.3) {
             let pose = support::relative(&frame);
             pair.manifold(&a, &b, &pose, &options, &mut m);
@@ -154,7 +154,7 @@ fn old_manifolds_keep_their_bounds() {
             let size = support::size(&a, &b, &frame);
             let deepest = m.deepest().expect("not empty").separation;
             assert!(deepest >= m.lower() - 1e-13 * size, "{m:?} {truth:?}");
-            assert!(m.upper() - m.lower() < 2.1 * options.drift * radii.0.min(radii.1) + 1e-12 * size);
+            assert!(m.upper() - m.lower() < 2.1 * options.rebuild_motion * radii.0.min(radii.1) + 1e-12 * size);
             old += 1;
         }
     }
@@ -172,14 +172,14 @@ fn manifolds_of_other_bodies_are_made_anew() {
     };
     assert_eq!(shaved.vertex_count(), 8);
     let pose = support::shifted([0.0, 0.0, 1.99]);
-    let options = ManifoldOptions::within(0.05);
+    let options = ManifoldOptions::with_prediction(0.05);
     let (mut pair, mut m) = (Tracker::new(), Manifold::new());
     pair.manifold(&cube, &cube, &pose, &options, &mut m);
     pair.manifold(&cube, &cube, &pose, &options, &mut m);
     assert!(!m.is_fresh());
     pair.manifold(&shaved, &cube, &pose, &options, &mut m);
     assert!(m.is_fresh());
-    pair.manifold(&shaved, &cube, &pose, &ManifoldOptions::within(0.06), &mut m);
+    pair.manifold(&shaved, &cube, &pose, &ManifoldOptions::with_prediction(0.06), &mut m);
     assert!(m.is_fresh());
 }
 
@@ -193,7 +193,7 @@ fn bodies_far_from_their_origin_are_asked_anew() {
     let mut rng = Rng::new(612);
     for (a, b) in [(&near, &far), (&far, &near), (&far, &far)] {
         let (mut pair, mut m) = (Tracker::new(), Manifold::new());
-        let options = ManifoldOptions::within(0.02);
+        let options = ManifoldOptions::with_prediction(0.02);
         let home = |body: &ConvexPolyhedron| {
             Pose::shift(if std::ptr::eq(body, &far) {
                 away.map(|x| -x)

@@ -17,15 +17,15 @@ use truth::support;
 use truth::{Point, Pose};
 
 fn exact(prediction: f64, max_points: usize) -> ManifoldOptions {
-    let mut o = ManifoldOptions::within(prediction);
-    (o.drift, o.choice, o.max_points) = (0.0, 0.0, max_points);
+    let mut o = ManifoldOptions::with_prediction(prediction);
+    (o.rebuild_motion, o.reselect_motion, o.max_points) = (0.0, 0.0, max_points);
     o
 }
 
 /// Options under which only faces within a degree of the normal bear contacts.
 fn flush(prediction: f64, max_points: usize) -> ManifoldOptions {
     let mut o = exact(prediction, max_points);
-    o.sine = 1.0 / 64.0;
+    o.max_face_sine = 1.0 / 64.0;
     o
 }
 
@@ -43,7 +43,7 @@ fn predictions_reach_as_far_as_they_say() {
         let gap = 0.001 * f64::from(k);
         let pose = support::shifted([0.3, 0.2, 2.0 + gap]);
         let mut m = Manifold::new();
-        let options = ManifoldOptions::within(0.05);
+        let options = ManifoldOptions::with_prediction(0.05);
         Tracker::new().manifold(&cube, &cube, &pose, &options, &mut m);
         if (gap - 0.05).abs() > 1e-12 {
             assert_eq!(m.points().len(), if gap < 0.05 { 4 } else { 0 }, "{gap}");
@@ -59,7 +59,7 @@ fn predictions_reach_as_far_as_they_say() {
         assert_eq!(m.points().len(), points);
     }
     let mut options = exact(0.05, 0);
-    (options.sine, options.drift) = (f64::NAN, f64::NAN);
+    (options.max_face_sine, options.rebuild_motion) = (f64::NAN, f64::NAN);
     let mut m = Manifold::new();
     Tracker::new().manifold(&cube, &cube, &support::shifted([0.3, 0.2, 1.99]), &options, &mut m);
     assert_eq!(m.points().len(), 1);
@@ -130,13 +130,13 @@ fn an_outcome_gives_the_contacts_of_a_first_query() {
                 t: truth::pose::scale(rng.unit(), rng.range(0.3, 2.4)),
             },
         };
-        let (pose, options) = (support::relative(&frame), ManifoldOptions::within(0.1));
+        let (pose, options) = (support::relative(&frame), ManifoldOptions::with_prediction(0.1));
         let outcome = Tracker::new().closest(a, b, &pose);
-        let m = Manifold::of_outcome((a, b), &pose, &outcome, &options);
+        let m = Manifold::from_outcome((a, b), &pose, &outcome, &options);
         assert_eq!(m, manifold(a, b, &frame, &options));
         points[m.points().len()] += 1;
         let point = ConvexPolyhedron::point(lin_canny::nalgebra::Point3::origin()).expect("a point");
-        let m = Manifold::of_outcome((&point, &point), &pose, &outcome, &options);
+        let m = Manifold::from_outcome((&point, &point), &pose, &outcome, &options);
         assert!(m.points().len() <= 1, "features of other bodies");
     }
     assert!(points[0] > 50 && points[1] > 5 && points[4] > 50, "{points:?}");

@@ -102,15 +102,15 @@ fn casts_are_never_late() {
         let (m, n) = (&meshes[rng.below(7)], &meshes[rng.below(7)]);
         let mut tracker = PairTracker::new();
         let mut state = |pose: &RelativePose| tracker.closest(m, n, pose).state;
-        judge(&mut PairTracker::new().over(m, n), &mut state, (&a, &b), &mut of_meshes);
+        judge(&mut PairTracker::new().pair(m, n), &mut state, (&a, &b), &mut of_meshes);
         judge(
-            &mut PairTracker::new().over(&cross, &round),
+            &mut PairTracker::new().pair(&cross, &round),
             &mut of_parts(&cross, &round),
             (&a, &b),
             &mut of_pieces,
         );
         judge(
-            &mut PairTracker::new().over(m, &round),
+            &mut PairTracker::new().pair(m, &round),
             &mut of_parts(m, &round),
             (&a, &b),
             &mut mixed,
@@ -130,7 +130,7 @@ fn motion_along_a_wall_takes_few_looks() {
     let a = steady(Pose::IDENTITY, [0.0; 3], [0.0; 3]);
     let b = steady(Pose::shift([-3.0, 0.3, 0.31]), [6.0, 0.1, 0.0], [0.0; 3]);
     let mut tracker = PairTracker::new();
-    let mut pair = tracker.over(&wall, &ball);
+    let mut pair = tracker.pair(&wall, &ball);
     let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-6)).unwrap();
     println!("{} looks", found.queries);
     assert_eq!(found.impact, Impact::Miss);

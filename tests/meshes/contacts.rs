@@ -9,17 +9,17 @@ use truth::rng::Rng;
 use truth::soups::{self, Soup};
 
 pub(crate) fn patches(soup: &Soup) -> ConvexPatches {
-    ConvexPatches::of_mesh(mesh(soup))
+    ConvexPatches::from_mesh(mesh(soup))
 }
 
 pub(crate) fn within(prediction: f64) -> ManifoldOptions {
-    ManifoldOptions::within(prediction)
+    ManifoldOptions::with_prediction(prediction)
 }
 
 /// Points chosen anew whenever a body moves at all.
 pub(crate) fn exact(prediction: f64) -> ManifoldOptions {
     let mut options = within(prediction);
-    options.drift = 0.0;
+    options.rebuild_motion = 0.0;
     options
 }
 
@@ -297,7 +297,7 @@ fn a_body_that_slides_over_inner_edges_for_a_thousand_frames_feels_none() {
         pose: Pose::shift([f64::from(k % 10) * 0.4 - 1.8, f64::from(k / 10) * 0.4 - 1.8, -1.1]).isometry(),
         ..Piece::new(Shape::cuboid(Vector3::new(0.2, 0.2, 0.1)).unwrap())
     });
-    let floor = ConvexPatches::of_pieces(Compound::new(tiles.collect()).unwrap());
+    let floor = ConvexPatches::from_compound(Compound::new(tiles.collect()).unwrap());
     slide(
         (&floor, &Pose::IDENTITY),
         (&cuboid([0.3, 0.2, 0.25]), -0.75, 4),
@@ -388,7 +388,7 @@ fn pieces_bear_contacts_as_they_are() {
     let mut post = Piece::new(Shape::cylinder(0.1, 0.5).unwrap());
     post.pose.translation.vector.z = 0.6;
     let body = Compound::new(vec![Piece::new(beam), post]).unwrap();
-    let p = ConvexPatches::of_pieces(body);
+    let p = ConvexPatches::from_compound(body);
     let floor = cuboid([3.0, 3.0, 1.0]);
     let pose = Pose::shift([0.0, 0.0, 1.099]);
     let found = PairTracker::new()

@@ -163,7 +163,7 @@ fn powers_of_two_scale_the_answer() {
                 o.distance / s,
                 o.lower / s,
                 o.upper / s,
-                o.on,
+                o.locations,
                 o.point_on_a.coords / s,
                 o.normal,
             )

@@ -149,7 +149,9 @@ impl Tally {
         let space = RigidSpace::new([[-60.0, 60.0]; 3], 1.0, 1).unwrap();
         let mut checker = Checker::new(space, world).unwrap();
         let meets = apart(a, b, pose).0 == RBig::ZERO || is_held((a, m), (b, n), pose);
-        let is_free = checker.free_at(&RigidSpace::configuration(&pose.isometry())).unwrap();
+        let is_free = checker
+            .is_free_at(&RigidSpace::configuration(&pose.isometry()))
+            .unwrap();
         assert_eq!(is_free, !meets, "{what}");
         self.free[usize::from(is_free)] += 1;
     }

@@ -129,11 +129,11 @@ fn names_are_those_of_the_body_that_is_asked() {
     let meshes = [0, 1].map(|k| Mesh::new(&lists[k].0, &lists[k].1).unwrap());
     let ball = Mesh::from_convex(&solids::icosahedron(0.3).unwrap()).unwrap();
     let (mut tracker, mut touched) = (PairTracker::new(), PairTracker::new());
-    let options = ManifoldOptions::within(0.1);
+    let options = ManifoldOptions::with_prediction(0.1);
     for (k, pose) in poses(60, 1.5, 4).iter().enumerate() {
         let (points, triangles) = &lists[k % 2];
         let found = tracker.closest(&meshes[k % 2], &ball, pose);
-        let corners = triangles[found.on[0].part as usize].map(|v| points[v as usize]);
+        let corners = triangles[found.locations[0].subshape as usize].map(|v| points[v as usize]);
         // The witness lies on the triangle that is named.
         if found.lower > 0.0 {
             let named = Shape::from(ConvexPolyhedron::polygon(&corners).unwrap());
@@ -204,7 +204,7 @@ fn features_are_tried_on_the_bodies_that_are_asked() {
     ];
     let other = cuboid([0.3, 0.4, 0.5]);
     let (mut tracker, mut manifolds, mut kept) = (Tracker::new(), PairTracker::new(), Manifold::default());
-    let options = ManifoldOptions::within(0.05);
+    let options = ManifoldOptions::with_prediction(0.05);
     for (k, pose) in poses(200, 1.2, 8).iter().enumerate() {
         let body = &bodies[k % 4];
         let (found, fresh) = (

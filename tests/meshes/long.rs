@@ -109,7 +109,7 @@ fn a_front_that_does_not_pay_is_dropped_and_none_is_longer_than_a_cap() {
         let mut anew = PairTracker::new();
         anew.closest(&shaft, &bearing, &at);
         cold += anew.work().trees.bounds;
-        assert!(tracker.heap_bytes() < 8 << 20, "{}", tracker.heap_bytes());
+        assert!(tracker.memory_usage() < 8 << 20, "{}", tracker.memory_usage());
     }
     let work = tracker.work();
     assert!(

@@ -31,7 +31,7 @@ fn judge(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, what: &str) -> Contac
     let (square, _) = itself(soup).expect("triangles that share no vertex");
     let found = tracker.self_closest(m).expect("triangles that share no vertex");
     judge_answer(&found, &square, size, what);
-    let [p, q] = found.on.map(|spot| spot.part as usize);
+    let [p, q] = found.locations.map(|spot| spot.subshape as usize);
     assert!(
         p != q && soup.triangles[p].iter().all(|v| !soup.triangles[q].contains(v)),
         "{what}: {p} {q}"
@@ -53,7 +53,7 @@ fn judge(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, what: &str) -> Contac
 fn judge_pairs(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, d: f64, what: &str) -> usize {
     let named = |answer: &PairOutcome| {
         assert!(answer.lower <= d, "{what}: {d} {answer:?}");
-        let [p, q] = answer.on.map(|spot| spot.part as usize);
+        let [p, q] = answer.locations.map(|spot| spot.subshape as usize);
         [p.min(q), p.max(q)]
     };
     let mut found: Vec<_> = tracker.self_pairs(m, d).iter().map(named).collect();

@@ -106,7 +106,12 @@ fn a_cube_over_a_slab_has_four_contacts_wherever_both_stand() {
         let slab = cuboid([far - 5.0, far - 5.0, far - 1.0], [far + 5.0, far + 5.0, far]);
         let cube = cuboid([far, far, far + 1e-4], [far + 1.0, far + 1.0, far + 1.0 + 1e-4]);
         let mut tracker = PairTracker::new();
-        let found = tracker.contacts(&slab, &cube, &relative(&Pose::IDENTITY), &ManifoldOptions::within(1e-3));
+        let found = tracker.contacts(
+            &slab,
+            &cube,
+            &relative(&Pose::IDENTITY),
+            &ManifoldOptions::with_prediction(1e-3),
+        );
         let counts: Vec<_> = found.unwrap().iter().map(|g| g.contacts.len()).collect();
         assert_eq!(counts, [4], "{far}");
     }

@@ -70,13 +70,13 @@ impl Valley {
                 ..Piece::new(shape)
             }
         };
-        ConvexPatches::of_pieces(Compound::new(vec![piece(0, rng), piece(1, rng)]).unwrap())
+        ConvexPatches::from_compound(Compound::new(vec![piece(0, rng), piece(1, rng)]).unwrap())
     }
 
     /// The valley as two faces of an open mesh.
     fn faces(&self) -> ConvexPatches {
         let ends = |p: Vector3<f64>| [[p.x, -1.0, p.z], [p.x, 1.0, p.z]];
-        ConvexPatches::of_mesh(mesh(&Soup {
+        ConvexPatches::from_mesh(mesh(&Soup {
             points: [self.up[0], Vector3::zeros(), self.up[1]]
                 .into_iter()
                 .flat_map(ends)

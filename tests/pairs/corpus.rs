@@ -88,7 +88,7 @@ fn run(c: &Case) {
     ask(c, &b, &a, (&c.pose_b, &c.pose_a), 1.0, "letters exchanged");
     let pose = between(&c.pose_a, &c.pose_b);
     for start in starts(&a, &b, 1000) {
-        let o = Tracker::starting_from(start, &a, &b).closest(&a, &b, &pose);
+        let o = Tracker::with_features(start, &a, &b).closest(&a, &b, &pose);
         judge(c, &o, 1.0, false, &format!("from {start}"));
     }
     for k in [-35, 35, 90] {

@@ -210,7 +210,7 @@ fn every_start_leads_to_the_answer() {
         for a in features(&case.a) {
             for b in features(&case.b) {
                 let start = lin_canny::FeaturePair { a, b };
-                let o = Tracker::starting_from(start, &case.a, &case.b).closest(&case.a, &case.b, &pose);
+                let o = Tracker::with_features(start, &case.a, &case.b).closest(&case.a, &case.b, &pose);
                 let close = (o.distance - wanted.distance).abs() <= 1e-14 && o.state == wanted.state;
                 assert!(close, "{} from {start}: {o:?}", case.name);
             }

@@ -8,7 +8,7 @@ use lin_canny::separation::Separation;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{
     Compound, ContactState, Decision, Distance, Geometry, GeometryRef, Manifold, ManifoldOptions, Mesh, PairOutcome,
-    PairTracker, PairWork, PatchContact, Question, RelativePose, Shape, Velocity,
+    PairTracker, PairWork, PatchContact, QueryOptions, RelativePose, Shape, Velocity,
 };
 use truth::Pose;
 use truth::forms;
@@ -42,7 +42,7 @@ fn judge((x, a): &Body, (y, b): &Body, pose: &RelativePose, kept: &mut [PairTrac
     if lower > TIE {
         assert_eq!(kept[0].within(x, y, pose, lower - TIE), Decision::No);
         assert_eq!(kept[1].intersects(y, x, &pose.swapped()), Decision::No);
-        let mut pair = kept[0].over(x, y);
+        let mut pair = kept[0].pair(x, y);
         let seen = pair.measure(pose);
         assert!(
             seen.lower <= upper + TIE && lower <= seen.upper + TIE,
@@ -115,8 +115,8 @@ fn any_two_geometries_meet_at_one_time_in_either_order() {
             let tolerance = Tolerance::Distance(1e-5);
             let mut trackers = [PairTracker::new(), PairTracker::new()];
             let [one, two] = &mut trackers;
-            let there = cast(&mut one.over(x, y), &still, &flight, (0.0, 1.0), tolerance).unwrap();
-            let back = cast(&mut two.over(y, x), &flight, &still, (0.0, 1.0), tolerance).unwrap();
+            let there = cast(&mut one.pair(x, y), &still, &flight, (0.0, 1.0), tolerance).unwrap();
+            let back = cast(&mut two.pair(y, x), &flight, &still, (0.0, 1.0), tolerance).unwrap();
             if let (Impact::Hit { safe, hit, .. }, Impact::Hit { safe: s, hit: h, .. }) = (there.impact, back.impact) {
                 assert!(safe <= h && s <= hit, "{:?} {:?}", there.impact, back.impact);
                 hits += 1;
@@ -140,16 +140,16 @@ fn a_mesh_beside_a_surface_is_a_solid() {
     let sheet = Mesh::new(&sheet, &[[0, 1, 2], [2, 1, 3]]).unwrap();
     let mesh = Mesh::from_convex(&hull).unwrap();
     let [small, open] = [sphere(0.05), BezierSurface::from_mesh(&sheet).unwrap()];
-    let narrow = Question::new().width(1e-9);
+    let narrow = QueryOptions::new().width(1e-9);
     let (mut kept, mut classes, mut inside) = (PairTracker::new(), [0; 4], 0);
     for k in 0..600 {
         let surface = [&shell, &small, &open][k % 3];
         let reach = [0.5, 1.2, 3.0][k / 3 % 3];
         let (q, t) = (rng.quat(), scale(rng.in_ball(), reach));
         let pose = RelativePose::from_isometry(&Pose { q, t }.isometry()).unwrap();
-        let truth = PairTracker::new().ask(&hull, surface, &pose, &narrow);
-        let found = PairTracker::new().ask(&mesh, surface, &pose, &narrow);
-        let back = kept.ask(surface, &mesh, &pose.swapped(), &narrow);
+        let truth = PairTracker::new().closest_with(&hull, surface, &pose, &narrow);
+        let found = PairTracker::new().closest_with(&mesh, surface, &pose, &narrow);
+        let back = kept.closest_with(surface, &mesh, &pose.swapped(), &narrow);
         for o in [&found, &back] {
             let is_close = truth.upper < 1e-6 && truth.state != ContactState::Overlapping;
             let shares = |o: &PairOutcome| matches!(o.state, ContactState::Overlapping | ContactState::Touching);
@@ -159,7 +159,7 @@ fn a_mesh_beside_a_surface_is_a_solid() {
         }
         let meets = PairTracker::new().intersects(&mesh, surface, &pose);
         assert!(
-            meets.known().is_none_or(|meets| meets == (truth.lower <= 0.0)),
+            meets.as_bool().is_none_or(|meets| meets == (truth.lower <= 0.0)),
             "{meets:?} {truth:?}"
         );
         assert!(
@@ -194,12 +194,12 @@ fn meshes_that_no_surface_stands_for_have_bounds() {
     let mut tracker = PairTracker::new();
     let answer = tracker.closest(&huge, &sphere(0.5), &at);
     assert!(
-        !answer.is_reached && answer.lower <= 1e70 && answer.upper >= 1e70,
+        !answer.is_converged && answer.lower <= 1e70 && answer.upper >= 1e70,
         "{answer:?}"
     );
     assert_eq!(tracker.within(&huge, &sphere(0.5), &at, 1e80), Decision::Yes);
     assert_eq!(tracker.within(&huge, &sphere(0.5), &at, f64::NAN), Decision::No);
-    assert!(tracker.over(&huge, &sphere(0.5)).measure(&at).lower <= 1e70);
+    assert!(tracker.pair(&huge, &sphere(0.5)).measure(&at).lower <= 1e70);
 }
 
 /// Two convex geometries have the points of their manifold, other solids those of patches, a surface none.
@@ -210,7 +210,7 @@ fn contacts_of_any_two_geometries() {
     let ground = Mesh::from_convex(&floor).unwrap();
     let blocks = Compound::from(Shape::from(floor.clone()));
     let at = RelativePose::from_isometry(&Isometry3::translation(0.1, 0.0, 1.49)).unwrap();
-    let options = ManifoldOptions::within(0.02);
+    let options = ManifoldOptions::with_prediction(0.02);
     let round = Shape::from(die.clone()).rounded(0.01).unwrap();
     let floors = [GeometryRef::from(&floor), (&ground).into(), (&blocks).into()];
     let mut tracker = PairTracker::new();

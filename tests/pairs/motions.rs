@@ -155,7 +155,7 @@ fn features_of_other_bodies_are_no_start() {
     let small = solids::tetrahedron(1.0).expect("a tetrahedron");
     let pose = support::shifted([3.0, 0.2, 0.1]);
     let pair = Tracker::new().closest(&large, &large, &pose).features;
-    let mut t = Tracker::starting_from(pair, &small, &small);
+    let mut t = Tracker::with_features(pair, &small, &small);
     assert!(t.features().is_none() || support::are_of(t.features().expect("some"), &small, &small));
     same(
         &t.closest(&small, &small, &pose),

@@ -65,7 +65,7 @@ fn every_pair_of_features_leads_to_the_same_answer() {
                 classes[truth.state as usize] += 1;
                 let pose = between(&pa, &pb);
                 for pair in pairs(&a, &b) {
-                    let o = Tracker::starting_from(pair, &a, &b).closest(&a, &b, &pose);
+                    let o = Tracker::with_features(pair, &a, &b).closest(&a, &b, &pose);
                     assert_right(
                         &o,
                         &truth,
@@ -92,7 +92,7 @@ fn beyond_the_tip_of_a_face_the_face_is_not_the_closest_feature() {
     assert!(truth.distance > 1e-4);
     let pose = between(&Pose::IDENTITY, &Pose::IDENTITY);
     for pair in pairs(&a, &b) {
-        let o = Tracker::starting_from(pair, &a, &b).closest(&a, &b, &pose);
+        let o = Tracker::with_features(pair, &a, &b).closest(&a, &b, &pose);
         assert_right(&o, &truth, &pair.to_string());
     }
 }

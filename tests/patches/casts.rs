@@ -80,10 +80,10 @@ fn spheres_meet_on_time() {
             continue;
         }
         let truth = truth.filter(|t| *t < 1.0);
-        let is_hit = judge(&mut PairTracker::new().over(&shell, &ball), [&a, &b], truth, keep);
-        judge(&mut PairTracker::new().over(&ball, &shell), [&b, &a], truth, keep);
+        let is_hit = judge(&mut PairTracker::new().pair(&shell, &ball), [&a, &b], truth, keep);
+        judge(&mut PairTracker::new().pair(&ball, &shell), [&b, &a], truth, keep);
         if k % 4 == 1 {
-            judge(&mut PairTracker::new().over(&shell, &other), [&a, &b], truth, keep);
+            judge(&mut PairTracker::new().pair(&shell, &other), [&a, &b], truth, keep);
         }
         hits += u32::from(is_hit);
     }
@@ -98,7 +98,7 @@ fn hollows_are_no_matter() {
     let still = moving(Vector3::zeros(), Vector3::zeros(), Vector3::x());
     let fall = moving(Vector3::new(0.1, 0.0, 0.0), Vector3::new(1.0, 0.0, 0.0), Vector3::y());
     let mut tracker = PairTracker::new();
-    let mut pair = tracker.over(&shell, &ball);
+    let mut pair = tracker.pair(&shell, &ball);
     let found = cast(&mut pair, &still, &fall, (0.0, 2.0), Tolerance::Distance(1e-6)).expect("a cast");
     let Impact::Hit { safe, hit, .. } = found.impact else {
         panic!("{found:?}")
@@ -126,7 +126,7 @@ fn patches_meet_shapes_never_late() {
             if tracker.within(&surface, shape, &at(&a, &b, 0.0), 1e-3) != Decision::No {
                 continue;
             }
-            let mut pair = tracker.over(&surface, shape);
+            let mut pair = tracker.pair(&surface, shape);
             let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-5)).expect("a cast");
             let until = match found.impact {
                 Impact::Hit { safe, hit, .. } => {
@@ -166,7 +166,7 @@ fn patches_meet_patches_never_late() {
             moving(from, aside - from, Vector3::from(rng.unit())),
         );
         let mut tracker = PairTracker::new();
-        let mut pair = tracker.over(&a, &b);
+        let mut pair = tracker.pair(&a, &b);
         let found = cast(&mut pair, &x, &y, (0.0, 1.0), Tolerance::Distance(1e-4)).expect("a cast");
         let until = match found.impact {
             Impact::Hit { safe, hit, .. } => {

@@ -4,7 +4,7 @@ use lin_canny::impact::{Impact, Tolerance, cast};
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use lin_canny::surface::BezierSurface;
-use lin_canny::{Compound, ContactState, Decision, PairTracker, Piece, Question, RelativePose, Velocity};
+use lin_canny::{Compound, ContactState, Decision, PairTracker, Piece, QueryOptions, RelativePose, Velocity};
 use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose};
@@ -39,19 +39,19 @@ fn the_closest_piece_is_found() {
         for _ in 0..5 {
             let far = rng.range(0.3, 3.0);
             let at = place(&mut rng, far);
-            let found = tracker.ask(&surface, &body, &pose(&at), &Question::new().width(1e-9));
+            let found = tracker.closest_with(&surface, &body, &pose(&at), &QueryOptions::new().width(1e-9));
             let (mut lower, mut upper) = (f64::INFINITY, f64::INFINITY);
             for piece in body.pieces() {
-                let o = PairTracker::new().ask(
+                let o = PairTracker::new().closest_with(
                     &surface,
                     &piece.shape,
                     &of_piece(&at, piece),
-                    &Question::new().width(1e-9),
+                    &QueryOptions::new().width(1e-9),
                 );
                 (lower, upper) = (o.lower.min(lower), o.upper.min(upper));
             }
             let o = &found;
-            assert!(o.is_reached && o.upper - o.lower.max(0.0) <= 1e-9, "{found:?}");
+            assert!(o.is_converged && o.upper - o.lower.max(0.0) <= 1e-9, "{found:?}");
             assert!(
                 o.lower <= upper + 1e-13 && lower <= o.upper + 1e-13,
                 "{lower} {upper} {found:?}"
@@ -66,7 +66,7 @@ fn the_closest_piece_is_found() {
             let within = tracker.within(&surface, &body, &pose(&at), 0.5 * o.distance);
             assert!(is_overlap || within == Decision::No, "{within:?} {found:?}");
             (overlaps, apart) = (overlaps + u32::from(is_overlap), apart + u32::from(o.lower > 0.0));
-            of[found.on[1].part as usize] += 1;
+            of[found.locations[1].subshape as usize] += 1;
         }
     }
     assert!(
@@ -91,14 +91,14 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
         let flight = moving(from, velocity, Vector3::from(rng.unit()) * 2.0);
         let tolerance = Tolerance::Distance(1e-5);
         let found = cast(
-            &mut PairTracker::new().over(&surface, &body),
+            &mut PairTracker::new().pair(&surface, &body),
             &still,
             &flight,
             (0.0, 1.0),
             tolerance,
         );
         let mut tracker = PairTracker::new();
-        let mut back = tracker.over(&body, &surface);
+        let mut back = tracker.pair(&body, &surface);
         let swapped = cast(&mut back, &flight, &still, (0.0, 1.0), tolerance).expect("a cast");
         let until = match (found.expect("a cast").impact, swapped.impact) {
             (
@@ -145,7 +145,7 @@ fn far_bodies_have_bounds() {
     for far in [1e3, 1e9, 1e30, 1e120, 1e200, 1e305, 10.0] {
         let at = Isometry3::translation(0.0, 0.0, far);
         for width in [1e-9, 0.0, -1.0, f64::NAN] {
-            let o = tracker.ask(&surface, &body, &pose(&at), &Question::new().width(width));
+            let o = tracker.closest_with(&surface, &body, &pose(&at), &QueryOptions::new().width(width));
             assert!(o.lower <= o.distance && o.distance <= o.upper, "{far:e} {width}: {o:?}");
             assert!(o.lower <= far + 4.0 && far - 4.0 <= o.upper, "{far:e} {width}: {o:?}");
         }

@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs, SurfaceError, revolution};
-use lin_canny::{ContactState, Decision, Mesh, PairTracker, Question, RelativePose};
+use lin_canny::{ContactState, Decision, Mesh, PairTracker, QueryOptions, RelativePose};
 use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose, sphere, torus, tube, vase};
@@ -27,7 +27,7 @@ fn saddles_in_each_other() {
         let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), turn);
         let at = Isometry3::from_parts(Vector3::new(0.05, -0.02, gap).into(), turned);
         let mut tracker = PairTracker::new();
-        let o = tracker.ask(&a, &a, &pose(&at), &Question::new().width(1e-6));
+        let o = tracker.closest_with(&a, &a, &pose(&at), &QueryOptions::new().width(1e-6));
         judge(&a, &a, &at, &o, 1e-13);
         println!("{gap} {turn}: {} {} {:?}", o.lower, o.upper, tracker.work());
     }
@@ -53,13 +53,14 @@ fn hollows_and_saddles_cost_no_more_when_narrow() {
             let mut splits = Vec::new();
             for width in [1e-4, 1e-7, 1e-10] {
                 let mut tracker = PairTracker::new();
-                let o = tracker.ask(a, b, &pose(&at), &Question::new().width(width));
+                let o = tracker.closest_with(a, b, &pose(&at), &QueryOptions::new().width(width));
                 judge(a, b, &at, &o, 1e-13);
-                assert!(o.is_reached || o.lower == 0.0, "{k} {gap}: {o:?}");
+                assert!(o.is_converged || o.lower == 0.0, "{k} {gap}: {o:?}");
                 splits.push(tracker.work().surfaces.splits);
                 // Warm, and the other way round.
-                let again = tracker.ask(a, b, &pose(&at), &Question::new().width(width));
-                let back = PairTracker::new().ask(b, a, &pose(&at).swapped(), &Question::new().width(width));
+                let again = tracker.closest_with(a, b, &pose(&at), &QueryOptions::new().width(width));
+                let back =
+                    PairTracker::new().closest_with(b, a, &pose(&at).swapped(), &QueryOptions::new().width(width));
                 for other in [again, back] {
                     assert!(other.lower <= o.upper && o.lower <= other.upper, "{o:?} {other:?}");
                 }
@@ -97,7 +98,10 @@ fn a_border_that_stops_short_is_no_crossing() {
                 assert_eq!(found == Decision::Yes, meets, "{side} {gap:e}: {found:?}");
             }
             assert_eq!(
-                tracker.ask(&floor, &wall, &at, &Question::new().width(1e-9)).state == ContactState::Touching,
+                tracker
+                    .closest_with(&floor, &wall, &at, &QueryOptions::new().width(1e-9))
+                    .state
+                    == ContactState::Touching,
                 meets,
                 "{side} {gap:e}"
             );
@@ -121,10 +125,10 @@ fn poles_face_each_other() {
         let tilt = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1e-4 * (k * k) as f64);
         let at = Isometry3::from_parts(Vector3::new(0.0, 1e-5 * k as f64, 2.01).into(), tilt);
         let mut tracker = PairTracker::new();
-        let o = tracker.ask(&a, &a, &pose(&at), &Question::new().width(1e-9));
+        let o = tracker.closest_with(&a, &a, &pose(&at), &QueryOptions::new().width(1e-9));
         let truth = at.translation.vector.norm() - 2.0;
         assert!(
-            o.is_reached && (o.distance - truth).abs() < 2e-9,
+            o.is_converged && (o.distance - truth).abs() < 2e-9,
             "{k} {truth} {o:?} {:?}",
             tracker.work()
         );
@@ -146,20 +150,20 @@ fn cusps_and_points() {
         for b in &bodies {
             for _ in 0..5 {
                 let at = place(&mut rng, 3.5);
-                let o = PairTracker::new().ask(a, b, &pose(&at), &Question::new().width(1e-9));
-                assert!(o.is_reached && o.lower > 0.0, "{o:?}");
+                let o = PairTracker::new().closest_with(a, b, &pose(&at), &QueryOptions::new().width(1e-9));
+                assert!(o.is_converged && o.lower > 0.0, "{o:?}");
                 judge(a, b, &at, &o, 1e-13);
                 assert!((o.normal.norm() - 1.0).abs() < 1e-14);
             }
         }
     }
-    let share = PairTracker::new().ask(
+    let share = PairTracker::new().closest_with(
         &bodies[1],
         &bodies[1],
         &pose(&Isometry3::identity()),
-        &Question::new().width(1e-9),
+        &QueryOptions::new().width(1e-9),
     );
-    assert!(share.is_reached && share.lower == 0.0 && share.state == ContactState::Undecided);
+    assert!(share.is_converged && share.lower == 0.0 && share.state == ContactState::Undecided);
 }
 
 #[test]
@@ -167,19 +171,19 @@ fn tangent_and_crossing_surfaces() {
     let a = sphere(1.0);
     let mut tracker = PairTracker::new();
     let at = |x: f64| pose(&Isometry3::translation(0.6 * x, 0.8 * x, 0.0));
-    let touching = tracker.ask(&a, &a, &at(2.0), &Question::new().width(1e-9));
+    let touching = tracker.closest_with(&a, &a, &at(2.0), &QueryOptions::new().width(1e-9));
     assert!(
-        touching.is_reached && touching.upper < 1e-9 && touching.state != ContactState::Separated,
+        touching.is_converged && touching.upper < 1e-9 && touching.state != ContactState::Separated,
         "{touching:?}"
     );
-    assert!(tracker.intersects(&a, &a, &at(2.0)).known() != Some(false));
+    assert!(tracker.intersects(&a, &a, &at(2.0)).as_bool() != Some(false));
     assert_eq!(tracker.intersects(&a, &a, &at(2.1)), Decision::No);
     let mut yes = 0;
     for k in 0..40 {
         let cross = at(0.05 + 0.048 * k as f64);
-        yes += u32::from(tracker.intersects(&a, &a, &cross).known() == Some(true));
-        let o = tracker.ask(&a, &a, &cross, &Question::new().width(1e-9));
-        assert!(o.is_reached && o.lower == 0.0 && o.upper < 1e-12, "{o:?}");
+        yes += u32::from(tracker.intersects(&a, &a, &cross).as_bool() == Some(true));
+        let o = tracker.closest_with(&a, &a, &cross, &QueryOptions::new().width(1e-9));
+        assert!(o.is_converged && o.lower == 0.0 && o.upper < 1e-12, "{o:?}");
     }
     assert_eq!(yes, 40);
     assert_eq!(tracker.within(&a, &a, &at(2.5), 0.5 + 1e-9), Decision::Yes);
@@ -200,20 +204,21 @@ fn a_budget_ends_what_has_no_end() {
     // Two cylinders about one axis are equally far everywhere.
     let (a, b) = (tube(1.0, 1.0), tube(0.6, 1.0));
     let mut tracker = PairTracker::new();
-    let few = Question::new().width(1e-9).splits(500);
-    let o = tracker.ask(&a, &b, &pose(&Isometry3::identity()), &few);
+    let few = QueryOptions::new().width(1e-9).splits(500);
+    let o = tracker.closest_with(&a, &b, &pose(&Isometry3::identity()), &few);
     assert!(
-        !o.is_reached && o.lower <= 0.4 && o.upper >= 0.4 - 1e-15 && o.upper - o.lower < 0.1,
+        !o.is_converged && o.lower <= 0.4 && o.upper >= 0.4 - 1e-15 && o.upper - o.lower < 0.1,
         "{o:?}"
     );
     assert!(tracker.work().surfaces.splits <= 500);
-    let coarse = PairTracker::new().ask(&a, &b, &pose(&Isometry3::identity()), &Question::new().width(0.01));
-    assert!(coarse.is_reached, "{coarse:?}");
+    let coarse =
+        PairTracker::new().closest_with(&a, &b, &pose(&Isometry3::identity()), &QueryOptions::new().width(0.01));
+    assert!(coarse.is_converged, "{coarse:?}");
     for width in [0.0, -1.0, f64::NAN] {
         let ball = sphere(1.0);
         let at = pose(&Isometry3::translation(2.5, 0.3, 0.1));
-        let o = PairTracker::new().ask(&ball, &ball, &at, &Question::new().width(width));
-        assert!(!o.is_reached && o.upper - o.lower < 1e-11, "{o:?}");
+        let o = PairTracker::new().closest_with(&ball, &ball, &at, &QueryOptions::new().width(width));
+        assert!(!o.is_converged && o.upper - o.lower < 1e-11, "{o:?}");
     }
 }
 
@@ -247,7 +252,7 @@ fn surfaces_that_are_level_end_soon() {
         let mut tracker = PairTracker::new();
         for _ in 0..2 {
             let before = tracker.work().surfaces.splits;
-            let o = tracker.ask(&a, &b, &pose(&at), &Question::new().width(1e-9));
+            let o = tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-9));
             assert!(
                 o.lower <= truth + 1e-14 && truth <= o.upper + 1e-14,
                 "{k} {truth}: {o:?}"
@@ -261,7 +266,9 @@ fn surfaces_that_are_level_end_soon() {
         }
         // A wide interval is no harder than elsewhere.
         assert!(
-            tracker.ask(&a, &b, &pose(&at), &Question::new().width(0.3)).is_reached,
+            tracker
+                .closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(0.3))
+                .is_converged,
             "{k}"
         );
     }
@@ -305,17 +312,17 @@ fn a_patch_just_above_itself_is_decided_soon_or_not() {
 fn far_and_foreign() {
     let (a, b) = (sphere(1.0), vase());
     let far = RelativePose::from_isometry(&Isometry3::translation(1e200, 0.0, 0.0)).expect("a pose");
-    let o = PairTracker::new().ask(&a, &a, &far, &Question::new().width(1e-9));
-    assert!(o.lower <= 1e200 && o.upper >= 1e200 && o.lower > 0.9e200 && !o.is_reached);
+    let o = PairTracker::new().closest_with(&a, &a, &far, &QueryOptions::new().width(1e-9));
+    assert!(o.lower <= 1e200 && o.upper >= 1e200 && o.lower > 0.9e200 && !o.is_converged);
     // A tracker of other surfaces.
     let mut tracker = PairTracker::new();
     let at = pose(&Isometry3::translation(3.0, 0.2, 0.1));
-    let first = tracker.ask(&a, &b, &at, &Question::new().width(1e-9));
-    tracker.ask(&b, &a, &at, &Question::new().width(1e-9));
-    tracker.ask(&b, &b, &at, &Question::new().width(1e-9));
-    let again = tracker.ask(&a, &b, &at, &Question::new().width(1e-9));
-    assert!(first.lower <= again.upper && again.lower <= first.upper && again.is_reached);
-    assert!(tracker.heap_bytes() > 0 && tracker.front_len() > 0);
+    let first = tracker.closest_with(&a, &b, &at, &QueryOptions::new().width(1e-9));
+    tracker.closest_with(&b, &a, &at, &QueryOptions::new().width(1e-9));
+    tracker.closest_with(&b, &b, &at, &QueryOptions::new().width(1e-9));
+    let again = tracker.closest_with(&a, &b, &at, &QueryOptions::new().width(1e-9));
+    assert!(first.lower <= again.upper && again.lower <= first.upper && again.is_converged);
+    assert!(tracker.memory_usage() > 0 && tracker.front_len() > 0);
     tracker.reset();
     assert_eq!((tracker.front_len(), tracker.work()), (0, Default::default()));
 }
@@ -352,15 +359,18 @@ fn finer_meshes_come_closer() {
         Vector3::new(1.9, 0.8, 0.9),
         Vector3::new(0.4, 0.5, 0.6),
     ));
-    let exact = PairTracker::new().ask(&a, &a, &at, &Question::new().width(1e-11));
+    let exact = PairTracker::new().closest_with(&a, &a, &at, &QueryOptions::new().width(1e-11));
     let mut errors = Vec::new();
     for n in [8, 16, 32] {
         let mesh = globe(n);
         let o = PairTracker::new().closest(&mesh, &mesh, &at);
         assert!(o.lower >= exact.upper - 1e-11, "an inscribed mesh is farther");
         let flat = BezierSurface::from_mesh(&mesh).expect("a surface");
-        let p = PairTracker::new().ask(&flat, &flat, &at, &Question::new().width(1e-9));
-        assert!(p.is_reached && p.lower <= o.upper && o.lower <= p.upper, "{o:?} {p:?}");
+        let p = PairTracker::new().closest_with(&flat, &flat, &at, &QueryOptions::new().width(1e-9));
+        assert!(
+            p.is_converged && p.lower <= o.upper && o.lower <= p.upper,
+            "{o:?} {p:?}"
+        );
         errors.push(o.distance - exact.distance);
     }
     assert!(

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use lin_canny::nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs, revolution};
-use lin_canny::{PairTracker, Question};
+use lin_canny::{PairTracker, QueryOptions};
 use truth::curved::{KINDS as SHAPES, Kind};
 use truth::rng::Rng;
 
@@ -246,7 +246,7 @@ fn surfaces(seed: u64, cases: u64) -> [u64; 5] {
         let at = placed(&mut rng, PLACES[how], spots);
         let width = *rng.pick(&WIDTHS);
         let mut tracker = PairTracker::new();
-        let o = tracker.ask(&a, &b, &pose(&at), &Question::new().width(width));
+        let o = tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(width));
         let what = || {
             format!(
                 "case {k}: {} {} {} {width:e} {at:?}: {o:?}",
@@ -254,18 +254,18 @@ fn surfaces(seed: u64, cases: u64) -> [u64; 5] {
             )
         };
         assert!(o.lower <= o.distance && o.distance <= o.upper, "{}", what());
-        assert_eq!(o.is_reached, o.upper - o.lower <= width, "{}", what());
+        assert_eq!(o.is_converged, o.upper - o.lower <= width, "{}", what());
         let sentence = judge(&a, &b, &at, &o, 2e-14 * (4.0 + at.translation.vector.norm()));
         // Back at the same pose by another way, and exchanged.
         let mut near = at;
         near.translation.vector += Vector3::from(rng.unit()) * rng.log_range(1e-6, 0.1);
-        tracker.ask(&a, &b, &pose(&near), &Question::new().width(width));
-        let again = tracker.ask(&a, &b, &pose(&at), &Question::new().width(width));
-        let back = PairTracker::new().ask(&b, &a, &pose(&at).swapped(), &Question::new().width(width));
+        tracker.closest_with(&a, &b, &pose(&near), &QueryOptions::new().width(width));
+        let again = tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(width));
+        let back = PairTracker::new().closest_with(&b, &a, &pose(&at).swapped(), &QueryOptions::new().width(width));
         for other in [again, back] {
             assert!(other.lower <= o.upper && o.lower <= other.upper, "{} {other:?}", what());
         }
-        let wide = [o, again, back].iter().any(|o| !o.is_reached);
+        let wide = [o, again, back].iter().any(|o| !o.is_converged);
         if wide || sentence == Sentence::Open {
             println!("{} {again:?} {back:?}", what());
         }
@@ -307,7 +307,7 @@ fn shapes(seed: u64, cases: u64) -> [u64; 5] {
         let at = placed(&mut rng, PLACES[how], spots);
         let width = *rng.pick(&WIDTHS);
         let mut tracker = PairTracker::new();
-        let o = tracker.ask(&a, &b.shape, &pose(&at), &Question::new().width(width));
+        let o = tracker.closest_with(&a, &b.shape, &pose(&at), &QueryOptions::new().width(width));
         let what = || {
             format!(
                 "case {k}: {} {} {round} {} {width:e} {at:?}: {o:?}",
@@ -318,10 +318,10 @@ fn shapes(seed: u64, cases: u64) -> [u64; 5] {
         let sentence = judge_shape(&a, &b, &at, &o, 2e-14 * (4.0 + at.translation.vector.norm()));
         let mut near = at;
         near.translation.vector += Vector3::from(rng.unit()) * rng.log_range(1e-6, 0.1);
-        tracker.ask(&a, &b.shape, &pose(&near), &Question::new().width(width));
-        let again = tracker.ask(&a, &b.shape, &pose(&at), &Question::new().width(width));
+        tracker.closest_with(&a, &b.shape, &pose(&near), &QueryOptions::new().width(width));
+        let again = tracker.closest_with(&a, &b.shape, &pose(&at), &QueryOptions::new().width(width));
         assert!(again.lower <= o.upper && o.lower <= again.upper, "{} {again:?}", what());
-        let wide = !o.is_reached || !again.is_reached;
+        let wide = !o.is_converged || !again.is_converged;
         if wide || sentence == Sentence::Open {
             println!("{} {:?}", what(), tracker.work());
         }
@@ -362,11 +362,16 @@ fn surroundings_of_the_closest_points_are_proven_at_once() {
         let mut at = place(&mut rng, 3.0);
         let mut tracker = PairTracker::new();
         for _ in 0..20 {
-            let d = tracker.ask(&a, &b, &pose(&at), &Question::new().width(1e-3)).distance;
+            let d = tracker
+                .closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-3))
+                .distance;
             at.translation.vector *= 1.0 + 0.3 * (0.2 - d);
         }
         let mut cold = PairTracker::new();
-        assert!(cold.ask(&a, &b, &pose(&at), &Question::new().width(1e-9)).is_reached);
+        assert!(
+            cold.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-9))
+                .is_converged
+        );
         (sum.regions, sum.splits) = (
             sum.regions + cold.work().surfaces.regions,
             sum.splits + cold.work().surfaces.splits,
@@ -408,18 +413,20 @@ fn cost() {
             let mut tracker = PairTracker::new();
             for _ in 0..40 {
                 at.rotation = UnitQuaternion::from_scaled_axis(axis) * at.rotation;
-                let d = tracker.ask(&a, &b, &pose(&at), &Question::new().width(1e-3)).distance;
+                let d = tracker
+                    .closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(1e-3))
+                    .distance;
                 at.translation.vector *= 1.0 + 0.3 * (0.2 - d);
             }
             tracker = PairTracker::new();
             for _ in 0..40 {
                 at.rotation = UnitQuaternion::from_scaled_axis(axis) * at.rotation;
                 let began = std::time::Instant::now();
-                std::hint::black_box(tracker.ask(&a, &b, &pose(&at), &Question::new().width(width)));
+                std::hint::black_box(tracker.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(width)));
                 warm.push(began.elapsed().as_nanos());
                 let began = std::time::Instant::now();
                 let mut fresh = PairTracker::new();
-                std::hint::black_box(fresh.ask(&a, &b, &pose(&at), &Question::new().width(width)));
+                std::hint::black_box(fresh.closest_with(&a, &b, &pose(&at), &QueryOptions::new().width(width)));
                 cold.push(began.elapsed().as_nanos());
                 add(0, fresh.work().surfaces);
             }

@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::surface::{BezierPatch, BezierSurface, Nurbs};
-use lin_canny::{PairTracker, Question, Spot};
+use lin_canny::{PairTracker, QueryOptions, WitnessLocation};
 use truth::rng::Rng;
 
 use crate::bodies::{bumpy, grid, place, pose};
@@ -11,9 +11,9 @@ const WIDTH: f64 = 1e-10;
 
 /// Asserts that two surfaces have one distance to a third.
 fn same(a: &BezierSurface, other: &BezierSurface, b: &BezierSurface, at: &Isometry3<f64>, what: &str) {
-    let o = PairTracker::new().ask(a, b, &pose(at), &Question::new().width(WIDTH));
-    let p = PairTracker::new().ask(other, b, &pose(at), &Question::new().width(WIDTH));
-    assert!(o.is_reached && p.is_reached, "{what}: {o:?} {p:?}");
+    let o = PairTracker::new().closest_with(a, b, &pose(at), &QueryOptions::new().width(WIDTH));
+    let p = PairTracker::new().closest_with(other, b, &pose(at), &QueryOptions::new().width(WIDTH));
+    assert!(o.is_converged && p.is_converged, "{what}: {o:?} {p:?}");
     assert!(
         o.lower <= p.upper + 1e-14 && p.lower <= o.upper + 1e-14,
         "{what}: {o:?} {p:?}"
@@ -155,7 +155,7 @@ fn nurbs_are_taken_apart() {
     let surface = BezierSurface::from_nurbs(&nurbs).expect("a surface");
     assert_eq!(surface.patches().len(), 6);
     for k in 0..600 {
-        let at = Spot::on_patch(k % 6, [rng.uniform(), rng.uniform()]);
+        let at = WitnessLocation::on_patch(k % 6, [rng.uniform(), rng.uniform()]);
         let [u, v] = surface.parameters(&at).expect("a patch");
         let (mut sum, mut weight) = (lin_canny::nalgebra::Vector3::zeros(), 0.0);
         for (n, p) in points.iter().enumerate() {

@@ -3,7 +3,9 @@
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
-use lin_canny::{ContactState, ConvexPolyhedron, Decision, PairOutcome, PairTracker, Question, RelativePose, Shape};
+use lin_canny::{
+    ContactState, ConvexPolyhedron, Decision, PairOutcome, PairTracker, QueryOptions, RelativePose, Shape,
+};
 use truth::rng::Rng;
 
 use crate::bodies::{bumpy, place, pose, sphere, tube, vase};
@@ -29,7 +31,7 @@ pub(crate) fn kinds() -> Vec<Shape> {
 fn holds(o: &PairOutcome, truth: f64, width: f64) {
     let slack = 4e-15;
     assert!(o.lower <= truth + slack && truth <= o.upper + slack, "{truth:e}: {o:?}");
-    assert!(o.is_reached && o.upper - o.lower <= width, "{truth:e}: {o:?}");
+    assert!(o.is_converged && o.upper - o.lower <= width, "{truth:e}: {o:?}");
 }
 
 #[test]
@@ -43,7 +45,7 @@ fn balls_about_a_sphere_and_a_cylinder() {
         let at = place(&mut rng, 1.25 + gap);
         let apart = at.translation.vector.norm();
         holds(
-            &of_shell.ask(&shell, &ball, &pose(&at), &Question::new().width(1e-9)),
+            &of_shell.closest_with(&shell, &ball, &pose(&at), &QueryOptions::new().width(1e-9)),
             apart - 1.25,
             1e-9,
         );
@@ -52,7 +54,7 @@ fn balls_about_a_sphere_and_a_cylinder() {
         let at = place(&mut rng, inside);
         let apart = at.translation.vector.norm();
         holds(
-            &of_shell.ask(&shell, &ball, &pose(&at), &Question::new().width(1e-7)),
+            &of_shell.closest_with(&shell, &ball, &pose(&at), &QueryOptions::new().width(1e-7)),
             0.75 - apart,
             1e-7,
         );
@@ -63,7 +65,7 @@ fn balls_about_a_sphere_and_a_cylinder() {
         let truth = off.hypot(up) - 0.25;
         if truth > 1e-6 {
             holds(
-                &of_side.ask(&side, &ball, &pose(&c), &Question::new().width(1e-9)),
+                &of_side.closest_with(&side, &ball, &pose(&c), &QueryOptions::new().width(1e-9)),
                 truth,
                 1e-9,
             );
@@ -84,7 +86,7 @@ fn a_surface_through_or_within_a_shape_shares_points() {
         let mut tracker = PairTracker::new();
         for k in 0..20 {
             let at = place(&mut rng, 0.02 * f64::from(k));
-            let o = tracker.ask(&shell, &shape, &pose(&at), &Question::new().width(1e-9));
+            let o = tracker.closest_with(&shell, &shape, &pose(&at), &QueryOptions::new().width(1e-9));
             assert_eq!(
                 (o.state, o.lower, o.upper, o.distance),
                 (ContactState::Overlapping, f64::NEG_INFINITY, 0.0, 0.0),
@@ -122,11 +124,11 @@ fn flat_patches_are_polyhedra() {
             let far = rng.range(0.9, 2.0);
             let at = place(&mut rng, far);
             let truth = PairTracker::new().closest(&solid, &shape, &pose(&at));
-            let o = tracker.ask(&surface, &shape, &pose(&at), &Question::new().width(1e-9));
+            let o = tracker.closest_with(&surface, &shape, &pose(&at), &QueryOptions::new().width(1e-9));
             if truth.state == ContactState::Separated {
                 apart += 1;
                 assert!(
-                    o.is_reached && o.lower <= truth.upper && truth.lower <= o.upper,
+                    o.is_converged && o.lower <= truth.upper && truth.lower <= o.upper,
                     "{truth:?} {o:?}"
                 );
                 assert!(
@@ -169,20 +171,20 @@ fn no_sample_is_closer_than_the_lower_bound() {
                 let far = rng.range(0.2, 2.5);
                 let at = pose(&place(&mut rng, far));
                 let least = sampled(&surface, shape, &at, 24);
-                let o = warm.ask(&surface, shape, &at, &Question::new().width(1e-9));
-                let cold = PairTracker::new().ask(&surface, shape, &at, &Question::new().width(1e-9));
+                let o = warm.closest_with(&surface, shape, &at, &QueryOptions::new().width(1e-9));
+                let cold = PairTracker::new().closest_with(&surface, shape, &at, &QueryOptions::new().width(1e-9));
                 assert!(o.lower <= cold.upper && cold.lower <= o.upper, "{k}: {o:?} {cold:?}");
                 assert!(o.lower <= least.max(0.0) + 1e-14, "{k}: {least} {o:?}");
                 // Samples are nowhere farther than some tenth from any point.
                 assert!(o.upper >= least.max(0.0) - 0.15, "{k}: {least} {o:?}");
-                if o.is_reached {
+                if o.is_converged {
                     assert!(o.upper <= least.max(0.0) + 1e-9, "{k}: {least} {o:?}");
                 }
                 if least < -1e-9 {
                     assert_eq!(o.state, ContactState::Overlapping, "{k}: {least} {o:?}");
                 }
                 overlaps += usize::from(o.state == ContactState::Overlapping);
-                wide += usize::from(!o.is_reached);
+                wide += usize::from(!o.is_converged);
             }
         }
     }
@@ -200,9 +202,9 @@ fn a_ball_of_patches_is_a_ball() {
     for _ in 0..20 {
         let far = rng.range(2.0, 3.0);
         let at = pose(&place(&mut rng, far));
-        let o = PairTracker::new().ask(&a, &patches, &at, &Question::new().width(1e-9));
-        let p = tracker.ask(&a, &ball, &at, &Question::new().width(1e-9));
-        assert!(o.is_reached && p.is_reached, "{o:?} {p:?}");
+        let o = PairTracker::new().closest_with(&a, &patches, &at, &QueryOptions::new().width(1e-9));
+        let p = tracker.closest_with(&a, &ball, &at, &QueryOptions::new().width(1e-9));
+        assert!(o.is_converged && p.is_converged, "{o:?} {p:?}");
         assert!(
             o.state != ContactState::Separated || o.lower <= p.upper + 1e-15 && p.lower <= o.upper + 1e-15,
             "{o:?} {p:?}"
@@ -221,7 +223,7 @@ fn far_and_tiny_pairs_have_bounds() {
     let mut tracker = PairTracker::new();
     for x in [1e90, 1e150, 1e300] {
         let at = pose(&Isometry3::translation(x, 0.0, 0.0));
-        let o = tracker.ask(&shell, &ball, &at, &Question::new().width(1e-9));
+        let o = tracker.closest_with(&shell, &ball, &at, &QueryOptions::new().width(1e-9));
         assert!(
             o.lower <= x && x * (1.0 - 1e-12) <= o.upper && o.lower > 0.9 * x,
             "{o:?}"
@@ -229,18 +231,18 @@ fn far_and_tiny_pairs_have_bounds() {
     }
     for width in [0.0, -1.0, f64::NAN] {
         let at = pose(&Isometry3::translation(2.5, 0.3, 0.1));
-        let o = PairTracker::new().ask(&shell, &ball, &at, &Question::new().width(width));
-        assert!(!o.is_reached && o.upper - o.lower < 1e-11, "{o:?}");
+        let o = PairTracker::new().closest_with(&shell, &ball, &at, &QueryOptions::new().width(width));
+        assert!(!o.is_converged && o.upper - o.lower < 1e-11, "{o:?}");
     }
     let huge = Shape::ball(1e80).expect("a ball");
     let at = pose(&Isometry3::translation(1.5e80, 0.0, 0.0));
-    let o = tracker.ask(&shell, &huge, &at, &Question::new().width(1e-9));
+    let o = tracker.closest_with(&shell, &huge, &at, &QueryOptions::new().width(1e-9));
     assert!(o.lower > 0.4e80 && o.upper < 0.6e80, "{o:?}");
-    let o = PairTracker::new().ask(
+    let o = PairTracker::new().closest_with(
         &vase(),
         &ball,
         &pose(&Isometry3::translation(3.0, 0.0, 0.0)),
-        &Question::new().width(1e-9).splits(0),
+        &QueryOptions::new().width(1e-9).splits(0),
     );
-    assert!(!o.is_reached && o.lower <= o.upper, "{o:?}");
+    assert!(!o.is_converged && o.lower <= o.upper, "{o:?}");
 }

@@ -2,7 +2,7 @@
 
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface};
-use lin_canny::{Compound, Decision, PairTracker, Piece, Question, Shape};
+use lin_canny::{Compound, Decision, PairTracker, Piece, QueryOptions, Shape};
 use truth::rng::Rng;
 
 use crate::bodies::{place, pose, sphere};
@@ -44,10 +44,10 @@ fn surfaces_of_every_kind_share_a_tracker() {
         let apart = rng.range(0.5, 3.5);
         let at = pose(&place(&mut rng, apart));
         for (x, y) in [(&a, &b), (&c, &d), (&a, &d), (&c, &b)] {
-            let o = shared.ask(x, y, &at, &Question::new().width(WIDTH));
+            let o = shared.closest_with(x, y, &at, &QueryOptions::new().width(WIDTH));
             assert_eq!(
                 o,
-                PairTracker::new().ask(x, y, &at, &Question::new().width(WIDTH)),
+                PairTracker::new().closest_with(x, y, &at, &QueryOptions::new().width(WIDTH)),
                 "{k}"
             );
             let within = shared.within(&d, &c, &at, o.distance);
@@ -81,10 +81,10 @@ fn surfaces_and_shapes_of_every_kind_share_a_tracker() {
         let at = pose(&place(&mut rng, apart));
         let pairs = [(&a, &b), (&c, &d), (&a, &d), (&c, &b)];
         for (n, (x, y)) in pairs.into_iter().enumerate() {
-            let o = shared.ask(x, y, &at, &Question::new().width(WIDTH));
+            let o = shared.closest_with(x, y, &at, &QueryOptions::new().width(WIDTH));
             assert_eq!(
                 o,
-                PairTracker::new().ask(x, y, &at, &Question::new().width(WIDTH)),
+                PairTracker::new().closest_with(x, y, &at, &QueryOptions::new().width(WIDTH)),
                 "{k}"
             );
             // Neither this pair nor the next.
@@ -97,7 +97,7 @@ fn surfaces_and_shapes_of_every_kind_share_a_tracker() {
 }
 
 fn is_consistent(x: Decision, y: Decision) -> bool {
-    x.known().is_none() || y.known().is_none() || x == y
+    x.as_bool().is_none() || y.as_bool().is_none() || x == y
 }
 
 /// Here a tracker asks the piece first that was closest before, so bounds may differ within their interval.
@@ -119,10 +119,10 @@ fn surfaces_and_bodies_of_pieces_share_a_tracker() {
         let apart = rng.range(0.5, 3.5);
         let at = pose(&place(&mut rng, apart));
         for (x, y) in [(&a, b), (&c, d), (&a, d), (&c, b)] {
-            let o = shared.ask(x, y, &at, &Question::new().width(WIDTH));
-            let cold = PairTracker::new().ask(x, y, &at, &Question::new().width(WIDTH));
+            let o = shared.closest_with(x, y, &at, &QueryOptions::new().width(WIDTH));
+            let cold = PairTracker::new().closest_with(x, y, &at, &QueryOptions::new().width(WIDTH));
             assert!(o.lower <= cold.upper && cold.lower <= o.upper, "{k}: {o:?} {cold:?}");
-            assert!(o.is_reached && cold.is_reached, "{k}: {o:?} {cold:?}");
+            assert!(o.is_converged && cold.is_converged, "{k}: {o:?} {cold:?}");
             let within = shared.within(&c, d, &at, o.distance);
             let cold = PairTracker::new().within(&c, d, &at, o.distance);
             assert!(is_consistent(within, cold), "{k}: {within:?} {cold:?}");
@@ -192,18 +192,18 @@ fn bodies_made_to_be_taken_for_each_other_are_told_apart() {
             let mut shared = PairTracker::new();
             let mut of_eggs = PairTracker::new();
             for roof in &roofs {
-                let o = shared.ask(&ball, roof, &at, &Question::new().width(WIDTH));
+                let o = shared.closest_with(&ball, roof, &at, &QueryOptions::new().width(WIDTH));
                 assert_eq!(
                     o,
-                    PairTracker::new().ask(&ball, roof, &at, &Question::new().width(WIDTH)),
+                    PairTracker::new().closest_with(&ball, roof, &at, &QueryOptions::new().width(WIDTH)),
                     "{k}"
                 );
             }
             for egg in &eggs {
-                let o = of_eggs.ask(&ball, egg, &at, &Question::new().width(WIDTH));
+                let o = of_eggs.closest_with(&ball, egg, &at, &QueryOptions::new().width(WIDTH));
                 assert_eq!(
                     o,
-                    PairTracker::new().ask(&ball, egg, &at, &Question::new().width(WIDTH)),
+                    PairTracker::new().closest_with(&ball, egg, &at, &QueryOptions::new().width(WIDTH)),
                     "{k}"
                 );
             }

@@ -9,7 +9,7 @@ use std::rc::Rc;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::surface::BezierSurface;
-use lin_canny::{ConvexPolyhedron, PairOutcome, PairTracker, RelativePose, Shape, Spot};
+use lin_canny::{ConvexPolyhedron, PairOutcome, PairTracker, RelativePose, Shape, WitnessLocation};
 
 use truth::curved::{Kind, Triple, Wide, dot, matrix, norm, turned, turned_back, wide};
 
@@ -105,7 +105,7 @@ impl Part {
         surface.patches().iter().map(part).collect()
     }
 
-    fn point(&self, at: &Spot) -> Triple {
+    fn point(&self, at: &WitnessLocation) -> Triple {
         let q = self.degrees[1];
         let curve = |mut c: Vec<Homogeneous>, t: f64| {
             while c.len() > 1 {
@@ -185,8 +185,8 @@ pub(crate) fn judge(
     slack: f64,
 ) -> Sentence {
     let (parts_a, parts_b) = (Part::all(a, &Isometry3::identity()), Part::all(b, pose));
-    let p = parts_a[o.on[0].part as usize].point(&o.on[0]);
-    let q = parts_b[o.on[1].part as usize].point(&o.on[1]);
+    let p = parts_a[o.locations[0].subshape as usize].point(&o.locations[0]);
+    let q = parts_b[o.locations[1].subshape as usize].point(&o.locations[1]);
     let between = norm(&less(&q, &p)).0;
     assert!(between <= o.upper, "witnesses are {between:e} apart: {o:?}");
     if o.lower <= 0.0 {
@@ -271,7 +271,12 @@ impl Body {
 /// refute a bound, are those of the tracker of shapes.
 pub(crate) fn judge_shape(a: &BezierSurface, b: &Body, pose: &Isometry3<f64>, o: &PairOutcome, slack: f64) -> Sentence {
     let (parts, place) = (Part::all(a, &Isometry3::identity()), Place::new(pose));
-    b.judge_witnesses(&place, &parts[o.on[0].part as usize].point(&o.on[0]), o, slack);
+    b.judge_witnesses(
+        &place,
+        &parts[o.locations[0].subshape as usize].point(&o.locations[0]),
+        o,
+        slack,
+    );
     if o.lower <= 0.0 {
         return Sentence::Holds;
     }

@@ -1,8 +1,8 @@
 //! Promise: a pose whose rotation is off its norm is refused by `new`, with a text that says how to mend it, and accepted
-//! by `normalized`; a rotation without a direction is refused by both.
+//! by `new_normalized`; a rotation without a direction is refused by both.
 
 use lin_canny::nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion, Vector3};
-use lin_canny::{PoseError, RelativePose, Tracker, normalize, polyhedron::solids};
+use lin_canny::{PoseError, RelativePose, Tracker, normalize_rotation, polyhedron::solids};
 
 fn pose(w: f64, i: f64, j: f64, k: f64) -> Isometry3<f64> {
     let rotation = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
@@ -20,8 +20,8 @@ fn an_integrated_rotation_is_accepted_when_normalised() {
     let drifted = Isometry3::from_parts(Translation3::new(3.0, 0.0, 0.0), rotation);
     let refused = RelativePose::from_isometry(&drifted).expect_err("40,000 products drift");
     assert!(refused.to_string().contains("RelativePose::normalized"), "{refused}");
-    assert!(RelativePose::normalized(&Isometry3::identity(), &drifted).is_ok());
-    assert!(RelativePose::from_isometry(&normalize(&drifted)).is_ok());
+    assert!(RelativePose::new_normalized(&Isometry3::identity(), &drifted).is_ok());
+    assert!(RelativePose::from_isometry(&normalize_rotation(&drifted)).is_ok());
 }
 
 #[test]
@@ -29,7 +29,7 @@ fn any_length_of_a_quaternion_is_normalised() {
     let ball = solids::icosahedron(1.0).expect("a solid");
     for scale in [1e-300, 1e-6, 0.5, 1e6, 1e300] {
         let q = pose(0.5 * scale, 0.5 * scale, -0.5 * scale, 0.5 * scale);
-        let poses = RelativePose::normalized(&Isometry3::identity(), &q).expect("any length is accepted");
+        let poses = RelativePose::new_normalized(&Isometry3::identity(), &q).expect("any length is accepted");
         let d = Tracker::new().distance(&ball, &ball, &poses);
         assert!(d.lower > 0.0 && d.upper < 3.0, "{scale}: {d}");
     }
@@ -42,7 +42,7 @@ fn a_quaternion_without_a_direction_is_refused() {
         pose(f64::NAN, 0.0, 0.0, 1.0),
         pose(f64::INFINITY, 0.0, 0.0, 0.0),
     ] {
-        let refused = RelativePose::normalized(&Isometry3::identity(), &q);
+        let refused = RelativePose::new_normalized(&Isometry3::identity(), &q);
         assert!(matches!(refused, Err(PoseError::Rotation { .. })), "{refused:?}");
     }
 }

@@ -121,7 +121,7 @@ fn distances_and_options_that_are_none_are_refused() {
     for d in [f64::NAN, -0.1, 1e38, f64::INFINITY] {
         let within = none.within(d);
         let distance = none.distance(d);
-        let manifold = none.manifold(ManifoldOptions::within(d));
+        let manifold = none.manifold(ManifoldOptions::with_prediction(d));
         for queries in [within, manifold, distance] {
             // A distance may be asked for however far bodies are.
             if d != f64::INFINITY || queries.distance.is_none() {
@@ -135,10 +135,13 @@ fn distances_and_options_that_are_none_are_refused() {
             assert!(matches!(scene.pairs_within(g, g, d), Err(SceneError::Range { .. })));
         }
     }
-    let faults: [fn(&mut ManifoldOptions); 3] =
-        [|m| m.sine = f64::NAN, |m| m.drift = f64::NAN, |m| m.choice = f64::NAN];
+    let faults: [fn(&mut ManifoldOptions); 3] = [
+        |m| m.max_face_sine = f64::NAN,
+        |m| m.rebuild_motion = f64::NAN,
+        |m| m.reselect_motion = f64::NAN,
+    ];
     for fault in faults {
-        let mut options = ManifoldOptions::within(0.1);
+        let mut options = ManifoldOptions::with_prediction(0.1);
         fault(&mut options);
         let manifold = none.manifold(options);
         assert_eq!(scene.set_queries(g, g, manifold), Err(SceneError::ManifoldOptions));
@@ -200,7 +203,7 @@ fn questions_out_of_turn_are_refused() {
     scene.set_pose(moving, at(0.1, 0.0, 0.0)).unwrap();
     assert_eq!(scene.nearest(moving, 1, 1.0).unwrap_err(), SceneError::StepDue);
     assert_eq!(scene.pairs_within(g, g, 1.0).unwrap_err(), SceneError::StepDue);
-    assert_eq!(scene.first_contact(g, g).unwrap_err(), SceneError::StepDue);
+    assert_eq!(scene.any_contact(g, g).unwrap_err(), SceneError::StepDue);
 }
 
 #[test]

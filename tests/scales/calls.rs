@@ -9,8 +9,8 @@ mod worlds;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
-    Compound, ConvexPatches, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh, PairTracker,
-    Piece, Question, RelativePose, Shape, Tracker, Until,
+    Compound, ConvexPatches, DepthMode, Distance, Geometry, GeometryRef, HalfSpace, Manifold, ManifoldOptions, Mesh,
+    PairTracker, Piece, QueryOptions, RelativePose, Shape, Tracker,
 };
 use truth::rng::Rng;
 use truth::shapes;
@@ -155,7 +155,7 @@ const WITHIN: [f64; 4] = [0.0, 0.05, 0.3, 2.0];
 
 fn hulls(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (scene.round(rng, 20), scene.round(rng, 40));
-    let mut options = ManifoldOptions::within(0.05 * scene.unit);
+    let mut options = ManifoldOptions::with_prediction(0.05 * scene.unit);
     let (mut warm, mut local, mut manifold) = (Tracker::new(), Tracker::new(), Manifold::new());
     for apart in APART {
         let pose = scene.pose(rng, apart);
@@ -165,7 +165,7 @@ fn hulls(scene: &mut Scene, rng: &mut Rng) {
             let (of_a, of_b) = (o.gradient_a(), o.gradient_b(&pose));
             scene.lengths("gradients", of_a.angular.iter().chain(of_b.angular.iter()).copied());
             scene.plain("gradients", (of_a.linear, of_b.linear));
-            scene.manifold("of_outcome", &Manifold::of_outcome((&a, &b), &pose, &o, &options));
+            scene.manifold("of_outcome", &Manifold::from_outcome((&a, &b), &pose, &o, &options));
             scene.lengths("propose", tracker.propose(&a, &b, &pose).distance);
             let d = tracker.distance(&a, &b, &pose);
             scene.distance("distance", &d);
@@ -211,10 +211,10 @@ fn geometries(scene: &mut Scene, rng: &mut Rng) {
         );
         scene.plain("intersects", tracker.intersects(a, b, &pose));
         scene.plain("within", tracker.within(a, b, &pose, WITHIN[1] * unit));
-        let few = Question::new().splits(100);
-        let decision = tracker.ask_within(a, b, &pose, WITHIN[1] * unit, &few);
+        let few = QueryOptions::new().splits(100);
+        let decision = tracker.decide_within(a, b, &pose, WITHIN[1] * unit, &few);
         scene.plain("within, few splits", decision);
-        let near = ManifoldOptions::within(0.2 * unit);
+        let near = ManifoldOptions::with_prediction(0.2 * unit);
         let found = tracker.contacts(a, b, &pose, &near).expect("solids");
         scene.plain("contacts", found.iter().map(|g| g.contacts.len()).collect::<Vec<_>>());
     }
@@ -256,7 +256,7 @@ fn points(scene: &mut Scene, rng: &mut Rng) {
 
 fn half_spaces(scene: &mut Scene, rng: &mut Rng) {
     let body = scene.round(rng, 30);
-    let options = ManifoldOptions::within(0.2 * scene.unit);
+    let options = ManifoldOptions::with_prediction(0.2 * scene.unit);
     for apart in APART {
         let floor = HalfSpace::new(Vector3::from(rng.unit()), rng.range(-1.0, 1.0) * scene.unit).expect("a half-space");
         let pose = scene.pose(rng, apart);
@@ -291,7 +291,7 @@ fn curved(scene: &Scene) -> Vec<Shape> {
 
 fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
     let shapes = curved(scene);
-    let options = ManifoldOptions::within(0.05 * scene.unit);
+    let options = ManifoldOptions::with_prediction(0.05 * scene.unit);
     for (k, a) in shapes.iter().enumerate() {
         let b = &shapes[(k + rng.below(shapes.len())) % shapes.len()];
         let (mut warm, mut manifold) = (PairTracker::new(), Manifold::new());
@@ -301,7 +301,7 @@ fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
             scene.outcome(&name, &warm.closest(a, b, &pose));
             scene.outcome(
                 &name,
-                &PairTracker::new().ask(a, b, &pose, &Question::new().until(Until::LocalDepth)),
+                &PairTracker::new().closest_with(a, b, &pose, &QueryOptions::new().depth(DepthMode::Local)),
             );
             let d = warm.distance(a, b, &pose);
             scene.distance("distance", &d);
@@ -333,7 +333,7 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
             let o = tracker.closest(&a, &b, &pose);
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
-            scene.plain("closest", (o.state, o.on, o.normal));
+            scene.plain("closest", (o.state, o.locations, o.normal));
             let d = tracker.distance(&a, &b, &pose);
             scene.distance("distance", &d);
             scene.plain("intersects", tracker.intersects(&a, &b, &pose));
@@ -349,9 +349,9 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
 
 /// The contacts of bodies of patches.
 fn patches(scene: &mut Scene, rng: &mut Rng) {
-    let bodies = [dented(scene, rng), dented(scene, rng)].map(ConvexPatches::of_mesh);
-    let pieces = [compound(scene, rng), compound(scene, rng)].map(ConvexPatches::of_pieces);
-    let options = ManifoldOptions::within(0.2 * scene.unit);
+    let bodies = [dented(scene, rng), dented(scene, rng)].map(ConvexPatches::from_mesh);
+    let pieces = [compound(scene, rng), compound(scene, rng)].map(ConvexPatches::from_compound);
+    let options = ManifoldOptions::with_prediction(0.2 * scene.unit);
     for [a, b] in [&bodies, &pieces] {
         let mut warm = PairTracker::new();
         for apart in APART {
@@ -426,7 +426,7 @@ fn pieces<'g>(scene: &mut Scene, rng: &mut Rng, a: impl Into<GeometryRef<'g>>, b
             let o = tracker.closest(a, b, &pose);
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
-            scene.plain("closest", (o.state, o.on, o.normal));
+            scene.plain("closest", (o.state, o.locations, o.normal));
             scene.plain("intersects", tracker.intersects(a, b, &pose));
             for d in WITHIN {
                 scene.plain("within", tracker.within(a, b, &pose, d * scene.unit));
@@ -451,10 +451,10 @@ fn surfaces(scene: &mut Scene, rng: &mut Rng) {
     let mut warm = PairTracker::new();
     for apart in [2.6, 4.0, 9.0] {
         let pose = scene.pose(rng, apart);
-        let o = warm.ask(&a, &b, &pose, &Question::new().width(width));
+        let o = warm.closest_with(&a, &b, &pose, &QueryOptions::new().width(width));
         let witnesses = [&o.point_on_a, &o.point_on_b];
         scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
-        scene.plain("closest", (o.state, o.is_reached, o.on, o.normal));
+        scene.plain("closest", (o.state, o.is_converged, o.locations, o.normal));
         scene.decision("intersects", warm.intersects(&a, &b, &pose));
         scene.decision("within", warm.within(&a, &b, &pose, 0.3 * scene.unit));
     }
@@ -467,14 +467,14 @@ fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
         let pose = scene.pose(rng, apart);
         for shape in &shapes {
             let mut tracker = PairTracker::new();
-            let o = tracker.ask(&a, shape, &pose, &Question::new().width(width));
+            let o = tracker.closest_with(&a, shape, &pose, &QueryOptions::new().width(width));
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("shape", [o.lower, o.upper], o.distance, witnesses);
-            scene.plain("shape", (o.state, o.is_reached, o.on, o.normal));
+            scene.plain("shape", (o.state, o.is_converged, o.locations, o.normal));
             scene.decision("within", tracker.within(&a, shape, &pose, 0.3 * scene.unit));
         }
         let mut tracker = PairTracker::new();
-        let d = tracker.ask(&a, &body, &pose, &Question::new().width(width));
+        let d = tracker.closest_with(&a, &body, &pose, &QueryOptions::new().width(width));
         scene.distance("compound", &Distance::from(&d));
         scene.decision("within", tracker.within(&a, &body, &pose, 0.3 * scene.unit));
     }

@@ -105,7 +105,7 @@ fn questions_on_top_equal_brute_force() {
             }
             found += near.len();
         }
-        let first = scene.first_contact(x, y).unwrap().map(|n| (n.a, n.b));
+        let first = scene.any_contact(x, y).unwrap().map(|n| (n.a, n.b));
         assert_eq!(
             first,
             pairs(x, y).into_iter().find(|&(a, b)| measure(a, b).lower <= 0.0)
@@ -359,7 +359,7 @@ fn no_speed_spoils_a_scene() {
 fn contacts_end_when_they_are_no_longer_called_for() {
     let g = group(0);
     let mut scene = Scene::new();
-    let manifold = ManifoldOptions::within(0.1);
+    let manifold = ManifoldOptions::with_prediction(0.1);
     scene.set_queries(g, g, NONE.manifold(manifold)).unwrap();
     let mesh = Mesh::from_convex(&solids::icosahedron(0.6).unwrap()).unwrap();
     let cube = solids::cuboid(Vector3::repeat(0.5)).unwrap();

@@ -107,7 +107,7 @@ fn ladder() -> [PairQueries; 9] {
             .features(true)
             .depth(true)
             .boxes(true)
-            .manifold(ManifoldOptions::within(D)),
+            .manifold(ManifoldOptions::with_prediction(D)),
     ]
 }
 
@@ -364,7 +364,7 @@ fn most_separated_pairs_are_answered_by_the_budget() {
 #[test]
 fn local_depths_bound_the_depths() {
     let near = NONE.distance(0.3).features(true);
-    let mut options = ManifoldOptions::within(D);
+    let mut options = ManifoldOptions::with_prediction(D);
     options.local_depth = true;
     let asked = [
         near.depth(true),
@@ -372,7 +372,7 @@ fn local_depths_bound_the_depths() {
         near.manifold(options),
         // What calls for the depth gets the depth.
         near.manifold(options).depth(true),
-        near.manifold(ManifoldOptions::within(D)).local_depth(true),
+        near.manifold(ManifoldOptions::with_prediction(D)).local_depth(true),
     ];
     let (mut overlaps, mut wide) = (0, [0; 5]);
     let mut plays = asked.map(|queries| Play::new(Kind::Pile, 60, queries));

@@ -243,14 +243,14 @@ fn a_pair_of_polyhedra_is_as_the_tracker_has_it_whatever_else_is_there() {
         let mine = tracker.closest(&x, &y, &RelativePose::from_isometry(&at(k)).unwrap());
         let found = scene.pair(a, b).unwrap();
         assert_eq!(found.outcome, Some(&mine));
-        assert_eq!(found.pieces, Some([0; 2]));
+        assert_eq!(found.subshapes, Some([0; 2]));
     }
 }
 
 /// A cylinder, a ball and a rounded box tremble on a plate.
 #[test]
 fn manifolds_of_convex_shapes_are_those_of_their_tracker() {
-    let options = ManifoldOptions::within(0.01);
+    let options = ManifoldOptions::with_prediction(0.01);
     let queries = NONE.manifold(options);
     let mut scene = Scene::new();
     scene.set_queries(ALL, ALL, queries).unwrap();
@@ -307,9 +307,9 @@ fn pieces_and_features_are_named() {
         .unwrap();
     scene.step();
     let found = scene.pair(a, b).unwrap();
-    assert_eq!(found.pieces, Some([1, 0]), "the upright is nearest");
+    assert_eq!(found.subshapes, Some([1, 0]), "the upright is nearest");
     let near = scene.nearest(b, 1, 10.0).unwrap();
-    assert_eq!((near[0].b, near[0].pieces), (a, [0, 1]));
+    assert_eq!((near[0].b, near[0].subshapes), (a, [0, 1]));
     assert!((near[0].outcome.distance - found.distance.unwrap().value).abs() < 1e-14);
 }
 
@@ -344,7 +344,7 @@ fn shapes_of_every_kind_against_composites_and_meshes_equal_brute_force() {
 /// Bodies of every kind rest on a plate of many triangles, on a plate of two pieces and on a box.
 #[test]
 fn contacts_of_meshes_and_composites_are_those_of_their_patches() {
-    let options = ManifoldOptions::within(0.01);
+    let options = ManifoldOptions::with_prediction(0.01);
     let mut scene = Scene::new();
     scene.set_queries(ALL, ALL, NONE.manifold(options)).unwrap();
     let half = Vector3::new(4.0, 4.0, 0.5);

@@ -147,8 +147,8 @@ impl ConfigurationSpace for SerialArm {
     fn coordinates(&self) -> usize {
         self.tree.coordinates()
     }
-    fn freedom(&self) -> usize {
-        self.tree.freedom()
+    fn degrees_of_freedom(&self) -> usize {
+        self.tree.degrees_of_freedom()
     }
     fn bodies(&self) -> usize {
         self.tree.bodies()

@@ -11,7 +11,7 @@ use crate::space::{BodyMotion, ConfigurationSpace, PartMotion, SegmentMotion};
 use crate::verdict::{CheckWork, Verdict};
 use crate::world::{World, WorldId, WorldPair};
 use lin_canny::Operand;
-use lin_canny::impact::{Cast, Certificate, Impact, Tolerance, cast_proving, cast_within};
+use lin_canny::impact::{Cast, Certificate, Impact, Tolerance, cast_with_certificates, cast_within};
 
 use lin_canny::separation::Separation;
 use lin_canny::tolerance::EXTENT_MAX;
@@ -173,13 +173,13 @@ impl<C: ConfigurationSpace> Checker<C> {
     /// the first contact.
     ///
     /// If a body is not convex, so that a predicate costs far less than a distance, the last
-    /// configuration and the middle one are asked first ([`free_at`](Self::free_at)).
+    /// configuration and the middle one are asked first ([`is_free_at`](Self::is_free_at)).
     ///
     /// # Errors
     /// A configuration that is not of the space.
     pub fn is_free(&mut self, from: &[f64], to: &[f64]) -> Result<bool, PlanError> {
         let segment = self.segment(from, to)?;
-        if self.has_parts && !(self.free_at(to)? && self.free_at(&self.space.between(from, to, 0.5))?) {
+        if self.has_parts && !(self.is_free_at(to)? && self.is_free_at(&self.space.between(from, to, 0.5))?) {
             self.work.segments += 1;
             return Ok(false);
         }
@@ -316,11 +316,13 @@ impl<C: ConfigurationSpace> Checker<C> {
             WorldId::Obstacle(k) => PartMotion::Obstacle(&resting[k]),
         };
         let [a, b] = self.world.shapes(tracked.pair);
-        let mut pair = tracked.tracker.over(a, b);
+        let mut pair = tracked.tracker.pair(a, b);
         let radii = pair.ball(Operand::A).1 + pair.ball(Operand::B).1;
         let tolerance = Tolerance::Distance(CONTACT * radii);
         let found = match trail {
-            Some(trail) => cast_proving(&mut pair, &moving(body), &partner, interval, tolerance, margin, trail),
+            Some(trail) => {
+                cast_with_certificates(&mut pair, &moving(body), &partner, interval, tolerance, margin, trail)
+            }
             None => cast_within(&mut pair, &moving(body), &partner, interval, tolerance, margin),
         };
         found.map_err(PlanError::from)

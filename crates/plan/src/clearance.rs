@@ -237,7 +237,7 @@ impl<C: ConfigurationSpace> Checker<C> {
 
     /// Fills in the gradient of a pair.
     fn slope(&self, near: &mut NearPair, normal: &Vector3<f64>, q: &[f64]) {
-        let mut gradient = std::vec![0.0; self.space.freedom()];
+        let mut gradient = std::vec![0.0; self.space.degrees_of_freedom()];
         let mut part = gradient.clone();
         for (k, (of, sign)) in [(near.pair.a, -1.0), (near.pair.b, 1.0)].into_iter().enumerate() {
             if let WorldId::Robot(body) = of {

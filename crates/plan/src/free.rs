@@ -26,7 +26,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ///
     /// # Errors
     /// A configuration that is not of the space.
-    pub fn free_at(&mut self, configuration: &[f64]) -> Result<bool, PlanError> {
+    pub fn is_free_at(&mut self, configuration: &[f64]) -> Result<bool, PlanError> {
         self.space.check(configuration)?;
         self.work.configurations += 1;
         let mut poses = core::mem::take(&mut self.poses);

@@ -92,7 +92,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         way: f64,
     ) -> Vec<f64> {
         let scales = self.space.scales();
-        let mut step = std::vec![0.0; self.space.freedom()];
+        let mut step = std::vec![0.0; self.space.degrees_of_freedom()];
         if let Some(before) = before {
             let past = self.space.difference(&before.q, &here.q);
             let along = past[coordinate] * scales[coordinate];

@@ -41,7 +41,7 @@
 //! | Is a spline, or a motion with an error of tracking, free? | [`Checker::certify_tube`] | [`Verdict`] on all motions that close to the segment |
 //! | Why is the segment free? | [`Checker::prove`] | the certificates of every pair, one after the other |
 //! | How clear is the segment? | [`Checker::clearance_along`] | a proven bound, and a distance that is attained |
-//! | Is a configuration free? | [`Checker::free_at`] | yes or no, by predicates alone |
+//! | Is a configuration free? | [`Checker::is_free_at`] | yes or no, by predicates alone |
 //! | How clear is a configuration? | [`Checker::clearance`], [`nearest`](Checker::nearest) | signed distance, witnesses, gradient |
 //!
 //! A segment is looked at pair by pair. Boxes swept over stretches of the segment, each as long as
@@ -96,7 +96,7 @@
 //! (`crates/plan/tests`, ignored tests). A planner with a tuned sampler and fixed steps may be faster
 //! and may be wrong.
 //!
-//! No other planner is part of the crate: [`Checker::free_at`] and [`is_free`](Checker::is_free)
+//! No other planner is part of the crate: [`Checker::is_free_at`] and [`is_free`](Checker::is_free)
 //! answer what sampling planners ask of a configuration and of a motion. RRT-Connect of the crate
 //! `oxmpl` is a dependency of the benchmarks alone (`race plan`), although light (`log` and
 //! `rand`): its motions are checked at fixed steps inside the planner, so that a certified checker

@@ -174,7 +174,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             return Err(PlanError::Value { what, value: enough });
         }
         Ok(Slice {
-            fixed: std::vec![false; self.space.freedom()],
+            fixed: std::vec![false; self.space.degrees_of_freedom()],
             longest: LONGEST * extent,
             shortest: SHORTEST * extent,
             enough: enough + self.margin(),

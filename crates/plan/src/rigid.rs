@@ -91,7 +91,7 @@ impl ConfigurationSpace for PlanarSpace {
     fn coordinates(&self) -> usize {
         3
     }
-    fn freedom(&self) -> usize {
+    fn degrees_of_freedom(&self) -> usize {
         3
     }
     fn bodies(&self) -> usize {
@@ -184,7 +184,7 @@ impl ConfigurationSpace for TranslationSpace {
     fn coordinates(&self) -> usize {
         3
     }
-    fn freedom(&self) -> usize {
+    fn degrees_of_freedom(&self) -> usize {
         3
     }
     fn bodies(&self) -> usize {
@@ -278,7 +278,7 @@ impl ConfigurationSpace for RigidSpace {
     fn coordinates(&self) -> usize {
         7
     }
-    fn freedom(&self) -> usize {
+    fn degrees_of_freedom(&self) -> usize {
         6
     }
     fn bodies(&self) -> usize {

@@ -12,7 +12,7 @@ use lin_canny::motion::{Motion, MotionModel, Steady};
 /// robot.
 ///
 /// A *configuration* has [`coordinates`](Self::coordinates) numbers. A *step* is a tangent vector
-/// with one component for each degree of freedom, [`freedom`](Self::freedom) in number. The first
+/// with one component for each degree of freedom, [`degrees_of_freedom`](Self::degrees_of_freedom) in number. The first
 /// components belong to the *sweep coordinates*: component k of a step changes coordinate k of a
 /// configuration alone, for each k below the number of [`bounds`](Self::bounds). The rest, such as
 /// the three components of a rotation, have no bounds.
@@ -24,7 +24,7 @@ pub trait ConfigurationSpace {
     fn coordinates(&self) -> usize;
 
     /// Returns the number of degrees of freedom, the components of a step.
-    fn freedom(&self) -> usize;
+    fn degrees_of_freedom(&self) -> usize;
 
     /// Returns the number of bodies that a configuration places.
     fn bodies(&self) -> usize;
@@ -102,8 +102,8 @@ impl<C: ConfigurationSpace + ?Sized> ConfigurationSpace for &C {
     fn coordinates(&self) -> usize {
         (**self).coordinates()
     }
-    fn freedom(&self) -> usize {
-        (**self).freedom()
+    fn degrees_of_freedom(&self) -> usize {
+        (**self).degrees_of_freedom()
     }
     fn bodies(&self) -> usize {
         (**self).bodies()

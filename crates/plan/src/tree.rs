@@ -11,7 +11,7 @@ use crate::space::{ConfigurationSpace, check, check_bounds, within};
 use crate::tree_motion::{LinkTree, TreeSegment};
 use lin_canny::motion::Velocity;
 use lin_canny::tolerance::{EXTENT_MAX, POSE_UNIT};
-use lin_canny::{RelativePose, normalize};
+use lin_canny::{RelativePose, normalize_rotation};
 
 /// What sets the value of a joint: `factor` times a coordinate of the configuration, plus `offset`.
 /// Joints with the same coordinate mimic each other.
@@ -82,7 +82,7 @@ impl TreeJoint {
 
     /// Returns the pose of the link after the joint from the pose of the link before.
     pub(crate) fn after(&self, parent: &Isometry3<f64>, value: f64) -> Isometry3<f64> {
-        normalize(&(parent * self.origin * self.moved(value)))
+        normalize_rotation(&(parent * self.origin * self.moved(value)))
     }
 
     fn check(&self, index: usize, limits: &[[f64; 2]]) -> Result<(), PlanError> {
@@ -268,7 +268,7 @@ impl ConfigurationSpace for JointTree {
     fn coordinates(&self) -> usize {
         self.limits.len()
     }
-    fn freedom(&self) -> usize {
+    fn degrees_of_freedom(&self) -> usize {
         self.limits.len()
     }
     fn bodies(&self) -> usize {

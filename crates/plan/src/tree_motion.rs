@@ -29,7 +29,7 @@ use crate::space::SegmentMotion;
 use crate::tolerance::{ARM_PLACE, ARM_TURN, ARM_VALUE};
 use crate::tree::TreeJoint;
 use lin_canny::motion::{MotionModel, Remainder};
-use lin_canny::normalize;
+use lin_canny::normalize_rotation;
 
 /// Radians by which the joints that two links share turn, beyond which the pair is looked at from
 /// the last link that carries both. Not measured.
@@ -53,13 +53,13 @@ impl LinkTree {
     pub(crate) fn new(base: &Isometry3<f64>, mut joints: Vec<TreeJoint>) -> Self {
         let mut paths: Vec<Vec<usize>> = std::vec![Vec::new()];
         for (index, joint) in joints.iter_mut().enumerate() {
-            joint.origin = normalize(&joint.origin);
+            joint.origin = normalize_rotation(&joint.origin);
             joint.axis = Unit::new_normalize(joint.axis.into_inner());
             let mut path = paths[joint.parent].clone();
             path.push(index);
             paths.push(path);
         }
-        let base = normalize(base);
+        let base = normalize_rotation(base);
         Self(Arc::new(Paths { base, joints, paths }))
     }
 

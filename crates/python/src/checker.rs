@@ -158,7 +158,7 @@ impl Checker {
         let q = configuration(q)?;
         match to {
             Some(to) => self.checker.is_free(&q, &configuration(to)?),
-            None => self.checker.free_at(&q),
+            None => self.checker.is_free_at(&q),
         }
         .map_err(plan_error)
     }

@@ -46,7 +46,7 @@ const NOTHING: scene::PairQueries = scene::PairQueries::none();
 
 /// The sets of effects, each with one more than the one before.
 fn sets() -> Vec<(&'static str, Effects, scene::PairQueries)> {
-    let near = ManifoldOptions::within(0.02);
+    let near = ManifoldOptions::with_prediction(0.02);
     let overlap = NOTHING.overlap(true);
     let contacts = overlap.manifold(near);
     let mut e = Effects::none();

@@ -93,7 +93,7 @@ fn kinds(file: &Path) -> Result<(), Trouble> {
         let pose = Isometry3::translation(0.3 * angle.cos(), 0.3 * angle.sin(), 0.5 * angle.sin());
         recorder.pose(middle, &pose)?;
         for (body, geometry, at, tracker) in &mut bodies {
-            let poses = RelativePose::normalized(&pose, at)?;
+            let poses = RelativePose::new_normalized(&pose, at)?;
             recorder.answer(middle, *body, &tracker.closest(&ball, *geometry, &poses))?;
         }
         recorder.end_frame()?;
@@ -145,7 +145,7 @@ fn pile(file: &Path) -> Result<(), Trouble> {
     let mut scene = Scene::new();
     let queries = PairQueries::none().distance(0.05).features(true).depth(true);
     let all = Group::default();
-    scene.set_queries(all, all, queries.manifold(ManifoldOptions::within(0.02)))?;
+    scene.set_queries(all, all, queries.manifold(ManifoldOptions::with_prediction(0.02)))?;
     scene.insert(
         Body::fixed(solids::cuboid(Vector3::new(2.0, 2.0, 0.1))?),
         Isometry3::translation(0.0, 0.0, -0.1),
@@ -195,14 +195,14 @@ fn cast(file: &Path) -> Result<(), Trouble> {
     let rest = Steady::new(&still, Velocity::new(Vector3::zeros(), Vector3::zeros()))?;
     let flight = Steady::new(&begin, velocity)?;
     let tolerance = impact::Tolerance::Time(0.05);
-    let found = impact::cast(&mut tracker.over(&post, &bar), &rest, &flight, (0.0, 2.0), tolerance)?;
+    let found = impact::cast(&mut tracker.pair(&post, &bar), &rest, &flight, (0.0, 2.0), tolerance)?;
     for frame in 0..60 {
         let pose = velocity.applied(&begin, f64::from(frame) / 40.0);
         recorder.pose(b, &pose)?;
         recorder.answer(
             a,
             b,
-            &tracker.closest(&post, &bar, &RelativePose::normalized(&still, &pose)?),
+            &tracker.closest(&post, &bar, &RelativePose::new_normalized(&still, &pose)?),
         )?;
         if let impact::Impact::Hit { safe, hit, .. } = found.impact {
             let at = |time| [still, velocity.applied(&begin, time)];
@@ -252,7 +252,7 @@ fn many(file: &Path, bodies: usize, frames: usize) -> Result<(), Trouble> {
         }
         // Pairs of all bodies of small recordings, of the first hundred of large ones.
         for (k, tracker) in trackers.iter_mut().enumerate().take(99) {
-            let poses = RelativePose::normalized(&pose(k, frame), &pose(k + 1, frame))?;
+            let poses = RelativePose::new_normalized(&pose(k, frame), &pose(k + 1, frame))?;
             let [a, b] = [k, k + 1].map(|i| &shapes[i % shapes.len()]);
             recorder.answer(k as u32, k as u32 + 1, &tracker.closest(a, b, &poses))?;
         }

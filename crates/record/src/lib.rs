@@ -56,6 +56,6 @@ mod scene;
 mod write;
 
 pub use format::{BodyLine, Bracket, ColumnLine, Contact, FORMAT, Frame, Header, PairLine, VERSION, poses};
-pub use picture::BodyPicture;
+pub use picture::RenderMesh;
 pub use read::{Cursor, ReadError, Recording};
 pub use write::{Recorder, WriteError};

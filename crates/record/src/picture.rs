@@ -22,7 +22,7 @@ const MOST_EDGED: usize = 4000;
 
 /// What a viewer draws of a body: triangles, and the edges to be seen.
 #[derive(Clone, Debug, Default)]
-pub struct BodyPicture {
+pub struct RenderMesh {
     /// Corners of each triangle, counter-clockwise seen from outside, and the unit normal.
     pub triangles: Vec<([Point3<f64>; 3], Vector3<f64>)>,
     /// Ends of each edge.
@@ -31,10 +31,10 @@ pub struct BodyPicture {
     pub radius: f64,
 }
 
-impl BodyPicture {
+impl RenderMesh {
     /// Returns the picture of a geometry. Curved bodies are hulls of points on their surface.
     #[must_use]
-    pub fn of(geometry: &Geometry) -> Self {
+    pub fn from_geometry(geometry: &Geometry) -> Self {
         let mut solid = Self::default();
         match geometry {
             Geometry::Polyhedron(body) => solid.convex(body, &Isometry3::identity(), false),
@@ -77,7 +77,7 @@ impl BodyPicture {
     }
 
     fn shape(&mut self, shape: &Shape, pose: &Isometry3<f64>) {
-        if let (Core::Polyhedron(body), true) = (shape.core(), shape.round() == 0.0) {
+        if let (Core::Polyhedron(body), true) = (shape.core(), shape.rounding_radius() == 0.0) {
             return self.convex(body, pose, false);
         }
         if let Ok(hull) = ConvexPolyhedron::from_points(&samples(shape)) {
@@ -166,7 +166,7 @@ fn samples(shape: &Shape) -> Vec<Point3<f64>> {
         }
         _ => Vec::new(),
     };
-    let round = shape.round();
+    let round = shape.rounding_radius();
     if round == 0.0 {
         return core;
     }

@@ -27,7 +27,7 @@ impl<W: Write> Recorder<W> {
             };
             let contacts = contacts(&pair, pose_a, pose_b);
             if let Some(outcome) = pair.outcome {
-                let pieces = pair.pieces.unwrap_or_default();
+                let pieces = pair.subshapes.unwrap_or_default();
                 let line = self.pair(a, b)?;
                 line.outcome = Some(*outcome);
                 line.parts = pieces;

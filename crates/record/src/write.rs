@@ -169,7 +169,7 @@ impl<W: Write> Recorder<W> {
     pub fn answer(&mut self, a: u32, b: u32, answer: &PairOutcome) -> Result<(), WriteError> {
         let line = self.pair(a, b)?;
         line.outcome = Some(answer.outcome);
-        line.parts = [answer.on[0].part, answer.on[1].part];
+        line.parts = [answer.locations[0].subshape, answer.locations[1].subshape];
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
-use lin_canny_record::{BodyPicture, Contact};
+use lin_canny_record::{RenderMesh, Contact};
 use rerun::external::re_log_types::EntityPath;
 use rerun::{
     Arrows3D, Boxes3D, Color, LineStrips3D, Mesh3D, Points3D, Quaternion, RecordingStream, RecordingStreamError,
@@ -42,7 +42,7 @@ pub(crate) fn body(
     entity: &EntityPath,
     geometry: &Geometry,
 ) -> Result<(), RecordingStreamError> {
-    let picture = BodyPicture::of(geometry);
+    let picture = RenderMesh::from_geometry(geometry);
     let number = entity.to_string().bytes().map(usize::from).sum::<usize>();
     let [r, g, b] = COLOURS[number % COLOURS.len()];
     let colour = Color::from_rgb(r, g, b);

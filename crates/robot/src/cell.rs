@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
-use lin_canny::{Geometry, normalize};
+use lin_canny::{Geometry, normalize_rotation};
 
 use crate::error::{FileError, FileProblem};
 use crate::geometry::{self, MeshOptions, MeshUse, Solid};
@@ -189,7 +189,7 @@ impl BodyText {
             }
             (None, None) => UnitQuaternion::identity(),
         };
-        Ok(normalize(&Isometry3::from_parts(
+        Ok(normalize_rotation(&Isometry3::from_parts(
             Translation3::from(Vector3::from(self.xyz)),
             turn,
         )))

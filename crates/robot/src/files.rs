@@ -25,7 +25,7 @@ use crate::srdf::Srdf;
 /// let (robot, setup) = files.load()?;
 /// assert_eq!(setup.coordinates().len(), robot.coordinates().len());
 /// let mut checker = setup.checker()?;
-/// # assert!(checker.free_at(&vec![0.0; setup.coordinates().len()]).is_ok());
+/// # assert!(checker.is_free_at(&vec![0.0; setup.coordinates().len()]).is_ok());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, Default)]

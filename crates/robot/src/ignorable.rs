@@ -155,7 +155,7 @@ impl Counted {
 impl Srdf {
     /// Returns the pairs that may be ignored by these counts.
     #[must_use]
-    pub fn of_counts(counts: &[LinkPairCount]) -> Self {
+    pub fn from_counts(counts: &[LinkPairCount]) -> Self {
         let ignored = counts.iter().filter_map(|pair| {
             let reason = pair.reason?.to_string();
             let links = pair.links.clone();

@@ -117,7 +117,10 @@ fn meshes_are_hulls_meshes_or_pieces() {
         (GeometryKind::Polyhedron, GeometryKind::Mesh)
     );
     let fit = left.hull_fit.expect("measured");
-    assert!(fit.gap_lower < 1e-12 && fit.air().expect("a volume") < 1e-6, "{fit:?}");
+    assert!(
+        fit.gap_lower < 1e-12 && fit.void_fraction().expect("a volume") < 1e-6,
+        "{fit:?}"
+    );
     // The mirrored mesh is closed and not inside out.
     let lin_canny::Geometry::Mesh(mesh) = &right.geometry else {
         panic!("a mesh")

@@ -253,8 +253,11 @@ impl Judge {
             (_, None, pose) => pose,
         };
         self.pairs.iter_mut().any(|([a, b], tracker)| {
-            let pose =
-                RelativePose::new(&lin_canny::normalize(&at(*a)), &lin_canny::normalize(&at(*b))).expect("poses");
+            let pose = RelativePose::new(
+                &lin_canny::normalize_rotation(&at(*a)),
+                &lin_canny::normalize_rotation(&at(*b)),
+            )
+            .expect("poses");
             tracker.intersects(&self.shapes[*a].0, &self.shapes[*b].0, &pose) == Decision::Yes
         })
     }
@@ -329,7 +332,7 @@ fn ignorable_pairs_are_counted_and_written() {
     );
     let few = find_ignorable(&setup, 2000, 7, &mut |progress| Progress::stop_if(progress.done >= 10)).expect("counts");
     assert!(few.iter().all(|pair| pair.samples == 10));
-    let srdf = Srdf::of_counts(&counts);
+    let srdf = Srdf::from_counts(&counts);
     let again = Srdf::parse(&srdf.text(robot.name()), "r.srdf", &robot).expect("our own text");
     assert_eq!(srdf, again);
     assert!(

@@ -5,7 +5,7 @@
 
 use eframe::egui_wgpu::wgpu;
 use lin_canny::nalgebra::{Matrix4, Point3};
-use lin_canny_record::BodyPicture;
+use lin_canny_record::RenderMesh;
 
 use crate::draw::{CORNER_WORDS, DrawList, STROKE_WORDS};
 use crate::pipelines::{INSTANCE_WORDS, Pipelines, RIM_WORDS};
@@ -88,7 +88,7 @@ impl Gpu {
     }
 
     /// Takes the geometries of another stage.
-    pub fn upload(&mut self, solids: &[BodyPicture]) {
+    pub fn upload(&mut self, solids: &[RenderMesh]) {
         let (mut triangles, mut edges) = (Vec::new(), Vec::new());
         let push = |words: &mut Vec<u32>, p: [f64; 3]| words.extend(p.map(|x| (x as f32).to_bits()));
         self.meshes.clear();

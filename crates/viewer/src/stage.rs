@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::{Geometry, ManifoldOptions, Outcome, PairTracker, RelativePose};
-use lin_canny_record::{BodyPicture, Bracket, Contact, ColumnLine};
+use lin_canny_record::{RenderMesh, Bracket, Contact, ColumnLine};
 
 /// A body and where it stands.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ pub struct Stage {
     /// All geometries.
     pub geometries: Vec<Geometry>,
     /// Their pictures, by the same number.
-    pub solids: Vec<BodyPicture>,
+    pub solids: Vec<RenderMesh>,
     /// All bodies.
     pub bodies: Vec<Body>,
     /// The pairs that are watched.
@@ -86,7 +86,7 @@ impl Stage {
     /// Adds a geometry.
     pub fn geometry(&mut self, geometry: impl Into<Geometry>) -> usize {
         let geometry = geometry.into();
-        self.solids.push(BodyPicture::of(&geometry));
+        self.solids.push(RenderMesh::from_geometry(&geometry));
         self.geometries.push(geometry);
         self.geometries.len() - 1
     }
@@ -109,7 +109,7 @@ impl Stage {
             return;
         };
         let [a, b] = watched.bodies.map(|k| &self.bodies[k]);
-        let Ok(poses) = RelativePose::normalized(&a.pose, &b.pose) else {
+        let Ok(poses) = RelativePose::new_normalized(&a.pose, &b.pose) else {
             watched.outcome = None;
             return;
         };
@@ -119,7 +119,7 @@ impl Stage {
         watched.outcome = Some(answer.outcome);
         watched.parts = [answer.on[0].part, answer.on[1].part];
         if !watched.contacts.is_empty() {
-            let options = ManifoldOptions::within(0.02 * self.solids[b.geometry].radius);
+            let options = ManifoldOptions::with_prediction(0.02 * self.solids[b.geometry].radius);
             let groups = tracker.contacts(shape_a, shape_b, &poses, &options).unwrap_or_default();
             watched.contacts = groups
                 .iter()

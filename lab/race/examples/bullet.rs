@@ -96,7 +96,7 @@ fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[
             Ok(tracker.intersects(&body.ours, &plate.ours, &RelativePose::new(pose, &at)?))
         };
         let found = cast(
-            &mut Tracker::new().over(&body.ours, &plate.ours),
+            &mut Tracker::new().pair(&body.ours, &plate.ours),
             &flight,
             &rest,
             (0.0, STEP),
@@ -116,7 +116,7 @@ fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[
         let nlerp = Nlerp::new(&start, &end, STEP, Point3::origin())?;
         let swept = matches!(
             cast(
-                &mut Tracker::new().over(&body.ours, &plate.ours),
+                &mut Tracker::new().pair(&body.ours, &plate.ours),
                 &nlerp,
                 &rest,
                 (0.0, STEP),

@@ -115,7 +115,7 @@ fn answer(line: &str) -> Result<String, Trouble> {
     let motion_b = named("motion of B", motion(motion_b))?;
     let (end, tolerance) = (named("t_end", number(end))?, named("tolerance", number(tolerance))?);
     let mut tracker = Tracker::new();
-    let mut pair = tracker.over(&a, &b);
+    let mut pair = tracker.pair(&a, &b);
     let found = cast(
         &mut pair,
         &motion_a,

@@ -11,7 +11,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let part = solids::cuboid(Vector3::new(0.35, 0.25, 0.2))?;
     // One of each for a pair of bodies.
     let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
-    let options = ManifoldOptions::within(0.01);
+    let options = ManifoldOptions::with_prediction(0.01);
     println!("name (the features it was first seen on), features now, depth, place on the plate");
     for frame in 0..8 {
         let turn = UnitQuaternion::from_euler_angles(0.0, 0.0, 0.4);

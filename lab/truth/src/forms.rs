@@ -5,7 +5,7 @@ use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierSurface, revolution};
 use lin_canny::{Compound, ContactState, ConvexPolyhedron, Distance, Geometry, GeometryRef, Mesh, PairTracker, Piece};
-use lin_canny::{Question, RelativePose, Shape, Tracker};
+use lin_canny::{QueryOptions, RelativePose, Shape, Tracker};
 
 /// Bodies of which one is no sharp polyhedron, and whose bounds are as near to a threshold as this, may be either side of it.
 pub const TIE: f64 = 1e-7;
@@ -116,8 +116,8 @@ pub fn forms(kind: usize) -> Vec<(Geometry, Form)> {
 
 /// The signed distance of two bodies by a tracker without a past.
 pub fn distance(a: &Form, b: &Form, pose: &RelativePose) -> Distance {
-    let narrow = Question::new().width(1e-9);
-    Distance::from(&PairTracker::new().ask(a.lent(), b.lent(), pose, &narrow))
+    let narrow = QueryOptions::new().width(1e-9);
+    Distance::from(&PairTracker::new().closest_with(a.lent(), b.lent(), pose, &narrow))
 }
 
 /// Whether two bodies are at most `d` apart; `None` if that is too close to call.

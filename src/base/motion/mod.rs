@@ -8,7 +8,7 @@
 //! | motion | kind |
 //! |---|---|
 //! | constant velocities of a body's origin, or of any point | [`Steady::new`], [`Steady::about`] |
-//! | with a known or bounded acceleration | [`Steady::accelerated`], [`Steady::within`] |
+//! | with a known or bounded acceleration | [`Steady::with_acceleration`], [`Steady::with_acceleration_bounds`] |
 //! | from one pose to another at a constant rate about one axis (slerp) | [`Steady::between`] |
 //! | a screw: a turn about a line of the world and a shift along the line | [`Steady::screw`] |
 //! | from one pose to another by nlerp, as Box2D, parry and rapier sweep | [`Nlerp`] |

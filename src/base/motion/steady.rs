@@ -144,7 +144,7 @@ impl Steady {
     ///
     /// # Errors
     /// An acceleration that is not finite or out of range.
-    pub fn accelerated(self, acceleration: Vector3<f64>) -> Result<Self, MotionError> {
+    pub fn with_acceleration(self, acceleration: Vector3<f64>) -> Result<Self, MotionError> {
         in_range("acceleration", &acceleration)?;
         Ok(Self { acceleration, ..self })
     }
@@ -156,7 +156,7 @@ impl Steady {
     ///
     /// # Errors
     /// A bound that is negative or not finite.
-    pub fn within(self, linear: f64, angular: f64) -> Result<Self, MotionError> {
+    pub fn with_acceleration_bounds(self, linear: f64, angular: f64) -> Result<Self, MotionError> {
         for (what, value) in [
             ("bound of acceleration", linear),
             ("bound of angular acceleration", angular),
@@ -199,8 +199,8 @@ impl TryFrom<StoredSteady> for Steady {
         let pose = Isometry3::from_parts(Translation3::from(stored.centre), turn);
         let [linear, angular] = stored.open;
         let motion = Self::about(&pose, stored.pivot, stored.velocity)?
-            .accelerated(stored.acceleration)?
-            .within(linear, angular)?;
+            .with_acceleration(stored.acceleration)?
+            .with_acceleration_bounds(linear, angular)?;
         Ok(Self {
             rotation: restored(&stored.rotation),
             centre: stored.centre,

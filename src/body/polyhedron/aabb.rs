@@ -49,7 +49,7 @@ impl Scan {
     }
 
     /// Returns the bytes on the heap.
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         size_of_val(&self.0[..])
     }
 

@@ -53,7 +53,7 @@ impl Fans {
     }
 
     /// Returns the bytes on the heap.
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         self.0.capacity() * size_of::<(VertexId, Axis)>()
     }
 

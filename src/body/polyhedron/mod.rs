@@ -278,17 +278,17 @@ impl ConvexPolyhedron {
     /// Returns the bytes this body takes, with its lists but without its report: some 155 a vertex
     /// from some hundred vertices on, some 200 beyond 10,922 vertices (links of 16 and of 32 bits).
     #[must_use]
-    pub fn size_in_bytes(&self) -> usize {
+    pub fn memory_usage(&self) -> usize {
         let lists = size_of_val(&self.points[..])
             + size_of_val(&self.planes[..])
             + size_of_val(&self.source[..])
             + size_of_val(&self.source_faces[..]);
         size_of::<Self>()
             + lists
-            + self.topology.heap_bytes()
-            + self.fans.heap_bytes()
-            + self.lookup.heap_bytes()
-            + self.scan.heap_bytes()
+            + self.topology.memory_usage()
+            + self.fans.memory_usage()
+            + self.lookup.memory_usage()
+            + self.scan.memory_usage()
     }
 
     /// Returns the report of the build: points and facets kept, merged and dropped.

@@ -314,7 +314,7 @@ impl CubeMap {
     }
 
     /// Returns the bytes on the heap.
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         4 * self.cells.capacity()
     }
 

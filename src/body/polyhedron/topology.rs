@@ -290,7 +290,7 @@ impl Topology {
     }
 
     /// Returns the bytes on the heap.
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         let links = match &self.links {
             HalfEdges::Short(l) => l.capacity() * 8,
             HalfEdges::Long(l) => l.capacity() * 16,

@@ -39,7 +39,7 @@ pub(crate) use crate::body::shape::support::{Disc, Flat, Support};
 use alloc::sync::Arc;
 use nalgebra::{Isometry3, Point3, Vector3};
 
-/// A convex shape: every point at most [`round`](Self::round) from its [`core`](Self::core).
+/// A convex shape: every point at most [`rounding_radius`](Self::rounding_radius) from its [`core`](Self::core).
 ///
 /// Immutable, and cheap to clone: the polyhedron of a core is shared. Lengths are in the caller's
 /// unit, coordinates in the shape's own frame.
@@ -50,7 +50,7 @@ use nalgebra::{Isometry3, Point3, Vector3};
 ///
 /// let pill = Shape::capsule(1.0, 0.25)?;
 /// let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))?.rounded(0.1)?;
-/// assert_eq!((pill.round(), die.round()), (0.25, 0.1));
+/// assert_eq!((pill.rounding_radius(), die.rounding_radius()), (0.25, 0.1));
 /// # Ok::<(), lin_canny::shape::ShapeError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -226,7 +226,7 @@ impl Shape {
 
     /// Returns the radius by which the core is rounded; zero for a shape without rounding.
     #[must_use]
-    pub fn round(&self) -> f64 {
+    pub fn rounding_radius(&self) -> f64 {
         self.round
     }
 

@@ -503,7 +503,7 @@ impl SweepAndPrune {
 
     /// Returns the bytes reserved for bodies and pairs, by the structure itself and for scratch.
     #[must_use]
-    pub fn bytes(&self) -> usize {
+    pub fn memory_usage(&self) -> usize {
         let columns: usize = self.columns.iter().map(|c| c.entries.capacity() * 8).sum();
         let scratch: usize = self.workers.iter().map(Worker::bytes).sum();
         let touched = self.touched.capacity() * size_of::<Touch>();

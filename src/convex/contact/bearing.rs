@@ -244,7 +244,7 @@ impl ProjectedFacet {
         let promotion = Promotion {
             body,
             outward,
-            sine: options.sine,
+            sine: options.max_face_sine,
             previous,
         };
         let feature = promotion.promote(closest);

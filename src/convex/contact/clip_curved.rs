@@ -57,7 +57,7 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     let noise = ACROSS * query.size();
     let mut candidates = Candidates::new(distance, query.options.prediction);
     let beside = noise * query.least_radius();
-    clip(&patches, noise, (query.options.sine, beside), &mut candidates);
+    clip(&patches, noise, (query.options.max_face_sine, beside), &mut candidates);
     let is_round = patches.iter().any(|p| p.circle.is_some());
     let tie = if is_round { ROUND * query.least_radius() } else { noise };
     let deep = outcome.upper + AGREE * query.size() + tie;
@@ -68,7 +68,7 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
         before,
         is_steady: true,
         most: query.options.most(),
-        merge: noise.larger(query.options.drift * query.least_radius()),
+        merge: noise.larger(query.options.rebuild_motion * query.least_radius()),
         tie,
     };
     contacts.choose(candidates.all(), &choice, |candidate| {

@@ -45,7 +45,7 @@ const SAMPLE: usize = 48;
 /// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
 /// let resting = Isometry3::translation(3.0, 0.0, 0.49);
 /// let pose = RelativePose::from_isometry(&resting)?;
-/// let contacts = floor.contacts(&part, &pose, &ManifoldOptions::within(0.02));
+/// let contacts = floor.contacts(&part, &pose, &ManifoldOptions::with_prediction(0.02));
 /// assert_eq!(contacts.points().len(), 4);
 /// assert!((contacts.distance().value + 0.01).abs() < 1e-15);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -156,7 +156,7 @@ impl HalfSpace {
 
     /// Returns the contacts of a body within `options.prediction`: corners of the face at the
     /// lowest vertex that is most nearly parallel to the plane, if its angle to the plane has a
-    /// sine of at most `options.sine`, and else those of an edge, or the lowest vertex alone.
+    /// sine of at most `options.max_face_sine`, and else those of an edge, or the lowest vertex alone.
     #[must_use]
     pub fn contacts(
         &self,
@@ -255,15 +255,15 @@ impl<'a> PlacedPlane<'a> {
         };
         add(self.lowest);
         let t = &self.body.topology;
-        if let Some(face) = self.bearing_face(options.sine) {
+        if let Some(face) = self.bearing_face(options.max_face_sine) {
             let corners = t.rim(face).count();
             let corner = t.rim(face).map(|h| t.from(h)).step_by(corners.div_ceil(SAMPLE));
             corner.filter(|&v| v != self.lowest).for_each(add);
-        } else if let Some(end) = self.bearing_edge(options.sine) {
+        } else if let Some(end) = self.bearing_edge(options.max_face_sine) {
             add(end);
         }
         let noise = ACROSS * self.size();
-        let merge = noise.larger(options.drift * self.body.radius * self.body.unit());
+        let merge = noise.larger(options.rebuild_motion * self.body.radius * self.body.unit());
         let all = candidates.all();
         for &k in reduce(all, 0, options.most(), merge, noise).all() {
             if let Some(vertex) = all[k].on[1].as_vertex() {

@@ -156,7 +156,7 @@ impl Manifold {
     /// these bodies at this pose, with no memory of earlier contacts: for callers who keep their
     /// own. Without contacts if an id of the outcome names no feature of its body.
     #[must_use]
-    pub fn of_outcome(
+    pub fn from_outcome(
         (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
         a_from_b: &RelativePose,
         outcome: &Outcome,
@@ -303,7 +303,7 @@ impl Manifold {
         let options = query.options;
         let least = query.least_radius();
         let travelled = self.made.as_ref().filter(|m| m.is_of(query)).map(|m| m.since + moved);
-        let since_choice = travelled.filter(|&t| t <= options.choice * least);
+        let since_choice = travelled.filter(|&t| t <= options.reselect_motion * least);
         let mut contacts = match query.facets {
             [Facet::Body(a), Facet::Body(b)] => {
                 let (rotation, size) = (&query.rotation, query.size());
@@ -323,7 +323,7 @@ impl Manifold {
         }
         self.rays = contacts.rays;
         if !contacts.same {
-            self.replace_points(&contacts, 2.0 * moved + options.drift * least);
+            self.replace_points(&contacts, 2.0 * moved + options.rebuild_motion * least);
             return (contacts.features, 0.0);
         }
         for (old, new) in self.points.iter_mut().zip(&contacts.points[..contacts.count]) {

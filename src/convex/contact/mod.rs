@@ -233,7 +233,7 @@ impl PosedOutcome<'_> {
             let promotion = Promotion {
                 body,
                 outward,
-                sine: options.sine,
+                sine: options.max_face_sine,
                 previous,
             };
             promotion.promote(feature)
@@ -278,7 +278,7 @@ impl ProjectedPair<'_> {
     ) {
         let (a, b) = (self.a, self.b);
         if a.is_edge() && b.is_edge() {
-            clip::overlap_edges(a, b, options.sine, candidates);
+            clip::overlap_edges(a, b, options.max_face_sine, candidates);
         } else if a.is_large() || b.is_large() {
             let middle = |p: &Point3<f64>| a.position_of(&self.posed.a.to_stored(p));
             let hint = before.middle().as_ref().map(middle);
@@ -313,7 +313,7 @@ impl ProjectedPair<'_> {
             before,
             is_steady: all.len() > options.most(),
             most: options.most(),
-            merge: noise.larger(options.drift * a.radius.smaller(b.radius)),
+            merge: noise.larger(options.rebuild_motion * a.radius.smaller(b.radius)),
             tie: noise,
         };
         contacts.choose(all, &choice, |candidate| {

@@ -10,7 +10,7 @@ use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::convex::contact::MOST_POINTS;
 use crate::convex::contact::bearing::Facet;
-use crate::pair::outcome::Until;
+use crate::pair::outcome::DepthMode;
 
 /// Options of a contact manifold. A NaN option requests nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,18 +34,18 @@ pub struct ManifoldOptions {
     /// 1.3 times as deep, beyond 1/2 nothing changes. A face within one degree of upright (parallel
     /// to the normal) never bears the contact, at any setting.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
-    pub sine: f64,
+    pub max_face_sine: f64,
     /// Largest motion of the bodies before a manifold is computed again, in radii of the smaller
     /// body; until then the points stay fixed on the bodies and only separations change. Contacts
     /// nearer to each other than `drift` are merged. Default 1/1024; zero: every motion computes
     /// the manifold again.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
-    pub drift: f64,
+    pub rebuild_motion: f64,
     /// Largest motion of the bodies, in radii of the smaller body, before points are chosen again
     /// from the vertices of the overlap of two faces; until then the chosen vertices are kept, as
     /// long as they stay in the overlap and include the deepest. Default 1/16.
     #[cfg_attr(feature = "serde", serde(with = "crate::base::num::scalar::infinite"))]
-    pub choice: f64,
+    pub reselect_motion: f64,
     /// Whether a local depth will do: normal and separations of an overlap from the nearest facet
     /// about the last one, for a fraction of the time, whether or not a shorter translation parts
     /// the bodies: see [`Tracker::closest_with_local_depth`]. For polyhedra, sharp or rounded, and
@@ -59,20 +59,20 @@ pub struct ManifoldOptions {
 
 impl Default for ManifoldOptions {
     fn default() -> Self {
-        Self::within(0.0)
+        Self::with_prediction(0.0)
     }
 }
 
 impl ManifoldOptions {
     /// Returns the default options with a prediction distance.
     #[must_use]
-    pub const fn within(prediction: f64) -> Self {
+    pub const fn with_prediction(prediction: f64) -> Self {
         Self {
             prediction,
             max_points: 4,
-            sine: 0.5,
-            drift: 1.0 / 1024.0,
-            choice: 1.0 / 16.0,
+            max_face_sine: 0.5,
+            rebuild_motion: 1.0 / 1024.0,
+            reselect_motion: 1.0 / 16.0,
             local_depth: false,
         }
     }
@@ -87,21 +87,21 @@ impl ManifoldOptions {
     /// Returns the options with another sine.
     #[must_use]
     pub const fn sine(mut self, sine: f64) -> Self {
-        self.sine = sine;
+        self.max_face_sine = sine;
         self
     }
 
     /// Returns the options with another drift.
     #[must_use]
     pub const fn drift(mut self, drift: f64) -> Self {
-        self.drift = drift;
+        self.rebuild_motion = drift;
         self
     }
 
     /// Returns the options with another motion before points are chosen again.
     #[must_use]
     pub const fn choice(mut self, choice: f64) -> Self {
-        self.choice = choice;
+        self.reselect_motion = choice;
         self
     }
 
@@ -113,8 +113,8 @@ impl ManifoldOptions {
     }
 
     /// Returns what the contacts need of an overlap.
-    pub(crate) fn until(&self) -> Until {
-        Until::of_depth(true, self.local_depth)
+    pub(crate) fn until(&self) -> DepthMode {
+        DepthMode::of_depth(true, self.local_depth)
     }
 
     pub(crate) fn most(&self) -> usize {
@@ -227,7 +227,7 @@ impl<'a> Query<'a> {
             // new points.
             -1.0
         } else if lower <= self.options.prediction {
-            self.options.drift * self.least_radius()
+            self.options.rebuild_motion * self.least_radius()
         } else {
             lower - self.options.prediction
         }

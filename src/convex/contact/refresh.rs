@@ -18,7 +18,7 @@ use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, Feature, FeaturePair};
 /// the promotion angle; `inside` is the distance seen along the current normal. Returns 0 if the
 /// angle is too large or the vertex is outside (0, not -inf, so that the value can be serialized).
 pub(super) fn margin(inside: f64, separation: f64, options: &ManifoldOptions) -> f64 {
-    let sine = STAY * options.sine.abs();
+    let sine = STAY * options.max_face_sine.abs();
     // Up to a sine of 1/2, the tangent is below twice the sine, and the cosine above one less the
     // sine.
     if sine <= 0.5 {
@@ -31,7 +31,7 @@ pub(super) fn margin(inside: f64, separation: f64, options: &ManifoldOptions) ->
 /// Returns the largest shift of a projected vertex caused by the angle between normal and face
 /// normal.
 fn tilt_offset(separation: f64, options: &ManifoldOptions) -> f64 {
-    2.0 * STAY * options.sine.abs() * separation.abs()
+    2.0 * STAY * options.max_face_sine.abs() * separation.abs()
 }
 
 /// Projections of the features that bear a contact.

@@ -59,9 +59,9 @@ pub(crate) struct Workspace(Option<Box<Scratch>>);
 
 impl Workspace {
     /// Returns the allocated bytes on the heap.
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         self.0.as_ref().map_or(0, |r| {
-            size_of::<Scratch>() + r.below_target.capacity() * size_of::<u32>() + r.surface.heap_bytes()
+            size_of::<Scratch>() + r.below_target.capacity() * size_of::<u32>() + r.surface.memory_usage()
         })
     }
 }
@@ -200,10 +200,10 @@ impl Memory {
     }
 
     /// Returns the allocated bytes on the heap.
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         self.points.capacity() * size_of::<[VertexId; 2]>()
             + self.triangles.capacity() * size_of::<[u8; 6]>()
-            + self.scratch.heap_bytes()
+            + self.scratch.memory_usage()
     }
 
     /// Returns the first broken invariant of the cached surface: closed, and of few points. Its
@@ -299,9 +299,9 @@ mod tests {
     #[test]
     fn the_scratch_of_later_overlaps_has_the_documented_size() {
         let mut memory = Memory::default();
-        assert_eq!(memory.heap_bytes(), 0);
+        assert_eq!(memory.memory_usage(), 0);
         memory.reserve();
-        let bytes = memory.heap_bytes();
+        let bytes = memory.memory_usage();
         assert!((45_000..55_000).contains(&bytes), "{bytes}");
     }
 }

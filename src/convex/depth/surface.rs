@@ -106,10 +106,10 @@ pub(super) struct EnclosingSurface<T> {
 
 impl<T> EnclosingSurface<T> {
     /// Returns the allocated bytes on the heap.
-    pub(super) fn heap_bytes(&self) -> usize {
+    pub(super) fn memory_usage(&self) -> usize {
         self.points.capacity() * size_of::<MinkowskiPoint<T>>()
             + self.triangles.capacity() * size_of::<SurfaceTriangle<T>>()
-            + self.vertex_pairs.heap_bytes()
+            + self.vertex_pairs.memory_usage()
             + self.queue.capacity() * size_of::<Ranked<u32>>()
             + (self.visible.capacity() + self.starts.capacity()) * size_of::<u32>()
             + self.horizon.capacity() * size_of::<HorizonEdge>()
@@ -515,7 +515,7 @@ pub(super) struct VertexPairs {
 
 impl VertexPairs {
     /// Returns the allocated bytes on the heap.
-    pub(super) fn heap_bytes(&self) -> usize {
+    pub(super) fn memory_usage(&self) -> usize {
         self.slots.capacity() * size_of::<[VertexId; 2]>()
     }
 

@@ -11,7 +11,7 @@ use crate::body::polyhedron::{EdgeId, FaceId, Feature, VertexId};
 use crate::body::shape::{Cone, Core, Cylinder, Shape};
 use crate::convex::contact::{Extent, Facet, Manifold, ManifoldOptions, Query, RoundFace};
 use crate::convex::smooth;
-use crate::pair::outcome::{Outcome, Until};
+use crate::pair::outcome::{DepthMode, Outcome};
 
 impl ShapeTracker {
     /// Computes the contact points of two shapes within `options.prediction`, in `manifold`, as
@@ -39,7 +39,7 @@ impl ShapeTracker {
         manifold: &mut Manifold,
         outcome: impl FnOnce(&mut Self) -> Outcome,
     ) {
-        let radii = [a.round(), b.round()];
+        let radii = [a.rounding_radius(), b.rounding_radius()];
         // The cores are farther apart by the radii.
         let of_cores = ManifoldOptions {
             prediction: options.prediction + radii[0] + radii[1],
@@ -59,7 +59,7 @@ impl ShapeTracker {
             let outcome = outcome(self);
             let normal = outcome.normal.into_inner();
             let bears = |previous: Option<Feature>| Bearing {
-                sine: options.sine,
+                sine: options.max_face_sine,
                 previous,
             };
             let previous = manifold.features();
@@ -78,7 +78,7 @@ impl ShapeTracker {
         options: &ManifoldOptions,
         outcome: &Outcome,
     ) -> Manifold {
-        let radii = [a.round(), b.round()];
+        let radii = [a.rounding_radius(), b.rounding_radius()];
         let of_cores = ManifoldOptions {
             prediction: options.prediction + radii[0] + radii[1],
             ..*options
@@ -91,7 +91,7 @@ impl ShapeTracker {
     }
 
     /// Returns the closest points of the cores of two shapes, with a local depth if that will do.
-    pub(crate) fn closest_cores(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: Until) -> Outcome {
+    pub(crate) fn closest_cores(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: DepthMode) -> Outcome {
         if let (Core::Polyhedron(x), Core::Polyhedron(y)) = (a.core(), b.core()) {
             return self.polyhedral.checked(x, y, a_from_b, until);
         }

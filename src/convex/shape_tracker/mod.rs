@@ -13,7 +13,7 @@ use crate::body::shape::{Core, Curved, Shape, Support, match_core};
 use crate::convex::replay::Replay;
 use crate::convex::smooth;
 use crate::convex::tracker::{Tracker, TrackerWork};
-use crate::pair::outcome::{Accuracy, ContactState, Outcome, Until};
+use crate::pair::outcome::{Accuracy, ContactState, DepthMode, Outcome};
 use crate::pair::rounding;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
@@ -52,24 +52,24 @@ impl ShapeTracker {
     /// unless balls inside the cores prove them, or cylinders and cones have parallel axes: about a
     /// common centre, if many directions are nearly as deep, the interval may stay wider.
     pub(crate) fn closest(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
-        self.measure(a, b, a_from_b, Until::Depth)
+        self.measure(a, b, a_from_b, DepthMode::Full)
     }
 
     /// Returns the closest points, of an overlap with the depth or a local one.
-    pub(crate) fn measure(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: Until) -> Outcome {
+    pub(crate) fn measure(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, until: DepthMode) -> Outcome {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {
                 let mut outcome = self.polyhedral.checked(x, y, a_from_b, until);
-                let radii = [a.round(), b.round()];
+                let radii = [a.rounding_radius(), b.rounding_radius()];
                 if radii != [0.0; 2] {
                     self::grow((x, y), a_from_b, radii, &mut outcome);
                 }
                 outcome
             }
             (x, y) => {
-                let mut outcome = smooth::closest(x, y, a_from_b, Until::Depth, &mut self.curved);
+                let mut outcome = smooth::closest(x, y, a_from_b, DepthMode::Full, &mut self.curved);
                 self.count(&outcome);
-                let radii = [a.round(), b.round()];
+                let radii = [a.rounding_radius(), b.rounding_radius()];
                 if radii != [0.0; 2] {
                     self::shift(a_from_b, radii, &mut outcome);
                 }
@@ -81,7 +81,7 @@ impl ShapeTracker {
     /// Returns the closest points, of overlapping polyhedra the contact state without the depth.
     pub(crate) fn closest_or_class(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose) -> Outcome {
         match (a.core(), b.core()) {
-            (Core::Polyhedron(x), Core::Polyhedron(y)) if a.round() == 0.0 && b.round() == 0.0 => {
+            (Core::Polyhedron(x), Core::Polyhedron(y)) if a.rounding_radius() == 0.0 && b.rounding_radius() == 0.0 => {
                 self.polyhedral.closest_or_class(x, y, a_from_b)
             }
             _ => self.closest(a, b, a_from_b),
@@ -98,7 +98,8 @@ impl ShapeTracker {
     pub(crate) fn within(&mut self, a: &Shape, b: &Shape, a_from_b: &RelativePose, d: f64) -> bool {
         match (a.core(), b.core()) {
             (Core::Polyhedron(x), Core::Polyhedron(y)) => {
-                self.polyhedral.within_reach(x, y, a_from_b, [d, a.round(), b.round()])
+                self.polyhedral
+                    .within_reach(x, y, a_from_b, [d, a.rounding_radius(), b.rounding_radius()])
             }
             _ => d >= 0.0 && self.closest(a, b, a_from_b).lower <= d,
         }
@@ -112,7 +113,7 @@ impl ShapeTracker {
             return None;
         };
         Some(Replay {
-            round: [a.round(), b.round()],
+            round: [a.rounding_radius(), b.rounding_radius()],
             ..self.polyhedral.replay(x, y, a_from_b, Accuracy::Certified)
         })
     }
@@ -150,11 +151,11 @@ impl Shape {
         if let Core::Polyhedron(body) = self.core() {
             let near = || {
                 body.closest_point(point)
-                    .is_some_and(|p| (p - point).norm() <= self.round())
+                    .is_some_and(|p| (p - point).norm() <= self.rounding_radius())
             };
-            return body.contains(point) || self.round() > 0.0 && near();
+            return body.contains(point) || self.rounding_radius() > 0.0 && near();
         }
-        if self.round() > 0.0 {
+        if self.rounding_radius() > 0.0 {
             return self.is_near(point).unwrap_or(false);
         }
         match_core!(self.core(), _ => false, core => core.contains(&point.coords))

@@ -62,7 +62,7 @@ use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
 use crate::convex::smooth::ladder::search;
 use crate::convex::smooth::posed::{DifferencePoint, PosedCores, Toward, add, unit, values};
 use crate::convex::smooth::{frozen, surface};
-use crate::pair::outcome::{Solver, Until};
+use crate::pair::outcome::{DepthMode, Solver};
 use crate::pair::transform::{ErrorScale, Transform};
 
 /// Bounds of the depth of cores that overlap or seem to.
@@ -80,14 +80,14 @@ pub(super) fn deepen<A: CoreKind, B: CoreKind>(
     posed: &PosedCores<A, B, f64>,
     known: &ProvenBounds<f64>,
     corners: Option<Around<f64>>,
-    until: Until,
+    until: DepthMode,
 ) -> Deep {
     let mut best = ProvenBounds {
         upper: f64::INFINITY,
         ..*known
     };
     local(posed, known.n, &known.set, &mut best);
-    let is_known = best.closes(posed) || (until == Until::LocalDepth && is_enough(posed, &best, until));
+    let is_known = best.closes(posed) || (until == DepthMode::Local && is_enough(posed, &best, until));
     if !is_known {
         posed.with_any(|any| prove_parallel(any, &mut best));
     }
@@ -96,9 +96,9 @@ pub(super) fn deepen<A: CoreKind, B: CoreKind>(
         inside: corners.is_some_and(|c| c.points().len() == 4),
         grown: false,
     };
-    let is_local = until == Until::LocalDepth && deep.inside && best.lower < 0.0;
+    let is_local = until == DepthMode::Local && deep.inside && best.lower < 0.0;
     let is_done = is_local || is_enough(posed, &best, until);
-    if until == Until::LocalDepth && !is_done && corners.is_none() && best.lower < 0.0 {
+    if until == DepthMode::Local && !is_done && corners.is_none() && best.lower < 0.0 {
         posed.with_any(|any| prove_overlap(any, &mut deep));
     }
     let Some(corners) = corners.filter(|_| !is_done) else {
@@ -172,10 +172,10 @@ fn from_faces(posed: &PosedCores<Any, Any, f64>, corners: &[DifferencePoint<f64>
 pub(super) fn is_enough<A: Support, B: Support>(
     posed: &PosedCores<A, B, f64>,
     best: &ProvenBounds<f64>,
-    until: Until,
+    until: DepthMode,
 ) -> bool {
     let is_overlap = best.upper < -(CERTIFICATE + posed.noise) * UNIT * posed.size;
-    let is_near = until == Until::LocalDepth || best.upper - best.lower <= DEPTH_GOAL * posed.size;
+    let is_near = until == DepthMode::Local || best.upper - best.lower <= DEPTH_GOAL * posed.size;
     best.closes(posed) || (is_overlap && is_near)
 }
 

@@ -17,7 +17,7 @@ use crate::convex::smooth::frozen::{Around, Frozen, SolveGoal};
 use crate::convex::smooth::posed::{DifferencePoint, PosedCores, add, askew, unit, values};
 use crate::convex::smooth::{depth, frozen, warm};
 use crate::pair::draft::round_outward;
-use crate::pair::outcome::{ContactState, Outcome, Solver, Until};
+use crate::pair::outcome::{ContactState, DepthMode, Outcome, Solver};
 use crate::pair::transform::Transform;
 
 /// A direction that turned by less in each coordinate is extrapolated: a heuristic.
@@ -95,7 +95,7 @@ impl WarmStart {
 pub(super) struct SolverSetting<'p> {
     pose: &'p RelativePose,
     cores: [&'p Core; 2],
-    until: Until,
+    until: DepthMode,
     /// Translation of the pose, if both cores are stored as given and of an ordinary size.
     plain: Option<Vec3<f64>>,
     /// Lengths of the solvers times `2^exponent` are the caller's.
@@ -106,7 +106,7 @@ pub(super) struct SolverSetting<'p> {
 
 impl<'p> SolverSetting<'p> {
     #[inline(always)]
-    pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose, until: Until) -> Self {
+    pub(super) fn new(a: &'p Core, b: &'p Core, pose: &'p RelativePose, until: DepthMode) -> Self {
         let given = |core: &Core| !matches!(core, Core::Polyhedron(body) if !body.is_unscaled);
         let radii = [a.radius(), b.radius()];
         let t = pose.translation();
@@ -219,7 +219,7 @@ fn deepen<A: CoreKind, B: CoreKind>(
     posed: &PosedCores<A, B, f64>,
     known: &ProvenBounds<f64>,
     corners: Option<Around<f64>>,
-    until: Until,
+    until: DepthMode,
     outcome: &mut Outcome,
 ) -> Option<BranchSet> {
     let term = (CERTIFICATE + posed.noise) * UNIT * posed.size;

@@ -42,7 +42,7 @@ use ladder::{SolverSetting, closest_of};
 use crate::base::pose::RelativePose;
 use crate::body::polyhedron::ConvexPolyhedron;
 use crate::body::shape::{Core, match_core, order_of};
-use crate::pair::outcome::{Outcome, Until};
+use crate::pair::outcome::{DepthMode, Outcome};
 
 /// Returns the place of a kind in the order in which a pair is solved.
 fn rank(core: &Core) -> u32 {
@@ -56,7 +56,7 @@ fn rank(core: &Core) -> u32 {
 /// is the height of a direction that is highest in its neighbourhood, of cores that are proven to
 /// overlap.
 #[inline]
-pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, until: Until, memory: &mut WarmStart) -> Outcome {
+pub(crate) fn closest(a: &Core, b: &Core, pose: &RelativePose, until: DepthMode, memory: &mut WarmStart) -> Outcome {
     if rank(a) <= rank(b) {
         return ordered(a, b, pose, until, memory);
     }
@@ -74,7 +74,7 @@ fn hull(body: &Arc<ConvexPolyhedron>) -> PolyhedralCore<'_> {
 }
 
 #[inline(always)]
-fn ordered(a: &Core, b: &Core, pose: &RelativePose, until: Until, memory: &mut WarmStart) -> Outcome {
+fn ordered(a: &Core, b: &Core, pose: &RelativePose, until: DepthMode, memory: &mut WarmStart) -> Outcome {
     let setting = SolverSetting::new(a, b, pose, until);
     if !setting.is_plain() {
         return ladder::extreme(a, b, &setting, memory);

@@ -27,7 +27,7 @@ use crate::convex::tracker::resume::{Resumed, enters_overlap};
 use crate::convex::walk::rings::predict;
 use crate::convex::walk::seed;
 use crate::pair::draft::Draft;
-use crate::pair::outcome::{Accuracy, Ask, ContactState, Distance, Outcome, Proposal, Until};
+use crate::pair::outcome::{Accuracy, Ask, ContactState, DepthMode, Distance, Outcome, Proposal};
 use crate::pair::posed::PosedPair;
 
 pub(crate) use crate::convex::depth::Workspace;
@@ -98,7 +98,7 @@ impl Tracker {
     /// may be the deepest, and is tested, in some 3 to 7 us.
     #[inline]
     pub fn closest(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Outcome {
-        self.checked(a, b, a_from_b, Until::Depth)
+        self.checked(a, b, a_from_b, DepthMode::Full)
     }
 
     /// Returns the closest features as [`closest`](Self::closest) does, with the distance of
@@ -117,7 +117,7 @@ impl Tracker {
             a_from_b,
             Ask {
                 accuracy: Accuracy::Exact,
-                until: Until::Depth,
+                until: DepthMode::Full,
             },
         );
         // Second case: a distance that f64 holds in the caller's unit only, below the normal
@@ -139,12 +139,12 @@ impl Tracker {
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
     ) -> Outcome {
-        self.measure(a, b, a_from_b, Until::ContactState)
+        self.measure(a, b, a_from_b, DepthMode::None)
     }
 
     /// Returns the distance and its bounds without the witnesses.
     pub fn distance(&mut self, a: &ConvexPolyhedron, b: &ConvexPolyhedron, a_from_b: &RelativePose) -> Distance {
-        self.bounds(a, b, a_from_b, Until::Depth)
+        self.bounds(a, b, a_from_b, DepthMode::Full)
     }
 
     /// Returns the closest features as the walk proposes, without bounds. If the walk does not end,
@@ -157,7 +157,7 @@ impl Tracker {
             a_from_b,
             Ask {
                 accuracy: Accuracy::Walk,
-                until: Until::ContactState,
+                until: DepthMode::None,
             },
         );
         Proposal {
@@ -174,7 +174,7 @@ impl Tracker {
     /// Returns a tracker that starts from the given features; features that the bodies do not have
     /// are ignored.
     #[must_use]
-    pub fn starting_from(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
+    pub fn with_features(features: FeaturePair, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
         let features = features.is_of(a, b).then(|| features.walkable(a, b));
         Self {
             last: features,
@@ -189,7 +189,7 @@ impl Tracker {
     /// Returns a tracker that starts as after an answer of this contact state at these features:
     /// for callers who keep features and contact state in state of their own, and no tracker. After
     /// an overlap, the next query for a depth begins at the facet of the features; after any other
-    /// contact state the tracker is that of [`starting_from`](Self::starting_from). A wrong hint
+    /// contact state the tracker is that of [`with_features`](Self::with_features). A wrong hint
     /// costs time and never an answer.
     ///
     /// ```
@@ -204,14 +204,19 @@ impl Tracker {
     /// let before = Tracker::new().closest(&a, &b, &pose(1.48)?);
     ///
     /// // In the next frame, from what the caller kept:
-    /// let mut pair = Tracker::resuming(before.features, before.state, &a, &b);
+    /// let mut pair = Tracker::with_previous(before.features, before.state, &a, &b);
     /// let now = pair.closest(&a, &b, &pose(1.49)?);
     /// assert!((now.distance + 0.01).abs() < 1e-12);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]
-    pub fn resuming(features: FeaturePair, state: ContactState, a: &ConvexPolyhedron, b: &ConvexPolyhedron) -> Self {
-        let mut tracker = Self::starting_from(features, a, b);
+    pub fn with_previous(
+        features: FeaturePair,
+        state: ContactState,
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
+    ) -> Self {
+        let mut tracker = Self::with_features(features, a, b);
         if state == ContactState::Overlapping && features.is_of(a, b) {
             tracker.memory = Memory::after(features);
         }
@@ -267,7 +272,7 @@ impl Tracker {
     /// keeps ids and order of the contacts of the previous query: one manifold for each pair,
     /// passed in every frame.
     ///
-    /// If the bodies have moved no more than `options.drift` since the manifold was made, its
+    /// If the bodies have moved no more than `options.rebuild_motion` since the manifold was made, its
     /// points stay fixed to the bodies and only their separations, the normal and the bounds are
     /// measured again; otherwise the manifold is rebuilt from [`closest`](Self::closest), and its
     /// deepest contact is the contact of the answer.
@@ -280,7 +285,7 @@ impl Tracker {
     /// let floor = solids::cuboid(Vector3::new(5.0, 5.0, 1.0))?;
     /// let part = solids::cuboid(Vector3::new(0.5, 0.5, 0.5))?;
     /// let (mut pair, mut manifold) = (Tracker::new(), Manifold::new());
-    /// let options = ManifoldOptions::within(0.02);
+    /// let options = ManifoldOptions::with_prediction(0.02);
     /// for k in 0..10 {
     ///     let at = Isometry3::translation(0.1 * k as f64, 0.0, 1.49);
     ///     let a_from_b = RelativePose::from_isometry(&at)?;
@@ -361,7 +366,7 @@ impl Tracker {
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
     ) -> Outcome {
-        self.checked(a, b, a_from_b, Until::LocalDepth)
+        self.checked(a, b, a_from_b, DepthMode::Local)
     }
 
     /// Returns whether the closed bodies share a point: touching is intersecting.
@@ -381,19 +386,19 @@ impl Tracker {
         if !(d >= 0.0) || clear_of(a, b, a_from_b, d) {
             return false;
         }
-        let outcome = self.measure(a, b, a_from_b, Until::ContactState);
+        let outcome = self.measure(a, b, a_from_b, DepthMode::None);
         self.decides_within(a, b, a_from_b, &outcome, d)
     }
 
     /// Returns the signed distance and its bounds; the depth of an overlap stays open if `until` is
-    /// [`Until::ContactState`].
+    /// [`DepthMode::None`].
     #[inline]
     pub(crate) fn bounds(
         &mut self,
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        until: Until,
+        until: DepthMode,
     ) -> Distance {
         Distance::from(&self.measure(a, b, a_from_b, until))
     }
@@ -405,7 +410,7 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        until: Until,
+        until: DepthMode,
     ) -> Outcome {
         self.answer(a, b, a_from_b, Ask::certified(until))
     }
@@ -417,7 +422,7 @@ impl Tracker {
         a: &ConvexPolyhedron,
         b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
-        until: Until,
+        until: DepthMode,
     ) -> Outcome {
         let before = self.before(a, b);
         let outcome = self.measure(a, b, a_from_b, until);
@@ -473,8 +478,8 @@ impl Tracker {
     }
 
     /// Returns the bytes on the heap.
-    pub(crate) fn heap_bytes(&self) -> usize {
-        self.memory.heap_bytes()
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.memory.memory_usage()
     }
 
     /// Computes the contact state alone from the proof of the last answer, or by the solver of this
@@ -533,7 +538,7 @@ impl Tracker {
         if clear_of(a, b, a_from_b, most) {
             return false;
         }
-        let outcome = self.measure(a, b, a_from_b, Until::ContactState);
+        let outcome = self.measure(a, b, a_from_b, DepthMode::None);
         if outcome.state == ContactState::Overlapping || outcome.upper <= least {
             return true;
         }
@@ -590,7 +595,7 @@ impl Tracker {
                     Resumed::Open => {}
                 }
             }
-            if ask == Ask::certified(Until::ContactState)
+            if ask == Ask::certified(DepthMode::None)
                 && self.overlap_proof.is_some()
                 && self.still_overlaps(&posed, draft)
             {
@@ -620,7 +625,7 @@ impl Tracker {
     #[inline(always)]
     fn deepen(&mut self, ask: Ask, posed: &PosedPair, draft: &mut Draft) {
         if draft.state == ContactState::Overlapping {
-            self.overlap_proof = (ask.until == Until::ContactState).then(OverlapProof::default);
+            self.overlap_proof = (ask.until == DepthMode::None).then(OverlapProof::default);
             let is_open = ask.until.has_depth() && draft.lower == f64::NEG_INFINITY;
             let is_touch = is_open && ask.accuracy != Accuracy::Exact && depth::of_touch(posed, draft);
             if is_open && !is_touch {
@@ -736,7 +741,7 @@ impl Replay {
     /// Returns a tracker with the recorded start.
     #[must_use]
     pub fn tracker(&self) -> Tracker {
-        let start = self.start.map(|pair| Tracker::starting_from(pair, &self.a, &self.b));
+        let start = self.start.map(|pair| Tracker::with_features(pair, &self.a, &self.b));
         Tracker {
             memory: self.surface.clone(),
             ..start.unwrap_or_default()

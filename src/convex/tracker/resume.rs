@@ -4,7 +4,7 @@ use super::{Tracker, to_user_units};
 use crate::body::polyhedron::FeaturePair;
 use crate::convex::depth::{self, Memory, NearestFeature};
 use crate::pair::draft::Draft;
-use crate::pair::outcome::Until;
+use crate::pair::outcome::DepthMode;
 use crate::pair::posed::PosedPair;
 
 /// What became of the last overlap.
@@ -22,10 +22,10 @@ impl Tracker {
     /// dropped. Bodies that came apart since get the start of a walk, whatever the costs of starts
     /// were: these costs are no part of a replay.
     #[inline(never)]
-    pub(super) fn resume(&mut self, posed: &PosedPair, until: Until, draft: &mut Draft) -> Resumed {
+    pub(super) fn resume(&mut self, posed: &PosedPair, until: DepthMode, draft: &mut Draft) -> Resumed {
         let first = *draft;
         let mut resumed = NearestFeature::Open(None);
-        if until == Until::LocalDepth
+        if until == DepthMode::Local
             && let Some(facet) = self.memory.facet_of(posed)
         {
             let kept = (&mut self.memory, &mut self.overlap_proof);

@@ -52,15 +52,15 @@ impl ConvexPatches {
     /// Patches are convex to `64 * 2^-53` times the radius of the mesh about its origin, the
     /// rounding of a mesh in double precision that was turned.
     #[must_use]
-    pub fn of_mesh(mesh: impl Into<Arc<Mesh>>) -> Self {
-        Self::of_mesh_within(mesh, 0.0)
+    pub fn from_mesh(mesh: impl Into<Arc<Mesh>>) -> Self {
+        Self::from_mesh_within(mesh, 0.0)
     }
 
     /// Returns the patches of a mesh that are convex within a tolerance in the caller's unit, for
     /// meshes stored in single precision: some 1e-6 times the size of the mesh. Reflex edges that
     /// shallow bear contacts as if they were flat.
     #[must_use]
-    pub fn of_mesh_within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
+    pub fn from_mesh_within(mesh: impl Into<Arc<Mesh>>, tolerance: f64) -> Self {
         let mesh: Arc<Mesh> = mesh.into();
         let stored = tolerance.at_least(0.0) / mesh.unit();
         let fingerprint = of_mesh(&mesh, stored);
@@ -75,14 +75,14 @@ impl ConvexPatches {
     /// Returns the pieces of a body as its patches. Where pieces meet or overlap, only the outside
     /// of the whole bears contacts.
     #[must_use]
-    pub fn of_pieces(body: impl Into<Arc<Compound>>) -> Self {
-        Self::of_pieces_within(body, 0.0)
+    pub fn from_compound(body: impl Into<Arc<Compound>>) -> Self {
+        Self::from_compound_within(body, 0.0)
     }
 
     /// Returns the pieces of a body as its patches. Pieces closer than a tolerance, in the caller's
     /// unit, count as meeting: for decompositions whose pieces fit roughly.
     #[must_use]
-    pub fn of_pieces_within(body: impl Into<Arc<Compound>>, tolerance: f64) -> Self {
+    pub fn from_compound_within(body: impl Into<Arc<Compound>>, tolerance: f64) -> Self {
         let (body, tolerance): (Arc<Compound>, f64) = (body.into(), tolerance.at_least(0.0));
         let fingerprint = body.fingerprint().with(*b"patches ", tolerance);
         Self(PatchedBody::Pieces(body, tolerance), fingerprint)
@@ -231,7 +231,7 @@ impl ConvexPatches {
 impl From<Shape> for ConvexPatches {
     /// Returns a convex body as its only patch.
     fn from(shape: Shape) -> Self {
-        Self::of_pieces(Compound::from(shape))
+        Self::from_compound(Compound::from(shape))
     }
 }
 
@@ -321,7 +321,7 @@ fn other<'a>(
 
 /// Returns whether a point is within `slack` of a shape, or of the planes of all its faces.
 pub(super) fn is_in(shape: &Shape, point: &Point3<f64>, slack: f64) -> bool {
-    if let (Core::Polyhedron(core), 0.0) = (shape.core(), shape.round())
+    if let (Core::Polyhedron(core), 0.0) = (shape.core(), shape.rounding_radius())
         && core.face_count() >= 4
     {
         let planes = core.faces().filter_map(|face| core.face_plane(face));
@@ -354,10 +354,10 @@ pub(super) fn is_clear(body: &Compound, of: u32, point: &Point3<f64>, (depth, sl
         };
         return core.faces().all(|face| {
             let plane = core.face_plane(face);
-            plane.is_none_or(|(n, offset)| offset - n.dot(&point.coords) >= depth - own.shape.round())
+            plane.is_none_or(|(n, offset)| offset - n.dot(&point.coords) >= depth - own.shape.rounding_radius())
         });
     }
-    let (unit, reach) = (body.stored_unit(), depth + own.shape.round());
+    let (unit, reach) = (body.stored_unit(), depth + own.shape.rounding_radius());
     let place = own.pose * point;
     let near = NearPoint {
         body,
@@ -389,7 +389,8 @@ impl NearPoint<'_> {
                 return false;
             };
             let out = piece.pose * n.into_inner();
-            let height = out.dot(&(self.place - piece.pose.translation.vector)) - offset - piece.shape.round();
+            let height =
+                out.dot(&(self.place - piece.pose.translation.vector)) - offset - piece.shape.rounding_radius();
             height.abs() < self.reach && self.is_left((of, &out), &rim(piece, core, face, &out), COVERS)
         })
     }
@@ -406,7 +407,7 @@ impl NearPoint<'_> {
         let Some(by) = cover(self.body, of, &Point3::from(foot), &normal, self.slack) else {
             return true;
         };
-        let (Core::Polyhedron(core), 0.0, 1..) = (by.shape.core(), by.shape.round(), covers) else {
+        let (Core::Polyhedron(core), 0.0, 1..) = (by.shape.core(), by.shape.rounding_radius(), covers) else {
             return false;
         };
         core.faces().any(|face| {
@@ -437,7 +438,7 @@ impl NearPoint<'_> {
 fn rim(piece: &Piece, core: &ConvexPolyhedron, face: FaceId, n: &Vector3<f64>) -> Vec<Vector3<f64>> {
     let corners = core.face_vertices(face).filter_map(|v| core.vertex(v));
     corners
-        .map(|p| (piece.pose * p).coords + n * piece.shape.round())
+        .map(|p| (piece.pose * p).coords + n * piece.shape.rounding_radius())
         .collect()
 }
 

@@ -111,7 +111,7 @@ impl ContactTracker {
     }
 
     /// Returns the contacts within `options.prediction`, in groups of one direction, the group of
-    /// the deepest contact first. `options.sine` and `options.drift` are those of the manifold of
+    /// the deepest contact first. `options.max_face_sine` and `options.rebuild_motion` are those of the manifold of
     /// two patches.
     pub(crate) fn contacts(
         &mut self,
@@ -151,7 +151,7 @@ impl ContactTracker {
         all.sort_by_key(|c| !before.contains(&name(c)));
         let is_old = all.iter().take_while(|c| before.contains(&name(c))).count();
         let size = a.parts().half_size().smaller(b.parts().half_size());
-        let merge = query.doubt.larger(options.drift * size);
+        let merge = query.doubt.larger(options.rebuild_motion * size);
         self.found = groups(&all, is_old, (options.most(), merge, query.doubt));
         &self.found
     }

@@ -21,7 +21,7 @@ use crate::body::shape::{Core, Shape};
 use crate::convex::contact::{ContactPoint, Manifold};
 use crate::convex::shape_tracker::{ShapeTracker, along_face, swapped};
 use crate::nonconvex::front::NodePair;
-use crate::pair::outcome::{ContactState, Outcome, Until};
+use crate::pair::outcome::{ContactState, DepthMode, Outcome};
 
 /// Faces that are tried for a contact whose normal the mesh does not have. Not measured.
 const FACES_TRIED: usize = 6;
@@ -87,7 +87,7 @@ impl NearPatches {
         let mut is_new = false;
         tracker.manifold_by(shapes, &pose, query.options, manifold, |tracker| {
             is_new = true;
-            tracker.closest_cores(shapes.0, shapes.1, &pose, Until::Depth)
+            tracker.closest_cores(shapes.0, shapes.1, &pose, DepthMode::Full)
         });
         if is_new {
             *borne = posed.borne(manifold);
@@ -163,7 +163,7 @@ impl PosedPatches<'_> {
             doubt,
             ..
         } = self.query;
-        let (limits, down) = ((options.sine, *doubt), -pose.rotation().tr_mul(n));
+        let (limits, down) = ((options.max_face_sine, *doubt), -pose.rotation().tr_mul(n));
         let [p, q] = self.patches;
         let of_a = || a.bears(p, &point.point_on_a, n, limits) == Borne::Fully;
         let of_b = || b.bears(q, &point.point_on_b, &down, limits) == Borne::Fully;
@@ -182,7 +182,7 @@ impl PosedPatches<'_> {
             ..
         } = self.query;
         let rotation = pose.rotation();
-        let limits = (options.sine, *doubt);
+        let limits = (options.max_face_sine, *doubt);
         let of_a = a.bears(self.patches[0], &point.point_on_a, n, limits);
         if of_a == Borne::No {
             return Borne::No;
@@ -293,7 +293,7 @@ impl PosedPatches<'_> {
         let mut all: alloc::vec::Vec<(bool, Outcome)> =
             of_a.map(|o| (true, o)).chain(of_b.map(|o| (false, o))).collect();
         all.sort_by(|x, y| y.1.distance.total_cmp(&x.1.distance));
-        let most = self.query.options.prediction + p.round() + q.round();
+        let most = self.query.options.prediction + p.rounding_radius() + q.rounding_radius();
         let is_real = move |(of_a, o): &(bool, Outcome)| {
             o.distance <= most
                 && if *of_a {
@@ -445,7 +445,7 @@ impl PosedPatches<'_> {
 
     /// Returns the closest points of an outcome of the cores as a contact of the parts.
     fn witness(&self, outcome: &Outcome) -> ContactPoint {
-        let [on_a, on_b] = [0, 1].each(|k| self.parts[k].0.round());
+        let [on_a, on_b] = [0, 1].each(|k| self.parts[k].0.rounding_radius());
         ContactPoint {
             point_on_a: outcome.point_on_a + *outcome.normal * on_a,
             point_on_b: outcome.point_on_b - self.pose.rotation().tr_mul(&outcome.normal) * on_b,

@@ -18,7 +18,7 @@ use alloc::vec::Vec;
 use dashu_base::{BitTest, Gcd};
 use dashu_int::IBig;
 
-use super::paths::Path;
+use super::paths::VertexPath;
 use super::search::{FirstContact, LEAST_WIDTH};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
@@ -40,14 +40,19 @@ enum ExactPair<'a> {
 
 /// Returns the first contact of a vertex and a face, in a bracket at most about `width` wide;
 /// open only if a limit is reached.
-pub(super) fn vertex_face(vertex: &Path, face: &[Path; 3], width: f64, work: &mut WideWork) -> FirstContact {
+pub(super) fn vertex_face(
+    vertex: &VertexPath,
+    face: &[VertexPath; 3],
+    width: f64,
+    work: &mut WideWork,
+) -> FirstContact {
     let [p, a, b, c] = moving([vertex, &face[0], &face[1], &face[2]]);
     ExactPair::Face([&p, &a, &b, &c]).found(width, work)
 }
 
 /// Returns the first contact of two edges, in a bracket at most about `width` wide; open only
 /// if a limit is reached.
-pub(super) fn edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64, work: &mut WideWork) -> FirstContact {
+pub(super) fn edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], width: f64, work: &mut WideWork) -> FirstContact {
     let [a, b, c, d] = moving([&a[0], &a[1], &b[0], &b[1]]);
     ExactPair::Edges([&a, &b, &c, &d]).found(width, work)
 }
@@ -76,8 +81,8 @@ pub(super) fn pierce(p: &Triangle, q: &Triangle) -> bool {
 }
 
 /// Returns the paths over the integers, by a common power of two.
-fn moving(paths: [&Path; 4]) -> [Vector; 4] {
-    let ends = |p: &Path| [p.begin, p.end];
+fn moving(paths: [&VertexPath; 4]) -> [Vector; 4] {
+    let ends = |p: &VertexPath| [p.start, p.end];
     let numbers = paths.iter().flat_map(|p| ends(p)).flat_map(|v| [v.x, v.y, v.z]);
     let lowest = lowest_bit(numbers).unwrap_or(0);
     paths.each(|p| {

@@ -4,7 +4,7 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use nalgebra::{Isometry3, Matrix3, Point3, UnitQuaternion, Vector3};
 
-use super::paths::{Path, place};
+use super::paths::{VertexPath, place};
 use crate::base::motion::{Motion, MotionError, Steady, length};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
@@ -32,12 +32,12 @@ impl Moment {
     }
 }
 
-/// A mesh from the begin of a frame to its end, for [`meshes`](super::meshes()) and
-/// [`self_contact`](super::self_contact): the same triangles, each vertex on a straight path at
+/// A mesh from the begin of a frame to its end, for [`cast_meshes`](super::cast_meshes) and
+/// [`cast_self`](super::cast_self): the same triangles, each vertex on a straight path at
 /// constant velocity in the frame of the mesh, and the mesh at rest in that frame unless
-/// [`moving`](Self::moving) tells its poses.
+/// [`with_poses`](Self::with_poses) sets its poses.
 #[derive(Clone, Debug)]
-pub struct MeshOverFrame<'a> {
+pub struct MovingMesh<'a> {
     /// The mesh at both ends, in one tree.
     meshes: [Cow<'a, Mesh>; 2],
     poses: [Isometry3<f64>; 2],
@@ -46,7 +46,7 @@ pub struct MeshOverFrame<'a> {
     motion: Option<Steady>,
 }
 
-impl<'a> MeshOverFrame<'a> {
+impl<'a> MovingMesh<'a> {
     /// Takes a mesh as it is at the begin and as it is at the end: a clone from before
     /// [`set_vertices`](Mesh::set_vertices), and the mesh after. Both are the same for a body that
     /// does not bend.
@@ -91,7 +91,7 @@ impl<'a> MeshOverFrame<'a> {
     ///
     /// # Errors
     /// If a pose is refused as by [`RelativePose::new`](crate::RelativePose::new).
-    pub fn moving(self, begin: &Isometry3<f64>, end: &Isometry3<f64>) -> Result<Self, ImpactError> {
+    pub fn with_poses(self, begin: &Isometry3<f64>, end: &Isometry3<f64>) -> Result<Self, ImpactError> {
         for pose in [begin, end] {
             RelativePose::from_isometry(pose)?;
         }
@@ -178,16 +178,16 @@ impl<'a> MeshOverFrame<'a> {
     }
 
     /// Returns the corners of a triangle as they move from one instant to another.
-    pub(super) fn paths(&self, triangle: u32, [from, to]: [&Moment; 2]) -> [Path; 3] {
+    pub(super) fn paths(&self, triangle: u32, [from, to]: [&Moment; 2]) -> [VertexPath; 3] {
         let (from, to) = (self.corners(triangle, from), self.corners(triangle, to));
-        [0, 1, 2].each(|k| Path::new(from[k], to[k]))
+        [0, 1, 2].each(|k| VertexPath::new(from[k], to[k]))
     }
 
     /// Returns all vertices as they are at both ends.
-    pub(super) fn vertices(&self) -> Vec<Path> {
+    pub(super) fn vertices(&self) -> Vec<VertexPath> {
         let count = self.meshes[0].points.len() as u32;
         let [from, to] = &self.ends;
-        let path = |v| Path::new(self.point(v, from), self.point(v, to));
+        let path = |v| VertexPath::new(self.point(v, from), self.point(v, to));
         (0..count).map(path).collect()
     }
 

@@ -24,8 +24,8 @@ use alloc::vec;
 use alloc::vec::Vec;
 use nalgebra::Vector3;
 
-use super::frame::MeshOverFrame;
-use super::paths::{Path, size};
+use super::frame::MovingMesh;
+use super::paths::{VertexPath, size};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::base::tolerance::{PATH_AREA, PATH_GAP, UNIT};
@@ -45,7 +45,7 @@ const UNCLEAR: u32 = u32::MAX - 1;
 
 /// A mesh whose parts are asked whether they are height fields.
 pub(super) struct HeightFields<'a> {
-    of: &'a MeshOverFrame<'a>,
+    of: &'a MovingMesh<'a>,
     /// Vertices at both ends, seen from the first, all coordinates below a quarter: projected by
     /// rows of coordinates up to one they are below one, off by less than 4 UNIT.
     places: Vec<[Vector3<f64>; 2]>,
@@ -57,9 +57,9 @@ pub(super) struct HeightFields<'a> {
 }
 
 impl<'a> HeightFields<'a> {
-    pub(super) fn new(of: &'a MeshOverFrame<'a>, vertices: &[Path]) -> Self {
-        let first = vertices.first().map_or_else(Vector3::zeros, |p| p.begin.coords);
-        let seen = |p: &Path| [p.begin, p.end].each(|x| x.coords - first);
+    pub(super) fn new(of: &'a MovingMesh<'a>, vertices: &[VertexPath]) -> Self {
+        let first = vertices.first().map_or_else(Vector3::zeros, |p| p.start.coords);
+        let seen = |p: &VertexPath| [p.start, p.end].each(|x| x.coords - first);
         let mut places: Vec<_> = vertices.iter().map(seen).collect();
         let largest = places.iter().flatten().fold(0.0, |m: f64, v| m.larger(v.amax()));
         // A factor below the normal numbers is two factors.

@@ -9,9 +9,9 @@ use crate::pair::draft::direction;
 use alloc::vec;
 use nalgebra::{Point3, Vector3};
 
-use super::frame::{MeshOverFrame, Moment};
+use super::frame::{Moment, MovingMesh};
 use super::height_field::HeightFields;
-use super::paths::{Path, VertexPaths, VertexPlaces, determinant};
+use super::paths::{VertexPath, VertexPaths, VertexPlaces, determinant};
 use super::search::{First, FirstContact, LEAST_WIDTH, SearchWork, is_free, triangles_until};
 use super::{cast_of, measure, search, width};
 use crate::base::num::extremes::{Bounded, Extremes};
@@ -46,7 +46,7 @@ const ARC_STEPS: f64 = 64.0;
 /// intervals do not prove a pair of triangles apart; nothing is known of later instants then.
 ///
 /// ```
-/// use lin_canny::continuous::{self, MeshOverFrame};
+/// use lin_canny::continuous::{self, MovingMesh};
 /// use lin_canny::impact::{Impact, Tolerance};
 /// use lin_canny::nalgebra::Point3;
 /// use lin_canny::{Mesh, polyhedron::solids};
@@ -59,9 +59,9 @@ const ARC_STEPS: f64 = 64.0;
 /// let mut cloth = before.clone();
 /// // In one frame the cloth falls through the ball.
 /// cloth.set_vertices(&corners.map(|p| at(p.x, p.y, -1.0)))?;
-/// let cloth = MeshOverFrame::new(&before, &cloth)?;
-/// let ball = MeshOverFrame::new(&ball, &ball)?;
-/// let cast = continuous::meshes(&cloth, &ball, Tolerance::Time(1e-9))?;
+/// let cloth = MovingMesh::new(&before, &cloth)?;
+/// let ball = MovingMesh::new(&ball, &ball)?;
+/// let cast = continuous::cast_meshes(&cloth, &ball, Tolerance::Time(1e-9))?;
 /// let Impact::Hit { safe, hit, .. } = cast.impact else {
 ///     panic!("{:?}", cast.impact)
 /// };
@@ -71,13 +71,13 @@ const ARC_STEPS: f64 = 64.0;
 ///
 /// # Errors
 /// If the tolerance is negative or not finite.
-pub fn meshes(a: &MeshOverFrame, b: &MeshOverFrame, tolerance: Tolerance) -> Result<Cast, ImpactError> {
+pub fn cast_meshes(a: &MovingMesh, b: &MovingMesh, tolerance: Tolerance) -> Result<Cast, ImpactError> {
     let vertices = [a.vertices(), b.vertices()];
     let width = width(vertices.iter().flatten(), tolerance)?;
     if a.is_straight() && b.is_straight() {
         return Ok(FrameSearch::new([a, b], false, width).run());
     }
-    let ([x, y], origin) = MeshOverFrame::beside(a, b)?;
+    let ([x, y], origin) = MovingMesh::beside(a, b)?;
     let search = FrameSearch::new([&x, &y], false, width);
     Ok(FrameSearch { origin, ..search }.run())
 }
@@ -87,9 +87,9 @@ pub fn meshes(a: &MeshOverFrame, b: &MeshOverFrame, tolerance: Tolerance) -> Res
 ///
 /// # Errors
 /// If the tolerance is negative or not finite.
-pub fn self_contact(mesh: &MeshOverFrame, tolerance: Tolerance) -> Result<Cast, ImpactError> {
+pub fn cast_self(mesh: &MovingMesh, tolerance: Tolerance) -> Result<Cast, ImpactError> {
     let [begin, end] = mesh.both();
-    let here = MeshOverFrame::new(begin, end)?;
+    let here = MovingMesh::new(begin, end)?;
     let vertices = here.vertices();
     let width = width(vertices.iter(), tolerance)?;
     let fields = Some(HeightFields::new(&here, &vertices));
@@ -99,8 +99,8 @@ pub fn self_contact(mesh: &MeshOverFrame, tolerance: Tolerance) -> Result<Cast, 
 
 /// Two meshes over a frame, or one and itself.
 struct FrameSearch<'a> {
-    a: &'a MeshOverFrame<'a>,
-    b: &'a MeshOverFrame<'a>,
+    a: &'a MovingMesh<'a>,
+    b: &'a MovingMesh<'a>,
     is_self: bool,
     /// Of a mesh and itself.
     fields: Option<HeightFields<'a>>,
@@ -120,9 +120,9 @@ struct FrameSearch<'a> {
 }
 
 impl<'a> FrameSearch<'a> {
-    fn new([a, b]: [&'a MeshOverFrame<'a>; 2], is_self: bool, width: f64) -> Self {
+    fn new([a, b]: [&'a MovingMesh<'a>; 2], is_self: bool, width: f64) -> Self {
         let is_straight = a.is_straight() && b.is_straight();
-        let sagitta = |of: &MeshOverFrame| {
+        let sagitta = |of: &MovingMesh| {
             if is_straight {
                 0.0
             } else {
@@ -293,8 +293,8 @@ impl<'a> FrameSearch<'a> {
     }
 
     /// Returns two triangles as they move over the frame on straight paths.
-    fn paths(&self, [x, y]: NodePair) -> [[Path; 3]; 2] {
-        let of = |mesh: &MeshOverFrame, triangle| mesh.paths(triangle, mesh.ends.each_ref());
+    fn paths(&self, [x, y]: NodePair) -> [[VertexPath; 3]; 2] {
+        let of = |mesh: &MovingMesh, triangle| mesh.paths(triangle, mesh.ends.each_ref());
         [of(self.a, x), of(self.b, y)]
     }
 
@@ -317,7 +317,7 @@ impl<'a> FrameSearch<'a> {
                     (self.on_arcs(self.pair).at_rest(time), 0.0)
                 };
                 let mut seen = measure(&a, &b, time, state);
-                seen.pieces = pieces;
+                seen.subshapes = pieces;
                 if !self.is_straight() {
                     seen.point_on_a += self.origin;
                     seen.point_on_b += self.origin;
@@ -341,13 +341,13 @@ const ARC_INTERVALS: u32 = 1024;
 /// With `L` the largest coordinates of both meshes, a place errs by the pose of its motion (64 UNIT
 /// of the radius, 48 of the place: `TURN`, `PLACED_CENTRE`), by the matrix and the product (33
 /// UNIT) and by the mean of both ends and the sum, 4 UNIT: less than twice `CERTIFICATE`.
-pub(super) fn placed(a: &MeshOverFrame, b: &MeshOverFrame) -> f64 {
+pub(super) fn placed(a: &MovingMesh, b: &MovingMesh) -> f64 {
     2.0 * CERTIFICATE * UNIT * (a.reach() + b.reach())
 }
 
 /// Two triangles of meshes at least one of which rotates.
 struct TrianglesOnArcs<'a> {
-    of: [&'a MeshOverFrame<'a>; 2],
+    of: [&'a MovingMesh<'a>; 2],
     triangles: NodePair,
     /// How far the places of corners, as computed, are from the motion.
     placed: f64,
@@ -359,7 +359,7 @@ struct TrianglesOnArcs<'a> {
 type Corners = [[Point3<f64>; 3]; 2];
 
 impl<'a> TrianglesOnArcs<'a> {
-    pub(super) fn new(of: [&'a MeshOverFrame<'a>; 2], triangles: NodePair, placed: f64) -> Self {
+    pub(super) fn new(of: [&'a MovingMesh<'a>; 2], triangles: NodePair, placed: f64) -> Self {
         let [a, b] = [0, 1].each(|k| of[k].sagitta_of(triangles[k]));
         Self {
             of,
@@ -377,8 +377,8 @@ impl<'a> TrianglesOnArcs<'a> {
     }
 
     /// Returns both triangles at rest as they are at an instant.
-    pub(super) fn at_rest(&self, time: f64) -> [[Path; 3]; 2] {
-        self.at(time).each(|corners| corners.each(|p| Path::new(p, p)))
+    pub(super) fn at_rest(&self, time: f64) -> [[VertexPath; 3]; 2] {
+        self.at(time).each(|corners| corners.each(|p| VertexPath::new(p, p)))
     }
 
     /// Returns the first contact between two instants, in a bracket at most `width` wide if the
@@ -427,7 +427,7 @@ impl<'a> TrianglesOnArcs<'a> {
 
     /// Returns whether a direction parts the triangles over an interval of this length.
     fn are_apart(&self, [x, y]: [&Corners; 2], length: f64) -> bool {
-        let paths = |k: usize| [0, 1, 2].each(|i| Path::new(x[k][i], y[k][i]));
+        let paths = |k: usize| [0, 1, 2].each(|i| VertexPath::new(x[k][i], y[k][i]));
         let slack = self.placed + self.sagitta * (length * length) * (1.0 + 8.0 * UNIT);
         VertexPaths::new(&paths(0), &paths(1)).is_some_and(|paths| {
             let paths = paths.within(slack);

@@ -3,20 +3,20 @@
 //! Meshes that bend are given by their vertices at the begin and at the end of a frame; in between
 //! every vertex moves on a straight line at constant velocity, from time zero to time one. The
 //! functions of this module return the first instant at which two edges, a vertex and a face, two
-//! triangles, two meshes ([`meshes()`]) or a mesh and itself ([`self_contact`]) share a point, as
+//! triangles, two meshes ([`cast_meshes`]) or a mesh and itself ([`cast_self`]) share a point, as
 //! [`impact`](crate::impact) does for bodies that keep their shape: a proven bracket, a proven
 //! miss, or a name for what is not decided.
 //!
 //! ```
-//! use lin_canny::continuous::{self, Path};
+//! use lin_canny::continuous::{self, VertexPath};
 //! use lin_canny::impact::{Impact, Tolerance};
 //! use lin_canny::nalgebra::Point3;
 //!
-//! let rest = |p: [f64; 3]| Path::new(Point3::from(p), Point3::from(p));
+//! let rest = |p: [f64; 3]| VertexPath::new(Point3::from(p), Point3::from(p));
 //! let face = [rest([0., 0., 0.]), rest([1., 0., 0.]), rest([0., 1., 0.])];
 //! let above = Point3::new(0.2, 0.2, 0.25);
-//! let falling = Path::new(above, Point3::new(0.2, 0.2, -0.75));
-//! let cast = continuous::vertex_face(&falling, &face, Tolerance::Time(1e-9))?;
+//! let falling = VertexPath::new(above, Point3::new(0.2, 0.2, -0.75));
+//! let cast = continuous::cast_vertex_face(&falling, &face, Tolerance::Time(1e-9))?;
 //! let Impact::Hit { safe, hit, .. } = cast.impact else {
 //!     panic!("it falls through")
 //! };
@@ -62,7 +62,7 @@
 //! Coordinates that differ by hundreds of magnitudes make such integers; those of twenty magnitudes
 //! do not.
 //!
-//! Points of a body that rotates do not move on straight paths. [`MeshOverFrame::moving`] cuts the
+//! Points of a body that rotates do not move on straight paths. [`MovingMesh::with_poses`] cuts the
 //! frame into intervals in which the arcs are nearly straight, takes off what they are not, and
 //! proves a hit at an instant: by an edge that passes through a triangle beyond all rounding.
 //!
@@ -93,9 +93,9 @@ mod meshes;
 pub(crate) mod paths;
 mod search;
 
-pub use frame::MeshOverFrame;
-pub use meshes::{meshes, self_contact};
-pub use paths::Path;
+pub use frame::MovingMesh;
+pub use meshes::{cast_meshes, cast_self};
+pub use paths::VertexPath;
 
 use nalgebra::{Point3, Unit, Vector3};
 
@@ -119,7 +119,11 @@ const LARGEST: f64 = f64::from_bits((1023 + 1000) << 52);
 ///
 /// # Errors
 /// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
-pub fn vertex_face(vertex: &Path, face: &[Path; 3], tolerance: Tolerance) -> Result<Cast, ImpactError> {
+pub fn cast_vertex_face(
+    vertex: &VertexPath,
+    face: &[VertexPath; 3],
+    tolerance: Tolerance,
+) -> Result<Cast, ImpactError> {
     cast(&[*vertex], face, tolerance, search::vertex_face)
 }
 
@@ -128,7 +132,7 @@ pub fn vertex_face(vertex: &Path, face: &[Path; 3], tolerance: Tolerance) -> Res
 /// # Errors
 /// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
 /// Vertices are numbered as given, those of A first.
-pub fn edge_edge(a: &[Path; 2], b: &[Path; 2], tolerance: Tolerance) -> Result<Cast, ImpactError> {
+pub fn cast_edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], tolerance: Tolerance) -> Result<Cast, ImpactError> {
     cast(a, b, tolerance, search::edge_edge)
 }
 
@@ -137,16 +141,16 @@ pub fn edge_edge(a: &[Path; 2], b: &[Path; 2], tolerance: Tolerance) -> Result<C
 /// # Errors
 /// If a coordinate is not finite or above `2^1000`, or the tolerance is negative or not finite.
 /// Vertices are numbered as given, those of A first.
-pub fn triangles(a: &[Path; 3], b: &[Path; 3], tolerance: Tolerance) -> Result<Cast, ImpactError> {
+pub fn cast_triangles(a: &[VertexPath; 3], b: &[VertexPath; 3], tolerance: Tolerance) -> Result<Cast, ImpactError> {
     cast(a, b, tolerance, search::triangles)
 }
 
 /// Checks paths and tolerance, asks for the contact, and measures the parts at the safe time.
 fn cast<const A: usize, const B: usize>(
-    a: &[Path; A],
-    b: &[Path; B],
+    a: &[VertexPath; A],
+    b: &[VertexPath; B],
     tolerance: Tolerance,
-    contact: fn(&[Path; A], &[Path; B], f64, &mut SearchWork) -> FirstContact,
+    contact: fn(&[VertexPath; A], &[VertexPath; B], f64, &mut SearchWork) -> FirstContact,
 ) -> Result<Cast, ImpactError>
 where
     VertexPlaces<A, B>: Parts,
@@ -191,9 +195,9 @@ fn cast_of(
 }
 
 /// Refuses coordinates that are not finite or too large.
-fn check<'a>(paths: impl Iterator<Item = &'a Path>) -> Result<(), ImpactError> {
+fn check<'a>(paths: impl Iterator<Item = &'a VertexPath>) -> Result<(), ImpactError> {
     for (index, path) in paths.enumerate() {
-        for value in path.begin.iter().chain(path.end.iter()) {
+        for value in path.start.iter().chain(path.end.iter()) {
             if !(value.abs() <= LARGEST) {
                 return Err(ImpactError::Vertex { index, value: *value });
             }
@@ -203,7 +207,7 @@ fn check<'a>(paths: impl Iterator<Item = &'a Path>) -> Result<(), ImpactError> {
 }
 
 /// Returns the width in time that a tolerance asks for.
-fn width<'a>(paths: impl Iterator<Item = &'a Path>, tolerance: Tolerance) -> Result<f64, ImpactError> {
+fn width<'a>(paths: impl Iterator<Item = &'a VertexPath>, tolerance: Tolerance) -> Result<f64, ImpactError> {
     let (Tolerance::Distance(size) | Tolerance::Time(size)) = tolerance;
     if !(0.0..f64::INFINITY).contains(&size) {
         let what = "tolerance";
@@ -214,7 +218,7 @@ fn width<'a>(paths: impl Iterator<Item = &'a Path>, tolerance: Tolerance) -> Res
     }
     // A distance changes by no more than the ways of two points, each sqrt 3 of its largest
     // coordinate.
-    let way = paths.fold(0.0, |m: f64, p| m.larger((p.end - p.begin).amax()));
+    let way = paths.fold(0.0, |m: f64, p| m.larger((p.end - p.start).amax()));
     Ok(if way > 0.0 {
         (0.25 * size / way).at_most(1.0)
     } else {
@@ -223,7 +227,12 @@ fn width<'a>(paths: impl Iterator<Item = &'a Path>, tolerance: Tolerance) -> Res
 }
 
 /// Returns the closest points of two parts at a time, in the coordinates given.
-fn measure<const A: usize, const B: usize>(a: &[Path; A], b: &[Path; B], time: f64, state: ContactState) -> Measurement
+fn measure<const A: usize, const B: usize>(
+    a: &[VertexPath; A],
+    b: &[VertexPath; B],
+    time: f64,
+    state: ContactState,
+) -> Measurement
 where
     VertexPlaces<A, B>: Parts,
 {
@@ -234,7 +243,7 @@ where
         lower: 0.0,
         upper: 0.0,
         features: None,
-        pieces: [0; 2],
+        subshapes: [0; 2],
         point_on_a: Point3::from(origin),
         point_on_b: Point3::from(origin),
         normal: Vector3::z_axis(),

@@ -13,24 +13,24 @@ use crate::nonconvex::meet::triangle;
 /// A point that moves on a straight path at constant velocity, from time zero to time one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Path {
+pub struct VertexPath {
     /// The place at time zero.
-    pub begin: Point3<f64>,
+    pub start: Point3<f64>,
     /// The place at time one.
     pub end: Point3<f64>,
 }
 
-impl Path {
+impl VertexPath {
     /// Returns the path from one place to another.
     #[must_use]
-    pub fn new(begin: Point3<f64>, end: Point3<f64>) -> Self {
-        Self { begin, end }
+    pub fn new(start: Point3<f64>, end: Point3<f64>) -> Self {
+        Self { start, end }
     }
 
     /// Returns the place at a time from zero to one, rounded.
     #[must_use]
     pub fn at(&self, time: f64) -> Point3<f64> {
-        Point3::from(self.begin.coords * (1.0 - time) + self.end.coords * time)
+        Point3::from(self.start.coords * (1.0 - time) + self.end.coords * time)
     }
 }
 
@@ -54,9 +54,9 @@ pub(super) struct VertexPlaces<const A: usize, const B: usize> {
 impl<const A: usize, const B: usize> VertexPaths<A, B> {
     /// Returns the paths in their own numbers; `None` if all vertices are at one place all the
     /// time. Coordinates must be at most `2^1000`.
-    pub(super) fn new(a: &[Path; A], b: &[Path; B]) -> Option<Self> {
+    pub(super) fn new(a: &[VertexPath; A], b: &[VertexPath; B]) -> Option<Self> {
         let first = &a[0];
-        let seen = |p: &Path| [p.begin - first.begin, p.end - first.end];
+        let seen = |p: &VertexPath| [p.start - first.start, p.end - first.end];
         let (a, b) = (a.each_ref().map(seen), b.each_ref().map(seen));
         let largest = a.iter().chain(&b).flatten().fold(0.0, |m: f64, v| m.larger(v.amax()));
         if largest == 0.0 {

@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use super::paths::{FourVertices, Parts, Path, VertexPaths, VertexPlaces, volume_sign, volumes};
+use super::paths::{FourVertices, Parts, VertexPath, VertexPaths, VertexPlaces, volume_sign, volumes};
 use crate::base::num::each::Each;
 use crate::base::num::extremes::{Bounded, Extremes};
 use crate::nonconvex::meet::triangle::Triangle;
@@ -223,22 +223,32 @@ const TRIANGLE_INTERVALS: u32 = 12;
 
 /// Returns the first contact of a vertex and a face, in a bracket at most `width` wide if rounding
 /// allows.
-pub(super) fn vertex_face(vertex: &[Path; 1], face: &[Path; 3], width: f64, work: &mut SearchWork) -> FirstContact {
+pub(super) fn vertex_face(
+    vertex: &[VertexPath; 1],
+    face: &[VertexPath; 3],
+    width: f64,
+    work: &mut SearchWork,
+) -> FirstContact {
     let found = vertex_face_until(vertex, face, (1.0, width), work);
     decided(found, width, work, |wide| exact_vertex_face(vertex, face, width, wide))
 }
 
 /// Returns the first contact of two edges, in a bracket at most `width` wide if rounding allows.
-pub(super) fn edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64, work: &mut SearchWork) -> FirstContact {
+pub(super) fn edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], width: f64, work: &mut SearchWork) -> FirstContact {
     let found = edge_edge_until(a, b, (1.0, width), work);
     decided(found, width, work, |wide| exact_edge_edge(a, b, width, wide))
 }
 
-fn vertex_face_until(vertex: &[Path; 1], face: &[Path; 3], time: (f64, f64), work: &mut SearchWork) -> FirstContact {
+fn vertex_face_until(
+    vertex: &[VertexPath; 1],
+    face: &[VertexPath; 3],
+    time: (f64, f64),
+    work: &mut SearchWork,
+) -> FirstContact {
     VertexPaths::new(vertex, face).map_or(FirstContact::Start, |paths| first_contact(&paths, time, work))
 }
 
-fn edge_edge_until(a: &[Path; 2], b: &[Path; 2], time: (f64, f64), work: &mut SearchWork) -> FirstContact {
+fn edge_edge_until(a: &[VertexPath; 2], b: &[VertexPath; 2], time: (f64, f64), work: &mut SearchWork) -> FirstContact {
     VertexPaths::new(a, b).map_or(FirstContact::Start, |paths| first_contact(&paths, time, work))
 }
 
@@ -274,12 +284,17 @@ fn decided(
 }
 
 #[cfg(feature = "exact")]
-fn exact_vertex_face(vertex: &[Path; 1], face: &[Path; 3], width: f64, wide: &mut WideWork) -> FirstContact {
+fn exact_vertex_face(
+    vertex: &[VertexPath; 1],
+    face: &[VertexPath; 3],
+    width: f64,
+    wide: &mut WideWork,
+) -> FirstContact {
     super::exact::vertex_face(&vertex[0], face, width, wide)
 }
 
 #[cfg(feature = "exact")]
-fn exact_edge_edge(a: &[Path; 2], b: &[Path; 2], width: f64, wide: &mut WideWork) -> FirstContact {
+fn exact_edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], width: f64, wide: &mut WideWork) -> FirstContact {
     super::exact::edge_edge(a, b, width, wide)
 }
 
@@ -306,8 +321,8 @@ fn pierce(_: &Triangle, _: &Triangle) -> bool {
 
 /// A pair of a vertex and a face or of two edges of two triangles.
 enum Elements {
-    VertexFace([Path; 1], [Path; 3]),
-    EdgeEdge([Path; 2], [Path; 2]),
+    VertexFace([VertexPath; 1], [VertexPath; 3]),
+    EdgeEdge([VertexPath; 2], [VertexPath; 2]),
 }
 
 impl Elements {
@@ -327,9 +342,9 @@ impl Elements {
 }
 
 /// The six pairs of a vertex and a face and the nine pairs of edges of two triangles.
-fn elements(a: &[Path; 3], b: &[Path; 3]) -> impl Iterator<Item = Elements> {
+fn elements(a: &[VertexPath; 3], b: &[VertexPath; 3]) -> impl Iterator<Item = Elements> {
     let (a, b) = (*a, *b);
-    let edge = |t: &[Path; 3], k: usize| [t[k], t[(k + 1) % 3]];
+    let edge = |t: &[VertexPath; 3], k: usize| [t[k], t[(k + 1) % 3]];
     let of_a = (0..3).map(move |k| Elements::VertexFace([a[k]], b));
     let of_b = (0..3).map(move |k| Elements::VertexFace([b[k]], a));
     let edges = (0..9).map(move |k| Elements::EdgeEdge(edge(&a, k / 3), edge(&b, k % 3)));
@@ -340,14 +355,14 @@ fn elements(a: &[Path; 3], b: &[Path; 3]) -> impl Iterator<Item = Elements> {
 ///
 /// Triangles apart at time zero first meet where a vertex meets a face or two edges meet: at the
 /// first contact a plane supports both, and what they share lies in that plane.
-pub(super) fn triangles(a: &[Path; 3], b: &[Path; 3], width: f64, work: &mut SearchWork) -> FirstContact {
+pub(super) fn triangles(a: &[VertexPath; 3], b: &[VertexPath; 3], width: f64, work: &mut SearchWork) -> FirstContact {
     triangles_until((a, b), (1.0, width), work)
 }
 
 /// Returns the first contact of two triangles as [`triangles`] does, and misses after `until` as
 /// well.
 pub(super) fn triangles_until(
-    (a, b): (&[Path; 3], &[Path; 3]),
+    (a, b): (&[VertexPath; 3], &[VertexPath; 3]),
     (until, width): (f64, f64),
     work: &mut SearchWork,
 ) -> FirstContact {
@@ -358,7 +373,7 @@ pub(super) fn triangles_until(
         return FirstContact::Miss;
     };
     if safe == 0.0 {
-        let begin = |t: &[Path; 3]| t.each(|p| p.begin.coords);
+        let begin = |t: &[VertexPath; 3]| t.each(|p| p.start.coords);
         work.proofs = work.proofs.saturating_add(1);
         if pierce(&begin(a), &begin(b)) {
             return FirstContact::Start;

@@ -94,8 +94,8 @@ impl FrontMemory {
         self.taken = moves.totals();
     }
 
-    pub(crate) fn heap_bytes(&self) -> usize {
-        self.front.heap_bytes()
+    pub(crate) fn memory_usage(&self) -> usize {
+        self.front.memory_usage()
             + self.stack.capacity() * size_of::<NodePair>()
             + self.failed.capacity() * size_of::<EntryId>()
     }

@@ -123,7 +123,7 @@ impl Front {
         self.halves[place.half as usize].pairs[place.at as usize]
     }
 
-    pub(super) fn heap_bytes(&self) -> usize {
+    pub(super) fn memory_usage(&self) -> usize {
         let of = |h: &FrontHalf| {
             h.blocks.capacity() * size_of::<FrontBlock>()
                 + (h.pairs.capacity() + h.paths.capacity()) * size_of::<NodePair>()

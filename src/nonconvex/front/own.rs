@@ -90,7 +90,7 @@ impl SelfFront {
         self.claims.len()
     }
 
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         self.claims.capacity() * size_of::<DistanceClaim>()
             + self.begun.capacity() * size_of::<Vector3<f64>>()
             + self.drifts.capacity() * size_of::<NodeDrift>()

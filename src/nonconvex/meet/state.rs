@@ -17,8 +17,8 @@ use crate::nonconvex::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::nonconvex::parts::Parted;
 #[cfg(feature = "exact")]
 use crate::nonconvex::parts::PartsRef;
+use crate::pair::location::{PairOutcome, WitnessLocation, features_on};
 use crate::pair::outcome::{ContactState, Outcome};
-use crate::pair::spot::{PairOutcome, Spot, features_on};
 
 /// The state of a tracker between queries. Saving a state (feature `serde`) keeps the counters
 /// alone: claims in a file prove nothing.
@@ -391,7 +391,7 @@ impl<F: Copy> TreeAnswer<F> {
 
 impl<F> TreeAnswer<F> {
     /// Returns the answer with the places of the witnesses.
-    pub(crate) fn on(&self, on: [Spot; 2]) -> PairOutcome {
+    pub(crate) fn on(&self, locations: [WitnessLocation; 2]) -> PairOutcome {
         let outcome = Outcome {
             state: self.state,
             distance: self.distance,
@@ -400,12 +400,12 @@ impl<F> TreeAnswer<F> {
             point_on_a: self.point_on_a,
             point_on_b: self.point_on_b,
             normal: self.normal,
-            ..Outcome::starting_at(features_on(&on))
+            ..Outcome::starting_at(features_on(&locations))
         };
         PairOutcome {
             outcome,
-            on,
-            is_reached: true,
+            locations,
+            is_converged: true,
         }
     }
 

@@ -511,7 +511,7 @@ mod tests {
             by_itself,
         ];
         for (k, one) in all.iter().enumerate() {
-            let patches = ConvexPatches::of_mesh(one.clone());
+            let patches = ConvexPatches::from_mesh(one.clone());
             assert!(patches.are_of(one));
             for (j, other) in all[..k].iter().enumerate() {
                 assert!(

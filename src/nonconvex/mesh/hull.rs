@@ -45,7 +45,7 @@ impl HullFit {
     /// Returns the share of the hull's volume that is not in the mesh, from 0 for a convex mesh to
     /// 1; `None` for a surface, and for a hull without volume.
     #[must_use]
-    pub fn air(&self) -> Option<f64> {
+    pub fn void_fraction(&self) -> Option<f64> {
         let full = self.mesh_volume.filter(|_| self.hull_volume > 0.0)?;
         Some((1.0 - full / self.hull_volume).clamped(0.0, 1.0))
     }
@@ -53,8 +53,8 @@ impl HullFit {
 
 impl fmt::Display for HullFit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.air() {
-            Some(air) => write!(f, "{:.1} % of the hull is air", 100.0 * air)?,
+        match self.void_fraction() {
+            Some(void_fraction) => write!(f, "{:.1} % of the hull is air", 100.0 * void_fraction)?,
             None => f.write_str("the mesh is not closed")?,
         }
         write!(

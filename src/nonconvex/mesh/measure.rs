@@ -13,7 +13,7 @@ use crate::base::num::scalar::sqrt;
 use crate::base::tolerance::UNIT_SINGLE;
 use crate::nonconvex::meet::triangle;
 use crate::nonconvex::tree::{Below, Tree};
-use crate::pair::spot::Spot;
+use crate::pair::location::WitnessLocation;
 
 /// Six times the volume, 24 times the first moments, 120 times the second, about the box centre, in
 /// stored units.
@@ -125,7 +125,7 @@ impl Mesh {
     /// Returns the point of the surface that is nearest to a point, all in the caller's
     /// coordinates, with the unit normal of its triangle on the side of the point, right up to
     /// rounding, and the triangle; the normal of a sliver may be zero.
-    pub(crate) fn seen_from(&self, point: &Vector3<f64>) -> (Point3<f64>, Vector3<f64>, Spot) {
+    pub(crate) fn seen_from(&self, point: &Vector3<f64>) -> (Point3<f64>, Vector3<f64>, WitnessLocation) {
         let place = point / self.unit();
         let foot = self.nearest(&place);
         let corners = self.corners(foot.triangle);

@@ -118,9 +118,9 @@ impl Mesh {
 
     /// Returns the bytes that the mesh holds on the heap, without its report.
     #[must_use]
-    pub fn heap_bytes(&self) -> usize {
+    pub fn memory_usage(&self) -> usize {
         let numbers = self.source_points.len() + self.source_triangles.len() + 4 * self.part_vertices.len();
-        size_of_val(&self.points[..]) + size_of_val(&self.triangles[..]) + 4 * numbers + self.tree.heap_bytes()
+        size_of_val(&self.points[..]) + size_of_val(&self.triangles[..]) + 4 * numbers + self.tree.memory_usage()
     }
 
     /// Returns the corners of every triangle with its index as the caller gave it, in the order of

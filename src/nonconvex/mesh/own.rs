@@ -20,7 +20,7 @@ use crate::nonconvex::meet::overlap::Touching;
 use crate::nonconvex::meet::search::{Judge, Measured, MeshGoal, TreeSearch};
 use crate::nonconvex::meet::state::{PosedTrees, TreeAnswer};
 use crate::nonconvex::meet::triangle::TriangleSpot;
-use crate::pair::spot::PairOutcome;
+use crate::pair::location::PairOutcome;
 
 /// The state of a mesh against itself.
 #[derive(Clone, Debug, Default)]

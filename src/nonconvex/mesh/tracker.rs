@@ -22,8 +22,8 @@ use crate::nonconvex::meet::triangle::{self, Closest, Triangle, TriangleSpot, ce
 use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::mesh::own::SelfState;
 use crate::nonconvex::parts::Parted;
+use crate::pair::location::{PairOutcome, WitnessLocation};
 use crate::pair::outcome::Outcome;
-use crate::pair::spot::{PairOutcome, Spot};
 
 /// The front of the last answer for one pair of meshes, from which the next query starts, and
 /// counters.
@@ -101,9 +101,9 @@ impl MeshTracker {
 
     /// Returns the bytes kept on the heap.
     #[must_use]
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         let own = self.own.as_ref();
-        self.state.kept.heap_bytes() + own.map_or(0, |own| size_of::<SelfState>() + own.front.heap_bytes())
+        self.state.kept.memory_usage() + own.map_or(0, |own| size_of::<SelfState>() + own.front.memory_usage())
     }
 
     /// Returns the closest points with bounds of the distance, as told at `PairTracker::closest`.
@@ -238,12 +238,12 @@ impl<'a> TriangleJudge<'a> {
 }
 
 /// Returns the triangles of a pair of items by the caller's numbers, and their features.
-pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> [Spot; 2] {
+pub(super) fn spots(a: &Mesh, b: &Mesh, [i, j]: NodePair, spots: [TriangleSpot; 2]) -> [WitnessLocation; 2] {
     [spot(a, i, spots[0]), spot(b, j, spots[1])]
 }
 
 /// Returns the triangle of an item by the caller's number, and its feature.
-pub(super) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
+pub(super) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> WitnessLocation {
     let corners = mesh.triangles[item as usize].each(|v| mesh.source_points[v as usize]);
     let at = |k: u8| corners[k as usize % 3];
     let triangle = mesh.source_triangles[item as usize];
@@ -252,7 +252,7 @@ pub(super) fn spot(mesh: &Mesh, item: u32, spot: TriangleSpot) -> Spot {
         TriangleSpot::Edge(k) => Feature::Edge(EdgeId(at(k))),
         TriangleSpot::Inside => Feature::Face(FaceId(triangle)),
     };
-    Spot::new(triangle, feature)
+    WitnessLocation::new(triangle, feature)
 }
 
 /// Returns the gap of two placed triangles along a direction.

@@ -206,7 +206,7 @@ impl InnerPoints<'_> {
             found(depth, out * (depth + self.doubt));
             out
         };
-        let (shape, round) = (&piece.shape, piece.shape.round());
+        let (shape, round) = (&piece.shape, piece.shape.rounding_radius());
         let middle = match shape.core() {
             Core::Polyhedron(body) => body.centroid().coords,
             _ => Vector3::zeros(),

@@ -248,7 +248,7 @@ impl Tree {
         false
     }
 
-    pub(crate) fn heap_bytes(&self) -> usize {
+    pub(crate) fn memory_usage(&self) -> usize {
         let slabs = size_of_val(&self.slabs[..]) + size_of_val(&self.nearest[..]);
         size_of_val(&self.boxes[..]) + size_of_val(&self.links[..]) + slabs
     }

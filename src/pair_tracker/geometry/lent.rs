@@ -181,7 +181,7 @@ impl<'a> From<&'a Shape> for GeometryRef<'a> {
     #[inline]
     fn from(shape: &'a Shape) -> Self {
         Self(match shape.core() {
-            Core::Polyhedron(body) if shape.round() == 0.0 => Lent::Polyhedron(LentBody::shared(body)),
+            Core::Polyhedron(body) if shape.rounding_radius() == 0.0 => Lent::Polyhedron(LentBody::shared(body)),
             _ => Lent::Convex(LentBody::from(shape)),
         })
     }

@@ -196,7 +196,7 @@ impl From<Shape> for Geometry {
 impl From<Arc<Shape>> for Geometry {
     fn from(shape: Arc<Shape>) -> Self {
         match shape.core() {
-            Core::Polyhedron(body) if shape.round() == 0.0 => Self::Polyhedron(body.clone()),
+            Core::Polyhedron(body) if shape.rounding_radius() == 0.0 => Self::Polyhedron(body.clone()),
             _ => Self::Convex(shape),
         }
     }
@@ -286,7 +286,7 @@ impl OfKind for ConvexPolyhedron {
 impl OfKind for Shape {
     fn kind(&self) -> GeometryKind {
         match self.core() {
-            Core::Polyhedron(body) if self.round() == 0.0 => body.kind(),
+            Core::Polyhedron(body) if self.rounding_radius() == 0.0 => body.kind(),
             Core::Polyhedron(_) => GeometryKind::Rounded,
             _ => GeometryKind::Curved,
         }

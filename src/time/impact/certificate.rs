@@ -137,7 +137,7 @@ where
 /// the range of poses.
 #[cfg(feature = "__internals")]
 #[doc(hidden)]
-pub fn held_until<S, A, B>(
+pub fn overlapping_until<S, A, B>(
     pair: &S,
     motion_a: &A,
     motion_b: &B,

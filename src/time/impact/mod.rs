@@ -17,7 +17,7 @@
 //! let flight = Steady::new(&Isometry3::translation(4.0, 0.0, 0.0), spin)?;
 //!
 //! let mut tracker = Tracker::new();
-//! let mut pair = tracker.over(&a, &b);
+//! let mut pair = tracker.pair(&a, &b);
 //! let tolerance = Tolerance::Distance(1e-9);
 //! let cast = impact::cast(&mut pair, &rest, &flight, (0.0, 10.0), tolerance)?;
 //! let Impact::Hit { safe, hit, .. } = cast.impact else { panic!("they meet") };
@@ -79,7 +79,7 @@ use crate::time::separation::{Measurement, Separation};
 use cast::CastSearch;
 #[cfg(feature = "__internals")]
 #[doc(hidden)]
-pub use certificate::held_until;
+pub use certificate::overlapping_until;
 pub use certificate::{Certificate, free_until};
 
 /// Greatest width of the bracket of a hit.
@@ -243,7 +243,7 @@ where
 ///
 /// # Errors
 /// As [`cast_within`].
-pub fn cast_proving<S, A, B>(
+pub fn cast_with_certificates<S, A, B>(
     pair: &mut S,
     motion_a: &A,
     motion_b: &B,

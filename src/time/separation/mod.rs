@@ -7,8 +7,8 @@
 //! from a plane that turns (`separation/plane.rs`). A pair of shapes that no plane need separate
 //! (meshes, compounds) implements `free_for` by another bound, and needs no `support`.
 //!
-//! Trackers make such pairs: [`PairTracker::over`](crate::PairTracker::over) of any two geometries,
-//! [`Tracker::over`](crate::Tracker::over) of two polyhedra.
+//! Trackers make such pairs: [`PairTracker::pair`](crate::PairTracker::pair) of any two geometries,
+//! [`Tracker::pair`](crate::Tracker::pair) of two polyhedra.
 
 pub(crate) mod balls;
 pub(crate) mod bernstein;
@@ -22,8 +22,8 @@ use crate::base::motion::MotionModel;
 use crate::base::num::scalar::magnitude;
 use crate::base::pose::{Operand, RelativePose};
 use crate::body::polyhedron::FeaturePair;
+use crate::pair::location::PairOutcome;
 use crate::pair::outcome::{ContactState, Outcome, Solver};
-use crate::pair::spot::PairOutcome;
 
 pub(crate) use pairs::PolyhedronPair;
 pub(crate) use pairs::ShapePair;
@@ -88,7 +88,7 @@ pub struct Measurement {
     pub features: Option<FeaturePair>,
     /// The piece or triangle of A and of B to which the features belong; zero for shapes of one
     /// piece.
-    pub pieces: [u32; 2],
+    pub subshapes: [u32; 2],
     /// The witness on A, in A's frame.
     pub point_on_a: Point3<f64>,
     /// The witness on B, in B's frame.
@@ -224,7 +224,7 @@ impl Measurement {
             lower: outcome.lower,
             upper: outcome.upper,
             features: Some(outcome.features),
-            pieces: [0; 2],
+            subshapes: [0; 2],
             point_on_a: outcome.point_on_a,
             point_on_b: outcome.point_on_b,
             normal: outcome.normal,
@@ -239,7 +239,7 @@ impl From<&PairOutcome> for Measurement {
     /// Returns the measure of geometries that no plane keeps apart.
     fn from(answer: &PairOutcome) -> Self {
         Self {
-            pieces: answer.parts(),
+            subshapes: answer.parts(),
             by_plane: false,
             ..Self::new(&answer.outcome, Tangent::FreeSpan)
         }

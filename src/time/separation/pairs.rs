@@ -11,9 +11,9 @@ use crate::body::shape::Shape;
 use crate::convex::minimum::OverlapProof;
 use crate::convex::shape_tracker::ShapeTracker;
 use crate::convex::tracker::Tracker;
-use crate::pair::outcome::{Decision, Outcome, Until};
-use crate::pair::question::Question;
-use crate::pair::spot::PairOutcome;
+use crate::pair::location::PairOutcome;
+use crate::pair::options::QueryOptions;
+use crate::pair::outcome::{Decision, DepthMode, Outcome};
 use crate::time::separation::{Measurement, Separation, SupportPoint, Tangent};
 use nalgebra::{Point3, Vector3};
 
@@ -178,14 +178,14 @@ impl<'a> PolyhedronPair<'a> {
 
     /// Returns the closest points.
     #[inline]
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> PairOutcome {
+    pub(crate) fn closest_with(&mut self, a_from_b: &RelativePose, question: &QueryOptions) -> PairOutcome {
         let (a, b, tracker) = self.sides();
-        PairOutcome::of_convex(tracker.measure(a, b, a_from_b, question.until))
+        PairOutcome::of_convex(tracker.measure(a, b, a_from_b, question.depth))
     }
 
     /// Returns whether the polyhedra are at most `d` apart.
     #[inline]
-    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+    pub(crate) fn decide_within(&mut self, a_from_b: &RelativePose, d: f64, _: &QueryOptions) -> Decision {
         let (a, b, tracker) = self.sides();
         Decision::of(tracker.within(a, b, a_from_b, d))
     }
@@ -264,7 +264,7 @@ impl Separation for PolyhedronPair<'_> {
     fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
         let outcome = self
             .tracker
-            .measure(self.a.shape, self.b.shape, a_from_b, Until::ContactState);
+            .measure(self.a.shape, self.b.shape, a_from_b, DepthMode::None);
         self.seen(&outcome)
     }
 
@@ -329,17 +329,17 @@ impl<'a> ShapePair<'a> {
     /// Returns the closest points, and for an overlap as much as the question sets. Rounded shapes
     /// need the depth of their cores, because a deep overlap differs from touch by it alone.
     #[inline]
-    pub(crate) fn ask(&mut self, a_from_b: &RelativePose, question: &Question) -> PairOutcome {
+    pub(crate) fn closest_with(&mut self, a_from_b: &RelativePose, question: &QueryOptions) -> PairOutcome {
         let (a, b, tracker) = self.sides();
-        PairOutcome::of_convex(match question.until {
-            Until::ContactState => tracker.closest(a, b, a_from_b).without_depth(),
+        PairOutcome::of_convex(match question.depth {
+            DepthMode::None => tracker.closest(a, b, a_from_b).without_depth(),
             until => tracker.measure(a, b, a_from_b, until),
         })
     }
 
     /// Returns whether the shapes are at most `d` apart.
     #[inline]
-    pub(crate) fn ask_within(&mut self, a_from_b: &RelativePose, d: f64, _: &Question) -> Decision {
+    pub(crate) fn decide_within(&mut self, a_from_b: &RelativePose, d: f64, _: &QueryOptions) -> Decision {
         let (a, b, tracker) = self.sides();
         Decision::of(tracker.within(a, b, a_from_b, d))
     }

@@ -1,7 +1,7 @@
 //! Casts, and the clearances and segments of a planner.
 
 use super::{Scene, bumpy, compound, curved, dented};
-use lin_canny::impact::{Tolerance, cast, cast_within, free_until, held_until};
+use lin_canny::impact::{Tolerance, cast, cast_within, free_until, overlapping_until};
 use lin_canny::separation::Separation;
 use lin_canny::{PairTracker, Tracker};
 use lin_canny_plan::{Checker, TranslationSpace, World};
@@ -22,7 +22,7 @@ fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation
         }
         let free = free_until(&mut pair, &p, &q, span, 0.1 * unit).expect("a finite motion");
         scene.plain(what, free.until);
-        let held = held_until(&pair, &p, &q, span, 0.1 * unit).expect("a finite motion");
+        let held = overlapping_until(&pair, &p, &q, span, 0.1 * unit).expect("a finite motion");
         scene.plain(what, held);
     }
 }
@@ -30,7 +30,7 @@ fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation
 pub(super) fn hull_casts(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (scene.round(rng, 20), scene.round(rng, 40));
     for _ in 0..3 {
-        casts(scene, rng, "hulls", Tracker::new().over(&a, &b));
+        casts(scene, rng, "hulls", Tracker::new().pair(&a, &b));
     }
 }
 
@@ -38,23 +38,23 @@ pub(super) fn shape_casts(scene: &mut Scene, rng: &mut Rng) {
     let shapes = curved(scene);
     for (k, a) in shapes.iter().enumerate() {
         let b = &shapes[(k + rng.below(shapes.len())) % shapes.len()];
-        casts(scene, rng, &format!("shape {k}"), PairTracker::new().over(a, b));
+        casts(scene, rng, &format!("shape {k}"), PairTracker::new().pair(a, b));
     }
 }
 
 pub(super) fn composite_casts(scene: &mut Scene, rng: &mut Rng) {
     let (a, b, mesh) = (compound(scene, rng), dented(scene, rng), dented(scene, rng));
-    casts(scene, rng, "meshes", PairTracker::new().over(&b, &mesh));
-    casts(scene, rng, "compound and mesh", PairTracker::new().over(&a, &mesh));
+    casts(scene, rng, "meshes", PairTracker::new().pair(&b, &mesh));
+    casts(scene, rng, "compound and mesh", PairTracker::new().pair(&a, &mesh));
 }
 
 pub(super) fn surface_casts(scene: &mut Scene, rng: &mut Rng) {
     let (a, b) = (bumpy(scene, rng), bumpy(scene, rng));
     let (shapes, body) = (curved(scene), compound(scene, rng));
-    casts(scene, rng, "surfaces", PairTracker::new().over(&a, &b));
+    casts(scene, rng, "surfaces", PairTracker::new().pair(&a, &b));
     let shape = rng.pick(&shapes).clone();
-    casts(scene, rng, "surface and shape", PairTracker::new().over(&a, &shape));
-    casts(scene, rng, "surface and compound", PairTracker::new().over(&a, &body));
+    casts(scene, rng, "surface and shape", PairTracker::new().pair(&a, &shape));
+    casts(scene, rng, "surface and compound", PairTracker::new().pair(&a, &body));
 }
 
 /// A robot of one body among a few others, and configurations of it.

@@ -61,7 +61,7 @@ pub(super) fn scenes(scene: &mut Scene, rng: &mut Rng) {
         .distance(0.5 * scene.unit)
         .features(true)
         .depth(true)
-        .manifold(ManifoldOptions::within(0.1 * scene.unit))
+        .manifold(ManifoldOptions::with_prediction(0.1 * scene.unit))
         .impact(Tolerance::Distance(1e-4 * scene.unit));
     world.set_queries(CONVEX, CONVEX, queries).expect("queries");
     // Bodies of parts have no depth in a scene.
@@ -104,7 +104,7 @@ fn tell(scene: &mut Scene, world: &scene::Scene) {
     for pair in world.pairs() {
         scene.plain(
             "pair",
-            (pair.a, pair.b, pair.pair, pair.overlaps, pair.within, pair.pieces),
+            (pair.a, pair.b, pair.pair, pair.overlaps, pair.within, pair.subshapes),
         );
         if let Some(d) = &pair.distance {
             scene.distance("distance", d);
@@ -129,9 +129,9 @@ fn tell(scene: &mut Scene, world: &scene::Scene) {
     let mut near = world.pairs_within(PARTS, CONVEX, d).expect("called for");
     near.extend(world.nearest(first, 3, 2.0 * scene.unit).expect("a body"));
     near.extend(world.closest_pair(PARTS, CONVEX).expect("called for"));
-    near.extend(world.first_contact(PARTS, CONVEX).expect("called for"));
+    near.extend(world.any_contact(PARTS, CONVEX).expect("called for"));
     for near in near {
-        scene.plain("near", (near.a, near.b, near.pieces));
+        scene.plain("near", (near.a, near.b, near.subshapes));
         scene.outcome("near", &near.outcome);
     }
 }

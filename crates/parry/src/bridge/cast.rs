@@ -104,7 +104,7 @@ fn fly(
 ) -> Flown {
     use ShapeCastStatus::{Converged, OutOfIterations, PenetratingOrWithinTargetDist};
     let mut tracker = PairTracker::new();
-    let mut pair = tracker.over(&a.shape, &b.shape);
+    let mut pair = tracker.pair(&a.shape, &b.shape);
     let size = a.shape.bounding_ball().1 + b.shape.bounding_ball().1;
     let tolerance = Tolerance::Distance(TOLERANCE * size);
     let Ok(cast) = cast_within(&mut pair, x, y, interval, tolerance, target) else {

@@ -49,11 +49,11 @@ pub(super) fn write<M, C: Default + Copy>(
     let Ok(at) = RelativePose::new(&of_a.at, &(turned * of_b.at)) else {
         return false;
     };
-    let mut chosen = ManifoldOptions::within(f64::from(reach)).local_depth(true);
-    (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
+    let mut chosen = ManifoldOptions::with_prediction(f64::from(reach)).local_depth(true);
+    (chosen.max_face_sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
     let mut manifold = Manifold::new();
     let mut tracker = match hint(out, &of_a) {
-        Some(normal) => PairTracker::starting_along(&normal, &of_a.shape, &of_b.shape),
+        Some(normal) => PairTracker::with_direction(&normal, &of_a.shape, &of_b.shape),
         None => PairTracker::new(),
     };
     let mut ask = |chosen: &ManifoldOptions, manifold: &mut Manifold| {

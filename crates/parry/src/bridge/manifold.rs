@@ -67,9 +67,9 @@ impl<'a> PosedPair<'a> {
         exchange(out, |points| {
             if outcome.lower <= prediction {
                 let bodies = (self.a.body(), self.b.body());
-                let mut chosen = ManifoldOptions::within(prediction);
-                (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
-                let manifold = Manifold::of_outcome(bodies, &self.pose, &outcome, &chosen);
+                let mut chosen = ManifoldOptions::with_prediction(prediction);
+                (chosen.max_face_sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
+                let manifold = Manifold::from_outcome(bodies, &self.pose, &outcome, &chosen);
                 for p in manifold.points() {
                     let contact = self.contact(&outcome, &p.point_on_a, &p.point_on_b, p.separation, p.features);
                     points.push(contact);
@@ -104,7 +104,7 @@ impl<'a> PosedPair<'a> {
             };
             Some((FeaturePair { a, b }, state))
         });
-        let mut tracker = start.map_or_else(Tracker::new, |(pair, state)| Tracker::resuming(pair, state, a, b));
+        let mut tracker = start.map_or_else(Tracker::new, |(pair, state)| Tracker::with_previous(pair, state, a, b));
         tracker.closest(a, b, &self.pose)
     }
 

@@ -64,7 +64,7 @@ impl MeshShape {
         let mesh: Arc<Mesh> = mesh.into();
         Self {
             geometry: Geometry::from(mesh.clone()),
-            patches: ConvexPatches::of_mesh_within(mesh.clone(), tolerance),
+            patches: ConvexPatches::from_mesh_within(mesh.clone(), tolerance),
             mass: UnitMass::new(mesh.volume().max(0.0), &mesh.centroid(), &mesh.inertia()),
             mesh,
         }
@@ -134,7 +134,7 @@ fn patches(known: &Known, shape: &dyn Shape) -> Option<ConvexPatches> {
     if let Some(mesh) = mesh(shape) {
         return Some(mesh.patches.clone());
     }
-    Some(ConvexPatches::of_pieces(compound(known, shape)?))
+    Some(ConvexPatches::from_compound(compound(known, shape)?))
 }
 
 /// Returns a compound, or a convex shape as its only piece, in the frame of the engine's shape.
@@ -228,8 +228,8 @@ pub(super) fn write<M: Default, C: Default + Copy>(
     ) else {
         return false;
     };
-    let mut chosen = ManifoldOptions::within(f64::from(prediction) * f64::from(options.reach));
-    (chosen.sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
+    let mut chosen = ManifoldOptions::with_prediction(f64::from(prediction) * f64::from(options.reach));
+    (chosen.max_face_sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
     let mut pair = state
         .take()
         .and_then(|state| state.0.downcast::<MeshPair>().ok())

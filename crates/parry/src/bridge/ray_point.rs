@@ -19,7 +19,7 @@ pub(super) fn cast_ray(geometry: &Geometry, ray: &Ray, max: Real) -> Option<RayI
         RayIntersection::new((distance / speed) as Real, narrow(&normal), feature)
     };
     match cast.ok()? {
-        RayCast::Hit(found) => Some(hit(found.hit, found.normal.into_inner(), found.part)),
+        RayCast::Hit(found) => Some(hit(found.hit, found.normal.into_inner(), found.subshape)),
         RayCast::Inside => Some(hit(0.0, Vector3::zeros(), 0)),
         _ => None,
     }

@@ -57,12 +57,12 @@ fn queries(joints: usize, most: f64) -> f64 {
         let at = |t: f64| checker.space().between(&from, &to, t);
         for k in 0..=300 {
             let t = verdict.safe() * f64::from(k) / 300.0;
-            let apart = judge.free_at(&at(t)).expect("within limits");
+            let apart = judge.is_free_at(&at(t)).expect("within limits");
             let starts = matches!(verdict, Verdict::Blocked { t: 0.0, .. });
             assert!(apart || starts, "{verdict:?} meets at {t} of {from:?} {to:?}");
         }
         if let Verdict::Blocked { t, .. } = verdict {
-            assert!(!judge.free_at(&at(t)).expect("within limits"), "{verdict:?}");
+            assert!(!judge.is_free_at(&at(t)).expect("within limits"), "{verdict:?}");
         }
     }
     assert!(free >= 10, "{free}");

@@ -28,7 +28,7 @@ fn ask(checker: &mut Checker<SerialArm>, question: usize, q: &[f64], p: &[f64]) 
     match question {
         0 => format!("{:?}", checker.clearance(q)),
         1 => format!("{:?}", checker.nearest(q, 0.1)),
-        2 => format!("{:?}", checker.free_at(q)),
+        2 => format!("{:?}", checker.is_free_at(q)),
         3 => format!("{:?}", checker.certify(q, p)),
         _ => format!("{:?}", checker.prove(q, p)),
     }

@@ -63,10 +63,10 @@ fn judge(count: usize, seed: u64) -> [usize; 2] {
         let Some(truth) = is_free(&cell, &arm, &q) else {
             continue;
         };
-        assert_eq!(warm.free_at(&q).expect("a configuration"), truth, "{k} {q:?}");
+        assert_eq!(warm.is_free_at(&q).expect("a configuration"), truth, "{k} {q:?}");
         if k % 16 == 0 {
             let mut cold = Checker::new(cell.arm(), cell.world()).expect("a cell");
-            assert_eq!(cold.free_at(&q).expect("a configuration"), truth, "{k} {q:?}");
+            assert_eq!(cold.is_free_at(&q).expect("a configuration"), truth, "{k} {q:?}");
         }
         tally[usize::from(truth)] += 1;
     }
@@ -101,7 +101,7 @@ fn a_margin_makes_configurations_blocked_that_are_nearer() {
         }
         for (part, is_free) in [(0.999, true), (1.001, false)] {
             checker.set_margin(near.distance * part).expect("a margin");
-            assert_eq!(checker.free_at(&q).expect("a configuration"), is_free, "{near:?}");
+            assert_eq!(checker.is_free_at(&q).expect("a configuration"), is_free, "{near:?}");
             assert_eq!(checker.is_free(&q, &q).expect("a configuration"), is_free, "{near:?}");
             tally[usize::from(is_free)] += 1;
         }
@@ -114,8 +114,8 @@ fn a_margin_makes_configurations_blocked_that_are_nearer() {
 fn a_configuration_of_another_space_is_refused() {
     let cell = Cell::new(5);
     let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
-    assert!(checker.free_at(&[0.0; 5]).is_err());
-    assert!(checker.free_at(&[f64::NAN; 6]).is_err());
+    assert!(checker.is_free_at(&[0.0; 5]).is_err());
+    assert!(checker.is_free_at(&[f64::NAN; 6]).is_err());
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn a_segment_that_ends_in_contact_takes_no_distance() {
     for _ in 0..60 {
         let from = Cell::sample(&mut rng);
         let to = arm.moved(&from, &[0; 6].map(|_| rng.range(-0.2, 0.2)));
-        let ends = [&from, &to].map(|q| checker.free_at(q).expect("a configuration"));
+        let ends = [&from, &to].map(|q| checker.is_free_at(q).expect("a configuration"));
         let before = checker.work();
         let is_free = checker.is_free(&from, &to).expect("a segment");
         let spent = checker.work().queries - before.queries;
@@ -166,7 +166,7 @@ fn tips_of_obstacles_at_poses_off_unit_length_are_met() {
             for (depth, is_free) in [(4e-10, false), (-4e-10, true)] {
                 let out = 1.0 + radius - depth;
                 let q = RigidSpace::configuration(&Isometry3::translation(x * out, far + y * out, 0.0));
-                let told = checker.free_at(&q).expect("a configuration");
+                let told = checker.is_free_at(&q).expect("a configuration");
                 assert_eq!(told, is_free, "{length} {x} {y}");
                 let clearance = checker.clearance(&q).expect("a configuration").expect("a pair");
                 assert!(

@@ -4,7 +4,7 @@ use lin_canny::impact::Certificate;
 use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::separation::{Proof, Separation};
-use lin_canny::{ConvexPolyhedron, Operand, RelativePose, Tracker, Velocity, normalize};
+use lin_canny::{ConvexPolyhedron, Operand, RelativePose, Tracker, Velocity, normalize_rotation};
 use lin_canny_plan::{PairProof, WorldId};
 
 /// Hulls at poses.
@@ -14,7 +14,7 @@ pub(crate) type Placed = (ConvexPolyhedron, Isometry3<f64>);
 pub(crate) fn between(from: &Isometry3<f64>, to: &Isometry3<f64>, t: f64) -> Isometry3<f64> {
     let at = from.translation.vector * (1.0 - t) + to.translation.vector * t;
     let turn = from.rotation.slerp(&to.rotation, t);
-    normalize(&Isometry3::from_parts(at.into(), turn))
+    normalize_rotation(&Isometry3::from_parts(at.into(), turn))
 }
 
 pub(crate) fn meet(tracker: &mut Tracker, a: &Placed, b: &Placed) -> bool {
@@ -98,7 +98,7 @@ fn holds(certificate: &Certificate, [(a, pose_a), (b, pose_b)]: [(&ConvexPolyhed
         Proof::Balls => {
             // The balls of the pair contain the vertices; that of the robot turns about the pivot, the origin.
             let mut tracker = Tracker::new();
-            let pair = tracker.over(a, b);
+            let pair = tracker.pair(a, b);
             let [(p, r), (q, s)] = [Operand::A, Operand::B].map(|of| pair.ball(of));
             for (body, centre, radius) in [(a, p, r), (b, q, s)] {
                 assert!(

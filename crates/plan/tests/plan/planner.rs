@@ -213,7 +213,7 @@ impl ConfigurationSpace for OneWay {
     fn coordinates(&self) -> usize {
         3
     }
-    fn freedom(&self) -> usize {
+    fn degrees_of_freedom(&self) -> usize {
         3
     }
     fn bodies(&self) -> usize {

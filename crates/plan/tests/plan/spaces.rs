@@ -107,11 +107,7 @@ fn contract<C: ConfigurationSpace>(space: &C, rng: &mut Rng, rounds: usize, exac
             let bound = model.shift.at(s) + arm.norm() * model.turn.at(s);
             let off = (now * x - at).norm();
             // The comparison itself rounds.
-            let slack = if exact {
-                4e-15 * (1.0 + at.coords.norm())
-            } else {
-                0.0
-            };
+            let slack = if exact { 4e-15 * (1.0 + at.coords.norm()) } else { 0.0 };
             assert!(
                 off <= bound + slack,
                 "{off:e} {bound:e} at {time} + {s} of {from:?} {to:?}"
@@ -296,7 +292,7 @@ fn the_pose_of_a_link_is_that_of_the_body_on_it() {
 #[test]
 fn gradients_are_derivatives() {
     fn differences<C: ConfigurationSpace>(space: &C, rng: &mut Rng) {
-        let mut gradient = vec![0.0; space.freedom()];
+        let mut gradient = vec![0.0; space.degrees_of_freedom()];
         for _ in 0..100 {
             let q = space.between(&configuration(space, rng), &configuration(space, rng), 0.5);
             let body = rng.below(space.bodies());
@@ -309,7 +305,7 @@ fn gradients_are_derivatives() {
             space.gradient(&q, body, &place(&q), &direction, &mut gradient);
             for (k, value) in gradient.iter().enumerate() {
                 let height = |h: f64| {
-                    let mut step = vec![0.0; space.freedom()];
+                    let mut step = vec![0.0; space.degrees_of_freedom()];
                     step[k] = h;
                     direction.dot(&place(&space.moved(&q, &step)).coords)
                 };

@@ -89,7 +89,7 @@ impl Batch for Free<'_> {
 
     fn answer(&self, checker: &mut Self::State, first: usize, rows: &mut [bool]) -> PyResult<()> {
         for (k, to) in (first..).zip(rows) {
-            *to = checker.free_at(self.0.rows[k]).map_err(|e| fault(k, &e))?;
+            *to = checker.is_free_at(self.0.rows[k]).map_err(|e| fault(k, &e))?;
         }
         Ok(())
     }

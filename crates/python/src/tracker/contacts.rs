@@ -99,7 +99,7 @@ impl PairTracker {
             )));
         }
         let pose = relative(pose_a, pose_b)?;
-        let options = ManifoldOptions::within(prediction).max_points(max_points);
+        let options = ManifoldOptions::with_prediction(prediction).max_points(max_points);
         let groups = self.tracker.contacts(&a.get().0, &b.get().0, &pose, &options);
         let groups = groups.map_err(pair_error)?.iter().enumerate();
         let rows = groups.flat_map(|(k, group)| group.contacts.iter().map(move |c| row(c, k, &pose)));

@@ -38,7 +38,7 @@ pub(super) fn run(options: &IgnorableOptions) -> Result<End, ToolError> {
         println!("{reason:<9}{:>8} of {} overlap: {a} - {b}", pair.overlaps, pair.samples);
     }
     if let Some(file) = &options.out {
-        write(file, &Srdf::of_counts(&counts).text(robot.name()))?;
+        write(file, &Srdf::from_counts(&counts).text(robot.name()))?;
     }
     Ok(End::Free)
 }

@@ -117,12 +117,12 @@ fn print_hull_fits(robot: &Robot) {
             let (Some(fit), Some(mesh)) = (&body.hull_fit, &body.mesh) else {
                 continue;
             };
-            let air = fit
-                .air()
-                .map_or("a surface".into(), |air| format!("{:.1} % air", 100.0 * air));
+            let void_fraction = fit.void_fraction().map_or("a surface".into(), |void_fraction| {
+                format!("{:.1} % air", 100.0 * void_fraction)
+            });
             let (low, high) = (fit.gap_lower, fit.gap_upper);
             println!(
-                "hull of {} ({}): gap {low:.3e} to {high:.3e}, {air}",
+                "hull of {} ({}): gap {low:.3e} to {high:.3e}, {void_fraction}",
                 link.name,
                 mesh.display()
             );

@@ -221,7 +221,7 @@ fn is_free(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRe
             for row in 0..rows {
                 let answer = configuration(&vectors, row, coordinates, &mut q).and_then(|()| {
                     checker.forget();
-                    checker.free_at(&q).map_err(|e| RowFault::Refused(e.to_string()))
+                    checker.is_free_at(&q).map_err(|e| RowFault::Refused(e.to_string()))
                 });
                 answers.append_option(study.settled(row, &q, answer)?);
             }

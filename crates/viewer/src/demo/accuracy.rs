@@ -70,7 +70,7 @@ impl Accuracy {
             let angle = (f64::from(k % 20) - 10.0).abs() * TURN.to_radians();
             let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
             let pose = Isometry3::from_parts(stage.bodies[1].pose.translation, stage.bodies[1].pose.rotation * turn);
-            poses.extend(RelativePose::normalized(&stage.bodies[0].pose, &pose).ok());
+            poses.extend(RelativePose::new_normalized(&stage.bodies[0].pose, &pose).ok());
         }
         let start = Instant::now();
         for pose in &poses {
@@ -88,7 +88,7 @@ impl Accuracy {
     /// Errors against the exact answer; shows the answer of the level that is switched on.
     fn answer(&mut self, stage: &mut Stage) {
         let [a, b] = &self.bodies;
-        let Ok(poses) = RelativePose::normalized(&stage.bodies[0].pose, &stage.bodies[1].pose) else {
+        let Ok(poses) = RelativePose::new_normalized(&stage.bodies[0].pose, &stage.bodies[1].pose) else {
             return;
         };
         let exact = self.trackers[2].closest_exact(a, b, &poses);

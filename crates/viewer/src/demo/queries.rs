@@ -77,7 +77,7 @@ impl Pile {
             queries = queries.distance(0.3).features(features).depth(depth);
         }
         if contacts {
-            queries = queries.manifold(ManifoldOptions::within(0.05));
+            queries = queries.manifold(ManifoldOptions::with_prediction(0.05));
         }
         Ok(self.scene.set_queries(Group::default(), Group::default(), queries)?)
     }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use lin_canny::Geometry;
 use lin_canny::nalgebra::{Point3, Vector3};
-use lin_canny_record::BodyPicture;
+use lin_canny_record::RenderMesh;
 
 const WIDTH: f64 = 330.0;
 const HEIGHT: f64 = 330.0;
@@ -37,7 +37,7 @@ impl Picture {
         let left = WIDTH * (self.drawn as f64 + 0.5);
         self.drawn += 1;
         let mut all: Vec<Drawn> = Vec::new();
-        for (corners, normal) in BodyPicture::of(body).triangles {
+        for (corners, normal) in RenderMesh::from_geometry(body).triangles {
             if normal.dot(&toward()) > 0.0 {
                 let (depth, corners, colour) = polygon(&corners, normal, left, [150.0, 165.0, 185.0]);
                 all.push((depth - BEHIND, corners, colour));

@@ -174,7 +174,7 @@ impl Cloth {
                 return Ok((touched, found.lower, pushed));
             }
             self.push_off(
-                found.on[0].part as usize,
+                found.locations[0].subshape as usize,
                 &found.point_on_a,
                 &-*found.normal,
                 found.distance,

@@ -16,7 +16,7 @@ use std::time::Instant;
 use clap::Parser;
 use lin_canny::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use lin_canny::surface::{BezierSurface, Nurbs, SurfaceError, SurfacePart, revolution};
-use lin_canny::{PairOutcome, PairTracker, Question, RelativePose};
+use lin_canny::{PairOutcome, PairTracker, QueryOptions, RelativePose};
 use truth::Point;
 use truth::command::{count, file, number};
 use truth::pose::dot;
@@ -117,7 +117,7 @@ fn track(
     let began = Instant::now();
     let found = at
         .iter()
-        .map(|at| tracker.ask(a, b, at, &Question::new().width(width)))
+        .map(|at| tracker.closest_with(a, b, at, &QueryOptions::new().width(width)))
         .collect();
     let us = began.elapsed().as_secs_f64() * 1e6 / at.len() as f64;
     (found, tracker, us)

@@ -54,7 +54,7 @@ const DISTANCE: PairQueries = WITHIN.distance(0.1);
 
 const DEPTH: PairQueries = DISTANCE.features(true).depth(true);
 
-const MANIFOLD: ManifoldOptions = ManifoldOptions::within(0.02);
+const MANIFOLD: ManifoldOptions = ManifoldOptions::with_prediction(0.02);
 
 const FULL: PairQueries = DEPTH.manifold(MANIFOLD);
 

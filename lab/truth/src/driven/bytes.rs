@@ -100,7 +100,8 @@ pub fn query(
     let p = stray.propose(a, b, pose);
     assert!(!p.distance.is_some_and(f64::is_nan), "{p:?}");
     let local = stray.clone().closest_with_local_depth(a, b, pose);
-    let hinted = Tracker::resuming(p.features, ContactState::Overlapping, a, b).closest_with_local_depth(a, b, pose);
+    let hinted =
+        Tracker::with_previous(p.features, ContactState::Overlapping, a, b).closest_with_local_depth(a, b, pose);
     let warm = stray.closest(a, b, pose);
     let cold = Tracker::new().closest(a, b, pose);
     let swapped = Tracker::new().closest(b, a, &pose.swapped());

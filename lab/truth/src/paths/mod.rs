@@ -83,13 +83,13 @@ fn is_same(signs: &[i32]) -> bool {
 }
 
 /// The polynomials whose signs tell of a contact, the volume first, and how.
-struct Question {
+struct QueryOptions {
     signs: Vec<Poly>,
     is_contact: fn(&[i32]) -> bool,
 }
 
 /// For each axis three areas; for each coordinate the differences of the vertex from the three corners.
-fn of_face(m: &[Vector]) -> Question {
+fn of_face(m: &[Vector]) -> QueryOptions {
     let (p, t) = (&m[0], [&m[1], &m[2], &m[3]]);
     let mut signs = vec![volume([p, t[0], t[1], t[2]])];
     for axis in 0..3 {
@@ -105,11 +105,11 @@ fn of_face(m: &[Vector]) -> Question {
         };
         s[0] == 0 && (0..3).all(|axis| is_same(&s[1 + 3 * axis..4 + 3 * axis])) && (0..3).all(of_box)
     };
-    Question { signs, is_contact }
+    QueryOptions { signs, is_contact }
 }
 
 /// For each axis four areas; for each coordinate the four differences of the ends of both edges.
-fn of_edges(m: &[Vector]) -> Question {
+fn of_edges(m: &[Vector]) -> QueryOptions {
     let [a, b, c, d] = [&m[0], &m[1], &m[2], &m[3]];
     let mut signs = vec![volume([a, b, c, d])];
     for axis in 0..3 {
@@ -129,10 +129,10 @@ fn of_edges(m: &[Vector]) -> Question {
         };
         s[0] == 0 && (0..3).all(crosses) && (0..3).all(of_box)
     };
-    Question { signs, is_contact }
+    QueryOptions { signs, is_contact }
 }
 
-impl Question {
+impl QueryOptions {
     fn truth(&self) -> Truth {
         let zero = RBig::ZERO;
         let at_zero: Vec<i32> = self.signs.iter().map(|p| p.sign_at(&zero)).collect();

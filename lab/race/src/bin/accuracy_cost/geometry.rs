@@ -59,7 +59,7 @@ pub(crate) fn run(options: &Options, rows: &mut Vec<Row>, progress: &Progress) -
             at(1),
             at(2),
             at(3),
-            pair.a.ours.size_in_bytes() as f64 / 1e6
+            pair.a.ours.memory_usage() as f64 / 1e6
         );
         measure::record(rows, &seen, "ball", n);
         progress.step();

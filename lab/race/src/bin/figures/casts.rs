@@ -23,7 +23,7 @@ const LIMIT: u32 = 20_000;
 fn proven([a, b]: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64) -> Option<u32> {
     let [p, q] = throw.motions();
     let found = cast(
-        &mut Tracker::new().over(a, b),
+        &mut Tracker::new().pair(a, b),
         &p,
         &q,
         (0.0, 1.0),

@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use cpu_time::ThreadTime;
-use lin_canny::continuous::{self, MeshOverFrame};
+use lin_canny::continuous::{self, MovingMesh};
 use lin_canny::impact::{Impact, Tolerance};
 use lin_canny::nalgebra::{Isometry3, Point3};
 use lin_canny::{Mesh, PairTracker, RelativePose};
@@ -230,7 +230,7 @@ fn against_itself(shape: &str, rest: &Soup, at: fn(&Soup, usize) -> Vec<[f64; 3]
             of(w.entries),
             of(w.failed),
             of(w.cuts),
-            tracker.heap_bytes() / 1024
+            tracker.memory_usage() / 1024
         );
         csv.push(("bending-self", shape, n), engine, ns, 0);
     }
@@ -238,23 +238,23 @@ fn against_itself(shape: &str, rest: &Soup, at: fn(&Soup, usize) -> Vec<[f64; 3]
 
 fn over_frames(rest: &Soup, csv: &mut Rows) {
     let torus = mesh(&soups::torus(80, 32, 0.4).map(|p| p.map(|x| 0.4 * x)));
-    let still = MeshOverFrame::new(&torus, &torus).expect("one mesh");
+    let still = MovingMesh::new(&torus, &torus).expect("one mesh");
     let n = rest.triangles.len();
     for (shape, gap) in [("wave", 0.1), ("wave", 0.02), ("folded", 0.02)] {
         let at = if shape == "wave" { frame } else { folded };
         let (mut before, mut times, mut misses, mut queries) = (mesh(rest), [Vec::new(), Vec::new()], [0; 2], [0; 2]);
         let here = Isometry3::translation(0.0, 0.0, 0.36 + gap);
-        let still = still.clone().moving(&here, &here).expect("a pose");
+        let still = still.clone().with_poses(&here, &here).expect("a pose");
         before.set_vertices(&vertices(&at(rest, 0))).expect("a sound frame");
         for k in 1..FRAMES {
             let mut after = before.clone();
             after.set_vertices(&vertices(&at(rest, k))).expect("a sound frame");
-            let bent = MeshOverFrame::new(&before, &after).expect("one mesh");
+            let bent = MovingMesh::new(&before, &after).expect("one mesh");
             for which in 0..2 {
                 let start = ThreadTime::now();
                 let cast = match which {
-                    0 => continuous::meshes(&bent, &still, Tolerance::Time(1e-6)),
-                    _ => continuous::self_contact(&bent, Tolerance::Time(1e-6)),
+                    0 => continuous::cast_meshes(&bent, &still, Tolerance::Time(1e-6)),
+                    _ => continuous::cast_self(&bent, Tolerance::Time(1e-6)),
                 };
                 times[which].push(start.elapsed().as_nanos() as f64);
                 let cast = cast.expect("a tolerance");

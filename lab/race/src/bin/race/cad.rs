@@ -198,7 +198,7 @@ fn race(pair: &Pair, csv: &mut Rows) {
     let (mut counted, mut cold_bounds, mut most) = (PairTracker::new(), 0, 0);
     for at in poses {
         counted.closest(a, b, at);
-        most = most.max(counted.heap_bytes());
+        most = most.max(counted.memory_usage());
         let mut anew = PairTracker::new();
         anew.closest(a, b, at);
         cold_bounds += anew.work().trees.bounds;

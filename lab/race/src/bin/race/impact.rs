@@ -106,7 +106,7 @@ impl Case {
         };
         let cold = |a: &dyn Motion, b: &dyn Motion| {
             cast(
-                &mut Tracker::new().over(&bodies[0], &bodies[1]),
+                &mut Tracker::new().pair(&bodies[0], &bodies[1]),
                 a,
                 b,
                 (0.0, 1.0),
@@ -144,7 +144,7 @@ impl Case {
         let [a, b] = &pair.ours;
         let cold = |tolerance| {
             let mut tracker = Tracker::new();
-            let mut ours = tracker.over(a, b);
+            let mut ours = tracker.pair(a, b);
             let [of_a, of_b] = &self.motions;
             cast(&mut ours, of_a, of_b, (0.0, 1.0), tolerance).ok()
         };

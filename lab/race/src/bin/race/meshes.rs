@@ -362,7 +362,7 @@ fn built(n: usize) {
         let start = ThreadTime::now();
         let m = mesh(&soup);
         let ms = start.elapsed().as_secs_f64() * 1e3;
-        let bytes = m.heap_bytes() as f64 / m.triangle_count() as f64;
+        let bytes = m.memory_usage() as f64 / m.triangle_count() as f64;
         println!(
             "{shape:<7}{:>8} triangles: {ms:>7.1} ms, {bytes:>5.1} bytes a triangle",
             m.triangle_count()

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use cpu_time::ThreadTime;
 use lin_canny::nalgebra::Point3;
 use lin_canny::surface::{BezierPatch, BezierSurface, revolution};
-use lin_canny::{Mesh, PairTracker, Question, RelativePose};
+use lin_canny::{Mesh, PairTracker, QueryOptions, RelativePose};
 use parry3d_f64::math::Vector;
 use parry3d_f64::query;
 use parry3d_f64::shape::TriMesh;
@@ -55,7 +55,7 @@ fn tumbling(a: &BezierSurface, b: &BezierSurface, seed: u64, frames: usize) -> V
         };
         for _ in 0..if poses.is_empty() { 60 } else { 2 } {
             let d = tracker
-                .ask(a, b, &relative(&pose), &Question::new().width(1e-3))
+                .closest_with(a, b, &relative(&pose), &QueryOptions::new().width(1e-3))
                 .distance;
             x += if d > 0.0 {
                 0.5 * (0.2 + 0.09 * phase.sin() - d)
@@ -145,14 +145,14 @@ fn race(rows: &mut Rows, scene: &str, pairs: &[[BezierSurface; 2]], frames: usiz
                 black_box(
                     tracker
                         .borrow_mut()
-                        .ask(a, b, &relative(p), &Question::new().width(width)),
+                        .closest_with(a, b, &relative(p), &QueryOptions::new().width(width)),
                 );
             };
             each(poses, || tracker.borrow_mut().reset(), query)
         });
         put(shape, "ours-cold", &|[a, b], poses| {
             let query = |p: &Pose| {
-                black_box(PairTracker::new().ask(a, b, &relative(p), &Question::new().width(width)));
+                black_box(PairTracker::new().closest_with(a, b, &relative(p), &QueryOptions::new().width(width)));
             };
             each(poses, || (), query)
         });

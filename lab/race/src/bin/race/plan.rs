@@ -256,9 +256,9 @@ fn searches(o: &Options, progress: &Progress, rows: &mut Rows) {
     }
 }
 
-/// Random configurations of an arm of meshes, free or not: `ours` by [`Checker::free_at`], `is-free` by segments of one configuration.
+/// Random configurations of an arm of meshes, free or not: `ours` by [`Checker::is_free_at`], `is-free` by segments of one configuration.
 /// `n` is the number of the arm's triangles.
-fn free_at(o: &Options, rows: &mut Rows) {
+fn is_free_at(o: &Options, rows: &mut Rows) {
     let cell = Cell::new(84);
     let n = cell.links.iter().map(|l| l.triangles.len()).sum();
     let mut rng = Rng::of_case(23, 0);
@@ -274,7 +274,7 @@ fn free_at(o: &Options, rows: &mut Rows) {
         let mut checker = Checker::new(cell.arm(), cell.world()).expect("a cell");
         let is_ours = engine == "ours";
         let mut ask = |q: &Vec<f64>| match is_ours {
-            true => checker.free_at(q).expect("a configuration"),
+            true => checker.is_free_at(q).expect("a configuration"),
             false => checker.is_free(q, q).expect("a configuration"),
         };
         let (mut least, mut found) = (f64::INFINITY, Vec::new());
@@ -314,7 +314,7 @@ pub(crate) fn run(o: &Options) -> Rows {
     searches(o, &progress, &mut rows);
     progress.step();
     if o.wants("free-at") {
-        free_at(o, &mut rows);
+        is_free_at(o, &mut rows);
     }
     progress.step();
     rows

@@ -174,10 +174,10 @@ impl Run<'_> {
     /// The manifold of an answer, judged.
     fn contacts(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {
         let (a, b) = (&self.trial.a.body, &self.trial.b.body);
-        let options = ManifoldOptions::within(o.upper.max(0.0));
+        let options = ManifoldOptions::with_prediction(o.upper.max(0.0));
         self.tally.manifolds += 1;
         self.judge
-            .contact_fault(frame, o, &Manifold::of_outcome((a, b), pose, o, &options))
+            .contact_fault(frame, o, &Manifold::from_outcome((a, b), pose, o, &options))
     }
 
     fn against_truth(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {

@@ -67,7 +67,7 @@ impl Engine for Ours {
     }
 
     fn bytes(&self) -> Option<usize> {
-        Some(self.broad.bytes())
+        Some(self.broad.memory_usage())
     }
 }
 

@@ -47,7 +47,7 @@ impl Ours {
         let mut scene = Scene::new();
         let mut queries = PairQueries::none().overlap(true).distance(RANGE).features(true);
         queries.depth = name != "ours";
-        queries.manifold = (name == "ours-manifold").then_some(ManifoldOptions::within(RANGE));
+        queries.manifold = (name == "ours-manifold").then_some(ManifoldOptions::with_prediction(RANGE));
         let all = Group::default();
         scene.set_queries(all, all, queries).expect("a range");
         let insert = |(shape, pose): (&usize, &Pose)| {
@@ -94,7 +94,7 @@ impl Engine for Ours {
         let (c, t) = (&self.sum.counts, &self.sum.times);
         let steps = c.steps.max(1) as f64;
         let us = |d: Duration| d.as_secs_f64() * 1e6 / steps;
-        let bytes = self.scene.bytes();
+        let bytes = self.scene.memory_usage();
         let (n, pairs) = (self.scene.body_count().max(1), (c.active as f64 / steps).max(1.0));
         format!(
             "    wall us a step: boxes {:.0}, pairs {:.0}, look {:.0}, events {:.0}; a step: {:.0} box pairs, {:.0} by budget, {:.0} by balls, {:.0} asked ({:.0} walk, {:.0} kept proof, {:.0} other); {} bytes a body, {:.0} a pair",

@@ -50,13 +50,13 @@ impl Drawn {
 }
 
 fn is_sharp(shape: &Shape) -> bool {
-    matches!(shape.core(), Core::Polyhedron(_)) && shape.round() == 0.0
+    matches!(shape.core(), Core::Polyhedron(_)) && shape.rounding_radius() == 0.0
 }
 
 /// Whether a part has a volume worth the name.
 pub(super) fn is_thick(shape: &Shape) -> bool {
     match shape.core() {
-        Core::Polyhedron(body) if shape.round() == 0.0 => body.face_count() > 2 && body.volume() > 1e-5,
+        Core::Polyhedron(body) if shape.rounding_radius() == 0.0 => body.face_count() > 2 && body.volume() > 1e-5,
         _ => true,
     }
 }

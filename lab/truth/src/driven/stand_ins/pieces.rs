@@ -299,7 +299,7 @@ fn casts(a: &Drawn, b: &Drawn, pose: &Isometry3<f64>, rng: &mut Rng, mix: &mut M
     let mut tracker = PairTracker::new();
     let tolerance = Tolerance::Distance(1e-7);
     let found = cast(
-        &mut tracker.over(&a.geometry, &b.geometry),
+        &mut tracker.pair(&a.geometry, &b.geometry),
         &still,
         &moving,
         (0.0, 1.0),

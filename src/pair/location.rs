@@ -12,11 +12,11 @@ use crate::body::polyhedron::{FaceId, Feature, FeaturePair};
 /// The place of a witness on a geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-pub struct Spot {
+pub struct WitnessLocation {
     /// The piece of a compound, the triangle of a mesh or the patch of a surface, by the caller's
     /// index; zero for a convex geometry. Beside a mesh a compound of polyhedra is the mesh of its
     /// surface ([`Compound::to_mesh`](crate::Compound::to_mesh)).
-    pub part: u32,
+    pub subshape: u32,
     /// The feature that holds the witness: of a polyhedron, of the core of a convex shape, or of
     /// the piece. Of two meshes, a vertex has the number of its point, an edge that of the point at
     /// which the edge of the triangle begins, a face that of its triangle; beside another geometry
@@ -26,12 +26,12 @@ pub struct Spot {
     pub parameters: [f64; 2],
 }
 
-impl Spot {
+impl WitnessLocation {
     /// Returns a point of a patch by its parameters u and v, each between 0 and 1.
     #[must_use]
     pub const fn on_patch(patch: u32, parameters: [f64; 2]) -> Self {
         Self {
-            part: patch,
+            subshape: patch,
             feature: Feature::Face(FaceId(patch)),
             parameters,
         }
@@ -39,9 +39,9 @@ impl Spot {
 
     /// Returns a place on a part without parameters.
     #[inline]
-    pub(crate) const fn new(part: u32, feature: Feature) -> Self {
+    pub(crate) const fn new(subshape: u32, feature: Feature) -> Self {
         Self {
-            part,
+            subshape,
             feature,
             parameters: [0.0; 2],
         }
@@ -66,16 +66,16 @@ pub struct PairOutcome {
     /// Class, bounds, witnesses and normal.
     pub outcome: Outcome,
     /// The places of the witnesses on A and on B.
-    pub on: [Spot; 2],
+    pub locations: [WitnessLocation; 2],
     /// Whether the bounds are no farther apart than was asked for: always true unless a geometry is
     /// a surface of patches. If false, the budget of splits was used up or is too small by far (see
     /// [`patch`](crate::surface)), or the width is below `2^-42` times the size of the pair; the
     /// bounds hold all the same.
-    pub is_reached: bool,
+    pub is_converged: bool,
 }
 
 /// Returns the features of the places on A and B.
-pub(crate) fn features_on(on: &[Spot; 2]) -> FeaturePair {
+pub(crate) fn features_on(on: &[WitnessLocation; 2]) -> FeaturePair {
     FeaturePair {
         a: on[0].feature,
         b: on[1].feature,
@@ -86,11 +86,11 @@ impl PairOutcome {
     /// Returns the answer of two geometries of one part each.
     #[inline]
     pub(crate) fn of_convex(outcome: Outcome) -> Self {
-        let on = [outcome.features.a, outcome.features.b].each(|feature| Spot::new(0, feature));
+        let locations = [outcome.features.a, outcome.features.b].each(|feature| WitnessLocation::new(0, feature));
         Self {
             outcome,
-            on,
-            is_reached: true,
+            locations,
+            is_converged: true,
         }
     }
 
@@ -105,7 +105,7 @@ impl PairOutcome {
                 normal: Unit::new_unchecked(-(a_from_b.rotation() * *o.normal)),
                 ..o
             },
-            on: [self.on[1], self.on[0]],
+            locations: [self.locations[1], self.locations[0]],
             ..self
         }
     }
@@ -122,7 +122,7 @@ impl PairOutcome {
 
     /// Returns the numbers of the closest parts.
     pub(crate) fn parts(&self) -> [u32; 2] {
-        self.on.each(|spot| spot.part)
+        self.locations.each(|spot| spot.subshape)
     }
 }
 

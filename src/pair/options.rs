@@ -1,0 +1,65 @@
+//! Options of a query of two geometries of any kinds.
+
+use super::outcome::DepthMode;
+
+/// Options of a query of two geometries:
+/// [`PairTracker::closest_with`](crate::PairTracker::closest_with).
+///
+/// ```
+/// use lin_canny::{QueryOptions, DepthMode};
+///
+/// let narrow = QueryOptions::new().width(1e-9).splits(100_000);
+/// let quick = QueryOptions::new().depth(DepthMode::None);
+/// assert_ne!(narrow, quick);
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[non_exhaustive]
+pub struct QueryOptions {
+    /// Which depth a query of two convex geometries that overlap returns. The query searches no
+    /// depth of other geometries.
+    pub depth: DepthMode,
+    /// How far the bounds of a pair with a Bézier surface may be apart, a length in the
+    /// caller's unit; `None` for `2^-30` of the pair size L (the radii of both geometries about
+    /// their origins, and the distance of the origins). A width that is NaN or below `2^-42 L` is
+    /// taken as `2^-42 L`.
+    pub width: Option<f64>,
+    /// The number of pairs of nodes that a query of a Bézier surface may split, at most `2^22`;
+    /// `None` for 20,000. A query that uses up its budget returns wider bounds; so does one of two
+    /// surfaces that would need several times its budget by the speed at which its bounds approach
+    /// each other.
+    pub splits: Option<usize>,
+}
+
+impl QueryOptions {
+    /// Returns the default options: the depth of convex geometries, the usual width.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self {
+            depth: DepthMode::Full,
+            width: None,
+            splits: None,
+        }
+    }
+
+    /// Returns the options with another depth of overlaps of convex geometries.
+    #[must_use]
+    pub const fn depth(mut self, depth: DepthMode) -> Self {
+        self.depth = depth;
+        self
+    }
+
+    /// Returns the options with another width of the bounds of Bézier surfaces.
+    #[must_use]
+    pub const fn width(mut self, width: f64) -> Self {
+        self.width = Some(width);
+        self
+    }
+
+    /// Returns the options with another budget of a query of Bézier surfaces.
+    #[must_use]
+    pub const fn splits(mut self, splits: usize) -> Self {
+        self.splits = Some(splits);
+        self
+    }
+}
