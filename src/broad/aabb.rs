@@ -19,10 +19,10 @@ pub struct Aabb {
     pub max: Point3<f64>,
 }
 
-/// Fault that makes a box unusable.
+/// Error of [`Aabb::validate`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum BoxFault {
+pub enum AabbError {
     /// A bound on this axis is NaN or infinite.
     #[error("a bound on axis {axis} is not finite")]
     NonFinite {
@@ -128,30 +128,35 @@ impl Aabb {
         (0..3).all(|k| self.min[k] <= other.min[k] && other.max[k] <= self.max[k])
     }
 
-    /// Returns the first fault of a box meant to be finite.
-    #[must_use]
-    pub fn fault(&self) -> Option<BoxFault> {
+    /// Checks a finite box.
+    ///
+    /// # Errors
+    /// Returns an error for the first axis with a bound that is NaN or infinite, or with a minimum
+    /// above the maximum.
+    pub fn validate(&self) -> Result<(), AabbError> {
         if self.is_sound() {
-            None
-        } else {
-            (0..3).find_map(|axis| self.fault_of_axis(axis, f64::is_finite))
+            return Ok(());
         }
+        (0..3).try_for_each(|axis| self.validate_axis(axis, f64::is_finite))
     }
 
-    /// Returns the first fault of a box that may reach to infinity: NaN and inversion stay faults.
-    #[must_use]
-    pub fn fault_unbounded(&self) -> Option<BoxFault> {
-        (0..3).find_map(|axis| self.fault_of_axis(axis, |v| !v.is_nan()))
+    /// Checks a box that may reach to infinity.
+    ///
+    /// # Errors
+    /// Returns an error for the first axis with a bound that is NaN, or with a minimum above the
+    /// maximum.
+    pub fn validate_unbounded(&self) -> Result<(), AabbError> {
+        (0..3).try_for_each(|axis| self.validate_axis(axis, |v| !v.is_nan()))
     }
 
-    fn fault_of_axis(&self, axis: usize, usable: fn(f64) -> bool) -> Option<BoxFault> {
+    fn validate_axis(&self, axis: usize, usable: fn(f64) -> bool) -> Result<(), AabbError> {
         let (min, max) = (self.min[axis], self.max[axis]);
         if !usable(min) || !usable(max) {
-            Some(BoxFault::NonFinite { axis })
+            Err(AabbError::NonFinite { axis })
         } else if min > max {
-            Some(BoxFault::Inverted { axis })
+            Err(AabbError::Inverted { axis })
         } else {
-            None
+            Ok(())
         }
     }
 

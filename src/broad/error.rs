@@ -1,6 +1,6 @@
 //! Refused calls of a broad phase, and their messages.
 
-use super::{BodyId, BoxFault};
+use super::{AabbError, BodyId};
 use thiserror::Error;
 
 /// A refused call. The body keeps its box, pairs and options; nothing else changed either.
@@ -56,10 +56,10 @@ pub enum BroadPhaseError {
 }
 
 impl BroadPhaseError {
-    pub(crate) fn from_fault(fault: BoxFault, body: Option<BodyId>) -> Self {
-        match fault {
-            BoxFault::NonFinite { axis } => Self::NonFinite { body, axis },
-            BoxFault::Inverted { axis } => Self::Inverted { body, axis },
+    pub(crate) fn from_box_error(error: AabbError, body: Option<BodyId>) -> Self {
+        match error {
+            AabbError::NonFinite { axis } => Self::NonFinite { body, axis },
+            AabbError::Inverted { axis } => Self::Inverted { body, axis },
         }
     }
 }

@@ -68,7 +68,7 @@ mod state;
 mod sweep;
 mod tables;
 
-pub use aabb::{Aabb, BoxFault, StoredBox};
+pub use aabb::{Aabb, AabbError, StoredBox};
 pub use body::BodyId;
 pub use error::{BatchError, BroadPhaseError};
 pub use options::{BodyOptions, Groups, Settings};

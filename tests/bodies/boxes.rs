@@ -126,5 +126,5 @@ fn a_pose_that_is_no_number_is_a_box_the_broad_phase_refuses() {
     let body = lin_canny::polyhedron::solids::octahedron(1.0).expect("a solid");
     let pose = Isometry3::translation(f64::NAN, 0.0, 0.0);
     let (low, high) = body.aabb_at(&pose, &mut BoxHint::default());
-    assert!(Aabb::new(low, high).fault().is_some());
+    assert!(Aabb::new(low, high).validate().is_err());
 }

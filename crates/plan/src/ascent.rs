@@ -55,7 +55,7 @@ pub(crate) struct Slice {
     pub(crate) longest: f64,
     pub(crate) shortest: f64,
     /// A clearance that need not be exceeded.
-    pub(crate) enough: f64,
+    pub(crate) clearance_cap: f64,
 }
 
 impl<C: ConfigurationSpace> Checker<C> {
@@ -75,7 +75,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut planes = planes_at(&centre, mu);
         let mut own = planes.len();
         for _ in 0..ASCENT {
-            if centre.distance >= slice.enough {
+            if centre.distance >= slice.clearance_cap {
                 break;
             }
             let (step, gain) = self.step(&centre, &planes, mu, slice);

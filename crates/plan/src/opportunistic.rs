@@ -34,7 +34,7 @@ pub struct PlanOptions {
     pub queries: u64,
     /// The clearance beyond which no configuration is better: ascents end there. `None` for an
     /// eighth of the largest extent of the bounds.
-    pub enough: Option<f64>,
+    pub clearance_cap: Option<f64>,
 }
 
 impl Default for PlanOptions {
@@ -43,7 +43,7 @@ impl Default for PlanOptions {
             seed: 0,
             slices: 10_000,
             queries: 1_000_000,
-            enough: None,
+            clearance_cap: None,
         }
     }
 }
@@ -72,8 +72,8 @@ impl PlanOptions {
 
     /// Returns the options with a clearance that is enough.
     #[must_use]
-    pub const fn enough(mut self, enough: f64) -> Self {
-        self.enough = Some(enough);
+    pub const fn clearance_cap(mut self, clearance_cap: f64) -> Self {
+        self.clearance_cap = Some(clearance_cap);
         self
     }
 }
@@ -168,16 +168,19 @@ impl<C: ConfigurationSpace> Checker<C> {
             let what = "extent of the bounds";
             return Err(PlanError::Value { what, value: extent });
         }
-        let enough = options.enough.unwrap_or(0.125 * extent);
-        if !(enough > 0.0) {
-            let what = "clearance that is enough";
-            return Err(PlanError::Value { what, value: enough });
+        let clearance_cap = options.clearance_cap.unwrap_or(0.125 * extent);
+        if !(clearance_cap > 0.0) {
+            let what = "cap of the clearance";
+            return Err(PlanError::Value {
+                what,
+                value: clearance_cap,
+            });
         }
         Ok(Slice {
             fixed: std::vec![false; self.space.degrees_of_freedom()],
             longest: LONGEST * extent,
             shortest: SHORTEST * extent,
-            enough: enough + self.margin(),
+            clearance_cap: clearance_cap + self.margin(),
         })
     }
 }

@@ -135,7 +135,7 @@ impl<C: ConfigurationSpace> PathSearch<'_, C> {
         if safe >= 1.0 || self.is_solved() {
             return Ok(None);
         }
-        let near = self.checker.nearest(&reached, self.lengths.enough)?;
+        let near = self.checker.nearest(&reached, self.lengths.clearance_cap)?;
         Ok(self.channel(&near).map(|coordinate| (next, coordinate)))
     }
 

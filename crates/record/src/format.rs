@@ -61,7 +61,7 @@ pub struct Frame {
     pub vertices: Vec<(u32, Vec<Point3<f64>>)>,
     /// Bodies that are not shown from this frame on.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub gone: Vec<u32>,
+    pub removed: Vec<u32>,
     /// Pairs of bodies and what is known of them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pairs: Vec<PairLine>,

@@ -116,7 +116,7 @@ impl Recording {
                 self.bodies.push(BodyLine { since, ..body });
             }
             Line::Frame(frame) => {
-                let numbers = frame.poses.iter().map(|(k, _)| *k).chain(frame.gone.iter().copied());
+                let numbers = frame.poses.iter().map(|(k, _)| *k).chain(frame.removed.iter().copied());
                 let pairs = frame.pairs.iter().flat_map(|p| [p.a, p.b]);
                 let casts = frame.brackets.iter().flat_map(|c| c.bodies);
                 for number in numbers.chain(pairs).chain(casts) {
@@ -183,7 +183,7 @@ impl Cursor {
     }
 
     /// Goes to a frame; past the last one, to the last.
-    pub fn go(&mut self, recording: &Recording, frame: usize) {
+    pub fn seek(&mut self, recording: &Recording, frame: usize) {
         if frame + 1 < self.next {
             self.next = 0;
         }
@@ -203,7 +203,7 @@ impl Cursor {
             for (number, (body, _)) in at.vertices.iter().enumerate() {
                 self.bent[*body as usize] = Some((k, number));
             }
-            for body in &at.gone {
+            for body in &at.removed {
                 self.poses[*body as usize] = None;
             }
             self.next = k + 1;

@@ -40,13 +40,13 @@ impl<W: Write> Recorder<W> {
     }
 
     fn scene_bodies(&mut self, scene: &Scene) -> Result<(), WriteError> {
-        let gone: Vec<BodyId> = self
+        let removed: Vec<BodyId> = self
             .of_scene
             .keys()
             .copied()
             .filter(|&id| scene.pose(id).is_none())
             .collect();
-        for id in gone {
+        for id in removed {
             if let Some(body) = self.of_scene.remove(&id) {
                 self.remove(body)?;
             }

@@ -158,7 +158,7 @@ impl<W: Write> Recorder<W> {
     pub fn remove(&mut self, body: u32) -> Result<(), WriteError> {
         self.known(body)?;
         self.poses[body as usize] = None;
-        self.frame.gone.push(body);
+        self.frame.removed.push(body);
         Ok(())
     }
 

@@ -50,15 +50,15 @@ fn answers_and_poses_come_back_to_the_bit() {
     for (k, frame) in recording.frames.iter().enumerate() {
         assert_eq!(frame.pairs[0].outcome.unwrap(), outcomes[k]);
         assert!(!frame.pairs[0].contacts.is_empty());
-        cursor.go(&recording, k);
+        cursor.seek(&recording, k);
         assert_eq!(cursor.poses[1], Some(place(k / 2 * 2)));
         // A pose that did not change is not written.
         assert_eq!(frame.poses.len(), usize::from(k > 0 && k % 2 == 0));
     }
     // Back, and past the end.
-    cursor.go(&recording, 3);
+    cursor.seek(&recording, 3);
     assert_eq!(cursor.poses[1], Some(place(2)));
-    cursor.go(&recording, 1000);
+    cursor.seek(&recording, 1000);
     assert_eq!(cursor.poses[1], Some(place(18)));
 }
 
@@ -89,7 +89,7 @@ fn a_scene_is_recorded_with_bodies_that_come_and_go() {
     assert_eq!(names, ["7", "8", "9"]);
     let shown = |frame| {
         let mut cursor = Cursor::default();
-        cursor.go(&recording, frame);
+        cursor.seek(&recording, frame);
         cursor.poses.iter().map(Option::is_some).collect::<Vec<_>>()
     };
     assert_eq!(shown(0), [true, true, false]);
@@ -184,7 +184,7 @@ fn vertices_of_meshes_that_bend_are_read_back() {
     let recording = Recording::read(file.as_slice()).unwrap();
     let mut cursor = Cursor::default();
     for (frame, then) in [(0, 0), (1, 1), (2, 1), (3, 3), (1, 1)] {
-        cursor.go(&recording, frame);
+        cursor.seek(&recording, frame);
         assert_eq!(cursor.vertices(&recording, soft), Some(&bent(then)[..]));
         assert_eq!(cursor.vertices(&recording, hard), None);
     }

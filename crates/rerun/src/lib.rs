@@ -67,7 +67,7 @@ pub fn log(recording: &Recording, stream: &RecordingStream) -> Result<(), Record
     let mut entities = BTreeSet::new();
     for (k, frame) in recording.frames.iter().enumerate() {
         stream.set_time_sequence(TIMELINE, k as i64);
-        cursor.go(recording, k);
+        cursor.seek(recording, k);
         bodies(recording, stream, &before, &cursor.poses)?;
         before.clone_from(&cursor.poses);
         let present = things(recording, stream, frame, &cursor.poses)?;

@@ -81,7 +81,7 @@ fn bodies_stand_where_the_recording_has_them() {
             let found = translations(&chunks, &body_path(&recording, body));
             assert!(!found.is_empty(), "{name}: body {body}");
             for frame in 0..recording.frames.len() {
-                cursor.go(&recording, frame);
+                cursor.seek(&recording, frame);
                 let Some(pose) = cursor.poses[body] else { continue };
                 let last = found.range(..=frame as i64).next_back().expect("a pose").1;
                 let expected: [f64; 3] = pose.translation.vector.into();

@@ -5,7 +5,7 @@ use std::path::Path;
 use lin_canny::nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use lin_canny::{Geometry, normalize_rotation};
 
-use crate::error::{FileError, FileProblem};
+use crate::error::{FileError, FileErrorKind};
 use crate::geometry::{self, MeshOptions, MeshUse, Solid};
 use crate::packages::Packages;
 use crate::space::Setup;
@@ -126,7 +126,7 @@ impl Cell {
         let path = path.as_ref();
         let cell: CellText = serde_json::from_str(text).map_err(|e| {
             let line = (e.line() > 0).then_some(e.line() as u32);
-            FileError::new(path, line, "", FileProblem::Malformed(e.to_string()))
+            FileError::new(path, line, "", FileErrorKind::Malformed(e.to_string()))
         })?;
         let folder = path.parent().unwrap_or(Path::new(""));
         let mut obstacles = Vec::new();
@@ -145,7 +145,7 @@ impl Cell {
 }
 
 impl BodyText {
-    fn geometry(&self, folder: &Path, packages: &Packages, options: &MeshOptions) -> Result<Geometry, FileProblem> {
+    fn geometry(&self, folder: &Path, packages: &Packages, options: &MeshOptions) -> Result<Geometry, FileErrorKind> {
         let mut solids = Vec::new();
         solids.extend(self.block.as_ref().map(|b| Solid::Box { size: b.size }));
         solids.extend(
@@ -171,18 +171,18 @@ impl BodyText {
                 let usage = mesh.usage.unwrap_or(options.all);
                 Ok(geometry::of_mesh(&file, &scale, usage, options)?.0)
             }
-            ([], None) => Err(FileProblem::Missing("box, cylinder, capsule, sphere or mesh".into())),
-            _ => Err(FileProblem::Malformed("a body has one shape, not several".into())),
+            ([], None) => Err(FileErrorKind::Missing("box, cylinder, capsule, sphere or mesh".into())),
+            _ => Err(FileErrorKind::Malformed("a body has one shape, not several".into())),
         }
     }
 
-    fn pose(&self) -> Result<Isometry3<f64>, FileProblem> {
+    fn pose(&self) -> Result<Isometry3<f64>, FileErrorKind> {
         let turn = match (self.rpy, self.xyzw) {
-            (Some(_), Some(_)) => return Err(FileProblem::Malformed("rpy and xyzw exclude each other".into())),
+            (Some(_), Some(_)) => return Err(FileErrorKind::Malformed("rpy and xyzw exclude each other".into())),
             (Some(rpy), None) => roll_pitch_yaw(rpy),
             (None, Some(xyzw)) => {
                 let quaternion = lin_canny::nalgebra::Quaternion::from(xyzw);
-                UnitQuaternion::try_new(quaternion, 1e-3).ok_or(FileProblem::Range {
+                UnitQuaternion::try_new(quaternion, 1e-3).ok_or(FileErrorKind::Range {
                     field: "the norm of xyzw".into(),
                     value: quaternion.norm(),
                 })?

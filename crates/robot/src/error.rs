@@ -14,13 +14,13 @@ pub struct FileError {
     /// The element, row or field, such as `joint "elbow"`; empty if the whole file is meant.
     pub element: String,
     /// The reason.
-    pub reason: FileProblem,
+    pub reason: FileErrorKind,
 }
 
 /// Reason why a file was refused.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum FileProblem {
+pub enum FileErrorKind {
     /// The file cannot be read.
     #[error("cannot be read: {0}")]
     Read(#[from] std::io::Error),
@@ -118,7 +118,7 @@ fn roots(names: &[String]) -> String {
 const BOM: &[u8] = "\u{feff}".as_bytes();
 
 impl FileError {
-    pub(crate) fn new(file: &Path, line: Option<u32>, element: impl Into<String>, reason: FileProblem) -> Self {
+    pub(crate) fn new(file: &Path, line: Option<u32>, element: impl Into<String>, reason: FileErrorKind) -> Self {
         Self {
             file: file.to_owned(),
             line,
@@ -129,14 +129,14 @@ impl FileError {
 
     /// Returns the text of a file.
     pub(crate) fn read(file: &Path) -> Result<String, Self> {
-        let bytes = std::fs::read(file).map_err(|e| Self::new(file, None, "", FileProblem::Read(e)))?;
+        let bytes = std::fs::read(file).map_err(|e| Self::new(file, None, "", FileErrorKind::Read(e)))?;
         let start = if bytes.starts_with(BOM) { BOM.len() } else { 0 };
         String::from_utf8(bytes[start..].to_vec()).map_err(|e| {
             let line = 1 + e.as_bytes()[..e.utf8_error().valid_up_to()]
                 .iter()
                 .filter(|b| **b == b'\n')
                 .count();
-            let reason = FileProblem::Malformed("not UTF-8".into());
+            let reason = FileErrorKind::Malformed("not UTF-8".into());
             Self::new(file, Some(line as u32), "", reason)
         })
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use lin_canny::nalgebra::Isometry3;
 
 use crate::cell::Cell;
-use crate::error::{FileError, FileProblem};
+use crate::error::{FileError, FileErrorKind};
 use crate::geometry::MeshOptions;
 use crate::packages::Packages;
 use crate::robot::{LoadOptions, Robot};
@@ -73,7 +73,7 @@ impl RobotFiles {
                     &self.urdf,
                     None,
                     "",
-                    FileProblem::Unknown { kind, name },
+                    FileErrorKind::Unknown { kind, name },
                 ));
             }
         }

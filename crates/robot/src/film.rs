@@ -9,7 +9,7 @@ use lin_canny::{Geometry, PairTracker, RelativePose};
 use lin_canny_plan::{Checker, ConfigurationSpace, JointTree, NearPair, WorldId};
 use lin_canny_record::{Recorder, WriteError};
 
-use crate::error::{FileError, FileProblem};
+use crate::error::{FileError, FileErrorKind};
 
 /// A recording of which every frame is a configuration and the closest pair there.
 ///
@@ -107,5 +107,5 @@ impl Film {
 }
 
 fn refused(file: &Path, fault: WriteError) -> FileError {
-    FileError::new(file, None, "", FileProblem::Record(fault))
+    FileError::new(file, None, "", FileErrorKind::Record(fault))
 }

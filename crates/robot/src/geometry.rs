@@ -7,7 +7,7 @@ use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::{Compound, ConvexPolyhedron, Geometry, HullFit, Mesh, Piece, Shape};
 
-use crate::error::FileProblem;
+use crate::error::FileErrorKind;
 use crate::mesh_file::{self, Soup};
 
 /// What is made of a mesh.
@@ -58,8 +58,8 @@ pub(crate) enum Solid {
 }
 
 impl Solid {
-    pub(crate) fn geometry(&self) -> Result<Geometry, FileProblem> {
-        let refused = |e: &dyn std::fmt::Display| FileProblem::Geometry(e.to_string());
+    pub(crate) fn geometry(&self) -> Result<Geometry, FileErrorKind> {
+        let refused = |e: &dyn std::fmt::Display| FileErrorKind::Geometry(e.to_string());
         let shape = match *self {
             Self::Box { size } => {
                 check("size", &size)?;
@@ -86,9 +86,9 @@ impl Solid {
     }
 }
 
-fn check(field: &str, sizes: &[f64]) -> Result<(), FileProblem> {
+fn check(field: &str, sizes: &[f64]) -> Result<(), FileErrorKind> {
     match sizes.iter().find(|x| !(**x > 0.0)) {
-        Some(&value) => Err(FileProblem::Range {
+        Some(&value) => Err(FileErrorKind::Range {
             field: field.into(),
             value,
         }),
@@ -102,10 +102,10 @@ pub(crate) fn of_mesh(
     scale: &Vector3<f64>,
     usage: MeshUse,
     options: &MeshOptions,
-) -> Result<(Geometry, Option<HullFit>), FileProblem> {
-    let of_file = |file: &Path, why: String| FileProblem::Geometry(format!("mesh {}: {why}", file.display()));
+) -> Result<(Geometry, Option<HullFit>), FileErrorKind> {
+    let of_file = |file: &Path, why: String| FileErrorKind::Geometry(format!("mesh {}: {why}", file.display()));
     if let Some(&value) = scale.iter().find(|s| **s == 0.0) {
-        return Err(FileProblem::Range {
+        return Err(FileErrorKind::Range {
             field: "scale".into(),
             value,
         });
@@ -125,11 +125,11 @@ pub(crate) fn of_mesh(
         }
         MeshUse::Pieces => {
             let Some(folder) = &options.pieces else {
-                return Err(FileProblem::Missing("the folder of the convex pieces".into()));
+                return Err(FileErrorKind::Missing("the folder of the convex pieces".into()));
             };
             let beside = folder.join(file.file_stem().unwrap_or_default()).with_extension("obj");
             if !beside.is_file() {
-                return Err(FileProblem::Missing(format!(
+                return Err(FileErrorKind::Missing(format!(
                     "the file {} of the convex pieces",
                     beside.display()
                 )));

@@ -69,7 +69,7 @@ mod urdf;
 mod xml;
 
 pub use cell::{Cell, Obstacle};
-pub use error::{FileError, FileProblem};
+pub use error::{FileError, FileErrorKind};
 pub use files::RobotFiles;
 pub use film::Film;
 pub use geometry::{MeshOptions, MeshUse};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::FileProblem;
+use crate::error::FileErrorKind;
 
 /// Folders in which packages are looked for.
 ///
@@ -32,8 +32,8 @@ impl Packages {
     }
 
     /// Returns the file of a name in a URDF of a folder.
-    pub(crate) fn find(&self, name: &str, folder: &Path) -> Result<PathBuf, FileProblem> {
-        let missing = |what: String| FileProblem::Missing(what);
+    pub(crate) fn find(&self, name: &str, folder: &Path) -> Result<PathBuf, FileErrorKind> {
+        let missing = |what: String| FileErrorKind::Missing(what);
         let Some(inside) = name.strip_prefix("package://") else {
             let file = folder.join(name.strip_prefix("file://").unwrap_or(name));
             let is_there = file.is_file();

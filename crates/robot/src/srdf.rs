@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use crate::error::{FileError, FileProblem};
+use crate::error::{FileError, FileErrorKind};
 use crate::robot::Robot;
 use crate::xml::Xml;
 
@@ -48,7 +48,7 @@ impl Srdf {
                 if robot.link(&name).is_some() {
                     return Ok(name);
                 }
-                Err(xml.error(&node, FileProblem::Unknown { kind: "link", name }))
+                Err(xml.error(&node, FileErrorKind::Unknown { kind: "link", name }))
             };
             ignored.push(IgnoredPair {
                 links: [name("link1")?, name("link2")?],

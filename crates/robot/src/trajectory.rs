@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{FileError, FileProblem};
+use crate::error::{FileError, FileErrorKind};
 use crate::robot::Coordinate;
 
 /// Configurations one after the other; each joint moves evenly from one to the next.
@@ -40,7 +40,7 @@ impl Trajectory {
         let path = path.as_ref();
         let malformed = |e: csv::Error| {
             let line = e.position().map(|p| p.line() as u32);
-            FileError::new(path, line, "", FileProblem::Malformed(e.to_string()))
+            FileError::new(path, line, "", FileErrorKind::Malformed(e.to_string()))
         };
         let mut reader = csv::ReaderBuilder::new()
             .trim(csv::Trim::All)
@@ -60,7 +60,7 @@ impl Trajectory {
                 let value = number(text, name).map_err(|reason| wrong(name, reason))?;
                 let Some(k) = *column else {
                     if times.last().is_some_and(|before| !(value > *before)) {
-                        let reason = FileProblem::Malformed(format!("time {value} is not after the time before"));
+                        let reason = FileErrorKind::Malformed(format!("time {value} is not after the time before"));
                         return Err(wrong(name, reason));
                     }
                     times.push(value);
@@ -69,7 +69,7 @@ impl Trajectory {
                 let [low, high] = coordinates[k].limits;
                 if !(low..=high).contains(&value) {
                     let field = format!("{name} (limits {low} and {high})");
-                    return Err(wrong(name, FileProblem::Range { field, value }));
+                    return Err(wrong(name, FileErrorKind::Range { field, value }));
                 }
                 row[k] = value;
             }
@@ -77,16 +77,16 @@ impl Trajectory {
             trajectory.lines.push(line);
         }
         if trajectory.rows.is_empty() {
-            return Err(FileError::new(path, None, "", FileProblem::Missing("a row".into())));
+            return Err(FileError::new(path, None, "", FileErrorKind::Missing("a row".into())));
         }
         trajectory.times = columns.contains(&None).then_some(times);
         Ok(trajectory)
     }
 }
 
-fn number(text: &str, name: &str) -> Result<f64, FileProblem> {
+fn number(text: &str, name: &str) -> Result<f64, FileErrorKind> {
     let value = text.parse::<f64>().ok().filter(|x| x.is_finite());
-    value.ok_or_else(|| FileProblem::Number {
+    value.ok_or_else(|| FileErrorKind::Number {
         field: name.into(),
         count: 1,
         text: text.into(),
@@ -97,24 +97,24 @@ fn number(text: &str, name: &str) -> Result<f64, FileProblem> {
 fn columns(
     header: &csv::StringRecord,
     coordinates: &[Coordinate],
-) -> Result<Vec<Option<usize>>, (String, FileProblem)> {
+) -> Result<Vec<Option<usize>>, (String, FileErrorKind)> {
     let mut columns = Vec::new();
     for name in header {
         let column = coordinates.iter().position(|c| c.name == name);
         let title = || format!("column {name:?}");
         if column.is_none() && name != TIME {
             let (kind, name) = ("coordinate", name.to_owned());
-            return Err((title(), FileProblem::Unknown { kind, name }));
+            return Err((title(), FileErrorKind::Unknown { kind, name }));
         }
         if columns.contains(&column) {
-            return Err((title(), FileProblem::Repeated));
+            return Err((title(), FileErrorKind::Repeated));
         }
         columns.push(column);
     }
     match (0..coordinates.len()).find(|k| !columns.contains(&Some(*k))) {
         Some(k) => Err((
             String::new(),
-            FileProblem::Missing(format!("column {:?}", coordinates[k].name)),
+            FileErrorKind::Missing(format!("column {:?}", coordinates[k].name)),
         )),
         None => Ok(columns),
     }

@@ -8,7 +8,7 @@ use lin_canny::nalgebra::{Isometry3, Translation3, Unit, Vector3};
 use lin_canny_plan::Drive;
 use urdf_rs::JointType;
 
-use crate::error::{FileError, FileProblem};
+use crate::error::{FileError, FileErrorKind};
 use crate::geometry::{self, Solid};
 use crate::packages::Packages;
 use crate::robot::{Coordinate, LinkBody, LoadOptions, MotionKind, Robot, RobotJoint, RobotLink};
@@ -31,7 +31,7 @@ pub(crate) fn parse(path: &Path, text: &str, packages: &Packages, options: &Load
     let xml = Xml::parse(path, text, "robot")?;
     xml.check_urdf()?;
     let model = urdf_rs::read_from_string(&xml.undrawn(text))
-        .map_err(|e| FileError::new(path, None, "", FileProblem::Malformed(e.to_string())))?;
+        .map_err(|e| FileError::new(path, None, "", FileErrorKind::Malformed(e.to_string())))?;
     let reader = Reader {
         xml,
         model,
@@ -64,7 +64,7 @@ impl Reader<'_> {
         })
     }
 
-    fn wrong_joint(&self, joint: &str, reason: FileProblem) -> FileError {
+    fn wrong_joint(&self, joint: &str, reason: FileErrorKind) -> FileError {
         self.xml.error_of("joint", joint, reason)
     }
 
@@ -77,13 +77,13 @@ impl Reader<'_> {
             for name in [&joint.parent.link, &joint.child.link] {
                 if !self.model.links.iter().any(|l| l.name == *name) {
                     let (kind, name) = ("link", name.clone());
-                    return Err(self.wrong_joint(&joint.name, FileProblem::Unknown { kind, name }));
+                    return Err(self.wrong_joint(&joint.name, FileErrorKind::Unknown { kind, name }));
                 }
             }
             if let Some(other) = mover.insert(&joint.child.link, k) {
                 let link = joint.child.link.clone();
                 let other = joints[other].name.clone();
-                return Err(self.wrong_joint(&joint.name, FileProblem::SecondParent { link, other }));
+                return Err(self.wrong_joint(&joint.name, FileErrorKind::SecondParent { link, other }));
             }
             below.entry(&joint.parent.link).or_default().push(k);
         }
@@ -101,7 +101,7 @@ impl Reader<'_> {
         }
         if roots.len() != 1 {
             let names = roots.iter().map(|l| (*l).to_owned()).collect();
-            return Err(self.xml.error(&self.xml.root(), FileProblem::Roots(names)));
+            return Err(self.xml.error(&self.xml.root(), FileErrorKind::Roots(names)));
         }
         Ok(order)
     }
@@ -123,7 +123,7 @@ impl Reader<'_> {
         }
         let names: Vec<String> = passed.iter().map(|j| j.name.clone()).collect();
         let first = names.first().cloned().unwrap_or_default();
-        self.wrong_joint(&first, FileProblem::Loop(names))
+        self.wrong_joint(&first, FileErrorKind::Loop(names))
     }
 
     /// Returns all coordinates, and what moves each joint.
@@ -167,21 +167,21 @@ impl Reader<'_> {
         while let Some(mimic) = &joints[at].mimic {
             if let Some(first) = passed.iter().position(|name| *name == joints[at].name) {
                 passed.drain(..first);
-                return Err(self.wrong_joint(&joints[at].name, FileProblem::MimicLoop(passed)));
+                return Err(self.wrong_joint(&joints[at].name, FileErrorKind::MimicLoop(passed)));
             }
             passed.push(joints[at].name.clone());
             offset += factor * mimic.offset.unwrap_or(0.0);
             factor *= mimic.multiplier.unwrap_or(1.0);
             let Some(next) = joints.iter().position(|j| j.name == mimic.joint) else {
                 let (kind, name) = ("joint", mimic.joint.clone());
-                return Err(self.wrong_joint(&joints[at].name, FileProblem::Unknown { kind, name }));
+                return Err(self.wrong_joint(&joints[at].name, FileErrorKind::Unknown { kind, name }));
             };
             at = next;
         }
         for (field, value) in [("multiplier", factor), ("offset", offset)] {
             if !(value.abs() <= EXTENT_MAX) {
                 let field = field.into();
-                return Err(self.wrong_joint(&joints[index].name, FileProblem::Range { field, value }));
+                return Err(self.wrong_joint(&joints[index].name, FileErrorKind::Range { field, value }));
             }
         }
         let is_single = self.kind(&joints[at])?.parts().is_empty();
@@ -193,7 +193,7 @@ impl Reader<'_> {
             }),
             None => {
                 let what = format!("to mimic joint {:?}, which has not one value", joints[at].name);
-                Err(self.wrong_joint(&joints[index].name, FileProblem::Unsupported(what)))
+                Err(self.wrong_joint(&joints[index].name, FileErrorKind::Unsupported(what)))
             }
         }
     }
@@ -206,14 +206,14 @@ impl Reader<'_> {
             JointType::Planar => MotionKind::Planar,
             JointType::Floating => MotionKind::Floating,
             JointType::Spherical => {
-                let what = FileProblem::Unsupported("a spherical joint".into());
+                let what = FileErrorKind::Unsupported("a spherical joint".into());
                 return Err(self.wrong_joint(&joint.name, what));
             }
         };
         // A fixed joint stays where it is, whatever it mimics: tools that fix joints leave the element.
         let takes_many = matches!(kind, MotionKind::Planar | MotionKind::Floating);
         if joint.mimic.is_some() && takes_many {
-            let what = FileProblem::Unsupported("to mimic by a joint that has not one value".into());
+            let what = FileErrorKind::Unsupported("to mimic by a joint that has not one value".into());
             return Err(self.wrong_joint(&joint.name, what));
         }
         Ok(kind)
@@ -230,12 +230,12 @@ impl Reader<'_> {
         }
         let [lower, upper] = [joint.limit.lower, joint.limit.upper];
         if lower > upper {
-            return Err(self.wrong_joint(&joint.name, FileProblem::Limits { lower, upper }));
+            return Err(self.wrong_joint(&joint.name, FileErrorKind::Limits { lower, upper }));
         }
         for (field, value) in [("lower", lower), ("upper", upper)] {
             if value.is_finite() && value.abs() > EXTENT_MAX {
                 let field = field.into();
-                return Err(self.wrong_joint(&joint.name, FileProblem::Range { field, value }));
+                return Err(self.wrong_joint(&joint.name, FileErrorKind::Range { field, value }));
             }
         }
         let or = |value: f64, open: f64| if value.is_finite() { value } else { open };
@@ -253,7 +253,7 @@ impl Reader<'_> {
         let is_free = matches!(kind, MotionKind::Fixed | MotionKind::Floating);
         let Some(axis) = axis.or(is_free.then(Vector3::z_axis)) else {
             let field = "the length of the axis".into();
-            let reason = FileProblem::Range { field, value: 0.0 };
+            let reason = FileErrorKind::Range { field, value: 0.0 };
             return Err(self.wrong_joint(&joint.name, reason));
         };
         let origin = pose(&joint.origin).map_err(|reason| self.wrong_joint(&joint.name, reason))?;
@@ -295,7 +295,7 @@ impl Reader<'_> {
     }
 
     /// The error of the collision element of a number of a link.
-    fn wrong_collision(&self, link: &str, number: usize, reason: FileProblem) -> FileError {
+    fn wrong_collision(&self, link: &str, number: usize, reason: FileErrorKind) -> FileError {
         let node = self.xml.elements("link").find(|n| n.attribute("name") == Some(link));
         let collision = node.and_then(|n| children(n, "collision").nth(number));
         let shape = collision.and_then(|c| children(c, "geometry").next()?.children().find(|n| n.is_element()));
@@ -305,7 +305,7 @@ impl Reader<'_> {
         }
     }
 
-    fn body(&self, link: &str, collision: &urdf_rs::Collision) -> Result<LinkBody, FileProblem> {
+    fn body(&self, link: &str, collision: &urdf_rs::Collision) -> Result<LinkBody, FileErrorKind> {
         let origin = pose(&collision.origin)?;
         let body = |geometry, mesh, hull_fit| LinkBody {
             origin,
@@ -330,16 +330,16 @@ impl Reader<'_> {
     }
 }
 
-fn pose(origin: &urdf_rs::Pose) -> Result<Isometry3<f64>, FileProblem> {
+fn pose(origin: &urdf_rs::Pose) -> Result<Isometry3<f64>, FileErrorKind> {
     let turn = roll_pitch_yaw(*origin.rpy);
     let pose = Isometry3::from_parts(Translation3::from(Vector3::from(*origin.xyz)), turn);
     let value = pose.translation.vector.amax();
     if !(value <= EXTENT_MAX) {
         let field = "xyz of the origin".into();
-        return Err(FileProblem::Range { field, value });
+        return Err(FileErrorKind::Range { field, value });
     }
     match RelativePose::from_isometry(&pose) {
         Ok(_) => Ok(pose),
-        Err(e) => Err(FileProblem::Geometry(format!("origin: {e}"))),
+        Err(e) => Err(FileErrorKind::Geometry(format!("origin: {e}"))),
     }
 }

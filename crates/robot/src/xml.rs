@@ -8,7 +8,7 @@ use std::path::Path;
 
 use roxmltree::{Document, Node, ParsingOptions};
 
-use crate::error::{FileError, FileProblem};
+use crate::error::{FileError, FileErrorKind};
 
 /// Elements within each other, at most.
 const DEPTH: usize = 64;
@@ -28,19 +28,19 @@ impl<'a> Xml<'a> {
             ..ParsingOptions::default()
         };
         let document = Document::parse_with_options(text, options).map_err(|e| {
-            let reason = FileProblem::Malformed(e.to_string());
+            let reason = FileErrorKind::Malformed(e.to_string());
             FileError::new(file, Some(e.pos().row), "", reason)
         })?;
         let xml = Self { file, document };
         // `urdf-rs` recurses.
         let is_deep = |node: &Node| node.ancestors().nth(DEPTH).is_some();
         if let Some(node) = xml.document.descendants().find(is_deep) {
-            let reason = FileProblem::Malformed(format!("elements within more than {DEPTH} others"));
+            let reason = FileErrorKind::Malformed(format!("elements within more than {DEPTH} others"));
             return Err(FileError::new(file, Some(xml.line(&node)), "", reason));
         }
         let found = xml.root().tag_name().name();
         if found != root {
-            let reason = FileProblem::Malformed(format!("the root element is {found:?}, not {root:?}"));
+            let reason = FileErrorKind::Malformed(format!("the root element is {found:?}, not {root:?}"));
             return Err(xml.error(&xml.root(), reason));
         }
         Ok(xml)
@@ -56,13 +56,13 @@ impl<'a> Xml<'a> {
     }
 
     /// Returns the error of an element.
-    pub(crate) fn error(&self, node: &Node, reason: FileProblem) -> FileError {
+    pub(crate) fn error(&self, node: &Node, reason: FileErrorKind) -> FileError {
         FileError::new(self.file, Some(self.line(node)), title(node), reason)
     }
 
     /// Returns the error of a part below the `link` or `joint` of a name; of the file if there is
     /// none.
-    pub(crate) fn error_of(&self, kind: &str, name: &str, reason: FileProblem) -> FileError {
+    pub(crate) fn error_of(&self, kind: &str, name: &str, reason: FileErrorKind) -> FileError {
         let node = self.elements(kind).find(|n| n.attribute("name") == Some(name));
         match node {
             Some(node) => self.error(&node, reason),
@@ -76,7 +76,7 @@ impl<'a> Xml<'a> {
 
     /// Returns an attribute that has to be there.
     pub(crate) fn needed<'n>(&self, node: &'n Node<'_, '_>, name: &str) -> Result<&'n str, FileError> {
-        let missing = || self.error(node, FileProblem::Missing(format!("attribute {name}")));
+        let missing = || self.error(node, FileErrorKind::Missing(format!("attribute {name}")));
         node.attribute(name).ok_or_else(missing)
     }
 
@@ -90,7 +90,7 @@ impl<'a> Xml<'a> {
         if words().count() == count && words().all(is_number) {
             return Ok(());
         }
-        let reason = FileProblem::Number {
+        let reason = FileErrorKind::Number {
             field: field.into(),
             count,
             text: text.into(),
@@ -115,7 +115,7 @@ impl<'a> Xml<'a> {
             let mut names = std::collections::HashSet::new();
             for node in self.elements(kind) {
                 if !names.insert(self.needed(&node, "name")?.to_owned()) {
-                    return Err(self.error(&node, FileProblem::Repeated));
+                    return Err(self.error(&node, FileErrorKind::Repeated));
                 }
                 for part in node.descendants().filter(Node::is_element) {
                     self.check_part(&part)?;
@@ -159,30 +159,30 @@ impl<'a> Xml<'a> {
 
     fn check_shape(&self, geometry: &Node) -> Result<(), FileError> {
         let Some(shape) = geometry.children().find(Node::is_element) else {
-            return Err(self.error(geometry, FileProblem::Missing("a shape".into())));
+            return Err(self.error(geometry, FileErrorKind::Missing("a shape".into())));
         };
         let name = shape.tag_name().name();
         if matches!(name, "box" | "cylinder" | "capsule" | "sphere" | "mesh") {
             return Ok(());
         }
-        Err(self.error(&shape, FileProblem::Unsupported(format!("the shape {name:?}"))))
+        Err(self.error(&shape, FileErrorKind::Unsupported(format!("the shape {name:?}"))))
     }
 
     fn check_joint(&self, joint: &Node) -> Result<(), FileError> {
         let kind = self.needed(joint, "type")?;
         let known = ["revolute", "continuous", "prismatic", "fixed", "planar", "floating"];
         if !known.contains(&kind) {
-            let reason = FileProblem::Unsupported(format!("a joint of type {kind:?}"));
+            let reason = FileErrorKind::Unsupported(format!("a joint of type {kind:?}"));
             return Err(self.error(joint, reason));
         }
         for end in ["parent", "child"] {
             let node = children(*joint, end).next();
-            let missing = || self.error(joint, FileProblem::Missing(format!("element {end}")));
+            let missing = || self.error(joint, FileErrorKind::Missing(format!("element {end}")));
             self.needed(&node.ok_or_else(missing)?, "link")?;
         }
         let limit = children(*joint, "limit").next();
         if matches!(kind, "revolute" | "prismatic") && limit.is_none() && children(*joint, "mimic").next().is_none() {
-            return Err(self.error(joint, FileProblem::Missing("element limit".into())));
+            return Err(self.error(joint, FileErrorKind::Missing("element limit".into())));
         }
         Ok(())
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::GeometryKind;
-use lin_canny_robot::{FileError, FileProblem, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot};
+use lin_canny_robot::{FileError, FileErrorKind, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot};
 
 /// A folder of the examples.
 pub fn examples() -> PathBuf {
@@ -35,7 +35,7 @@ fn changed(from: &str, to: &str) -> Result<Robot, FileError> {
 }
 
 /// The error names the line, the element and, in its reason, some words.
-fn refused(from: &str, to: &str, line: u32, words: &[&str]) -> FileProblem {
+fn refused(from: &str, to: &str, line: u32, words: &[&str]) -> FileErrorKind {
     let error = changed(from, to).expect_err(to);
     let text = error.to_string();
     assert_eq!(error.line, Some(line), "{text}");
@@ -150,75 +150,75 @@ fn meshes_are_hulls_meshes_or_pieces() {
 #[test]
 fn what_is_wrong_is_named_with_its_line() {
     let reason = refused("<child link=\"c\"/>", "<child link=\"a\"/>", 9, &["two", "one"]);
-    assert!(matches!(reason, FileProblem::Loop(names) if names == ["two", "one"]));
+    assert!(matches!(reason, FileErrorKind::Loop(names) if names == ["two", "one"]));
     let reason = refused(
         "<link name=\"c\"/>",
         "<link name=\"c\"/><link name=\"d\"/>",
         1,
         &["a, d"],
     );
-    assert!(matches!(reason, FileProblem::Roots(names) if names.len() == 2));
+    assert!(matches!(reason, FileErrorKind::Roots(names) if names.len() == 2));
     let reason = refused(
         "<parent link=\"a\"/><child link=\"b\"/>",
         "<parent link=\"c\"/><child link=\"b\"/>",
         5,
         &["one", "two"],
     );
-    assert!(matches!(reason, FileProblem::Loop(names) if names.len() == 2));
+    assert!(matches!(reason, FileErrorKind::Loop(names) if names.len() == 2));
     let reason = refused(
         "<parent link=\"a\"/>",
         "<parent link=\"x\"/>",
         5,
         &["joint \"one\"", "\"x\""],
     );
-    assert!(matches!(reason, FileProblem::Unknown { kind: "link", .. }));
+    assert!(matches!(reason, FileErrorKind::Unknown { kind: "link", .. }));
     let reason = refused("<parent link=\"a\"/>", "", 5, &["joint \"one\"", "parent"]);
-    assert!(matches!(reason, FileProblem::Missing(_)));
+    assert!(matches!(reason, FileErrorKind::Missing(_)));
     let reason = refused(
         "<child link=\"c\"/>",
         "<child link=\"b\"/>",
         9,
         &["joint \"two\"", "\"one\""],
     );
-    assert!(matches!(reason, FileProblem::SecondParent { .. }));
+    assert!(matches!(reason, FileErrorKind::SecondParent { .. }));
     let reason = refused("lower=\"-1\"", "lower=\"2\"", 5, &["joint \"one\"", "2", "1"]);
-    assert!(matches!(reason, FileProblem::Limits { .. }));
+    assert!(matches!(reason, FileErrorKind::Limits { .. }));
     let reason = refused(
         "lower=\"-1\"",
         "lower=\"NaN\"",
         7,
         &["joint \"one\" limit", "lower", "NaN"],
     );
-    assert!(matches!(reason, FileProblem::Number { .. }));
+    assert!(matches!(reason, FileErrorKind::Number { .. }));
     let reason = refused(
         "xyz=\"0 0 1\"/><axis",
         "xyz=\"0 0 x 1\"/><axis",
         6,
         &["origin", "xyz", "0 0 x 1"],
     );
-    assert!(matches!(reason, FileProblem::Number { count: 3, .. }));
+    assert!(matches!(reason, FileErrorKind::Number { count: 3, .. }));
     let reason = refused(
         "<axis xyz=\"0 1 0\"/>",
         "<axis xyz=\"0 0 0\"/>",
         9,
         &["joint \"two\"", "axis"],
     );
-    assert!(matches!(reason, FileProblem::Range { .. }));
+    assert!(matches!(reason, FileErrorKind::Range { .. }));
     let reason = refused(
         "radius=\"0.5\"",
         "radius=\"-0.5\"",
         3,
         &["link \"b\"", "sphere", "radius"],
     );
-    assert!(matches!(reason, FileProblem::Range { .. }));
+    assert!(matches!(reason, FileErrorKind::Range { .. }));
     let reason = refused("type=\"prismatic\"", "type=\"spiral\"", 9, &["spiral"]);
-    assert!(matches!(reason, FileProblem::Unsupported(_)));
+    assert!(matches!(reason, FileErrorKind::Unsupported(_)));
     let reason = refused("<link name=\"c\"/>", "<link name=\"b\"/>", 4, &["link \"b\""]);
-    assert!(matches!(reason, FileProblem::Repeated));
+    assert!(matches!(reason, FileErrorKind::Repeated));
     let reason = refused("<sphere radius=\"0.5\"/>", "<cone/>", 3, &["cone"]);
-    assert!(matches!(reason, FileProblem::Unsupported(_)));
+    assert!(matches!(reason, FileErrorKind::Unsupported(_)));
     let reason = refused("</joint>\n</robot>", "</joint>\n</rob>", 13, &[]);
-    assert!(matches!(reason, FileProblem::Malformed(_)));
+    assert!(matches!(reason, FileErrorKind::Malformed(_)));
 }
 
 #[test]
@@ -249,7 +249,7 @@ fn mimics_end_at_a_joint_of_its_own() {
     let with = |mimic: &str| limit.replacen("\n", &format!("{mimic}\n"), 1);
     let own = "<mimic joint=\"two\"/>";
     let reason = refused(limit, &with(own), 9, &["joint \"two\"", "itself"]);
-    assert!(matches!(reason, FileProblem::MimicLoop(names) if names == ["two"]));
+    assert!(matches!(reason, FileErrorKind::MimicLoop(names) if names == ["two"]));
     // A joint that mimics a loop is not part of it.
     let mimic = |joint: &str, of: &str| {
         format!(
@@ -259,9 +259,9 @@ fn mimics_end_at_a_joint_of_its_own() {
     let text = ["x", "y", "z"].map(|link| format!("<link name=\"{link}\"/>")).concat();
     let joints = mimic("x", "y") + &mimic("y", "z") + &mimic("z", "y");
     let error = parse(&format!("<robot name=\"r\"><link name=\"a\"/>{text}{joints}</robot>")).expect_err("a loop");
-    assert!(matches!(error.reason, FileProblem::MimicLoop(names) if names == ["y", "z"]));
+    assert!(matches!(error.reason, FileErrorKind::MimicLoop(names) if names == ["y", "z"]));
     let reason = refused(limit, &with("<mimic joint=\"six\"/>"), 9, &["joint \"two\"", "six"]);
-    assert!(matches!(reason, FileProblem::Unknown { kind: "joint", .. }));
+    assert!(matches!(reason, FileErrorKind::Unknown { kind: "joint", .. }));
     // A fixed joint stays where it is, whatever it mimics.
     let fixed = "<joint name=\"j\" type=\"fixed\"><parent link=\"a\"/><child link=\"b\"/><mimic joint=\"j\"/></joint>";
     let links = "<link name=\"a\"/><link name=\"b\"/>";
@@ -283,9 +283,9 @@ fn missing_and_foreign_meshes_are_named() {
         3,
         &["link \"b\"", "nowhere/x.stl"],
     );
-    assert!(matches!(reason, FileProblem::Missing(_)));
+    assert!(matches!(reason, FileErrorKind::Missing(_)));
     let reason = refused(sphere, &mesh("x.obj"), 3, &["link \"b\"", "x.obj"]);
-    assert!(matches!(reason, FileProblem::Missing(_)));
+    assert!(matches!(reason, FileErrorKind::Missing(_)));
     // A file that is there, and no mesh.
     let reason = refused(
         sphere,
@@ -293,7 +293,7 @@ fn missing_and_foreign_meshes_are_named() {
         3,
         &["link \"b\"", "gripper.urdf", ".stl"],
     );
-    assert!(matches!(reason, FileProblem::Geometry(_)));
+    assert!(matches!(reason, FileErrorKind::Geometry(_)));
 }
 
 /// A tetrahedron as STL: text, binary, and binary with a header that begins as text does.

@@ -69,7 +69,7 @@ impl StudyError {
 /// Why a row has no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum RowFault {
+pub enum RowError {
     /// A value that is missing.
     #[error("{name} is NULL")]
     Null {

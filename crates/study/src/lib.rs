@@ -49,7 +49,7 @@ mod run;
 pub mod sampled;
 mod study;
 
-pub use error::{RowFault, StudyError};
+pub use error::{RowError, StudyError};
 pub use format::{Format, flat};
 pub use input::{ID, Input, TABLE, configuration_of, quoted};
 pub use lin_canny_robot as robot;

@@ -6,7 +6,7 @@ use datafusion::common::plan_err;
 use datafusion::error::Result;
 use std::sync::Arc;
 
-use crate::error::RowFault;
+use crate::error::RowError;
 use lin_canny_robot::Coordinate;
 
 /// One vector of numbers a row: a column for each number, or a column of lists.
@@ -34,9 +34,9 @@ impl Vectors {
         needed: usize,
         name: impl Fn(Option<usize>) -> &'n str,
         into: &mut Vec<f64>,
-    ) -> Result<(), RowFault> {
+    ) -> Result<(), RowError> {
         into.clear();
-        let null = |k: Option<usize>| RowFault::Null { name: name(k).into() };
+        let null = |k: Option<usize>| RowError::Null { name: name(k).into() };
         match self {
             Self::Columns(columns) => {
                 for (k, column) in columns.iter().enumerate() {
@@ -54,7 +54,7 @@ impl Vectors {
                 let values = values.as_primitive::<Float64Type>();
                 if values.len() != needed {
                     let (name, found) = (name(None).into(), values.len());
-                    return Err(RowFault::Length { name, found, needed });
+                    return Err(RowError::Length { name, found, needed });
                 }
                 if let Some(k) = (0..needed).find(|&k| values.is_null(k)) {
                     return Err(null(Some(k)));
@@ -72,7 +72,7 @@ pub(crate) fn configuration(
     row: usize,
     coordinates: &[Coordinate],
     into: &mut Vec<f64>,
-) -> Result<(), RowFault> {
+) -> Result<(), RowError> {
     let name = |k: Option<usize>| k.map_or("the configuration", |k| coordinates[k].name.as_str());
     vectors.read(row, coordinates.len(), name, into)?;
     for (&value, coordinate) in into.iter().zip(coordinates) {
@@ -80,7 +80,7 @@ pub(crate) fn configuration(
         // NaN is not within.
         if !(lower..=upper).contains(&value) {
             let name = coordinate.name.clone();
-            return Err(RowFault::Limits {
+            return Err(RowError::Limits {
                 name,
                 value,
                 lower,

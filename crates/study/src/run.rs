@@ -257,7 +257,7 @@ pub async fn look_over(
 ) -> Result<u64, StudyError> {
     let context = engine::local(study, partitions);
     input.register(&context).await?;
-    let fault = format!("configuration_fault({arguments})");
+    let fault = format!("configuration_error({arguments})");
     let bad = format!("FROM {TABLE} WHERE {fault} IS NOT NULL");
     if study.options().lenient {
         let counted = context.sql(&format!("SELECT count(*) {bad}")).await?.collect().await?;

@@ -44,7 +44,7 @@ impl Player {
     /// Shows a frame; past the last one, the last.
     pub fn show(&mut self, frame: usize, stage: &mut Stage) {
         self.frame = frame.min(self.recording.frames.len().saturating_sub(1));
-        self.cursor.go(&self.recording, self.frame);
+        self.cursor.seek(&self.recording, self.frame);
         for (body, pose) in stage.bodies.iter_mut().zip(&self.cursor.poses) {
             body.shown = pose.is_some();
             if let Some(pose) = pose {

@@ -10,7 +10,7 @@ mod state;
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Bounded;
-use crate::broad::aabb::{Aabb, BoxFault, FARTHEST, StoredBox};
+use crate::broad::aabb::{Aabb, AabbError, FARTHEST, StoredBox};
 pub(crate) use crate::broad::body::record::{FIXED, JUMPS, MIGRATES, Record, UNBOUNDED};
 use crate::broad::body::record::{LOOSE, NOTED};
 #[cfg(feature = "serde")]
@@ -215,13 +215,13 @@ impl Bodies {
             1 => context.place::<1>(record, id.index, aabb, marks),
             _ => context.place::<2>(record, id.index, aabb, marks),
         };
-        placed.map_err(|fault| BroadPhaseError::from_fault(fault, Some(id)))
+        placed.map_err(|error| BroadPhaseError::from_box_error(error, Some(id)))
     }
 
     /// Returns the stored form of a box that no body has yet; the box must be finite unless the
     /// flags allow infinity.
     pub(crate) fn stored(&self, aabb: &Aabb, flags: u32) -> Result<StoredBox, BroadPhaseError> {
-        checked(aabb, &self.origin, &self.grid, flags).map_err(|fault| BroadPhaseError::from_fault(fault, None))
+        checked(aabb, &self.origin, &self.grid, flags).map_err(|error| BroadPhaseError::from_box_error(error, None))
     }
 
     pub(crate) fn index_of(&self, id: BodyId) -> Result<usize, BroadPhaseError> {
@@ -366,7 +366,7 @@ impl PlaceContext<'_> {
         index: u32,
         aabb: &Aabb,
         marks: &mut Marks,
-    ) -> Result<(), BoxFault> {
+    ) -> Result<(), AabbError> {
         match Bounds::outward::<AXIS>(aabb, self.origin) {
             Some(bounds) => {
                 self.store(record, index, bounds, marks);
@@ -380,7 +380,7 @@ impl PlaceContext<'_> {
     /// stored: the box of the fast path would then go through memory, written and read in
     /// pieces of different sizes, which costs as much as all the rest.
     #[inline(never)]
-    fn place_slowly(&self, record: &mut Record, index: u32, aabb: &Aabb, marks: &mut Marks) -> Result<(), BoxFault> {
+    fn place_slowly(&self, record: &mut Record, index: u32, aabb: &Aabb, marks: &mut Marks) -> Result<(), AabbError> {
         let stored = checked(aabb, self.origin, self.grid, record.flags())?;
         self.store(record, index, Bounds::from_box(&stored), marks);
         Ok(())
@@ -438,17 +438,14 @@ impl PlaceContext<'_> {
     }
 }
 
-/// Returns the stored form of a box, or the fault of the box.
-fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<StoredBox, BoxFault> {
-    let fault = if flags & UNBOUNDED == 0 {
-        aabb.fault()
+/// Returns the stored form of a valid box.
+fn checked(aabb: &Aabb, origin: &Point3<f64>, grid: &Grid, flags: u32) -> Result<StoredBox, AabbError> {
+    if flags & UNBOUNDED == 0 {
+        aabb.validate()?;
     } else {
-        aabb.fault_unbounded()
-    };
-    match fault {
-        Some(fault) => Err(fault),
-        None => Ok(StoredBox::outward(aabb, origin).rotated(grid.axis)),
+        aabb.validate_unbounded()?;
     }
+    Ok(StoredBox::outward(aabb, origin).rotated(grid.axis))
 }
 
 fn grown(stored: &StoredBox, margin: f32) -> StoredBox {
@@ -567,7 +564,7 @@ impl BodyRun<'_> {
                 continue;
             };
             if let Err(fault) = context.place::<AXIS>(record, id.index, aabb, marks) {
-                let fault = BroadPhaseError::from_fault(fault, Some(*id));
+                let fault = BroadPhaseError::from_box_error(fault, Some(*id));
                 error = BatchError::joined(error, Some(BatchError::one(place, fault)));
             }
         }

@@ -84,24 +84,24 @@ impl ManifoldOptions {
         self
     }
 
-    /// Returns the options with another sine.
+    /// Returns the options with another [`max_face_sine`](field@Self::max_face_sine).
     #[must_use]
-    pub const fn sine(mut self, sine: f64) -> Self {
+    pub const fn max_face_sine(mut self, sine: f64) -> Self {
         self.max_face_sine = sine;
         self
     }
 
-    /// Returns the options with another drift.
+    /// Returns the options with another [`rebuild_motion`](field@Self::rebuild_motion).
     #[must_use]
-    pub const fn drift(mut self, drift: f64) -> Self {
-        self.rebuild_motion = drift;
+    pub const fn rebuild_motion(mut self, motion: f64) -> Self {
+        self.rebuild_motion = motion;
         self
     }
 
-    /// Returns the options with another motion before points are chosen again.
+    /// Returns the options with another [`reselect_motion`](field@Self::reselect_motion).
     #[must_use]
-    pub const fn choice(mut self, choice: f64) -> Self {
-        self.reselect_motion = choice;
+    pub const fn reselect_motion(mut self, motion: f64) -> Self {
+        self.reselect_motion = motion;
         self
     }
 

@@ -8,7 +8,7 @@ use lin_canny_plan::Verdict;
 
 use super::answers::{Answers, Kind, Value, fields_of};
 use super::outside;
-use crate::error::RowFault;
+use crate::error::RowError;
 use crate::rows::{Vectors, configuration, vector_types};
 use crate::study::Study;
 
@@ -48,7 +48,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
                     .and_then(|()| configuration(&to, row, coordinates, &mut q))
                     .and_then(|()| {
                         checker.forget();
-                        checker.certify(&p, &q).map_err(|e| RowFault::Refused(e.to_string()))
+                        checker.certify(&p, &q).map_err(|e| RowError::Refused(e.to_string()))
                     });
                 let ends = [p.as_slice(), q.as_slice()].concat();
                 let Some(verdict) = study.settled(row, &ends, verdict)? else {

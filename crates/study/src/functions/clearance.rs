@@ -6,7 +6,7 @@ use datafusion::error::Result;
 
 use super::answers::{Answers, Kind, Value, fields_of};
 use super::outside;
-use crate::error::RowFault;
+use crate::error::RowError;
 use crate::rows::{Vectors, configuration};
 use crate::study::Study;
 
@@ -36,7 +36,7 @@ pub(super) fn answer(study: &Study, arguments: &[ArrayRef], rows: usize) -> Resu
             for row in 0..rows {
                 let found = configuration(&vectors, row, coordinates, &mut q).and_then(|()| {
                     checker.forget();
-                    checker.clearance(&q).map_err(|e| RowFault::Refused(e.to_string()))
+                    checker.clearance(&q).map_err(|e| RowError::Refused(e.to_string()))
                 });
                 let Some(near) = study.settled(row, &q, found)? else {
                     answers.push(None);

@@ -18,7 +18,7 @@ use datafusion::logical_expr::{
 };
 use datafusion::prelude::{SessionConfig, SessionContext};
 
-use crate::error::RowFault;
+use crate::error::RowError;
 use crate::rows::{Vectors, configuration, vector_types};
 use crate::study::Study;
 
@@ -47,7 +47,7 @@ impl Question {
             Self::IsFree => "is_free",
             Self::Certify => "certify",
             Self::Separation => "separation",
-            Self::Fault => "configuration_fault",
+            Self::Fault => "configuration_error",
         }
     }
 
@@ -174,7 +174,7 @@ impl ScalarUDFImpl for StudyFunction {
 
 impl Study {
     /// Returns the functions `clearance`, `is_free`, `certify`, `separation` and
-    /// `configuration_fault`, to be registered with a context or an executor.
+    /// `configuration_error`, to be registered with a context or an executor.
     #[must_use]
     pub fn functions(self: &Arc<Self>) -> Vec<Arc<ScalarUDF>> {
         let function = |question| Arc::new(ScalarUDF::from(StudyFunction::new(self, question)));
@@ -204,7 +204,7 @@ impl Study {
     }
 
     /// Passes a row's answer on, or nothing for a bad row of a lenient study.
-    fn settled<T>(&self, row: usize, values: &[f64], answer: Result<T, RowFault>) -> Result<Option<T>> {
+    fn settled<T>(&self, row: usize, values: &[f64], answer: Result<T, RowError>) -> Result<Option<T>> {
         match answer {
             Ok(answer) => Ok(Some(answer)),
             Err(_) if self.options().lenient => Ok(None),
@@ -221,7 +221,7 @@ fn is_free(study: &Study, arguments: &[ArrayRef], rows: usize) -> Result<ArrayRe
             for row in 0..rows {
                 let answer = configuration(&vectors, row, coordinates, &mut q).and_then(|()| {
                     checker.forget();
-                    checker.is_free_at(&q).map_err(|e| RowFault::Refused(e.to_string()))
+                    checker.is_free_at(&q).map_err(|e| RowError::Refused(e.to_string()))
                 });
                 answers.append_option(study.settled(row, &q, answer)?);
             }

@@ -10,7 +10,7 @@ use lin_canny_plan::{Checker, JointTree, WorldId};
 
 use super::answers::{Answers, Kind, Value, fields_of};
 use super::outside;
-use crate::error::RowFault;
+use crate::error::RowError;
 use crate::rows::{Vectors, vector_types};
 use crate::study::{Study, bodies_called};
 
@@ -80,13 +80,13 @@ fn separation(
     poses: &Vectors,
     row: usize,
     numbers: &mut Vec<f64>,
-) -> Result<(ContactState, [f64; 9]), RowFault> {
+) -> Result<(ContactState, [f64; 9]), RowError> {
     let [a, b] = names;
     let (a, b) = (body(checker, a, row, "a")?, body(checker, b, row, "b")?);
     let name = |k: Option<usize>| k.map_or("the pose", |k| POSE[k]);
     poses.read(row, POSE.len(), name, numbers)?;
     let pose = pose_of(numbers)?;
-    let relative = RelativePose::from_isometry(&pose).map_err(|e| RowFault::Refused(e.to_string()))?;
+    let relative = RelativePose::from_isometry(&pose).map_err(|e| RowError::Refused(e.to_string()))?;
     // A tracker of its own: the answer is a function of the row alone.
     let found = PairTracker::new().closest(a, b, &relative);
     let is_known = found.state != ContactState::Overlapping || found.lower > f64::NEG_INFINITY;
@@ -104,9 +104,9 @@ fn body<'c>(
     names: &StringArray,
     row: usize,
     what: &str,
-) -> Result<&'c Geometry, RowFault> {
+) -> Result<&'c Geometry, RowError> {
     if names.is_null(row) {
-        return Err(RowFault::Null { name: what.into() });
+        return Err(RowError::Null { name: what.into() });
     }
     let (name, world) = (names.value(row), checker.world());
     let geometry = |part: WorldId| match part {
@@ -116,19 +116,19 @@ fn body<'c>(
     let parts = bodies_called(checker, name);
     let only = parts.first().and_then(|&part| geometry(part));
     let (name, count) = (name.to_owned(), parts.len());
-    only.filter(|_| count == 1).ok_or(RowFault::Name { name, count })
+    only.filter(|_| count == 1).ok_or(RowError::Name { name, count })
 }
 
-fn pose_of(numbers: &[f64]) -> Result<Isometry3<f64>, RowFault> {
+fn pose_of(numbers: &[f64]) -> Result<Isometry3<f64>, RowError> {
     let &[x, y, z, i, j, k, w] = numbers else {
         let (name, found, needed) = ("the pose".into(), numbers.len(), POSE.len());
-        return Err(RowFault::Length { name, found, needed });
+        return Err(RowError::Length { name, found, needed });
     };
     let quaternion = Quaternion::new(w, i, j, k);
     let norm = quaternion.norm();
     if !((norm - 1.0).abs() <= NORM) {
         let reason = format!("the quaternion has norm {norm:?} instead of 1");
-        return Err(RowFault::Refused(reason));
+        return Err(RowError::Refused(reason));
     }
     let turn = UnitQuaternion::new_normalize(quaternion);
     Ok(normalize(&Isometry3::from_parts(Translation3::new(x, y, z), turn)))

@@ -26,7 +26,7 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// A query of your own over the table `configs`, with the functions clearance, is_free, certify,
-    /// separation and configuration_fault; answered as a whole, to one file
+    /// separation and configuration_error; answered as a whole, to one file
     #[arg(long, value_name = "QUERY")]
     sql: Option<String>,
     /// Rows of a part: what a run that was stopped repeats at most

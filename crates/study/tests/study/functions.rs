@@ -167,7 +167,7 @@ fn bad_rows_are_named() {
             &["6 number(s)", "elbow"],
         );
     }
-    let fault = format!("SELECT configuration_fault({none}) FROM configs");
+    let fault = format!("SELECT configuration_error({none}) FROM configs");
     let found = values(&asked(&strict, 4, &fault).expect("faults"));
     assert_eq!(found, [[""], [""], ["lift is NULL"], [""]]);
 
