@@ -6,7 +6,7 @@
 //! whole simulations.
 //!
 //! ```
-//! use lin_canny_parry::single::{Certified, Hull, parry};
+//! use lin_canny_parry::single::{CertifiedDispatcher, Hull, parry};
 //! use parry::math::{Pose, Vector};
 //! use parry::query::{ContactManifold, PersistentQueryDispatcher, QueryDispatcher};
 //! use parry::shape::Cuboid;
@@ -19,7 +19,7 @@
 //! let pin = Hull::from_points(&points)?;
 //! let table = Cuboid::new(Vector::new(0.1, 0.01, 0.1));
 //!
-//! let dispatcher = Certified::default();
+//! let dispatcher = CertifiedDispatcher::default();
 //! let pose = Pose::translation(0.0, 0.0105, 0.0);
 //! let distance = dispatcher.distance(&pose, &table, &pin).unwrap().distance;
 //! assert!(distance.abs() < 1e-9);
@@ -37,7 +37,7 @@
 //!   points, boxes and mass properties that do not scan the vertices, support faces spread over four
 //!   vertices that include the deepest one, exact point containment. It works under parry's own
 //!   dispatcher too: a coin laid flat on a half-space stays flat.
-//! * **The dispatcher** [`Certified`](crate::single::Certified) answers pairs of convex shapes of
+//! * **The dispatcher** [`CertifiedDispatcher`](crate::single::CertifiedDispatcher) answers pairs of convex shapes of
 //!   every kind, rounded, in compounds, or as the triangles of a mesh or height field, by
 //!   [`lin_canny`], in `f64`, without an absolute tolerance, and hands all other pairs to parry.
 //! * **The shape** [`MeshShape`](crate::single::MeshShape) is a mesh as the caller brought it, a

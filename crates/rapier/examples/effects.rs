@@ -78,7 +78,7 @@ fn sets() -> Vec<(&'static str, Effects, scene::PairQueries)> {
 
 fn simulation(effects: Effects, observe: scene::PairQueries, bodies: usize) -> Result<Simulation, Trouble> {
     let settings = Settings {
-        observe,
+        queries: observe,
         ..Settings::default()
     };
     let mut simulation = Simulation::new(effects, settings)?;

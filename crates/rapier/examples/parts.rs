@@ -24,7 +24,7 @@ use lin_canny_rapier::lin_canny_parry::lin_canny::nalgebra::{Isometry3, Vector3}
 use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
-use lin_canny_rapier::single::{Certified, Hull, MeshShape, certified_world};
+use lin_canny_rapier::single::{CertifiedDispatcher, Hull, MeshShape, certified_world};
 use race::progress::Progress;
 use truth::command::{count, file, number, write};
 use truth::rng::Rng;
@@ -181,7 +181,7 @@ fn tray() -> (Vec<Vector>, Vec<[u32; 3]>) {
 
 /// Returns parts over the tray.
 fn scene(way: Way, unit: f32, seed: u64) -> Scene {
-    let dispatcher = Certified::default();
+    let dispatcher = CertifiedDispatcher::default();
     let mut world = certified_world(dispatcher, unit, STEP);
     world.gravity = Vector::Y * -9.81;
     if !way.dispatcher {

@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use clap::Parser;
 use common::{Engine, Setup, bin, layers, pebble};
 use cpu_time::ThreadTime;
-use lin_canny_rapier::single::Certified;
+use lin_canny_rapier::single::CertifiedDispatcher;
 use lin_canny_rapier::single::rapier::parry::query::details::{NormalConstraints, ShapeCastOptions};
 use lin_canny_rapier::single::rapier::parry::query::{
     ClosestPoints, Contact, ContactManifoldsWorkspace, DefaultQueryDispatcher, NonlinearRigidMotion,
@@ -181,7 +181,7 @@ fn recorded(options: &Options, engine: Engine, vertices: usize) -> Vec<Call> {
     let recorder = Recorder(log.clone());
     scene.world.narrow_phase = match engine {
         Engine::Parry => NarrowPhase::with_query_dispatcher(recorder.chain(DefaultQueryDispatcher)),
-        Engine::Ours => NarrowPhase::with_query_dispatcher(recorder.chain(Certified::default())),
+        Engine::Ours => NarrowPhase::with_query_dispatcher(recorder.chain(CertifiedDispatcher::default())),
     };
     (0..options.steps).for_each(|_| scene.world.step());
     let calls = std::mem::take(&mut log.lock().unwrap_or_else(PoisonError::into_inner).calls);
@@ -218,7 +218,7 @@ fn replayed(calls: &[&Call], dispatcher: &Dispatcher) -> (f64, Vec<Real>) {
 /// The lines of one engine: all calls, and those of each kind.
 fn lines(options: &Options, engine: Engine, vertices: usize) -> Vec<String> {
     let calls = recorded(options, engine, vertices);
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let dispatcher: &Dispatcher = match engine {
         Engine::Parry => &DefaultQueryDispatcher,
         Engine::Ours => &ours,

@@ -14,7 +14,7 @@ use clap::Parser;
 use cpu_time::ThreadTime;
 use lin_canny_rapier::single::rapier::parry::query::{QueryDispatcher, Ray, RayCast};
 use lin_canny_rapier::single::rapier::prelude::*;
-use lin_canny_rapier::single::{Certified, Hull, MeshShape, certified_world};
+use lin_canny_rapier::single::{CertifiedDispatcher, Hull, MeshShape, certified_world};
 use race::progress::Progress;
 use truth::command::{count, file, write};
 use truth::rng::Rng;
@@ -78,7 +78,7 @@ struct Seen {
 /// Drops bodies on a floor. `ground` measures: heights by rays, overlaps by certified contacts.
 fn run(o: &Options, floor: SharedShape, ground: &MeshShape, is_ours: bool) -> Seen {
     let size = o.size;
-    let mut world = certified_world(Certified::default(), size, 1.0 / 960.0);
+    let mut world = certified_world(CertifiedDispatcher::default(), size, 1.0 / 960.0);
     if !is_ours {
         world.narrow_phase = NarrowPhase::new();
     }
@@ -116,7 +116,7 @@ fn run(o: &Options, floor: SharedShape, ground: &MeshShape, is_ours: bool) -> Se
             continue;
         }
         let shape = world.colliders[body.colliders()[0]].shape();
-        let contact = Certified::default().contact(body.position(), ground, shape, 0.0);
+        let contact = CertifiedDispatcher::default().contact(body.position(), ground, shape, 0.0);
         let depth = contact.ok().flatten().map_or(0.0, |c| -c.dist / size);
         seen.deepest = seen.deepest.max(depth);
     }

@@ -11,6 +11,6 @@ mod world;
 
 pub use body_shape::BodyShape;
 use lin_canny_parry::double as engine;
-pub use lin_canny_parry::double::{Certified, ContactOptions, Hull, MeshShape};
+pub use lin_canny_parry::double::{CertifiedDispatcher, ContactOptions, Hull, MeshShape};
 pub use simulation::Simulation;
 pub use world::certified_world;

@@ -153,7 +153,7 @@ impl Effects {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
     /// Time of a step. `None`, the default, is 1/60, and with response and gravity is refused for
-    /// bodies so small that one falls by more than an eighth of `size` within it: on Earth, in
+    /// bodies so small that one falls by more than an eighth of `length_unit` within it: on Earth, in
     /// metres, below 2.2 cm. A step that is given is taken.
     pub time_step: Option<f64>,
     /// Diameter of an ordinary body: rapier's `length_unit`, to which its prediction, slop and
@@ -161,22 +161,22 @@ pub struct Settings {
     /// short steps: no body should move by more than its size in a step. Sixty hulls of 6 mm that
     /// fell into a bin at 1 m/s came to rest 61 % of their radius deep with steps of 1/60 s, 6 %
     /// with 1/240 s, and 1 % with 1/1000 s. The [page of the crate](crate) lists what follows from it.
-    pub size: f64,
+    pub length_unit: f64,
     /// Greatest speed of a body with response, in lengths a time: a faster one is slowed down to it.
     /// `None`, the default, is no limit. rapier's own limit, 400 sizes a second, would stop the fall
     /// of a part of 2 mm after eight hundredths of a second.
     pub max_speed: Option<f64>,
     /// What a scene without response answers about pairs of bodies; refused with response.
-    pub observe: scene::PairQueries,
+    pub queries: scene::PairQueries,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Self {
             time_step: None,
-            size: 1.0,
+            length_unit: 1.0,
             max_speed: None,
-            observe: scene::PairQueries::none(),
+            queries: scene::PairQueries::none(),
         }
     }
 }
@@ -194,12 +194,12 @@ impl Settings {
 
     pub(crate) fn check(&self, reals: Reals, effects: &Effects) -> Result<(), SimulationError> {
         reals.positive("time_step", self.time_step())?;
-        reals.positive("size", self.size)?;
+        reals.positive("size", self.length_unit)?;
         if let Some(speed) = self.max_speed {
             reals.positive("max_speed", speed)?;
         }
         let gravity = effects.gravity.filter(|_| effects.response && self.time_step.is_none());
-        let longest = gravity.map(|g| (Self::FALL * self.size / g.norm()).sqrt());
+        let longest = gravity.map(|g| (Self::FALL * self.length_unit / g.norm()).sqrt());
         match longest {
             Some(longest) if longest < Self::STEP => Err(SimulationError::LongStep { longest }),
             _ => Ok(()),

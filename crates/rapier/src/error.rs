@@ -26,7 +26,7 @@ pub enum SimulationError {
         /// Name of the effect.
         effect: &'static str,
     },
-    /// The default step, 1/60, is too long for bodies of the [`size`](crate::Settings::size) of the
+    /// The default step, 1/60, is too long for bodies of the [`length_unit`](crate::Settings::length_unit) of the
     /// settings: one that is let go falls by more than an eighth of its size within it, and stacks
     /// of such bodies sink into each other or fall. Set [`time_step`](field@crate::Settings::time_step).
     #[error(
@@ -36,7 +36,7 @@ pub enum SimulationError {
         /// The longest step in which such a body falls by no more than an eighth of its size.
         longest: f64,
     },
-    /// [`Settings::observe`](crate::Settings::observe) together with response: with response,
+    /// [`Settings::queries`](crate::Settings::queries) together with response: with response,
     /// rapier's narrow phase has the contacts.
     #[error("a scene is observed without response only")]
     ObservedResponse,

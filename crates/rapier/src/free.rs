@@ -51,8 +51,8 @@ struct FreeBody {
 impl Free {
     pub(crate) fn new(effects: Effects, settings: &Settings) -> Result<Self, SimulationError> {
         let mut scene = Scene::new();
-        scene.set_queries(MOVING, MOVING, settings.observe)?;
-        scene.set_queries(MOVING, FIXED, settings.observe)?;
+        scene.set_queries(MOVING, MOVING, settings.queries)?;
+        scene.set_queries(MOVING, FIXED, settings.queries)?;
         Ok(Self {
             scene,
             bodies: Vec::new(),

@@ -31,7 +31,7 @@
 //!
 //! Without [`response`](Effects::response), bodies pass through each other. Then no physics engine
 //! is built: velocities are integrated here, and a [`Scene`](lin_canny::scene::Scene) of
-//! [`lin_canny`] answers what is called for about the pairs ([`Settings::observe`]). With response,
+//! [`lin_canny`] answers what is called for about the pairs ([`Settings::queries`]). With response,
 //! a rapier world runs under the dispatcher of [`lin_canny_parry`]. A simulation has one of the two
 //! engines for its lifetime.
 //!
@@ -68,7 +68,7 @@
 //!
 //! # What follows from the size of the bodies
 //!
-//! [`size`](Settings::size) is rapier's `length_unit`: rapier multiplies lengths and speeds by it.
+//! [`length_unit`](Settings::length_unit) is rapier's `length_unit`: rapier multiplies lengths and speeds by it.
 //! Whoever sets `length_unit` by hand **must lift the limit of the speed as well**, or small parts
 //! fall too slowly: one of 2 mm by 0.77 m in the first second, not by 4.9 m.
 //!
@@ -92,7 +92,7 @@
 //! | `recovery_pace` and the contact load of soft bodies | 0.5 sizes a second; gravity taken as 10 sizes a second squared | as rapier has it: the bridge makes no soft bodies |
 //!
 //! Sleep is the one that may surprise at large sizes: a body thrown up on the earth is slower than
-//! 0.1 sizes a second for half a second if `size` is 24 m or more, and stays there asleep. Leave out
+//! 0.1 sizes a second for half a second if `length_unit` is 24 m or more, and stays there asleep. Leave out
 //! [`sleeping`](Effects::sleeping) for those, and where gravity is weak.
 //!
 //! These do not depend on the size:
@@ -114,7 +114,7 @@
 //!
 //! ```ignore
 //! fn certify(mut context: WriteRapierContext) -> Result {
-//!     context.single_mut()?.simulation.set_query_dispatcher(Certified::default());
+//!     context.single_mut()?.simulation.set_query_dispatcher(CertifiedDispatcher::default());
 //!     Ok(())
 //! }
 //! let collider = Collider::from(SharedShape::from(Hull::from_points(&points)?));
@@ -122,7 +122,7 @@
 //!
 //! avian (0.8.0, read, not built here) calls `AnyCollider::contact_manifolds_with_context(&self,
 //! other, .., prediction, manifolds, context)` with the manifolds of the last frame and their
-//! feature ids: [`Certified`](lin_canny_parry::single::Certified) fits as it is, since its contacts
+//! feature ids: [`CertifiedDispatcher`](lin_canny_parry::single::CertifiedDispatcher) fits as it is, since its contacts
 //! depend on pose and kept contacts alone. avian asks parry without any start in every frame, so
 //! its gain is larger than rapier's. Its swept motion and spatial queries need parry's colliders.
 //! Its broad phase, contact graph, constraint graph and islands are public.

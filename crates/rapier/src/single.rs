@@ -11,6 +11,6 @@ mod world;
 
 pub use body_shape::BodyShape;
 use lin_canny_parry::single as engine;
-pub use lin_canny_parry::single::{Certified, ContactOptions, Hull, MeshShape};
+pub use lin_canny_parry::single::{CertifiedDispatcher, ContactOptions, Hull, MeshShape};
 pub use simulation::Simulation;
 pub use world::certified_world;

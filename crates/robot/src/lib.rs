@@ -32,7 +32,7 @@
 //! | all files of a robot in its cell in one call | [`RobotFiles`] |
 //! | robots and obstacles in one [`Checker`](lin_canny_plan::Checker) | [`Setup`] |
 //! | configurations of a CSV file | [`Trajectory`] |
-//! | a recording for the viewer | [`Film`] |
+//! | a recording for the viewer | [`RobotRecorder`] |
 //!
 //! The checker is that of [`lin_canny_plan`]: clearances with bounds, segments proven free over
 //! their whole length, paths. The tool `lin-canny-robot` does the same without a program.
@@ -40,7 +40,7 @@
 //! # What a URDF becomes
 //!
 //! Boxes, cylinders, capsules and spheres are exact: a cylinder is no prism. A joint that turns
-//! without limits gets those of [`LoadOptions::turns`]; planar and floating joints have three and
+//! without limits gets those of [`LoadOptions::continuous_limits`]; planar and floating joints have three and
 //! six coordinates, the angles of a floating joint those of `rpy`. A joint that mimics follows the
 //! joint at the end of its chain of mimics, whose limits alone hold. Visual elements, inertia,
 //! transmissions and sensors are passed over, and so is the axis that points up in a COLLADA file;
@@ -55,11 +55,11 @@ mod cell;
 mod collada;
 mod error;
 mod files;
-mod film;
 mod geometry;
 mod ignorable;
 mod mesh_file;
 mod packages;
+mod recorder;
 mod robot;
 mod space;
 mod srdf;
@@ -71,13 +71,13 @@ mod xml;
 pub use cell::{Cell, Obstacle};
 pub use error::{FileError, FileErrorKind};
 pub use files::RobotFiles;
-pub use film::Film;
 pub use geometry::{MeshOptions, MeshUse};
 pub use ignorable::{IgnoreReason, LinkPairCount, find_ignorable};
 pub use lin_canny;
 pub use lin_canny_plan as plan;
 pub use lin_canny_record as record;
 pub use packages::Packages;
+pub use recorder::RobotRecorder;
 pub use robot::{Coordinate, LinkBody, LoadOptions, MotionKind, Robot, RobotJoint, RobotLink};
 pub use space::Setup;
 pub use srdf::{IgnoredPair, Srdf};

@@ -104,10 +104,10 @@ pub struct LoadOptions {
     /// What meshes become.
     pub meshes: MeshOptions,
     /// The least and greatest value of a joint that turns without limits.
-    pub turns: [f64; 2],
+    pub continuous_limits: [f64; 2],
     /// The least and greatest value of the places of planar and floating joints, which URDF does
     /// not limit.
-    pub room: [f64; 2],
+    pub floating_limits: [f64; 2],
 }
 
 impl Default for LoadOptions {
@@ -116,8 +116,8 @@ impl Default for LoadOptions {
         let turns = 4.0 * std::f64::consts::PI;
         Self {
             meshes: MeshOptions::default(),
-            turns: [-turns, turns],
-            room: [-10.0, 10.0],
+            continuous_limits: [-turns, turns],
+            floating_limits: [-10.0, 10.0],
         }
     }
 }

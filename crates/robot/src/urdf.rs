@@ -145,9 +145,9 @@ impl Reader<'_> {
             coordinates.extend(kind.parts().iter().map(|part| Coordinate {
                 name: format!("{}/{part}", joint.name),
                 limits: if part.len() == 1 {
-                    self.options.room
+                    self.options.floating_limits
                 } else {
-                    self.options.turns
+                    self.options.continuous_limits
                 },
             }));
         }
@@ -222,8 +222,8 @@ impl Reader<'_> {
     /// Returns least and greatest value of a joint: a URDF 1.2 may leave them out.
     fn ranges(&self, joint: &urdf_rs::Joint, kind: MotionKind) -> Result<[f64; 2], FileError> {
         let open = match kind {
-            MotionKind::Prismatic => self.options.room,
-            _ => self.options.turns,
+            MotionKind::Prismatic => self.options.floating_limits,
+            _ => self.options.continuous_limits,
         };
         if joint.joint_type == JointType::Continuous || !kind.parts().is_empty() {
             return Ok(open);

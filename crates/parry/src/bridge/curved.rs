@@ -34,7 +34,7 @@ pub(super) fn write<M, C: Default + Copy>(
     if !(part::is_curved(a) || part::is_curved(b)) {
         return false;
     }
-    let reach = prediction * options.reach;
+    let reach = prediction * options.prediction_factor;
     let planes = Planes::new(pos12, (a, b));
     if let Some(planes) = &planes
         && !out.points.is_empty()
@@ -50,7 +50,7 @@ pub(super) fn write<M, C: Default + Copy>(
         return false;
     };
     let mut chosen = ManifoldOptions::with_prediction(f64::from(reach)).local_depth(true);
-    (chosen.max_face_sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
+    (chosen.max_face_sine, chosen.max_points) = (f64::from(options.max_face_sine), options.max_points);
     let mut manifold = Manifold::new();
     let mut tracker = match hint(out, &of_a) {
         Some(normal) => PairTracker::with_direction(&normal, &of_a.shape, &of_b.shape),

@@ -39,11 +39,11 @@ use super::surface;
 pub struct ContactOptions {
     /// Sine of the largest angle between the normal and a face that bears the contact. Default 1/2;
     /// at 1/64 piles of round hulls penetrate 1.3 times as deep.
-    pub sine: Real,
+    pub max_face_sine: Real,
     /// Prediction of a manifold over the prediction asked for. Default 4: an engine drops the
     /// contacts that do not close within a step, and piles of hulls penetrate half as deep as with
     /// 1.
-    pub reach: Real,
+    pub prediction_factor: Real,
     /// Largest number of points of a manifold, 1 to 8. Default 8; rapier reduces to 4 by itself.
     pub max_points: usize,
 }
@@ -51,8 +51,8 @@ pub struct ContactOptions {
 impl Default for ContactOptions {
     fn default() -> Self {
         Self {
-            sine: 0.5,
-            reach: 4.0,
+            max_face_sine: 0.5,
+            prediction_factor: 4.0,
             max_points: 8,
         }
     }
@@ -66,25 +66,25 @@ impl Default for ContactOptions {
 /// polyhedra.
 ///
 /// ```
-/// use lin_canny_parry::single::{Certified, parry};
+/// use lin_canny_parry::single::{CertifiedDispatcher, parry};
 /// use parry::math::{Pose, Vector};
 /// use parry::query::QueryDispatcher;
 /// use parry::shape::{Capsule, Cuboid};
 ///
 /// let (cuboid, capsule) = (Cuboid::new(Vector::splat(1e-3)), Capsule::new_y(2e-3, 5e-4));
 /// let pose = Pose::translation(2.5e-3, 0.0, 0.0);
-/// let gap = Certified::default().distance(&pose, &cuboid, &capsule).unwrap().distance;
+/// let gap = CertifiedDispatcher::default().distance(&pose, &cuboid, &capsule).unwrap().distance;
 /// assert!((gap - 1e-3).abs() < 1e-9);
 /// ```
 #[derive(Clone, Default)]
-pub struct Certified {
+pub struct CertifiedDispatcher {
     options: ContactOptions,
     known: Arc<Known>,
     /// Whether triangles are parts of a surface.
     is_surface: bool,
 }
 
-impl std::fmt::Debug for Certified {
+impl std::fmt::Debug for CertifiedDispatcher {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Certified")
             .field("options", &self.options)
@@ -92,7 +92,7 @@ impl std::fmt::Debug for Certified {
     }
 }
 
-impl Certified {
+impl CertifiedDispatcher {
     /// Returns a dispatcher with options.
     #[must_use]
     pub fn new(options: ContactOptions) -> Self {
@@ -118,12 +118,12 @@ impl Certified {
         out: &mut ContactManifold<M, C>,
     ) -> bool {
         let (known, options) = (&*self.known, &self.options);
-        if are_far(pos12, (a, b), prediction * options.reach) {
+        if are_far(pos12, (a, b), prediction * options.prediction_factor) {
             out.clear();
             return true;
         }
         if let Some(pair) = part::pair(known, a, b) {
-            if pair.0.is_far(&pair.1, pos12, prediction * options.reach) {
+            if pair.0.is_far(&pair.1, pos12, prediction * options.prediction_factor) {
                 out.clear();
                 return true;
             }
@@ -230,7 +230,7 @@ fn is_field(shape: &dyn Shape) -> bool {
 
 /// Writes the manifolds of a mesh or height field of parry and another shape, triangle by triangle.
 fn fields<M, C>(
-    by: &Certified,
+    by: &CertifiedDispatcher,
     pos12: &Pose,
     (a, b): (&dyn Shape, &dyn Shape),
     prediction: Real,
@@ -257,7 +257,7 @@ fn fields<M, C>(
     }
 }
 
-impl QueryDispatcher for Certified {
+impl QueryDispatcher for CertifiedDispatcher {
     fn intersection_test(&self, pos12: &Pose, a: &dyn Shape, b: &dyn Shape) -> Result<ShapeIntersection, Unsupported> {
         let is_closed = part::has_closed_test(a, b);
         if let Some(posed) = (!is_closed).then(|| self.posed(pos12, a, b)).flatten() {
@@ -400,7 +400,7 @@ impl QueryDispatcher for Certified {
     }
 }
 
-impl<M, C> PersistentQueryDispatcher<M, C> for Certified
+impl<M, C> PersistentQueryDispatcher<M, C> for CertifiedDispatcher
 where
     M: Default + Clone + Send + Sync,
     C: Default + Copy + Send + Sync,

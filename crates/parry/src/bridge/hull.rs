@@ -71,14 +71,14 @@ pub struct Conversion {
     pub shift: f64,
     /// Whether parry has a convex polyhedron of the same vertices, rounded if this one is: if not, the shape is no part of
     /// a snapshot, and sweeps of fast bodies take the slower nonlinear cast.
-    pub has_twin: bool,
+    pub has_parry_equivalent: bool,
 }
 
 impl Conversion {
     /// Returns whether no vertex was rounded and the shape can be part of a snapshot.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        self.rounded == 0 && self.has_twin
+        self.rounded == 0 && self.has_parry_equivalent
     }
 }
 
@@ -274,9 +274,9 @@ fn twin(body: &ConvexPolyhedron) -> Option<shape::RoundConvexPolyhedron> {
     })
 }
 
-fn conversion(body: &ConvexPolyhedron, has_twin: bool) -> Conversion {
+fn conversion(body: &ConvexPolyhedron, has_parry_equivalent: bool) -> Conversion {
     let mut report = Conversion {
-        has_twin,
+        has_parry_equivalent,
         ..Conversion::default()
     };
     for p in body.vertex_points() {

@@ -62,13 +62,13 @@ impl<'a> PosedPair<'a> {
     ) {
         let outcome = self.closest(&out.points);
         let radii = self.a.radius + self.b.radius;
-        let prediction = f64::from(prediction) * f64::from(options.reach) + radii;
+        let prediction = f64::from(prediction) * f64::from(options.prediction_factor) + radii;
         (out.local_n1, out.local_n2) = self.normals(&outcome);
         exchange(out, |points| {
             if outcome.lower <= prediction {
                 let bodies = (self.a.body(), self.b.body());
                 let mut chosen = ManifoldOptions::with_prediction(prediction);
-                (chosen.max_face_sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
+                (chosen.max_face_sine, chosen.max_points) = (f64::from(options.max_face_sine), options.max_points);
                 let manifold = Manifold::from_outcome(bodies, &self.pose, &outcome, &chosen);
                 for p in manifold.points() {
                     let contact = self.contact(&outcome, &p.point_on_a, &p.point_on_b, p.separation, p.features);

@@ -26,7 +26,7 @@ use super::part;
 /// triangles of a flat floor bears any. Cheap to clone: everything is shared.
 ///
 /// ```
-/// use lin_canny_parry::single::{Certified, Hull, MeshShape, parry};
+/// use lin_canny_parry::single::{CertifiedDispatcher, Hull, MeshShape, parry};
 /// use parry::math::{Pose, Vector};
 /// use parry::query::{ContactManifold, PersistentQueryDispatcher};
 /// use parry::shape::Cuboid;
@@ -37,7 +37,7 @@ use super::part;
 /// let die = Cuboid::new(Vector::splat(5e-4));
 /// let at = Pose::translation(0.5, 5.1e-4, 0.5);
 /// let mut found: Vec<ContactManifold<(), ()>> = Vec::new();
-/// let dispatcher = Certified::default();
+/// let dispatcher = CertifiedDispatcher::default();
 /// dispatcher.contact_manifolds(&at, &floor, &die, 1e-4, &mut found, &mut None).unwrap();
 /// assert_eq!((found.len(), found[0].points.len()), (1, 4));
 /// assert!((found[0].points[0].dist - 1e-5).abs() < 1e-9);
@@ -228,8 +228,8 @@ pub(super) fn write<M: Default, C: Default + Copy>(
     ) else {
         return false;
     };
-    let mut chosen = ManifoldOptions::with_prediction(f64::from(prediction) * f64::from(options.reach));
-    (chosen.max_face_sine, chosen.max_points) = (f64::from(options.sine), options.max_points);
+    let mut chosen = ManifoldOptions::with_prediction(f64::from(prediction) * f64::from(options.prediction_factor));
+    (chosen.max_face_sine, chosen.max_points) = (f64::from(options.max_face_sine), options.max_points);
     let mut pair = state
         .take()
         .and_then(|state| state.0.downcast::<MeshPair>().ok())

@@ -25,7 +25,7 @@ mod ray_point;
 mod surface;
 
 pub use decomposition::{DecompositionError, decompose};
-pub use dispatcher::{Certified, ContactOptions};
+pub use dispatcher::{CertifiedDispatcher, ContactOptions};
 pub use hull::{Conversion, Hull, HullError};
 pub use mesh::{MeshShape, geometry};
 pub use number::{isometry, pose};

@@ -1,6 +1,6 @@
 //! Contacts with a triangle that is part of a surface: its edges bear none where a neighbour goes on.
 
-use super::dispatcher::Certified;
+use super::dispatcher::CertifiedDispatcher;
 use super::manifold::exchange;
 use super::parry::math::{Pose, Real, Vector};
 use super::parry::query::details::{NormalConstraints, NormalConstraintsPair};
@@ -25,7 +25,7 @@ pub(super) type Constraints<'a> = [Option<&'a dyn NormalConstraints>; 2];
 /// measured along the triangle's own normal, where this lies within the triangle; a normal that the
 /// constraints refuse leaves no contact.
 pub(super) fn correct<M, C>(
-    by: &Certified,
+    by: &CertifiedDispatcher,
     pos12: &Pose,
     (a, b): (&dyn Shape, &dyn Shape),
     constraints: Constraints,
@@ -122,7 +122,7 @@ impl Face {
     /// within the triangle.
     fn contacts(
         &self,
-        by: &Certified,
+        by: &CertifiedDispatcher,
         pos12: &Pose,
         (a, b): (&dyn Shape, &dyn Shape),
         prediction: Real,

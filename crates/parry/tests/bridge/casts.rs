@@ -3,7 +3,7 @@
 use truth::rng::Rng;
 
 use super::dispatch::{CONVEX, kinds, random_pose};
-use super::engine::Certified;
+use super::engine::CertifiedDispatcher;
 use super::engine::parry::math::{Pose, Real, Vector};
 use super::engine::parry::query::details::ShapeCastOptions;
 use super::engine::parry::query::{NonlinearRigidMotion, QueryDispatcher, ShapeCastHit, ShapeCastStatus};
@@ -62,7 +62,7 @@ fn judge(
 #[test]
 fn linear_casts_stop_at_the_first_contact() {
     let mut rng = Rng::new(21);
-    let (ours, mut seen) = (Certified::default(), Seen::default());
+    let (ours, mut seen) = (CertifiedDispatcher::default(), Seen::default());
     for round in 0..16 {
         let size: Real = [1.0, 1e-3][round % 2];
         let list = kinds(&mut rng, size);
@@ -123,7 +123,7 @@ fn check_contact(hit: &ShapeCastHit, pos12: &Pose, target: Real, size: Real) {
 #[test]
 fn turning_casts_stop_at_the_first_contact() {
     let mut rng = Rng::new(22);
-    let (ours, mut seen) = (Certified::default(), Seen::default());
+    let (ours, mut seen) = (CertifiedDispatcher::default(), Seen::default());
     for round in 0..8 {
         let size: Real = [1.0, 1e-3][round % 2];
         let list = kinds(&mut rng, size);
@@ -162,7 +162,7 @@ fn small_cubes_meet_in_time() {
     let cube = Cuboid::new(Vector::splat(5e-4));
     let pos12 = Pose::translation(0.01, 1e-4, 0.0);
     let options = ShapeCastOptions::default();
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let hit = ours.cast_shapes(&pos12, Vector::X * -1.0, &cube, &cube, options);
     let time = hit.expect("supported").expect("a hit").time_of_impact;
     assert!((time - 9e-3).abs() < 1e-8 && time <= 9e-3, "{time}");
@@ -184,7 +184,7 @@ fn small_cubes_meet_in_time() {
 #[test]
 fn a_start_in_contact_is_told_by_its_direction() {
     let (ball, cube) = (Ball::new(0.5), Cuboid::new(Vector::splat(0.5)));
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let pos12 = Pose::translation(0.9, 0.1, 0.2);
     for stop in [true, false] {
         let options = ShapeCastOptions {
@@ -211,7 +211,10 @@ fn compounds_are_cast_by_their_parts() {
     let scale: Real = 1e-3;
     let list = kinds(&mut rng, scale);
     let (hull, compound) = (&list[0], &list[9]);
-    let (ours, pos12) = (Certified::default(), Pose::translation(0.0, 10.0 * scale, 0.0));
+    let (ours, pos12) = (
+        CertifiedDispatcher::default(),
+        Pose::translation(0.0, 10.0 * scale, 0.0),
+    );
     let options = ShapeCastOptions::default();
     let pairs: [(&dyn Shape, &dyn Shape); 3] = [
         (&**hull, &**compound),

@@ -7,7 +7,7 @@ use super::dispatch::random_pose;
 use super::engine::parry::math::{Pose, Real, Rotation, Vector};
 use super::engine::parry::query::{ClosestPoints, ContactManifold, PersistentQueryDispatcher, QueryDispatcher};
 use super::engine::parry::shape::{Ball, Cuboid, HalfSpace, Shape, SharedShape};
-use super::engine::{Certified, Hull, isometry};
+use super::engine::{CertifiedDispatcher, Hull, isometry};
 
 type Manifolds = Vec<ContactManifold<(), ()>>;
 
@@ -126,7 +126,7 @@ impl Case<'_> {
 
     fn check_order(&self, pos12: &Pose, a: &dyn Shape, b: &dyn Shape) {
         let Self { what, truth, close, .. } = *self;
-        let (ours, size) = (Certified::default(), what.1);
+        let (ours, size) = (CertifiedDispatcher::default(), what.1);
         let gap = f64::from(ours.distance(pos12, a, b).expect("supported").distance);
         assert!((gap - truth.max(0.0)).abs() < close, "{what:?}: {gap:e} for {truth:e}");
         let contact = ours.contact(pos12, a, b, 10.0 * size).expect("supported");
@@ -149,7 +149,7 @@ impl Case<'_> {
     fn check_manifold(&self, pos12: &Pose, a: &dyn Shape, b: &dyn Shape) {
         let Self { what, truth, close, .. } = *self;
         let (mut kept, prediction) = (Manifolds::new(), 0.05 * what.1);
-        Certified::default()
+        CertifiedDispatcher::default()
             .contact_manifolds(pos12, a, b, prediction, &mut kept, &mut None)
             .expect("supported");
         let Some(deepest) = kept[0].find_deepest_contact().map(|p| f64::from(p.dist)) else {

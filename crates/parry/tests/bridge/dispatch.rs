@@ -11,7 +11,7 @@ use super::engine::parry::shape::{
     Ball, Capsule, Compound, Cone, ConvexPolyhedron, Cuboid, Cylinder, HalfSpace, RoundShape, Shape, SharedShape,
     TriMesh, Triangle,
 };
-use super::engine::{Certified, Hull, isometry};
+use super::engine::{CertifiedDispatcher, Hull, isometry};
 
 type Manifolds = Vec<ContactManifold<(), u32>>;
 
@@ -55,14 +55,14 @@ pub(super) fn kinds(rng: &mut Rng, size: Real) -> Vec<SharedShape> {
     ]
 }
 
-/// Number of kinds that [`Certified`] answers, in the order of [`kinds`].
+/// Number of kinds that [`CertifiedDispatcher`] answers, in the order of [`kinds`].
 pub(super) const CONVEX: usize = 8;
 
 /// At ordinary sizes both engines agree; the answers of both orders agree too.
 #[test]
 fn distances_agree_with_parry_where_parry_is_right() {
     let mut rng = Rng::new(11);
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let list = kinds(&mut rng, 1.0);
     let (mut apart, mut together) = (0, 0);
     for _ in 0..40 {
@@ -115,7 +115,7 @@ fn distances_of_small_bodies_are_those_of_large_ones() {
     let (mut rng, mut again) = (Rng::new(12), Rng::new(12));
     let scale: Real = 1.0 / 4096.0;
     let (large, small) = (kinds(&mut rng, 1.0), kinds(&mut again, scale));
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let (mut apart, mut parry_wrong) = (0, 0);
     for _ in 0..30 {
         for (k, l) in [(0, 2), (1, 4), (2, 4), (5, 3), (6, 7), (0, 6), (1, 1)] {
@@ -150,11 +150,11 @@ fn distances_of_small_bodies_are_those_of_large_ones() {
 fn manifolds_have_no_other_memory() {
     let mut rng = Rng::new(13);
     let list = kinds(&mut rng, 1.0);
-    let other = Certified::default();
+    let other = CertifiedDispatcher::default();
     let (mut touching, mut far) = (0, 0);
     for a in &list[..6] {
         for b in &list[..6] {
-            let ours = Certified::default();
+            let ours = CertifiedDispatcher::default();
             let mut kept = Manifolds::new();
             for k in 0..20 {
                 let pos12 = Pose::translation(0.08 * k as Real - 1.6, 0.1, 0.2);
@@ -185,7 +185,7 @@ fn manifolds_have_no_other_memory() {
 #[test]
 fn impulses_go_with_the_features() {
     let hull = Hull::try_from(&Cuboid::new(Vector::splat(0.5)) as &dyn Shape).expect("a solid");
-    let (ours, mut kept) = (Certified::default(), Manifolds::new());
+    let (ours, mut kept) = (CertifiedDispatcher::default(), Manifolds::new());
     let at = |x: Real| Pose::translation(x, 0.99, 0.2);
     ours.contact_manifolds(&at(0.1), &hull, &hull, 0.02, &mut kept, &mut None)
         .expect("supported");
@@ -205,7 +205,7 @@ fn impulses_go_with_the_features() {
 #[test]
 fn manifolds_hold_the_deepest_contact() {
     let mut rng = Rng::new(14);
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let (mut overlapping, mut flat, mut far) = (0, 0, 0);
     for k in 0..400 {
         let make = |rng: &mut Rng| Hull::from_points(&points(rng, [8, 24, 100][k % 3], 1.0)).expect("a solid");
@@ -242,7 +242,7 @@ fn parts_of_compounds_are_answered_here() {
     let scale: Real = 1.0 / 4096.0;
     let list = kinds(&mut rng, scale);
     let (hull, compound) = (&list[0], &list[9]);
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let pose = Pose::translation(0.0, 3.0 * scale, 0.0);
     for (a, b) in [(hull, compound), (compound, hull), (compound, compound)] {
         let d = ours.distance(&pose, &**a, &**b).expect("supported").distance / scale;

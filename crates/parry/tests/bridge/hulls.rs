@@ -15,7 +15,7 @@ use super::engine::parry::query::{
 use super::engine::parry::shape::{
     Ball, Cuboid, FeatureId, HalfSpace, PolygonalFeature, Segment, Shape, SupportMap, Triangle, TypedShape,
 };
-use super::engine::{Certified, Hull, HullError, isometry, pose};
+use super::engine::{CertifiedDispatcher, Hull, HullError, isometry, pose};
 
 fn vector(p: [f64; 3]) -> Vector {
     Vector::from(p.map(|x| x as Real))
@@ -190,7 +190,7 @@ fn conversions_report_what_they_change() {
     let thirds = Hull::new(solids::cuboid(Vector3::new(1.0 / 3.0, 0.25, 2.0)).expect("a solid"));
     let is_single = size_of::<Real>() == 4;
     assert_eq!(thirds.conversion().rounded, if is_single { 8 } else { 0 });
-    assert!(thirds.conversion().shift < 2e-8 && thirds.conversion().has_twin);
+    assert!(thirds.conversion().shift < 2e-8 && thirds.conversion().has_parry_equivalent);
     // There and back: vertices in the same order.
     for hull in hulls(0.3) {
         let TypedShape::ConvexPolyhedron(twin) = hull.as_typed_shape() else {
@@ -215,7 +215,7 @@ fn conversions_report_what_they_change() {
     let flat = Hull::new(
         ConvexPolyhedron::polygon(&[[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]].map(Point3::from)).expect("a polygon"),
     );
-    assert!(!flat.conversion().has_twin && flat.to_parry().is_none());
+    assert!(!flat.conversion().has_parry_equivalent && flat.to_parry().is_none());
     let half = isometry(&pose(&isometry(&Pose::translation(0.5, 0.0, 0.0))));
     assert_eq!(half.translation.vector, Vector3::x() * 0.5);
     let scaled = exact.scale_dyn(Vector::splat(2.0), 0).expect("a solid");
@@ -314,7 +314,8 @@ fn rounded_hulls_touch_by_their_border() {
     assert!((f64::from(deepest.dist) - low).abs() < 1e-5, "{deepest:?} {low}");
     let floor = Cuboid::new(Vector::new(5.0, 5.0, 1.0));
     let high = Pose::translation(0.3, 0.2, 3.0);
-    let down = Certified::default().cast_shapes(&high, Vector::Z * -1.0, &floor, &hull, ShapeCastOptions::default());
+    let down =
+        CertifiedDispatcher::default().cast_shapes(&high, Vector::Z * -1.0, &floor, &hull, ShapeCastOptions::default());
     let time = f64::from(down.expect("supported").expect("a hit").time_of_impact);
     let truth = 2.0 - wide(hull.compute_local_aabb().maxs).z;
     assert!((time - truth).abs() < 1e-5, "{time} {truth}");

@@ -10,7 +10,7 @@ use super::engine::parry::query::{ContactManifold, PersistentQueryDispatcher, Qu
 use super::engine::parry::shape::{
     Ball, Capsule, ConvexPolyhedron as Points, Cuboid, RoundShape, Segment, SharedShape, Triangle,
 };
-use super::engine::{Certified, Hull, isometry};
+use super::engine::{CertifiedDispatcher, Hull, isometry};
 
 type Manifolds = Vec<ContactManifold<(), ()>>;
 
@@ -167,7 +167,7 @@ fn check(a: &Judged, b: &Judged, (pos12, size): (&Pose, Real), kept: &Manifolds,
     // parry's reach of a ball's manifold is the prediction, the reach of others is farther.
     let is_right = (deepest - d).abs() < beside * close;
     // Beyond it the contact of curved shapes is that of a plane between them.
-    let reach = f64::from(prediction * Certified::default().options().reach);
+    let reach = f64::from(prediction * CertifiedDispatcher::default().options().prediction_factor);
     let is_beyond = beside > 1.0 && deepest > reach - close && deepest < d + close;
     assert!(is_right || is_beyond, "{what:?}: {deepest:e} for {d:e}");
     for p in &m.points {
@@ -189,7 +189,7 @@ fn manifolds_are_right_at_any_size() {
     for size in SIZES {
         let mut rng = Rng::new(61);
         let list = judged(&mut rng, size);
-        let ours = Certified::default();
+        let ours = CertifiedDispatcher::default();
         for (k, a) in list.iter().enumerate() {
             for b in &list[k..] {
                 let (mut kept, prediction) = (Manifolds::new(), 0.02 * size);
@@ -218,7 +218,7 @@ fn depths_of_small_bodies_are_right() {
     for size in [0.02, 0.01, 0.001] {
         let mut rng = Rng::new(63);
         let list = judged(&mut rng, size);
-        let (ours, mut kept) = (Certified::default(), Manifolds::new());
+        let (ours, mut kept) = (CertifiedDispatcher::default(), Manifolds::new());
         for (k, a) in list.iter().enumerate() {
             for b in &list[k..] {
                 let bodies = if a.name == b.name { 3 } else { 4 };
@@ -249,7 +249,7 @@ fn contacts_are_right_at_any_size() {
     for size in SIZES {
         let mut rng = Rng::new(62);
         let list = judged(&mut rng, size);
-        let (ours, close) = (Certified::default(), f64::from(size) * 2e-6);
+        let (ours, close) = (CertifiedDispatcher::default(), f64::from(size) * 2e-6);
         for (k, a) in list.iter().enumerate() {
             for b in &list[k..] {
                 for _ in 0..4 {
@@ -276,7 +276,7 @@ fn contacts_are_right_at_any_size() {
 /// Boxes laid on boxes, and capsules side by side, have the contacts that hold them.
 #[test]
 fn flush_faces_have_contacts_at_their_ends() {
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     for size in SIZES {
         let cuboid = Cuboid::new(Vector::splat(0.5 * size));
         let capsule = Capsule::new_x(0.5 * size, 0.3 * size);

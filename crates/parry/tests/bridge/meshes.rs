@@ -10,7 +10,7 @@ use super::engine::parry::query::{
     ContactManifold, NonlinearRigidMotion, PersistentQueryDispatcher, PointQuery, QueryDispatcher, Ray, RayCast,
 };
 use super::engine::parry::shape::{Compound, Cuboid, HeightField, Shape, SharedShape, TriMesh, TriMeshFlags};
-use super::engine::{Certified, Hull, MeshShape};
+use super::engine::{CertifiedDispatcher, Hull, MeshShape};
 
 type Manifolds = Vec<ContactManifold<(), u32>>;
 
@@ -32,7 +32,7 @@ fn floor(half: Real, cells: u32) -> MeshShape {
 
 fn manifolds(pos12: &Pose, a: &dyn Shape, b: &dyn Shape, prediction: Real) -> Manifolds {
     let mut found = Manifolds::new();
-    Certified::default()
+    CertifiedDispatcher::default()
         .contact_manifolds(pos12, a, b, prediction, &mut found, &mut None)
         .expect("answered");
     found
@@ -110,7 +110,7 @@ fn compounds_rest_on_a_floor_and_keep_the_data_of_their_contacts() {
     let floor = floor(1.0, 3);
     let part = |x: Real| (Pose::translation(x, 0.0, 0.0), SharedShape::cuboid(0.1, 0.1, 0.1));
     let dumbbell = Compound::new(vec![part(-0.3), part(0.3)]);
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let mut found = Manifolds::new();
     for step in 0..3 {
         let pose = Pose::translation(0.05, 0.099, 0.01 * step as Real);
@@ -129,7 +129,7 @@ fn compounds_rest_on_a_floor_and_keep_the_data_of_their_contacts() {
 #[test]
 fn a_closed_mesh_answers_as_its_hull() {
     let mut rng = Rng::new(42);
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let points: Vec<_> = truth::shapes::ellipsoid(&mut rng, 30, [1.0, 0.8, 0.6]).points;
     let points: Vec<Vector> = points.into_iter().map(|p| Vector::from(p.map(|x| x as Real))).collect();
     let hull = Hull::from_points(&points).expect("a hull");
@@ -202,5 +202,9 @@ fn meshes_of_parry_become_shapes_and_faulty_ones_are_refused() {
     let wrong = MeshShape::from_triangles(&[Vector::ZERO, Vector::X, Vector::splat(Real::NAN)], &[[0, 1, 2]]);
     assert!(wrong.is_err());
     let nowhere = Pose::translation(Real::NAN, 0.0, 0.0);
-    assert!(Certified::default().distance(&nowhere, &shape, &shape).is_err());
+    assert!(
+        CertifiedDispatcher::default()
+            .distance(&nowhere, &shape, &shape)
+            .is_err()
+    );
 }

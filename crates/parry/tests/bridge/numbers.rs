@@ -12,7 +12,7 @@ use super::engine::parry::shape::{
     Shape, SharedShape, TriMesh, Triangle, Voxels,
 };
 use super::engine::parry::utils::Array2;
-use super::engine::{Certified, Hull};
+use super::engine::{CertifiedDispatcher, Hull};
 
 /// A number of the engine: half of them ordinary, the others at the ends of its range or none.
 fn number(rng: &mut Rng) -> Real {
@@ -155,7 +155,7 @@ fn ordinary(rng: &mut Rng) -> SharedShape {
 }
 
 /// Asks everything of a pair once.
-fn ask(ours: &Certified, pose: &Pose, a: &dyn Shape, b: &dyn Shape, rng: &mut Rng) -> usize {
+fn ask(ours: &CertifiedDispatcher, pose: &Pose, a: &dyn Shape, b: &dyn Shape, rng: &mut Rng) -> usize {
     let mut kept: Vec<ContactManifold<(), ()>> = Vec::new();
     let mut answered = 0;
     for _ in 0..2 {
@@ -201,7 +201,7 @@ fn ask(ours: &Certified, pose: &Pose, a: &dyn Shape, b: &dyn Shape, rng: &mut Rn
 #[test]
 fn no_query_panics() {
     let mut rng = Rng::new(16);
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let mut answered = 0;
     for round in 0..ROUNDS {
         for kind in 0..KINDS * KINDS {
@@ -226,7 +226,7 @@ fn no_query_panics() {
 fn negative_predictions_ask_for_depth() {
     let cuboid = SharedShape::new(Cuboid::new(Vector::splat(0.5)));
     let compound = Compound::new(vec![(Pose::translation(0.0, 0.25, 0.0), cuboid.clone())]);
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let (ball, space) = (Ball::new(0.5), HalfSpace::new(Vector::Y));
     let above = Pose::translation(0.0, 1.05, 0.0);
     for (prediction, is_found) in [(-0.1, true), (-0.19, true), (-0.21, false), (Real::NAN, false)] {
@@ -256,7 +256,7 @@ fn negative_predictions_ask_for_depth() {
 /// the cells of a field, to an instant late on the clock, after a penetration at a great speed.
 #[test]
 fn casts_of_parry_end() {
-    let ours = Certified::default();
+    let ours = CertifiedDispatcher::default();
     let (ball, x) = (Ball::new(0.5), NonlinearRigidMotion::identity());
     let field = HeightField::new(Array2::new(5, 5, vec![0.0; 25]), Vector::new(4.0, 1.0, 4.0));
     for velocity in [

@@ -7,7 +7,7 @@ pub(crate) mod picture;
 use lin_canny_rapier::lin_canny_parry::lin_canny::{RelativePose, Tracker};
 use lin_canny_rapier::lin_canny_parry::single::isometry;
 use lin_canny_rapier::single::rapier::prelude::*;
-use lin_canny_rapier::single::{Certified, Hull, certified_world};
+use lin_canny_rapier::single::{CertifiedDispatcher, Hull, certified_world};
 use truth::rng::Rng;
 
 /// Who answers the contacts of hulls.
@@ -72,7 +72,7 @@ impl Setup {
     /// Returns a scene of fixed cuboids (half extents, centre) and moving hulls. All hulls have the same mass properties under
     /// either engine: parry's own are wrong for small bodies.
     pub(crate) fn scene(&self, walls: &[(Vector, Vector)], starts: &[Start]) -> Scene {
-        let mut world = certified_world(Certified::default(), self.size, self.step);
+        let mut world = certified_world(CertifiedDispatcher::default(), self.size, self.step);
         world.gravity = Vector::new(0.0, -self.gravity, 0.0);
         if self.engine == Engine::Parry {
             world.narrow_phase = NarrowPhase::new();

@@ -45,7 +45,7 @@ impl Simulation {
         effects.check(reals)?;
         settings.check(reals, &effects)?;
         let engine = if effects.response {
-            if settings.observe != scene::PairQueries::none() {
+            if settings.queries != scene::PairQueries::none() {
                 return Err(SimulationError::ObservedResponse);
             }
             Engine::Response(Box::new(World::new(effects, &settings)))

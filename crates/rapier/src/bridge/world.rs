@@ -8,7 +8,7 @@ use super::rapier::geometry::{ColliderBuilder, NarrowPhase};
 use super::rapier::math::{Real, Vector};
 use super::rapier::pipeline::PhysicsWorld;
 use super::rapier::{self};
-use super::{BodyShape, Certified, engine};
+use super::{BodyShape, CertifiedDispatcher, engine};
 use crate::effects::Movement;
 use crate::overlap::Member;
 use crate::{Body, BodyId, Continuous, Effects, FrictionModel, Report, Settings, SimulationError};
@@ -23,7 +23,7 @@ const IMMOVABLE: Real = 1e-20;
 ///
 /// For users of rapier itself; [`Simulation`](super::Simulation) is built on it.
 #[must_use]
-pub fn certified_world(dispatcher: Certified, size: Real, time_step: Real) -> PhysicsWorld {
+pub fn certified_world(dispatcher: CertifiedDispatcher, size: Real, time_step: Real) -> PhysicsWorld {
     let mut world = PhysicsWorld::new();
     world.gravity = Vector::ZERO;
     world.narrow_phase = NarrowPhase::with_query_dispatcher(dispatcher);
@@ -48,8 +48,8 @@ pub(super) struct World {
 
 impl World {
     pub(super) fn new(effects: Effects, settings: &Settings) -> Self {
-        let (size, step) = (settings.size as Real, settings.time_step() as Real);
-        let mut world = certified_world(Certified::default(), size, step);
+        let (size, step) = (settings.length_unit as Real, settings.time_step() as Real);
+        let mut world = certified_world(CertifiedDispatcher::default(), size, step);
         world.gravity = narrow(&effects.gravity.unwrap_or_else(Vector3::zeros));
         let parameters = &mut world.integration_parameters;
         parameters.num_solver_iterations = effects.iterations;

@@ -72,7 +72,7 @@ fn bodies_of_any_shape_are_observed_without_response() {
     let observe = scene::PairQueries::none().distance(10.0);
     for (k, (shape, height)) in shapes().into_iter().enumerate() {
         let settings = Settings {
-            observe,
+            queries: observe,
             ..Settings::default()
         };
         let mut s = Simulation::new(effects, settings).expect("effects");

@@ -70,7 +70,7 @@ fn what_is_observed_is_told_without_response() {
         .overlap(true)
         .manifold(ManifoldOptions::with_prediction(0.05));
     let settings = Settings {
-        observe,
+        queries: observe,
         ..Settings::default()
     };
     let effects = Effects {
@@ -329,7 +329,7 @@ fn numbers_the_engine_does_not_have_are_refused() {
         f64::INFINITY,
         f64::NAN,
     ] {
-        assert!(is_number(new(response, Settings { size, ..default })), "size {size:e}");
+        assert!(is_number(new(response, Settings { length_unit: size, ..default })), "size {size:e}");
         let time_step = Some(size);
         assert!(
             is_number(new(response, Settings { time_step, ..default })),
@@ -374,7 +374,7 @@ fn what_is_accepted_falls() {
     };
     for (size, density) in [(1.0, 1e-30), (1.0, 1e20), (1e-6, 1.0), (1e5, 1.0)] {
         let settings = Settings {
-            size,
+            length_unit: size,
             time_step: Some(1.0 / 60.0),
             ..Settings::default()
         };
@@ -411,7 +411,7 @@ fn the_default_step_is_refused_for_small_bodies_that_fall() {
         ..Effects::response()
     };
     let of = |size: f64| Settings {
-        size,
+        length_unit: size,
         ..Settings::default()
     };
     let refused = |effects, settings| Simulation::new(effects, settings).err();

@@ -6,7 +6,7 @@ use lin_canny_rapier::lin_canny_parry::lin_canny::polyhedron::solids;
 use lin_canny_rapier::{Body, BodyId, Effects, Settings, SimulationError};
 
 use super::engine::rapier::prelude::*;
-use super::engine::{Certified, Hull, Simulation, certified_world};
+use super::engine::{CertifiedDispatcher, Hull, Simulation, certified_world};
 
 const GRAVITY: f64 = 9.81;
 
@@ -30,13 +30,13 @@ fn thrown(settings: Settings, gravity: f64, linear: Vector3<f64>) -> (Simulation
     let mut simulation = Simulation::new(effects, settings).expect("settings");
     let velocity = Velocity::new(linear, Vector3::zeros());
     let body = Body::moving(Isometry3::identity(), 1000.0).velocity(velocity);
-    let id = simulation.insert(cube(settings.size), body).expect("a cube");
+    let id = simulation.insert(cube(settings.length_unit), body).expect("a cube");
     (simulation, id)
 }
 
 fn settings(size: f64) -> Settings {
     Settings {
-        size,
+        length_unit: size,
         time_step: Some(STEP),
         ..Settings::default()
     }
@@ -92,7 +92,7 @@ fn bodies_of_every_size_fly_as_fast_as_they_are_thrown() {
 #[test]
 fn bodies_fall_in_a_certified_world_of_every_size() {
     for size in SIZES {
-        let mut world = certified_world(Certified::default(), size as Real, STEP as Real);
+        let mut world = certified_world(CertifiedDispatcher::default(), size as Real, STEP as Real);
         world.gravity = Vector::Y * -GRAVITY as Real;
         let shape = SharedShape::from(cube(size));
         let (body, _) = world.insert(RigidBodyBuilder::dynamic(), ColliderBuilder::new(shape));

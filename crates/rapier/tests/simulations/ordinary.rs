@@ -5,7 +5,7 @@
 
 use super::bodies::Told;
 use super::engine::rapier::prelude::*;
-use super::engine::{Certified, certified_world};
+use super::engine::{CertifiedDispatcher, certified_world};
 use super::stage;
 
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -15,7 +15,7 @@ enum Engine {
 }
 
 fn built<T>(engine: Engine, fill: impl Fn(&mut PhysicsWorld) -> T) -> (PhysicsWorld, T) {
-    let mut world = certified_world(Certified::default(), 1.0, 1.0 / 60.0);
+    let mut world = certified_world(CertifiedDispatcher::default(), 1.0, 1.0 / 60.0);
     world.gravity = Vector::Y * -9.81;
     if engine == Engine::Parry {
         world.narrow_phase = NarrowPhase::new();

@@ -6,7 +6,7 @@ use lin_canny_rapier::lin_canny_parry::lin_canny::{RelativePose, Tracker};
 use truth::rng::Rng;
 
 use super::engine::rapier::prelude::*;
-use super::engine::{Certified, Hull, certified_world};
+use super::engine::{CertifiedDispatcher, Hull, certified_world};
 
 fn prism(sides: usize, radius: f64, half_height: f64) -> Vec<Vector> {
     let at = |k: usize, y: f64| {
@@ -32,7 +32,7 @@ fn bin(world: &mut PhysicsWorld, half: Real) {
 }
 
 /// Hulls of 12 points, some of them inside, over a bin; all lengths and gravity times `scale`.
-fn pile(count: usize, scale: Real, dispatcher: Certified) -> (PhysicsWorld, Vec<(RigidBodyHandle, Hull)>) {
+fn pile(count: usize, scale: Real, dispatcher: CertifiedDispatcher) -> (PhysicsWorld, Vec<(RigidBodyHandle, Hull)>) {
     let mut world = certified_world(dispatcher, scale, 1.0 / 60.0);
     world.gravity = Vector::new(0.0, -9.81 * scale, 0.0);
     bin(&mut world, 2.0 * scale);
@@ -77,7 +77,7 @@ fn bits(world: &PhysicsWorld, bodies: &[(RigidBodyHandle, Hull)]) -> Vec<u64> {
 fn a_coin_laid_flat_lies_still() {
     for sides in [4, 6, 12, 64, 128] {
         for on_space in [true, false] {
-            let mut world = certified_world(Certified::default(), 1.0, 1.0 / 60.0);
+            let mut world = certified_world(CertifiedDispatcher::default(), 1.0, 1.0 / 60.0);
             world.gravity = Vector::new(0.0, -9.81, 0.0);
             let (ground, at) = match on_space {
                 true => (SharedShape::halfspace(Vector::Y), 0.0),
@@ -109,7 +109,7 @@ fn a_coin_laid_flat_lies_still() {
 #[test]
 fn hulls_of_a_thousandth_pile_up_as_large_ones_do() {
     let deepest = |scale: Real| {
-        let (mut world, bodies) = pile(40, scale, Certified::default());
+        let (mut world, bodies) = pile(40, scale, CertifiedDispatcher::default());
         let mut deepest = 0.0f64;
         for step in 0..240 {
             world.step();
@@ -133,7 +133,7 @@ fn hulls_of_a_thousandth_pile_up_as_large_ones_do() {
 #[test]
 fn towers_of_plain_shapes_stand_at_any_size() {
     for size in [0.005, 0.01, 0.02, 0.1, 1.0] {
-        let mut world = certified_world(Certified::default(), size, 1.0 / 240.0);
+        let mut world = certified_world(CertifiedDispatcher::default(), size, 1.0 / 240.0);
         world.gravity = Vector::new(0.0, -9.81 * size.min(0.1) * 10.0, 0.0);
         let floor = ColliderBuilder::cuboid(20.0 * size, size, 20.0 * size);
         let at = |x: Real, y: Real| Vector::new(x * size, y * size, 0.0);
@@ -197,12 +197,12 @@ fn depth(world: &PhysicsWorld, bodies: &[(RigidBodyHandle, Hull)]) -> f64 {
 #[test]
 fn snapshots_go_on_bit_for_bit() {
     for moment in [20, 60, 100, 160] {
-        let (mut world, bodies) = pile(30, 1.0, Certified::default());
+        let (mut world, bodies) = pile(30, 1.0, CertifiedDispatcher::default());
         (0..moment).for_each(|_| world.step());
         let mut file = Vec::new();
         ciborium::into_writer(&world, &mut file).expect("a snapshot");
         let mut again: PhysicsWorld = ciborium::from_reader(&file[..]).expect("a world");
-        again.narrow_phase.set_query_dispatcher(Certified::default());
+        again.narrow_phase.set_query_dispatcher(CertifiedDispatcher::default());
         assert_eq!(bits(&again, &bodies), bits(&world, &bodies), "moment {moment}: as read");
         let contacts = world
             .narrow_phase
@@ -226,7 +226,7 @@ fn snapshots_go_on_bit_for_bit() {
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let run = |threads: usize| {
-        let (mut world, bodies) = pile(60, 1.0, Certified::default());
+        let (mut world, bodies) = pile(60, 1.0, CertifiedDispatcher::default());
         world.physics_pipeline.configure_thread_pool(threads).expect("threads");
         (0..150).for_each(|_| world.step());
         bits(&world, &bodies)

@@ -5,13 +5,13 @@ use lin_canny_rapier::lin_canny_parry::lin_canny::{Geometry, PairTracker, Relati
 use truth::rng::Rng;
 
 use super::engine::rapier::prelude::*;
-use super::engine::{Certified, Hull, certified_world};
+use super::engine::{CertifiedDispatcher, Hull, certified_world};
 
 const GRAVITY: Real = -9.81;
 
 /// A floor of a cuboid, ten sizes wide and a size thick, whose top is at zero.
 fn floored(size: Real, step: Real) -> PhysicsWorld {
-    let mut world = certified_world(Certified::default(), size, step);
+    let mut world = certified_world(CertifiedDispatcher::default(), size, step);
     world.gravity = Vector::Y * GRAVITY;
     let floor = ColliderBuilder::cuboid(10.0 * size, size, 10.0 * size);
     world.insert(RigidBodyBuilder::fixed().translation(Vector::Y * -size), floor);

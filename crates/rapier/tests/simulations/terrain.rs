@@ -4,7 +4,7 @@ use truth::rng::Rng;
 
 use super::engine::rapier::parry::query::{QueryDispatcher, Ray, RayCast};
 use super::engine::rapier::prelude::*;
-use super::engine::{Certified, Hull, MeshShape, certified_world};
+use super::engine::{CertifiedDispatcher, Hull, MeshShape, certified_world};
 
 /// Hills with y up, of `2 n^2` triangles a tenth wide.
 fn hills(n: usize) -> MeshShape {
@@ -24,7 +24,7 @@ fn height(hills: &MeshShape, p: Vector) -> Option<Real> {
 #[test]
 fn small_bodies_of_every_kind_stay_on_hills() {
     let (size, ground) = (0.02, hills(40));
-    let mut world = certified_world(Certified::default(), size, 1.0 / 240.0);
+    let mut world = certified_world(CertifiedDispatcher::default(), size, 1.0 / 240.0);
     world.gravity = Vector::new(0.0, -9.81, 0.0);
     let floor = ColliderBuilder::new(SharedShape::from(ground.clone())).friction(1.0);
     world.insert(RigidBodyBuilder::fixed(), floor);
@@ -59,7 +59,7 @@ fn small_bodies_of_every_kind_stay_on_hills() {
             "{k}: {above:?}"
         );
         let shape = world.colliders[body.colliders()[0]].shape();
-        let contact = Certified::default().contact(body.position(), &ground, shape, 0.0);
+        let contact = CertifiedDispatcher::default().contact(body.position(), &ground, shape, 0.0);
         let depth = contact.expect("answered").map_or(0.0, |c| -c.dist);
         assert!(depth < 0.05 * size, "{k}: {depth}");
     }
@@ -87,7 +87,7 @@ fn tray(half: Real) -> MeshShape {
 /// Returns how many of 36 parts fall through a thin tray on which they lie, and at which they are
 /// pushed, spinning, by many times its thickness a step.
 fn fallen(is_swept: bool) -> usize {
-    let mut world = certified_world(Certified::default(), 0.02, 1.0 / 60.0);
+    let mut world = certified_world(CertifiedDispatcher::default(), 0.02, 1.0 / 60.0);
     world.gravity = Vector::new(0.0, -9.81, 0.0);
     if !is_swept {
         world.integration_parameters.max_ccd_substeps = 0;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use lin_canny_robot::plan::NearPair;
-use lin_canny_robot::{Film, Trajectory};
+use lin_canny_robot::{RobotRecorder, Trajectory};
 
 use super::options::RobotOptions;
 use super::{End, Table, ToolError, names, progress, write};
@@ -34,8 +34,8 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
     let mut checker = setup.checker()?;
     let mut table = Table::new(&COLUMNS);
     let first = rows.rows.first();
-    let mut film = match (&options.record, first) {
-        (Some(file), Some(q)) => Some(Film::create(file, &checker, q)?),
+    let mut recorder = match (&options.record, first) {
+        (Some(file), Some(q)) => Some(RobotRecorder::create(file, &checker, q)?),
         _ => None,
     };
     let bar = progress("rows", rows.rows.len() as u64);
@@ -44,8 +44,8 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
         let line = rows.lines[k];
         bar.inc(1);
         let Some(near) = checker.clearance(q)? else { continue };
-        if let Some(film) = &mut film {
-            film.frame(checker.space(), q, &format!("line {line}"), &near)?;
+        if let Some(recorder) = &mut recorder {
+            recorder.frame(checker.space(), q, &format!("line {line}"), &near)?;
         }
         let [a, b] = names(&checker, near.pair);
         let mut cells = vec![line.to_string()];
@@ -60,8 +60,8 @@ pub(super) fn run(options: &ClearanceOptions) -> Result<End, ToolError> {
         }
     }
     bar.finish_and_clear();
-    if let Some(film) = film {
-        film.finish()?;
+    if let Some(recorder) = recorder {
+        recorder.finish()?;
     }
     if let Some(file) = &options.csv {
         write(file, &table.text())?;

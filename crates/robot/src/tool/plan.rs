@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use clap::Args;
 use lin_canny::Progress;
 use lin_canny_robot::plan::{Checker, ConfigurationSpace, JointTree, PlanOptions};
-use lin_canny_robot::{Film, Trajectory, csv_text};
+use lin_canny_robot::{RobotRecorder, Trajectory, csv_text};
 
 use super::options::RobotOptions;
 use super::{End, ToolError, write};
@@ -90,16 +90,16 @@ const FRAMES: u32 = 32;
 
 /// Records the motion along a path, with the closest pair of each frame.
 fn record(file: &Path, checker: &mut Checker<JointTree>, path: &[Vec<f64>]) -> Result<(), ToolError> {
-    let mut film = Film::create(file, checker, &path[0])?;
+    let mut recorder = RobotRecorder::create(file, checker, &path[0])?;
     for (row, ends) in path.windows(2).enumerate() {
         // A segment begins where the one before ended.
         for k in u32::from(row > 0)..=FRAMES {
             let part = f64::from(k) / f64::from(FRAMES);
             let q = checker.space().between(&ends[0], &ends[1], part);
             if let Some(near) = checker.clearance(&q)? {
-                film.frame(checker.space(), &q, &format!("segment {}, {part}", row + 1), &near)?;
+                recorder.frame(checker.space(), &q, &format!("segment {}, {part}", row + 1), &near)?;
             }
         }
     }
-    Ok(film.finish()?)
+    Ok(recorder.finish()?)
 }

@@ -1,7 +1,7 @@
 //! The scenes, made by program.
 
 use lin_canny_rapier::single::rapier::prelude::*;
-use lin_canny_rapier::single::{Certified, Hull, certified_world};
+use lin_canny_rapier::single::{CertifiedDispatcher, Hull, certified_world};
 use truth::rng::Rng;
 
 use super::Scene;
@@ -19,7 +19,7 @@ const PILES: [(usize, &str, &str); 5] = [
 
 /// A world of bodies of a metre at 60 steps a second.
 fn world(engine: Engine) -> PhysicsWorld {
-    let mut world = certified_world(Certified::default(), 1.0, 1.0 / 60.0);
+    let mut world = certified_world(CertifiedDispatcher::default(), 1.0, 1.0 / 60.0);
     world.gravity = Vector::Y * -9.81;
     if engine == Engine::Parry {
         world.narrow_phase = NarrowPhase::new();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use lin_canny::ConvexPolyhedron;
 use lin_canny_plan::ConfigurationSpace;
-use lin_canny_study::robot::Film;
+use lin_canny_study::robot::RobotRecorder;
 use lin_canny_study::{Study, StudyError};
 use truth::arm::draw::{Picture, outline};
 
@@ -42,7 +42,7 @@ pub(super) fn record(study: &Arc<Study>, tables: &Tables, file: &Path) -> Result
         return Err(StudyError::unfit(file.display(), "there is no row to record"));
     };
     study.with_checker(|checker| {
-        let mut film = Film::create(file, checker, &first.configuration)?;
+        let mut film = RobotRecorder::create(file, checker, &first.configuration)?;
         for (k, row) in tables.worst.iter().enumerate() {
             let Some(near) = checker.clearance(&row.configuration)? else {
                 continue;

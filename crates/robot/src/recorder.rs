@@ -14,18 +14,18 @@ use crate::error::{FileError, FileErrorKind};
 /// A recording of which every frame is a configuration and the closest pair there.
 ///
 /// ```no_run
-/// # use lin_canny_robot::{Film, RobotFiles};
+/// # use lin_canny_robot::{RobotRecorder, RobotFiles};
 /// let mut checker = RobotFiles::new("arm.urdf").load()?.1.checker()?;
 /// let path = [[0.0; 6], [0.5; 6]];
-/// let mut film = Film::create("arm.jsonl", &checker, &path[0])?;
+/// let mut recorder = RobotRecorder::create("arm.jsonl", &checker, &path[0])?;
 /// for q in &path {
 ///     let near = checker.clearance(q)?.ok_or("no pair")?;
-///     film.frame(checker.space(), q, "on the path", &near)?;
+///     recorder.frame(checker.space(), q, "on the path", &near)?;
 /// }
-/// film.finish()?;
+/// recorder.finish()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct Film {
+pub struct RobotRecorder {
     file: PathBuf,
     to: Recorder<BufWriter<File>>,
     /// Shapes and poses of the bodies of the robot, then of the obstacles.
@@ -33,7 +33,7 @@ pub struct Film {
     links: usize,
 }
 
-impl Film {
+impl RobotRecorder {
     /// Begins a recording of the bodies of a checker, the robot at a configuration.
     ///
     /// # Errors
