@@ -62,7 +62,7 @@
 //! | How far is a mesh from itself, which of its triangles are near each other? | [`PairTracker::self_closest`], [`self_within`](PairTracker::self_within), [`self_pairs`](PairTracker::self_pairs) | [`PairOutcome`]s, for triangles that share no vertex |
 //! | Where does a ray enter a body? | [`RayCaster::cast`], [`scene::Scene::cast_ray`] | [`RayCast`]: a proven bracket, point, normal, feature |
 //! | When must a pair be measured again? | [`schedule::Schedule`] | due pairs, by integer ticks |
-//! | The same of any two geometries: curved and rounded `Shape`s, `Compound`s, `Mesh`es, `surface::BezierSurface`s? | [`PairTracker`] | [`PairOutcome`]: an outcome, and the piece, triangle or patch of each witness; a [`Decision`] |
+//! | The same of any two geometries: curved and rounded `Shape`s, `Compound`s, `Mesh`es, `surface::BezierSurface`s? | [`PairTracker`] | [`PairOutcome`]: an outcome, and the piece, triangle or patch of each witness |
 //! | Which points hold any two solids apart, how deep are they? | [`PairTracker::contacts`], [`penetration`](PairTracker::penetration) | [`ContactGroup`]: points by direction, with names that last; [`PenetrationBounds`]: an interval |
 //! | Many bodies: who overlaps, is near, meets when; the closest pair of two groups? | [`scene::Scene`] | events, impacts and answers for the queries that are enabled |
 //! | Only the pairs of boxes? | [`broad::SweepAndPrune`] | pairs, events, stable ids |

@@ -16,7 +16,7 @@ use crate::nonconvex::parts::PartsRef;
 use crate::nonconvex::separation::CompoundPair;
 use crate::pair::location::PairOutcome;
 use crate::pair::options::QueryOptions;
-use crate::pair::outcome::{Decision, Distance};
+use crate::pair::outcome::Distance;
 use crate::pair_tracker::geometry::{GeometryKind, GeometryRef};
 
 impl PairTracker {
@@ -77,11 +77,9 @@ impl PairTracker {
     ///
     /// Triangles are left out as told at [`self_closest`](Self::self_closest).
     #[doc(alias = "self-intersection")]
-    pub fn self_within(&mut self, mesh: &Mesh, d: f64) -> Decision {
-        Decision::of(
-            self.self_tracker(mesh)
-                .is_some_and(|tracker| tracker.self_within(mesh, d)),
-        )
+    pub fn self_within(&mut self, mesh: &Mesh, d: f64) -> bool {
+        self.self_tracker(mesh)
+            .is_some_and(|tracker| tracker.self_within(mesh, d))
     }
 
     /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart, in

@@ -10,6 +10,7 @@ use crate::base::tolerance::{PLACED_BALL, RAY};
 use crate::body::polyhedron::{ConvexPolyhedron, Feature};
 #[cfg(feature = "meshes")]
 use crate::nonconvex::meet::ray::Met;
+use crate::pair::options::QueryOptions;
 use crate::pair_tracker::PairTracker;
 use crate::pair_tracker::geometry::GeometryRef;
 use crate::time::impact::{Impact, ImpactError, Tolerance, cast};
@@ -291,9 +292,9 @@ impl RayCaster {
         let (Some(at), true) = (placed(pose, &ray.origin), is_near) else {
             return found;
         };
-        match (self.tracker.intersects(body, &self.point, &at).as_bool(), found) {
-            (Some(true), _) => RayCast::Inside,
-            (Some(false), RayCast::Inside) => RayCast::Undecided { safe: 0.0 },
+        match (self.tracker.intersects(body, &self.point, &at), found) {
+            (true, _) => RayCast::Inside,
+            (false, RayCast::Inside) => RayCast::Undecided { safe: 0.0 },
             _ => found,
         }
     }
@@ -336,6 +337,7 @@ fn crossing(body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray, (safe, until): 
     (0..RAY_CROSSINGS).find_map(|k| {
         let end = (safe + width * f64::from(1u32 << k)).smaller(until);
         let piece = ConvexPolyhedron::segment(place(safe), place(end)).ok()?;
-        tracker.intersects(body, &piece, &rest).is_yes().then_some(end)
+        let meets = tracker.decide_within(body, &piece, &rest, 0.0, &QueryOptions::new());
+        meets.is_yes().then_some(end)
     })
 }

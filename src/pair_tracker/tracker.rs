@@ -287,22 +287,24 @@ impl PairTracker {
         self.lend([a.into(), b.into()]).lower_bound(a_from_b)
     }
 
-    /// Returns whether the geometries share a point; touching counts. Only pairs with a surface of
-    /// patches may be undecided; curved shapes whose bounds hold both answers count as sharing one.
+    /// Returns whether the geometries share a point; touching counts.
+    ///
+    /// If the bounds of a pair with a curved shape or a Bézier surface allow both answers, the
+    /// answer is yes; [`decide_within`](Self::decide_within) with zero tells the two apart.
     pub fn intersects<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
-    ) -> Decision {
+    ) -> bool {
         self.within(a, b, a_from_b, 0.0)
     }
 
     /// Returns whether the geometries are at most `d` apart, `d` in the caller's unit; no for a
-    /// negative `d` and NaN. Only pairs with a surface of patches may be undecided: if `d` is
-    /// within rounding of the distance, or a budget is used up; so may be two surfaces that touch,
-    /// for a `d` of zero. For curved shapes, a distance that the bounds cannot tell from `d` counts
-    /// as within, and for such a `d` the answer may depend on the last query.
+    /// negative `d` and NaN.
+    ///
+    /// If the bounds of a pair with a curved shape or a Bézier surface allow both answers, the
+    /// answer is yes. For such a `d` the answer may depend on the last query.
     ///
     /// Of two meshes or compounds, two kinds of ties count as within: a connected part of one
     /// solid of which four vertices, the farthest from each other, are all nearer than `1e-13 L` to
@@ -318,22 +320,26 @@ impl PairTracker {
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
         d: f64,
-    ) -> Decision {
-        self.decide_within(a, b, a_from_b, d, &QueryOptions::new())
+    ) -> bool {
+        !self.decide_within(a, b, a_from_b, d, &QueryOptions::new()).is_no()
     }
 
-    /// Returns whether the geometries are at most `d` apart as [`within`](Self::within) does, with
-    /// the budget of a question.
+    /// Decides whether the geometries are at most `d` apart, with three answers.
+    ///
+    /// Only a pair with a Bézier surface may be undecided: if `d` is within rounding of the
+    /// distance, if the query uses up its budget, or for a `d` of zero if two surfaces touch. For
+    /// curved shapes a distance that the bounds cannot tell from `d` counts as within. All other
+    /// pairs are always decided, with the ties of [`within`](Self::within).
     pub fn decide_within<'g>(
         &mut self,
         a: impl Into<GeometryRef<'g>>,
         b: impl Into<GeometryRef<'g>>,
         a_from_b: &RelativePose,
         d: f64,
-        question: &QueryOptions,
+        options: &QueryOptions,
     ) -> Decision {
         let bodies = [a.into(), b.into()];
-        self.follow(bodies).engine.decide_within(bodies, a_from_b, d, question)
+        self.follow(bodies).engine.decide_within(bodies, a_from_b, d, options)
     }
 
     /// Returns two geometries that can be measured over time, followed by this tracker: what

@@ -281,9 +281,9 @@ fn bent_meshes_beside_other_kinds_are_as_meshes_built_anew() {
                     segments += left.len();
                     let apart = (found.distance - truth.distance.max(0.0)).abs();
                     assert!(apart < 1e-12, "{name} {k} {frame} {found:?} {truth:?}");
-                    assert_eq!(warm.intersects(&m, other, &pose).is_yes(), !is_apart);
+                    assert_eq!(warm.intersects(&m, other, &pose), !is_apart);
                     let near = found.distance + 0.01;
-                    assert_eq!(warm.within(&m, other, &pose, near).is_yes(), truth.distance <= near);
+                    assert_eq!(warm.within(&m, other, &pose, near), truth.distance <= near);
                     assert!(warm.lower_bound(&m, other, &pose) <= truth.upper + 1e-12);
                 }
             }

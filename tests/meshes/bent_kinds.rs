@@ -9,7 +9,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::surface::{BezierPatch, BezierSurface};
 use lin_canny::{
     Compound, ContactState, ConvexPolyhedron, Geometry, GeometryRef, Mesh, MeshKind, PairOutcome, PairTracker, Piece,
-    Ray, RayCast, RayCaster, RelativePose, Shape,
+    QueryOptions, Ray, RayCast, RayCaster, RelativePose, Shape,
 };
 use truth::pose::{add, cross, dot, quat, quat_mul, scale, sub, unit_quat};
 use truth::rng::Rng;
@@ -105,10 +105,22 @@ impl Kept {
                 let apart = (found.point_on_a - at_point(&at, &found)).norm();
                 assert!((apart - distance).abs() < 1e-9, "{what} {found:?} {apart}");
             }
-            assert_eq!(tracker.intersects(a, b, &at).is_yes(), !is_apart, "{what} {found:?}");
-            assert!(tracker.within(a, b, &at, distance + 1e-9).is_yes(), "{what} {found:?}");
+            assert_eq!(
+                tracker.decide_within(a, b, &at, 0.0, &QueryOptions::new()).is_yes(),
+                !is_apart,
+                "{what} {found:?}"
+            );
             assert!(
-                meets || tracker.within(a, b, &at, distance - 1e-9).is_no(),
+                tracker
+                    .decide_within(a, b, &at, distance + 1e-9, &QueryOptions::new())
+                    .is_yes(),
+                "{what} {found:?}"
+            );
+            assert!(
+                meets
+                    || tracker
+                        .decide_within(a, b, &at, distance - 1e-9, &QueryOptions::new())
+                        .is_no(),
                 "{what} {found:?}"
             );
             assert!(
@@ -323,7 +335,10 @@ fn a_surface_is_as_far_from_a_bent_mesh_as_from_one_built_anew() {
             apart += usize::from(fresh.state == ContactState::Separated);
             let d = fresh.upper.max(0.0) + 1e-9;
             assert!(
-                there.within(&m, &surface, &at, d).is_yes() && back.within(&surface, &m, &at.swapped(), d).is_yes()
+                there.decide_within(&m, &surface, &at, d, &QueryOptions::new()).is_yes()
+                    && back
+                        .decide_within(&surface, &m, &at.swapped(), d, &QueryOptions::new())
+                        .is_yes()
             );
         }
     }

@@ -45,7 +45,7 @@ fn windings_decide_over_jumps() {
             let found = forward.closest(&m, &small, &relative(&pose));
             assert_eq!(found.state, state, "{k} {i} {found:?} {truth}");
             assert_eq!(backward.closest(&small, &m, &relative(&pose).swapped()).state, state);
-            assert_eq!(forward.intersects(&m, &small, &relative(&pose)).is_yes(), contained);
+            assert_eq!(forward.intersects(&m, &small, &relative(&pose)), contained);
             *if contained { &mut inside } else { &mut outside } += 1;
         }
     }
@@ -104,12 +104,10 @@ fn boxes_with_coplanar_faces_overlap() {
                 (ContactState::Touching, 0.0),
                 "{n} {t:?}"
             );
-            assert!(tracker.intersects(&m, &k, &relative(&Pose::shift(t))).is_yes());
+            assert!(tracker.intersects(&m, &k, &relative(&Pose::shift(t))));
             let beyond = t.map(|x| if x == 1.0 { 1.0 + 1e-15 } else { x });
             assert!(
-                !PairTracker::new()
-                    .intersects(&m, &k, &relative(&Pose::shift(beyond)))
-                    .is_yes(),
+                !PairTracker::new().intersects(&m, &k, &relative(&Pose::shift(beyond))),
                 "{n} {t:?}"
             );
         }

@@ -85,7 +85,7 @@ fn bodies_in_one_place_take_few_pairs() {
             measured.push((work.measured, k, i));
             if is_solid {
                 let mut tracker = PairTracker::new();
-                assert!(tracker.intersects(&m, n, &relative(&pose)).is_yes(), "{k} {i}");
+                assert!(tracker.intersects(&m, n, &relative(&pose)), "{k} {i}");
                 measured.push((tracker.work().trees.measured, k, i));
             }
         }
@@ -118,7 +118,7 @@ fn surfaces_on_each_other_keep_their_class() {
                 assert!(cold.work().trees.measured < 8, "{gap:e} {:?}", cold.work());
             }
             // The predicate is exact below rounding, too.
-            let meets = PairTracker::new().intersects(&few, &few, &pose).is_yes();
+            let meets = PairTracker::new().intersects(&few, &few, &pose);
             assert_eq!(meets, gap == 0.0, "{gap:e} {flip}");
         }
     }

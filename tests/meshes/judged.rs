@@ -66,11 +66,7 @@ impl Tally {
             }
         }
         let meets = square == RBig::ZERO || is_held;
-        assert_eq!(
-            tracker.intersects(m, n, &at).is_yes(),
-            meets,
-            "{what}: {found:?} {square}"
-        );
+        assert_eq!(tracker.intersects(m, n, &at), meets, "{what}: {found:?} {square}");
         for d in [
             found.upper,
             found.lower.next_down(),
@@ -80,7 +76,7 @@ impl Tally {
             let is_within = d >= 0.0 && (meets || square <= exact(d) * exact(d));
             if d.is_finite() {
                 assert_eq!(
-                    tracker.within(m, n, &at, d).is_yes(),
+                    tracker.within(m, n, &at, d),
                     is_within,
                     "{what}: {d} {found:?} {square}"
                 );
@@ -94,9 +90,9 @@ impl Tally {
         let (square, _) = itself(a).expect("triangles that share no vertex");
         let found = tracker.self_closest(m).expect("triangles that share no vertex");
         judge_answer(&found, &square, 2.0 * a.radius(), what);
-        assert_eq!(tracker.self_within(m, 0.0).is_yes(), square == RBig::ZERO, "{what}");
+        assert_eq!(tracker.self_within(m, 0.0), square == RBig::ZERO, "{what}");
         let d = found.lower.next_down();
-        assert!(d < 0.0 || tracker.self_within(m, d).is_no(), "{what}");
+        assert!(d < 0.0 || !tracker.self_within(m, d), "{what}");
         self.selves[usize::from(square == RBig::ZERO)] += 1;
     }
 

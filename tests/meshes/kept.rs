@@ -20,7 +20,7 @@ use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
 use lin_canny::{
     Compound, ConvexPolyhedron, Geometry, Manifold, ManifoldOptions, Mesh, PairOutcome, PairTracker, Piece,
-    RelativePose, Shape, Tracker,
+    QueryOptions, RelativePose, Shape, Tracker,
 };
 use truth::Pose;
 use truth::rng::Rng;
@@ -59,8 +59,8 @@ fn in_turn(bodies: &[Geometry], other: &Geometry, poses: &[RelativePose]) {
             .into_iter()
             .filter(|d| *d >= 0.0)
         {
-            let now = tracker.within(next, other, pose, d);
-            let truth = PairTracker::new().within(next, other, pose, d);
+            let now = tracker.decide_within(next, other, pose, d, &QueryOptions::new());
+            let truth = PairTracker::new().decide_within(next, other, pose, d, &QueryOptions::new());
             assert!(now == truth || !(now.is_yes() || now.is_no()), "{k}: {now:?} {truth:?}");
         }
     }

@@ -104,14 +104,10 @@ pub(crate) fn judge_by_surfaces(
     }
     if truth > noise {
         let separated = found.state == ContactState::Separated;
-        assert_eq!(tracker.intersects(m, n, &relative(pose)).is_yes(), !separated);
+        assert_eq!(tracker.intersects(m, n, &relative(pose)), !separated);
         if separated {
-            assert!(tracker.within(m, n, &relative(pose), found.upper).is_yes());
-            assert!(
-                !tracker
-                    .within(m, n, &relative(pose), truth * (1.0 - 1e-9) - noise)
-                    .is_yes()
-            );
+            assert!(tracker.within(m, n, &relative(pose), found.upper));
+            assert!(!tracker.within(m, n, &relative(pose), truth * (1.0 - 1e-9) - noise));
             let bound = tracker.lower_bound(m, n, &relative(pose));
             assert!(bound <= truth + noise, "{bound} {truth}");
         }

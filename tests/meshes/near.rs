@@ -27,16 +27,12 @@ fn each(a: &Mesh, b: &Mesh, pose: &RelativePose, check: impl Fn(&str, bool, bool
     let back = pose.swapped();
     let mut kept = PairTracker::new();
     for round in ["cold", "warm"] {
-        check(
-            round,
-            kept.intersects(a, b, pose).is_yes(),
-            kept.within(a, b, pose, d).is_yes(),
-        );
+        check(round, kept.intersects(a, b, pose), kept.within(a, b, pose, d));
     }
     check(
         "turned",
-        PairTracker::new().intersects(b, a, &back).is_yes(),
-        PairTracker::new().within(b, a, &back, d).is_yes(),
+        PairTracker::new().intersects(b, a, &back),
+        PairTracker::new().within(b, a, &back, d),
     );
 }
 
@@ -265,9 +261,7 @@ fn points_at_their_own_origin_are_measured_in_both_orders() {
                     assert_eq!(found.state, ContactState::Separated, "{size:e} {found:?}");
                     assert!(found.lower <= truth * (1.0 + 1e-12) && truth <= found.upper * (1.0 + 1e-12));
                     assert!(found.upper - found.lower < 1e-12 * size, "{size:e} {found:?}");
-                    assert!(
-                        tracker.intersects(x, y, &pose).is_no() && tracker.within(x, y, &pose, 0.05 * size).is_no()
-                    );
+                    assert!(!tracker.intersects(x, y, &pose) && !tracker.within(x, y, &pose, 0.05 * size));
                     assert!(tracker.lower_bound(x, y, &pose) <= truth * (1.0 + 1e-12));
                 }
             }
@@ -295,13 +289,13 @@ fn tiny_bodies_beside_huge_ones_are_measured_in_both_orders() {
         assert!(found.upper - found.lower < 1e28, "{found:?}");
         let apart = place * found.point_on_b - found.point_on_a;
         assert!((apart.norm() / 2e40 - 1.0).abs() < 1e-9 && apart.normalize().dot(&found.normal) > 0.999_999);
-        assert!(tracker.within(a, b, &pose, 1.9e40).is_no() && tracker.within(a, b, &pose, 2.1e40).is_yes());
+        assert!(!tracker.within(a, b, &pose, 1.9e40) && tracker.within(a, b, &pose, 2.1e40));
         assert!(tracker.lower_bound(a, b, &pose) < 2.1e40);
     }
     let mut tracker = PairTracker::new();
     let found = tracker.closest(&small.1, &huge.1, &pose);
     assert!(found.lower > 1.99e40 && found.upper < 2.01e40, "{found:?}");
-    assert!(tracker.intersects(&small.1, &huge.1, &pose).is_no());
+    assert!(!tracker.intersects(&small.1, &huge.1, &pose));
 }
 
 #[test]
@@ -316,9 +310,9 @@ fn bodies_a_universe_away_are_apart() {
             found.lower <= far && far <= found.upper && found.upper.is_finite(),
             "{found:?}"
         );
-        assert!(PairTracker::new().intersects(&m, &m, &pose).is_no(), "{far:e}");
-        assert!(PairTracker::new().within(&m, &m, &pose, far * (1.0 - 1e-12)).is_no());
-        assert!(PairTracker::new().intersects(&piece, &m, &pose).is_no(), "{far:e}");
+        assert!(!PairTracker::new().intersects(&m, &m, &pose), "{far:e}");
+        assert!(!PairTracker::new().within(&m, &m, &pose, far * (1.0 - 1e-12)));
+        assert!(!PairTracker::new().intersects(&piece, &m, &pose), "{far:e}");
     }
 }
 

@@ -41,10 +41,10 @@ fn judge(tracker: &mut PairTracker, soup: &Soup, m: &Mesh, what: &str) -> Contac
         (apart - found.distance).abs() < 1e-13 * size || found.state == ContactState::Touching,
         "{what}: {apart} {found:?}"
     );
-    assert_eq!(tracker.self_within(m, 0.0).is_yes(), square == RBig::ZERO, "{what}");
+    assert_eq!(tracker.self_within(m, 0.0), square == RBig::ZERO, "{what}");
     for d in [found.upper, found.lower.next_down(), rounded(&exact(found.distance))] {
         let is_within = d >= 0.0 && square <= exact(d) * exact(d);
-        assert_eq!(tracker.self_within(m, d).is_yes(), is_within, "{what}: {d} {found:?}");
+        assert_eq!(tracker.self_within(m, d), is_within, "{what}: {d} {found:?}");
     }
     found.state
 }
@@ -209,14 +209,14 @@ fn meshes_whose_triangles_all_share_a_vertex_have_no_distance() {
         let mut tracker = PairTracker::new();
         for _ in 0..3 {
             assert!(tracker.self_closest(&m).is_none());
-            assert!(tracker.self_within(&m, f64::INFINITY).is_no() && tracker.self_pairs(&m, 10.0).is_empty());
+            assert!(!tracker.self_within(&m, f64::INFINITY) && tracker.self_pairs(&m, 10.0).is_empty());
         }
     }
     let m = mesh(&sheet(3));
     let mut tracker = PairTracker::new();
     for d in [-1.0, f64::NAN, -0.5] {
         assert!(
-            tracker.self_within(&m, d).is_no() && tracker.self_pairs(&m, d).is_empty(),
+            !tracker.self_within(&m, d) && tracker.self_pairs(&m, d).is_empty(),
             "{d}"
         );
     }

@@ -69,14 +69,14 @@ fn pieces_equal_brute_force() {
                     found.lower <= truth + 1e-15 && truth <= found.upper + 1e-15,
                     "{found:?} {truth}"
                 );
-                assert!(tracker.within(&a, &b, &relative(&pose), truth - 1e-12).is_no());
-                assert!(tracker.within(&a, &b, &relative(&pose), truth + 1e-12).is_yes());
+                assert!(!tracker.within(&a, &b, &relative(&pose), truth - 1e-12));
+                assert!(tracker.within(&a, &b, &relative(&pose), truth + 1e-12));
                 let on_b = pose.apply(found.point_on_b.into());
                 let apart = truth::pose::norm(truth::pose::sub(on_b, found.point_on_a.into()));
                 assert!((apart - truth).abs() < 1e-13);
             }
             assert_eq!(
-                tracker.intersects(&a, &b, &relative(&pose)).is_yes(),
+                tracker.intersects(&a, &b, &relative(&pose)),
                 found.state != ContactState::Separated
             );
             tally[usize::from(found.state == ContactState::Separated)] += 1;

@@ -31,8 +31,8 @@ fn ask(mesh: &Geometry, body: &Geometry, pose: &RelativePose, place: Place, told
     for (a, b, pose) in [(mesh, body, *pose), (body, mesh, pose.swapped())] {
         let mut tracker = PairTracker::new();
         let met = place != Place::Outside;
-        assert_eq!(tracker.intersects(a, b, &pose).is_yes(), met, "{told}: intersects");
-        assert_eq!(tracker.within(a, b, &pose, 0.0).is_yes(), met, "{told}: within");
+        assert_eq!(tracker.intersects(a, b, &pose), met, "{told}: intersects");
+        assert_eq!(tracker.within(a, b, &pose, 0.0), met, "{told}: within");
         let found = tracker.closest(a, b, &pose);
         let allowed: &[ContactState] = match place {
             Place::Outside => &[ContactState::Separated, ContactState::Touching],
@@ -44,11 +44,7 @@ fn ask(mesh: &Geometry, body: &Geometry, pose: &RelativePose, place: Place, told
         let bound = tracker.lower_bound(a, b, &pose);
         assert!(!met || bound <= 0.0, "{told}: {bound:e}");
         // Warm, the same.
-        assert_eq!(
-            tracker.intersects(a, b, &pose).is_yes(),
-            met,
-            "{told}: intersects, warm"
-        );
+        assert_eq!(tracker.intersects(a, b, &pose), met, "{told}: intersects, warm");
     }
 }
 
@@ -248,10 +244,8 @@ fn spikes_smaller_than_a_body_may_be_are_decided() {
             let bodies = [mesh(&block), mesh(&spike), Geometry::from(spike), Geometry::from(block)];
             [(0, 1), (1, 0), (0, 2), (1, 3), (3, 1)].map(|(i, j)| {
                 let mut tracker = PairTracker::new();
-                let met = tracker.intersects(&bodies[i], &bodies[j], &at_rest()).is_yes();
-                let near = tracker
-                    .within(&bodies[i], &bodies[j], &at_rest(), size * scale / 8.0)
-                    .is_yes();
+                let met = tracker.intersects(&bodies[i], &bodies[j], &at_rest());
+                let near = tracker.within(&bodies[i], &bodies[j], &at_rest(), size * scale / 8.0);
                 let found = tracker.closest(&bodies[i], &bodies[j], &at_rest());
                 assert!(found.upper - found.lower < 1e-12 * scale || met, "{k}: {found:?}");
                 (met, near)

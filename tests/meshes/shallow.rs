@@ -77,7 +77,7 @@ fn thin_bodies_a_little_way_in_have_a_contact() {
             t: add(pose.t, out.into()),
             ..pose
         };
-        parted += usize::from(PairTracker::new().intersects(a, b, &relative(&moved)).is_no());
+        parted += usize::from(!PairTracker::new().intersects(a, b, &relative(&moved)));
     }
     // The deepest contact of most overlaps is all that holds the bodies.
     assert!(met > 400 && parted * 100 > met * 99, "{met} {parted}");

@@ -64,12 +64,10 @@ fn tumble((soup, m): (&Soup, &Mesh), body: &Compound, seed: u64, tally: &mut [us
             let apart = truth::pose::norm(truth::pose::sub(on_b, found.point_on_a.into()));
             assert!((apart - truth).abs() < 1e-9, "{seed} {frame} {apart} {truth}");
             assert!(warm.lower_bound(m, body, &at) <= truth + 1e-12);
-            assert!(
-                warm.within(m, body, &at, truth + 1e-9).is_yes() && warm.within(m, body, &at, truth - 1e-9).is_no()
-            );
+            assert!(warm.within(m, body, &at, truth + 1e-9) && !warm.within(m, body, &at, truth - 1e-9));
         } else {
             assert!(inside || truth < 1e-9, "{seed} {frame} {found:?} {truth}");
-            assert!(warm.intersects(m, body, &at).is_yes());
+            assert!(warm.intersects(m, body, &at));
         }
         tally[usize::from(found.state == ContactState::Separated)] += 1;
     }
@@ -126,7 +124,7 @@ fn a_shape_inside_a_solid_overlaps_and_inside_a_surface_does_not() {
         let at = relative(&Pose::shift([0.1, 0.0, 0.2]));
         let found = PairTracker::new().closest(&solid, &body, &at);
         assert_eq!((found.state, found.distance), (ContactState::Overlapping, 0.0));
-        assert!(PairTracker::new().intersects(&body, &solid, &at.swapped()).is_yes());
+        assert!(PairTracker::new().intersects(&body, &solid, &at.swapped()));
         let found = PairTracker::new().closest(&surface, &body, &at);
         assert_eq!(found.state, ContactState::Separated);
     }

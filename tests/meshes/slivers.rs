@@ -47,9 +47,9 @@ fn two_slivers_on_one_line_are_as_far_apart_as_their_ends() {
         assert!(found.lower <= found.distance && found.distance <= found.upper && found.upper - found.lower < 1e-12);
         let both = Mesh::new(&points, &[[0, 1, 2], [3, 4, 5]]).unwrap();
         let mut tracker = PairTracker::new();
-        assert!(!tracker.self_within(&both, 0.9 * truth).is_yes());
+        assert!(!tracker.self_within(&both, 0.9 * truth));
         assert!(tracker.self_pairs(&both, 0.9 * truth).is_empty());
-        assert!(tracker.self_within(&both, 1.1 * truth).is_yes());
+        assert!(tracker.self_within(&both, 1.1 * truth));
     }
 }
 

@@ -5,7 +5,9 @@ use core::f64::consts::TAU;
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
-use lin_canny::{Compound, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, RelativePose, Shape};
+use lin_canny::{
+    Compound, ConvexPolyhedron, Geometry, Mesh, MeshError, PairTracker, Piece, QueryOptions, RelativePose, Shape,
+};
 use truth::driven::stand_ins::{self, Mix};
 use truth::rng::Rng;
 
@@ -81,15 +83,21 @@ fn pieces_without_triangles_stay_in_the_body() {
             assert_eq!(found.state, back.state, "{name} {x}");
             for tracker in [&mut warm, &mut PairTracker::new()] {
                 assert!(
-                    tracker.within(&body, &mesh, &along_x(x), truth + 1e-9).is_yes(),
+                    tracker
+                        .decide_within(&body, &mesh, &along_x(x), truth + 1e-9, &QueryOptions::new())
+                        .is_yes(),
                     "{name} {x}"
                 );
                 assert!(
-                    tracker.within(&body, &mesh, &along_x(x), truth - 1e-9).is_no(),
+                    tracker
+                        .decide_within(&body, &mesh, &along_x(x), truth - 1e-9, &QueryOptions::new())
+                        .is_no(),
                     "{name} {x}"
                 );
                 assert_eq!(
-                    tracker.intersects(&mesh, &body, &along_x(x).swapped()).is_yes(),
+                    tracker
+                        .decide_within(&mesh, &body, &along_x(x).swapped(), 0.0, &QueryOptions::new())
+                        .is_yes(),
                     truth == 0.0
                 );
             }
@@ -208,8 +216,12 @@ fn one_list_bends_two_numberings_to_two_bodies() {
             );
             let other = bodies[(k + 1) % 2];
             for d in [0.5, 0.99, 1.01, 2.0, 4.0] {
-                let now = tracker.within(other, &probe, &pose, d);
-                assert_eq!(now, PairTracker::new().within(other, &probe, &pose, d), "{k} {d}");
+                let now = tracker.decide_within(other, &probe, &pose, d, &QueryOptions::new());
+                assert_eq!(
+                    now,
+                    PairTracker::new().decide_within(other, &probe, &pose, d, &QueryOptions::new()),
+                    "{k} {d}"
+                );
             }
             let (now, fresh) = (
                 tracker.lower_bound(other, &probe, &pose),
@@ -279,7 +291,7 @@ fn every_kind_that_a_body_is_turned_into_is_the_body() {
                         assert!(is_right, "{form:?} {other:?}: {found:?} {truth:?}");
                     }
                     if lower > 1e-12 || truth.upper < -1e-12 {
-                        let meets = PairTracker::new().intersects(form, other, &pose);
+                        let meets = PairTracker::new().decide_within(form, other, &pose, 0.0, &QueryOptions::new());
                         assert_eq!(meets.is_yes(), lower == 0.0, "{form:?} {other:?}: {truth:?}");
                     }
                 }

@@ -63,7 +63,7 @@ fn signed_distances_are_those_of_the_cores_less_the_radii() {
             assert!(swapped.lower <= o.upper && o.lower <= swapped.upper);
             classes[o.state as usize] += 1;
             for d in [0.0, 0.5 * s.abs(), 2.0 * s.abs()] {
-                assert_eq!(pair.within(&a, &b, &pose, d).is_yes(), s <= d, "{s} {d}");
+                assert_eq!(pair.within(&a, &b, &pose, d), s <= d, "{s} {d}");
             }
         }
     }
@@ -90,7 +90,7 @@ fn classes_and_predicates_are_exact() {
             let o = pair.closest(x, y, &pose);
             assert_eq!(o.state, state, "{a} {b} {o:?}");
             assert_eq!(
-                pair.intersects(x, y, &pose).is_yes(),
+                pair.intersects(x, y, &pose),
                 state != ContactState::Separated,
                 "{a} {b}"
             );
@@ -99,9 +99,9 @@ fn classes_and_predicates_are_exact() {
     }
     // Three numbers whose sum f64 does not hold: 1 + 2^-54 + 4 against 5, and 4 less one unit.
     let (x, y) = (ball(1.0), ball(tiny));
-    assert!(pair.within(&x, &y, &pose, 4.0).is_yes());
-    assert!(pair.within(&x, &y, &pose, 4.0f64.next_down()).is_no());
-    assert!(pair.within(&x, &y, &pose, -1.0).is_no() && pair.within(&x, &y, &pose, f64::NAN).is_no());
+    assert!(pair.within(&x, &y, &pose, 4.0));
+    assert!(!pair.within(&x, &y, &pose, 4.0f64.next_down()));
+    assert!(!pair.within(&x, &y, &pose, -1.0) && !pair.within(&x, &y, &pose, f64::NAN));
     // A capsule beside a rounded box, touching along a segment.
     let pill = Shape::capsule(1.0, 0.25).expect("a capsule");
     let die = Shape::cuboid(Vector3::new(1.0, 1.0, 1.0))

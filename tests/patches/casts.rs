@@ -5,7 +5,7 @@ use lin_canny::motion::{Motion, Steady};
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::separation::Separation;
 use lin_canny::surface::BezierSurface;
-use lin_canny::{Decision, PairTracker, RelativePose, Shape, Velocity};
+use lin_canny::{Decision, PairTracker, QueryOptions, RelativePose, Shape, Velocity};
 use truth::rng::Rng;
 
 use crate::bodies::{bumpy, sphere};
@@ -123,7 +123,7 @@ fn patches_meet_shapes_never_late() {
                 moving(from, aside - from * 1.5, Vector3::from(rng.unit()) * 2.0),
             );
             let mut tracker = PairTracker::new();
-            if tracker.within(&surface, shape, &at(&a, &b, 0.0), 1e-3) != Decision::No {
+            if tracker.decide_within(&surface, shape, &at(&a, &b, 0.0), 1e-3, &QueryOptions::new()) != Decision::No {
                 continue;
             }
             let mut pair = tracker.pair(&surface, shape);
@@ -131,7 +131,10 @@ fn patches_meet_shapes_never_late() {
             let until = match found.impact {
                 Impact::Hit { safe, hit, .. } => {
                     hits += 1;
-                    assert_eq!(tracker.intersects(&surface, shape, &at(&a, &b, hit)), Decision::Yes);
+                    assert_eq!(
+                        tracker.decide_within(&surface, shape, &at(&a, &b, hit), 0.0, &QueryOptions::new()),
+                        Decision::Yes
+                    );
                     safe
                 }
                 Impact::Miss => {
@@ -171,7 +174,10 @@ fn patches_meet_patches_never_late() {
         let until = match found.impact {
             Impact::Hit { safe, hit, .. } => {
                 hits += 1;
-                assert_eq!(tracker.intersects(&a, &b, &at(&x, &y, hit)), Decision::Yes);
+                assert_eq!(
+                    tracker.decide_within(&a, &b, &at(&x, &y, hit), 0.0, &QueryOptions::new()),
+                    Decision::Yes
+                );
                 safe
             }
             Impact::Miss => {
@@ -187,7 +193,7 @@ fn patches_meet_patches_never_late() {
         };
         for i in 0..=40 {
             let time = until * f64::from(i) / 40.0;
-            let decided = tracker.intersects(&a, &b, &at(&x, &y, time));
+            let decided = tracker.decide_within(&a, &b, &at(&x, &y, time), 0.0, &QueryOptions::new());
             assert!(decided != Decision::Yes, "{k}: they meet at {time}, safe {until}");
         }
     }

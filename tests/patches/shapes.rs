@@ -92,7 +92,10 @@ fn a_surface_through_or_within_a_shape_shares_points() {
                 (ContactState::Overlapping, f64::NEG_INFINITY, 0.0, 0.0),
                 "{o:?}"
             );
-            assert_eq!(tracker.intersects(&shell, &shape, &pose(&at)), Decision::Yes);
+            assert_eq!(
+                tracker.decide_within(&shell, &shape, &pose(&at), 0.0, &QueryOptions::new()),
+                Decision::Yes
+            );
         }
     }
     // Touching: neither is said.
@@ -100,14 +103,29 @@ fn a_surface_through_or_within_a_shape_shares_points() {
     let mut tracker = PairTracker::new();
     let at = |x: f64| pose(&Isometry3::translation(0.6 * x, 0.8 * x, 0.0));
     assert!(matches!(
-        tracker.intersects(&shell, &ball, &at(1.0)),
+        tracker.decide_within(&shell, &ball, &at(1.0), 0.0, &QueryOptions::new()),
         Decision::Undecided { .. }
     ));
-    assert_eq!(tracker.intersects(&shell, &ball, &at(1.0 + 1e-9)), Decision::No);
-    assert_eq!(tracker.intersects(&shell, &ball, &at(1.0 - 1e-9)), Decision::Yes);
-    assert_eq!(tracker.within(&shell, &ball, &at(1.5), 0.5 + 1e-9), Decision::Yes);
-    assert_eq!(tracker.within(&shell, &ball, &at(1.5), 0.5 - 1e-9), Decision::No);
-    assert_eq!(tracker.within(&shell, &ball, &at(1.5), -1.0), Decision::No);
+    assert_eq!(
+        tracker.decide_within(&shell, &ball, &at(1.0 + 1e-9), 0.0, &QueryOptions::new()),
+        Decision::No
+    );
+    assert_eq!(
+        tracker.decide_within(&shell, &ball, &at(1.0 - 1e-9), 0.0, &QueryOptions::new()),
+        Decision::Yes
+    );
+    assert_eq!(
+        tracker.decide_within(&shell, &ball, &at(1.5), 0.5 + 1e-9, &QueryOptions::new()),
+        Decision::Yes
+    );
+    assert_eq!(
+        tracker.decide_within(&shell, &ball, &at(1.5), 0.5 - 1e-9, &QueryOptions::new()),
+        Decision::No
+    );
+    assert_eq!(
+        tracker.decide_within(&shell, &ball, &at(1.5), -1.0, &QueryOptions::new()),
+        Decision::No
+    );
 }
 
 /// The boundary of a polyhedron as flat patches, against what the tracker of shapes says of the solid.

@@ -50,10 +50,18 @@ fn surfaces_of_every_kind_share_a_tracker() {
                 PairTracker::new().closest_with(x, y, &at, &QueryOptions::new().width(WIDTH)),
                 "{k}"
             );
-            let within = shared.within(&d, &c, &at, o.distance);
-            assert_eq!(within, PairTracker::new().within(&d, &c, &at, o.distance), "{k}");
-            let meets = shared.intersects(y, x, &at);
-            assert_eq!(meets, PairTracker::new().intersects(y, x, &at), "{k}");
+            let within = shared.decide_within(&d, &c, &at, o.distance, &QueryOptions::new());
+            assert_eq!(
+                within,
+                PairTracker::new().decide_within(&d, &c, &at, o.distance, &QueryOptions::new()),
+                "{k}"
+            );
+            let meets = shared.decide_within(y, x, &at, 0.0, &QueryOptions::new());
+            assert_eq!(
+                meets,
+                PairTracker::new().decide_within(y, x, &at, 0.0, &QueryOptions::new()),
+                "{k}"
+            );
         }
     }
 }
@@ -89,8 +97,8 @@ fn surfaces_and_shapes_of_every_kind_share_a_tracker() {
             );
             // Neither this pair nor the next.
             let (z, w) = pairs[(n + 2) % 4];
-            let within = shared.within(z, w, &at, o.distance);
-            let cold = PairTracker::new().within(z, w, &at, o.distance);
+            let within = shared.decide_within(z, w, &at, o.distance, &QueryOptions::new());
+            let cold = PairTracker::new().decide_within(z, w, &at, o.distance, &QueryOptions::new());
             assert_eq!(within, cold, "{k}");
         }
     }
@@ -123,8 +131,8 @@ fn surfaces_and_bodies_of_pieces_share_a_tracker() {
             let cold = PairTracker::new().closest_with(x, y, &at, &QueryOptions::new().width(WIDTH));
             assert!(o.lower <= cold.upper && cold.lower <= o.upper, "{k}: {o:?} {cold:?}");
             assert!(o.is_converged && cold.is_converged, "{k}: {o:?} {cold:?}");
-            let within = shared.within(&c, d, &at, o.distance);
-            let cold = PairTracker::new().within(&c, d, &at, o.distance);
+            let within = shared.decide_within(&c, d, &at, o.distance, &QueryOptions::new());
+            let cold = PairTracker::new().decide_within(&c, d, &at, o.distance, &QueryOptions::new());
             assert!(is_consistent(within, cold), "{k}: {within:?} {cold:?}");
         }
     }

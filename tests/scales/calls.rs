@@ -209,8 +209,14 @@ fn geometries(scene: &mut Scene, rng: &mut Rng) {
             "witnesses",
             found.point_on_a.iter().chain(found.point_on_b.iter()).copied(),
         );
-        scene.plain("intersects", tracker.intersects(a, b, &pose));
-        scene.plain("within", tracker.within(a, b, &pose, WITHIN[1] * unit));
+        scene.plain(
+            "intersects",
+            tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::new()),
+        );
+        scene.plain(
+            "within",
+            tracker.decide_within(a, b, &pose, WITHIN[1] * unit, &QueryOptions::new()),
+        );
         let few = QueryOptions::new().splits(100);
         let decision = tracker.decide_within(a, b, &pose, WITHIN[1] * unit, &few);
         scene.plain("within, few splits", decision);
@@ -305,9 +311,12 @@ fn shape_pairs(scene: &mut Scene, rng: &mut Rng) {
             );
             let d = warm.distance(a, b, &pose);
             scene.distance("distance", &d);
-            scene.plain(&name, warm.intersects(a, b, &pose));
+            scene.plain(&name, warm.decide_within(a, b, &pose, 0.0, &QueryOptions::new()));
             for d in WITHIN {
-                scene.plain(&name, warm.within(a, b, &pose, d * scene.unit));
+                scene.plain(
+                    &name,
+                    warm.decide_within(a, b, &pose, d * scene.unit, &QueryOptions::new()),
+                );
             }
             warm.manifold(a, b, &pose, &options, &mut manifold).unwrap();
             scene.manifold(&name, &manifold);
@@ -336,9 +345,15 @@ fn meshes(scene: &mut Scene, rng: &mut Rng) {
             scene.plain("closest", (o.state, o.locations, o.normal));
             let d = tracker.distance(&a, &b, &pose);
             scene.distance("distance", &d);
-            scene.plain("intersects", tracker.intersects(&a, &b, &pose));
+            scene.plain(
+                "intersects",
+                tracker.decide_within(&a, &b, &pose, 0.0, &QueryOptions::new()),
+            );
             for d in WITHIN {
-                scene.plain("within", tracker.within(&a, &b, &pose, d * scene.unit));
+                scene.plain(
+                    "within",
+                    tracker.decide_within(&a, &b, &pose, d * scene.unit, &QueryOptions::new()),
+                );
             }
             let lower = tracker.lower_bound(&a, &b, &pose);
             scene.lengths("lower bound", [lower]);
@@ -427,9 +442,15 @@ fn pieces<'g>(scene: &mut Scene, rng: &mut Rng, a: impl Into<GeometryRef<'g>>, b
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
             scene.plain("closest", (o.state, o.locations, o.normal));
-            scene.plain("intersects", tracker.intersects(a, b, &pose));
+            scene.plain(
+                "intersects",
+                tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::new()),
+            );
             for d in WITHIN {
-                scene.plain("within", tracker.within(a, b, &pose, d * scene.unit));
+                scene.plain(
+                    "within",
+                    tracker.decide_within(a, b, &pose, d * scene.unit, &QueryOptions::new()),
+                );
             }
             let lower = tracker.lower_bound(a, b, &pose);
             scene.lengths("lower bound", [lower]);
@@ -455,8 +476,14 @@ fn surfaces(scene: &mut Scene, rng: &mut Rng) {
         let witnesses = [&o.point_on_a, &o.point_on_b];
         scene.nearest("closest", [o.lower, o.upper], o.distance, witnesses);
         scene.plain("closest", (o.state, o.is_converged, o.locations, o.normal));
-        scene.decision("intersects", warm.intersects(&a, &b, &pose));
-        scene.decision("within", warm.within(&a, &b, &pose, 0.3 * scene.unit));
+        scene.decision(
+            "intersects",
+            warm.decide_within(&a, &b, &pose, 0.0, &QueryOptions::new()),
+        );
+        scene.decision(
+            "within",
+            warm.decide_within(&a, &b, &pose, 0.3 * scene.unit, &QueryOptions::new()),
+        );
     }
 }
 
@@ -471,11 +498,17 @@ fn surfaces_and_others(scene: &mut Scene, rng: &mut Rng) {
             let witnesses = [&o.point_on_a, &o.point_on_b];
             scene.nearest("shape", [o.lower, o.upper], o.distance, witnesses);
             scene.plain("shape", (o.state, o.is_converged, o.locations, o.normal));
-            scene.decision("within", tracker.within(&a, shape, &pose, 0.3 * scene.unit));
+            scene.decision(
+                "within",
+                tracker.decide_within(&a, shape, &pose, 0.3 * scene.unit, &QueryOptions::new()),
+            );
         }
         let mut tracker = PairTracker::new();
         let d = tracker.closest_with(&a, &body, &pose, &QueryOptions::new().width(width));
         scene.distance("compound", &Distance::from(&d));
-        scene.decision("within", tracker.within(&a, &body, &pose, 0.3 * scene.unit));
+        scene.decision(
+            "within",
+            tracker.decide_within(&a, &body, &pose, 0.3 * scene.unit, &QueryOptions::new()),
+        );
     }
 }

@@ -76,8 +76,8 @@ fn brute(scene: &Scene, a: &Known, b: &Known) -> (f64, f64, bool, bool) {
             let pose = RelativePose::new(&(at_a * on_a), &(at_b * on_b)).unwrap();
             let found = PairTracker::new().distance(x, y, &pose);
             (lower, upper) = (lower.min(found.lower), upper.min(found.upper));
-            overlaps |= PairTracker::new().intersects(x, y, &pose).is_yes();
-            within |= PairTracker::new().within(x, y, &pose, D).is_yes();
+            overlaps |= PairTracker::new().intersects(x, y, &pose);
+            within |= PairTracker::new().within(x, y, &pose, D);
         }
     }
     (lower, upper, overlaps, within)

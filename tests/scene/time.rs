@@ -224,7 +224,7 @@ fn intersects(x: &Flyer, y: &Flyer, at: &Isometry3<f64>, on: &Isometry3<f64>) ->
     x.pieces.iter().any(|(a, i)| {
         y.pieces.iter().any(|(b, j)| {
             let pose = RelativePose::new(&(at * i), &(on * j)).unwrap();
-            PairTracker::new().intersects(a, b, &pose).is_yes()
+            PairTracker::new().intersects(a, b, &pose)
         })
     })
 }

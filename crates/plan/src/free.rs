@@ -91,6 +91,6 @@ impl<C: ConfigurationSpace> Checker<C> {
         };
         let relative = RelativePose::new(pose_of(pair.a), pose_of(pair.b))?;
         let [a, b] = world.shapes(pair);
-        Ok(tracked.tracker.within(a, b, &relative, margin).is_no())
+        Ok(!tracked.tracker.within(a, b, &relative, margin))
     }
 }

@@ -12,7 +12,7 @@ pub(crate) use cast::Cast;
 pub(crate) use closest::{Closest, state_name};
 pub(crate) use contacts::Penetration;
 
-use lin_canny::{Decision, PairTracker as Tracker};
+use lin_canny::{Decision, PairTracker as Tracker, QueryOptions};
 use pyo3::prelude::*;
 
 use crate::errors::undecided_error;
@@ -93,7 +93,7 @@ impl PairTracker {
         pose_b: Option<Pose>,
     ) -> PyResult<bool> {
         let pose = relative(pose_a, pose_b)?;
-        decided(self.tracker.intersects(&a.get().0, &b.get().0, &pose))
+        decided(self.tracker.decide_within(&a.get().0, &b.get().0, &pose, 0.0, &QueryOptions::new()))
     }
 
     /// Returns whether the geometries are at most `d` apart, `d` a length; no for a negative `d`.
@@ -109,7 +109,7 @@ impl PairTracker {
         pose_b: Option<Pose>,
     ) -> PyResult<bool> {
         let pose = relative(pose_a, pose_b)?;
-        decided(self.tracker.within(&a.get().0, &b.get().0, &pose, d))
+        decided(self.tracker.decide_within(&a.get().0, &b.get().0, &pose, d, &QueryOptions::new()))
     }
 
     /// Returns the closest two triangles of a mesh that share no vertex, in the frame of the mesh;

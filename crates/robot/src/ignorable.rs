@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use lin_canny::nalgebra::Isometry3;
-use lin_canny::{PairTracker, Progress, RelativePose};
+use lin_canny::{PairTracker, Progress, QueryOptions, RelativePose};
 use lin_canny_plan::{ConfigurationSpace, PlanError};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -117,7 +117,7 @@ impl Counted {
         let mut is_undecided = false;
         for (a, b, tracker) in &mut self.bodies {
             let pose = RelativePose::new(&poses[*a], &poses[*b])?;
-            match tracker.intersects(shape(*a), shape(*b), &pose) {
+            match tracker.decide_within(shape(*a), shape(*b), &pose, 0.0, &QueryOptions::new()) {
                 lin_canny::Decision::Yes => {
                     self.overlaps += 1;
                     return Ok(());

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use lin_canny::nalgebra::{Isometry3, UnitQuaternion, Vector3};
-use lin_canny::{Decision, PairTracker, Progress, RelativePose};
+use lin_canny::{PairTracker, Progress, RelativePose};
 use lin_canny_plan::{ConfigurationSpace, Joint, JointKind, SegmentMotion, SerialArm, Verdict};
 use lin_canny_robot::{
     Cell, IgnoreReason, LoadOptions, MeshOptions, MeshUse, MotionKind, Packages, Robot, Setup, Srdf, find_ignorable,
@@ -258,7 +258,7 @@ impl Judge {
                 &lin_canny::normalize_rotation(&at(*b)),
             )
             .expect("poses");
-            tracker.intersects(&self.shapes[*a].0, &self.shapes[*b].0, &pose) == Decision::Yes
+            tracker.intersects(&self.shapes[*a].0, &self.shapes[*b].0, &pose)
         })
     }
 }

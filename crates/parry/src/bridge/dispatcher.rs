@@ -164,9 +164,7 @@ impl PosedShapes {
     }
 
     fn intersects(&self) -> bool {
-        !PairTracker::new()
-            .intersects(&self.a.shape, &self.b.shape, &self.pose)
-            .is_no()
+        PairTracker::new().intersects(&self.a.shape, &self.b.shape, &self.pose)
     }
 
     /// Returns the contact in the frames of the two shapes of the engine.

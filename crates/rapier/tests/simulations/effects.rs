@@ -329,7 +329,16 @@ fn numbers_the_engine_does_not_have_are_refused() {
         f64::INFINITY,
         f64::NAN,
     ] {
-        assert!(is_number(new(response, Settings { length_unit: size, ..default })), "size {size:e}");
+        assert!(
+            is_number(new(
+                response,
+                Settings {
+                    length_unit: size,
+                    ..default
+                }
+            )),
+            "size {size:e}"
+        );
         let time_step = Some(size);
         assert!(
             is_number(new(response, Settings { time_step, ..default })),

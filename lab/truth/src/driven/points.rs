@@ -268,7 +268,7 @@ impl World {
             };
             let (shares, within) = (tracker.intersects(a, b, &pose), tracker.within(a, b, &pose, 0.0));
             let bound = tracker.lower_bound(a, b, &pose);
-            if !is_right || shares.is_yes() != met || within.is_yes() != met || met && bound > 0.0 {
+            if !is_right || shares != met || within != met || met && bound > 0.0 {
                 let told = format!("{shares:?} {within:?} {bound:e} {found:?}");
                 return Err(format!(
                     "{place:?} {:?} {points:?} {:?}: {told}",

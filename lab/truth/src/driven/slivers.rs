@@ -216,13 +216,13 @@ fn poses(seed: u64) -> Result<Mix, String> {
                 return Err(told(&format!("the distance is {apart:e}, not {found:?}, {pose:?}")));
             }
         }
-        if tracker.intersects(&a, &b, &relative).is_yes() != is_zero {
+        if tracker.intersects(&a, &b, &relative) != is_zero {
             return Err(told(&format!("they intersect: {is_zero}, {apart:e} apart, {pose:?}")));
         }
         for d in around(&truth) {
             mix.predicates += 1;
             let is_within = truth <= exact(d) * exact(d);
-            if tracker.within(&a, &b, &relative, d).is_yes() != is_within {
+            if tracker.within(&a, &b, &relative, d) != is_within {
                 return Err(told(&format!("within {d:e}: {is_within}, {apart:e} apart, {pose:?}")));
             }
         }
@@ -251,7 +251,7 @@ fn itself(soup: &Soup, mesh: &Mesh, mix: &mut Mix) -> Result<(), String> {
     }
     for d in around(least) {
         let count = squares.iter().filter(|s| **s <= exact(d) * exact(d)).count();
-        let (within, pairs) = (tracker.self_within(mesh, d).is_yes(), tracker.self_pairs(mesh, d).len());
+        let (within, pairs) = (tracker.self_within(mesh, d), tracker.self_pairs(mesh, d).len());
         if within != (count > 0) || pairs != count {
             return Err(format!("{count} pairs of itself within {d:e}, not {pairs}, {within}"));
         }

@@ -298,18 +298,15 @@ fn others(trial: &Trial, place: &Place, o: &Outcome, pair: &mut PairTracker) -> 
     let size = place.size(&trial.cores[0], &trial.cores[1]) + round;
     // Predicates take bounds of their own, which may tell more of shapes that nearly touch.
     let nearly = open_within(trial) * size;
-    let (meets, is_apart) = (
-        !pair.intersects(a, b, &pose).is_no(),
-        o.state == ContactState::Separated,
-    );
+    let (meets, is_apart) = (pair.intersects(a, b, &pose), o.state == ContactState::Separated);
     if meets == is_apart && o.lower > nearly {
         return Some("intersects contradicts the contact state".into());
     }
-    if pair.within(a, b, &pose, o.upper.max(0.0)).is_no() {
+    if !pair.within(a, b, &pose, o.upper.max(0.0)) {
         return Some("not within the upper bound".into());
     }
     // The predicate takes bounds of its own, and what they leave open counts as within.
-    if trial.plain && o.lower > 0.0 && pair.within(a, b, &pose, o.lower - widest(trial) * size).is_yes() {
+    if trial.plain && o.lower > 0.0 && pair.within(a, b, &pose, o.lower - widest(trial) * size) {
         return Some("within less than the lower bound".into());
     }
     if round == 0.0 {

@@ -87,7 +87,7 @@ fn poses(seed: u64) -> Result<Mix, String> {
         } else {
             found.state == ContactState::Separated && found.lower <= truth + noise && truth <= found.upper + noise
         };
-        if !is_right || tracker.intersects(&m, &n, &relative).is_yes() != meets {
+        if !is_right || tracker.intersects(&m, &n, &relative) != meets {
             return Err(format!("{truth:e}, contained {contained}: {found:?}\n{pose:?}"));
         }
         mix.frames += 1;

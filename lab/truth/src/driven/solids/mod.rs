@@ -261,7 +261,7 @@ impl Asked<'_> {
             let noise = 1e-12 * self.size();
             found.lower <= apart + noise && apart <= found.upper + noise && found.upper - found.lower <= noise
         };
-        let meets = tracker.intersects(a, b, pose).is_yes();
+        let meets = tracker.intersects(a, b, pose);
         if found.state == self.truth && bounds && is_bounded && meets == (self.truth != ContactState::Separated) {
             return Ok(());
         }

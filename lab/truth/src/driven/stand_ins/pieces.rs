@@ -10,7 +10,7 @@ use lin_canny::motion::Steady;
 use lin_canny::nalgebra::{Isometry3, Vector3};
 use lin_canny::scene::{Body, Change, Group, PairQueries, Scene};
 use lin_canny::shape::Core;
-use lin_canny::{ContactState, PairOutcome, PairTracker, RelativePose, Shape, Velocity};
+use lin_canny::{ContactState, PairOutcome, PairTracker, QueryOptions, RelativePose, Shape, Velocity};
 
 /// Poses of a pair.
 const POSES: usize = 5;
@@ -145,7 +145,7 @@ impl<'a> Judged<'a> {
             2.0 * upper + 0.1,
         ];
         for d in asked.into_iter().filter(|d| *d >= 0.0) {
-            let said = tracker.within(a, b, &pose, d);
+            let said = tracker.decide_within(a, b, &pose, d, &QueryOptions::new());
             let is_wrong = if upper + noise <= d {
                 said.is_no() || !self.is_shell() && !said.is_yes()
             } else if lower - width > d {
@@ -157,7 +157,7 @@ impl<'a> Judged<'a> {
                 return Err(self.wrong(what, &(d, said)));
             }
         }
-        let meets = tracker.intersects(a, b, &pose);
+        let meets = tracker.decide_within(a, b, &pose, 0.0, &QueryOptions::new());
         if !self.is_shell() && (lower > width && !meets.is_no() || upper < -noise && !meets.is_yes()) {
             return Err(self.wrong(what, &meets));
         }
@@ -217,7 +217,7 @@ impl<'a> Judged<'a> {
         if !(is_right && is_bounded) {
             return Err(self.wrong("exactly", &(found, least)));
         }
-        let said = tracker.within(a, b, &pose, high);
+        let said = tracker.decide_within(a, b, &pose, high, &QueryOptions::new());
         if !said.is_yes() {
             return Err(self.wrong("within, exactly", &(said, least)));
         }

@@ -8,7 +8,7 @@ use crate::{Pose, brute};
 use lin_canny::nalgebra::{Point3, Vector3};
 use lin_canny::polyhedron::solids;
 use lin_canny::surface::BezierSurface;
-use lin_canny::{Geometry, Mesh, PairTracker, RelativePose};
+use lin_canny::{Geometry, Mesh, PairTracker, QueryOptions, RelativePose};
 
 /// Squares of the sheet along x and y.
 const SQUARES: [u32; 2] = [16, 6];
@@ -172,7 +172,7 @@ pub(super) fn family(seed: u64) -> Result<Mix, String> {
                     truth + 2.0 * noise,
                     2.0 * truth + 0.1,
                 ] {
-                    let said = tracker.within(mesh, &probe, &relative, d);
+                    let said = tracker.decide_within(mesh, &probe, &relative, d, &QueryOptions::new());
                     if said.is_yes() && truth - noise > d || d >= 0.0 && said.is_no() && truth + noise <= d {
                         return wrong("within", &(d, said));
                     }
