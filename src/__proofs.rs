@@ -203,7 +203,7 @@ pub fn flight_of_ball(from: Triple, velocity: Triple, radius: f64) -> [f64; 4] {
 /// Returns the quaternion of a turn, vector part first, and its product with another.
 pub fn half_turn(axis: Triple, half: (f64, f64), rest: f64, other: [f64; 4]) -> [[f64; 4]; 2] {
     let [x, y, z, w] = other;
-    let q = turn::half_turn(&axis.into(), half, rest);
+    let q = turn::half_turn(&axis.into(), half.0, half.1, rest);
     [q, q * Quaternion::new(w, x, y, z)].each(|q| [q.i, q.j, q.k, q.w])
 }
 

@@ -99,7 +99,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         let (tree, frame) = (self.b.side().tree, &self.frame);
         let radius = f64::from(tree.reach) * tree.unit() * frame.scale;
         let centre = tree.centre * frame.scale;
-        BallAtPose::new(Operand::B, (&centre, radius), &frame.rotation, &frame.translation)
+        BallAtPose::new(Operand::B, &centre, radius, &frame.rotation, &frame.translation)
     }
 
     /// Returns a point of A in B's stored frame.
