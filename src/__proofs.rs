@@ -21,6 +21,7 @@ use crate::body::shape::{Core, Shape};
 use crate::composite::continuous::paths;
 use crate::composite::front;
 use crate::composite::meet::bounds;
+use crate::composite::meet::frame::Way;
 use crate::convex::depth::pyramid::PyramidSide;
 use crate::convex::minimum::simplex::Simplex;
 use crate::convex::minimum::{self, Minimum, vertex_of};
@@ -214,7 +215,7 @@ pub fn patch_first(net: &[f64], degree: usize, at: f64) -> f64 {
 
 /// Returns the gap of two boxes, each of axes, centre and half extents, at a relative pose.
 pub fn box_gap(pose: ([f32; 9], [f32; 3]), boxes: [[[f32; 3]; 5]; 2], known: Option<[f32; 3]>) -> f32 {
-    bounds::gap_of(pose, boxes, known)
+    bounds::gap_of(pose.0, pose.1, boxes, known)
 }
 
 /// Returns direction and base of an entry of a front, and the gap that it proves at another pose.
@@ -224,7 +225,8 @@ pub fn front_entry(
     centre: [f32; 3],
     about: (f32, [f32; 3]),
 ) -> ([f32; 3], f32, f32) {
-    front::entry_at(poses, claim, centre, about)
+    let poses = poses.each(|(rotation, translation)| Way { rotation, translation });
+    front::entry_at(poses, claim.0, claim.1, centre, about.0, about.1)
 }
 
 /// Two bodies as placed, and where a walk ended: bounds before their error term, in A's stored

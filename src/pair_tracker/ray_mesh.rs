@@ -107,7 +107,7 @@ pub(super) fn proven(
     {
         let corners: [Option<VertexId>; 1] = [hull.face_vertices(face).next()];
         let pairs = hull.face_vertices(face).skip(1).zip(hull.face_vertices(face).skip(2));
-        let is_through = |b, c| corners[0].is_some_and(|a| on_hull.passes(&corners_of(hull, [a, b, c]), (safe, hit)));
+        let is_through = |b, c| corners[0].is_some_and(|a| on_hull.passes(&corners_of(hull, [a, b, c]), [safe, hit]));
         if pairs.into_iter().any(|(b, c)| is_through(b, c)) {
             return None;
         }

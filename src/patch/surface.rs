@@ -167,7 +167,8 @@ impl Surface {
     /// Returns a ball that contains the surface: centre and radius.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        let (centre, radius) = ball_about(self.aabb());
+        let (low, high) = self.aabb();
+        let (centre, radius) = ball_about(low, high);
         (centre, radius + self.reach * SURFACE_POINT)
     }
 

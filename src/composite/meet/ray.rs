@@ -112,7 +112,7 @@ impl MeshRay {
     }
 
     /// Returns whether the ray certainly passes through a triangle between two distances.
-    pub(crate) fn passes(&self, corners: &Triangle, (from, until): (f64, f64)) -> bool {
+    pub(crate) fn passes(&self, corners: &Triangle, [from, until]: [f64; 2]) -> bool {
         let sides = self.sides(corners);
         let is_through = sides == [Some(1); 3] || sides == [Some(-1); 3];
         let noise = 0.25 * self.width;
