@@ -346,9 +346,9 @@ pub fn curved_end(
     let (matrix, translation) = placing(pose);
     let frame = Transform { matrix, translation };
     match (a.core(), b.core()) {
-        (Core::Ellipsoid(a), Core::Cylinder(b)) => smooth::bounds_along((a, b), frame, directions, weights),
-        (Core::Ellipsoid(a), Core::Cone(b)) => smooth::bounds_along((a, b), frame, directions, weights),
-        (Core::Ellipsoid(a), Core::Ellipsoid(b)) => smooth::bounds_along((a, b), frame, directions, weights),
+        (Core::Ellipsoid(a), Core::Cylinder(b)) => smooth::bounds_along(a, b, frame, directions, weights),
+        (Core::Ellipsoid(a), Core::Cone(b)) => smooth::bounds_along(a, b, frame, directions, weights),
+        (Core::Ellipsoid(a), Core::Ellipsoid(b)) => smooth::bounds_along(a, b, frame, directions, weights),
         _ => None,
     }
 }

@@ -83,11 +83,11 @@ impl NearPatches {
             parts,
             pose,
         };
-        let shapes = (&parts[0].0, &parts[1].0);
+        let shapes = [&parts[0].0, &parts[1].0];
         let mut is_new = false;
         tracker.manifold_by(shapes, &pose, query.options, manifold, |tracker| {
             is_new = true;
-            tracker.closest_cores(shapes.0, shapes.1, &pose, Until::Depth)
+            tracker.closest_cores(shapes[0], shapes[1], &pose, Until::Depth)
         });
         if is_new {
             *borne = posed.borne(manifold);
@@ -224,7 +224,7 @@ impl PosedPatches<'_> {
     /// Takes the normal of a face, with the least overlap, if the bodies bear a contact along it:
     /// at the deepest vertex, or else where the edges of that vertex come over the face.
     fn by_faces(&self, tracker: &mut ShapeTracker, manifold: &mut Manifold) -> u8 {
-        let shapes = (&self.parts[0].0, &self.parts[1].0);
+        let shapes = [&self.parts[0].0, &self.parts[1].0];
         let mut beside = None;
         for (is_of_a, outcome) in self.faces() {
             let is_nearest = self.is_nearest(is_of_a, &outcome);
