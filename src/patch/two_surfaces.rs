@@ -245,7 +245,7 @@ impl SurfacePair<'_> {
         match found.class {
             Class::Separated => match self.side(pose) {
                 Side::Outside => found,
-                Side::Inside(spot, point) => self.inside(found, (spot, point), pose),
+                Side::Inside(spot, point) => self.inside(found, spot, point, pose),
                 Side::Unclear => Answer {
                     outcome: Outcome {
                         class: Class::Undecided,
@@ -261,7 +261,7 @@ impl SurfacePair<'_> {
     }
 
     /// Returns the answer of a surface that has a point within the mesh.
-    fn inside(&self, found: Answer, (spot, point): (Spot, Point3<f64>), pose: &RelativePose) -> Answer {
+    fn inside(&self, found: Answer, spot: Spot, point: Point3<f64>, pose: &RelativePose) -> Answer {
         let mut answer = found;
         let o = &mut answer.outcome;
         (o.class, o.distance, o.lower, o.upper) = (Class::Overlapping, 0.0, 0.0, 0.0);
