@@ -120,7 +120,7 @@ impl StepContext<'_> {
             let keep = plan.reach + self.margin(header, &motions, span);
             let [x, y] = &motions;
             let ahead = tracker.over_time(shapes, None, |separation, _| {
-                impact::ahead(separation, [x, y], (length, span), keep, tolerance)
+                impact::ahead(separation, [x, y], length, span, keep, tolerance)
             });
             if let Ok(ahead) = ahead {
                 let counts = &mut tally.counts;

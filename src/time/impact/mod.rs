@@ -235,7 +235,7 @@ where
     A: Motion + ?Sized,
     B: Motion + ?Sized,
 {
-    search(pair, motion_a, motion_b, interval, (tolerance, distance), None)
+    search(pair, motion_a, motion_b, interval, tolerance, distance, None)
 }
 
 /// Casts as [`cast_within`], and appends the certificates of the time proven free, one step after
@@ -262,7 +262,8 @@ where
         motion_a,
         motion_b,
         interval,
-        (tolerance, distance),
+        tolerance,
+        distance,
         Some(certificates),
     )
 }
@@ -273,7 +274,8 @@ fn search<S, A, B>(
     motion_a: &A,
     motion_b: &B,
     interval: (f64, f64),
-    (tolerance, distance): (Tolerance, f64),
+    tolerance: Tolerance,
+    distance: f64,
     trail: Option<&mut Vec<Certificate>>,
 ) -> Result<Cast, ImpactError>
 where
@@ -326,7 +328,8 @@ pub(crate) struct Ahead {
 pub(crate) fn ahead<S, M>(
     pair: &mut S,
     [motion_a, motion_b]: [&M; 2],
-    (tick, span): (f64, f64),
+    tick: f64,
+    span: f64,
     distance: f64,
     tolerance: Tolerance,
 ) -> Result<Ahead, PoseError>
