@@ -52,9 +52,11 @@ impl StepContext<'_> {
     pub(super) fn sleep<T: PairEngine>(
         &self,
         header: &mut PairHeader,
-        (tracker, shapes): (&mut T, T::Shapes<'_>),
+        tracker: &mut T,
+        shapes: T::Shapes<'_>,
         plan: &PairPlan,
-        (outcome, counts): (&Outcome, &mut Counts),
+        outcome: &Outcome,
+        counts: &mut Counts,
     ) -> bool {
         let (bodies, length) = (self.bodies, self.bodies.ticks.length);
         let pair = [header.a as usize, header.b as usize];
@@ -101,8 +103,10 @@ impl StepContext<'_> {
     pub(super) fn sweep_pair<T: PairEngine>(
         &self,
         header: &mut PairHeader,
-        (tracker, shapes): (&mut T, T::Shapes<'_>),
-        (plan, tolerance): (&PairPlan, Tolerance),
+        tracker: &mut T,
+        shapes: T::Shapes<'_>,
+        plan: &PairPlan,
+        tolerance: Tolerance,
         tally: &mut Tally,
     ) -> bool {
         let bodies = self.bodies;
