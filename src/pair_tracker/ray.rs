@@ -248,7 +248,7 @@ impl RayCaster {
             return Ok(found);
         }
         let mut pair = self.tracker.over(body, &self.point);
-        let found = cast(&mut pair, &still, &flight, (from, until), Tolerance::Distance(width))?;
+        let found = cast(&mut pair, &still, &flight, from..until, Tolerance::Distance(width))?;
         let found = match found.impact {
             Impact::Miss => RayCast::Miss,
             Impact::Start { .. } if from == 0.0 => RayCast::Inside,

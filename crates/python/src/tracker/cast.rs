@@ -152,7 +152,7 @@ impl PairTracker {
                 &mut pair,
                 &motions[0],
                 &motions[1],
-                (0.0, duration),
+                0.0..duration,
                 tolerance,
                 distance,
             )
