@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             &mut pair.pair(&wall, &rod),
             &rest,
             &flight,
-            (0.0, 2.0 / 60.0),
+            0.0..2.0 / 60.0,
             Tolerance::Distance(1e-9),
         )?;
         print!("y = {y:.1}: {frames} of 3 frames see an overlap; ");

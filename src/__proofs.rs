@@ -27,6 +27,7 @@ use crate::convex::walk;
 use crate::nonconvex::continuous::paths;
 use crate::nonconvex::front;
 use crate::nonconvex::meet::box_gaps;
+use crate::nonconvex::meet::frame::Way;
 use crate::pair::certificate;
 use crate::pair::difference::{MinkowskiPoint, support};
 use crate::pair::posed::PosedPair;
@@ -140,8 +141,9 @@ fn isometry([x, y, z, w]: [f64; 4], t: Triple) -> Isometry3<f64> {
 }
 
 /// Returns the rows of the rotation, and the translation; `None` for poses that are refused.
-pub fn relative_pose(a: ([f64; 4], Triple), b: ([f64; 4], Triple)) -> Option<([Triple; 3], Triple)> {
-    let both = RelativePose::new(&isometry(a.0, a.1), &isometry(b.0, b.1)).ok()?;
+pub fn relative_pose(rotations: [[f64; 4]; 2], translations: [Triple; 2]) -> Option<([Triple; 3], Triple)> {
+    let [a, b] = [0, 1].each(|k| isometry(rotations[k], translations[k]));
+    let both = RelativePose::new(&a, &b).ok()?;
     Some(placing(&both))
 }
 
@@ -201,9 +203,9 @@ pub fn flight_of_ball(from: Triple, velocity: Triple, radius: f64) -> [f64; 4] {
 }
 
 /// Returns the quaternion of a turn, vector part first, and its product with another.
-pub fn half_turn(axis: Triple, half: (f64, f64), rest: f64, other: [f64; 4]) -> [[f64; 4]; 2] {
+pub fn half_turn(axis: Triple, sine: f64, cosine: f64, rest: f64, other: [f64; 4]) -> [[f64; 4]; 2] {
     let [x, y, z, w] = other;
-    let q = turn::half_turn(&axis.into(), half, rest);
+    let q = turn::half_turn(&axis.into(), sine, cosine, rest);
     [q, q * Quaternion::new(w, x, y, z)].each(|q| [q.i, q.j, q.k, q.w])
 }
 
@@ -213,18 +215,26 @@ pub fn patch_first(net: &[f64], degree: usize, at: f64) -> f64 {
 }
 
 /// Returns the gap of two boxes, each of axes, centre and half extents, at a relative pose.
-pub fn box_gap(pose: ([f32; 9], [f32; 3]), boxes: [[[f32; 3]; 5]; 2], known: Option<[f32; 3]>) -> f32 {
-    box_gaps::gap_of(pose, boxes, known)
+pub fn box_gap(rotation: [f32; 9], translation: [f32; 3], boxes: [[[f32; 3]; 5]; 2], known: Option<[f32; 3]>) -> f32 {
+    box_gaps::gap_of(rotation, translation, boxes, known)
 }
 
 /// Returns direction and base of an entry of a front, and the gap that it proves at another pose.
+/// The last two are the radius and a segment.
 pub fn front_entry(
-    poses: [([f32; 9], [f32; 3]); 2],
-    claim: ([f32; 3], f32),
+    rotations: [[f32; 9]; 2],
+    translations: [[f32; 3]; 2],
+    normal: [f32; 3],
+    gap: f32,
     centre: [f32; 3],
-    about: (f32, [f32; 3]),
+    radius: f32,
+    rod: [f32; 3],
 ) -> ([f32; 3], f32, f32) {
-    front::entry_at(poses, claim, centre, about)
+    let poses = [0, 1].each(|k| Way {
+        rotation: rotations[k],
+        translation: translations[k],
+    });
+    front::entry_at(poses, normal, gap, centre, radius, rod)
 }
 
 /// Two bodies as placed, and where a walk ended: bounds before their error term, in A's stored
@@ -266,7 +276,8 @@ pub fn stored_radius(body: &ConvexPolyhedron) -> f64 {
 /// Returns the distance of the supporting planes, the direction as divided by its length, and the
 /// support vertices.
 pub fn support_distance(
-    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
     pose: &RelativePose,
     normal: Triple,
 ) -> Option<(f64, Triple, [VertexId; 2])> {
@@ -294,7 +305,8 @@ pub struct MinimumEnd {
 
 /// Returns the end of a solve in f64, or in double-double, of bodies apart.
 pub fn minimum_end(
-    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
     pose: &RelativePose,
     is_double_double: bool,
 ) -> Option<MinimumEnd> {
@@ -336,7 +348,8 @@ pub type CurvedEnd = ([(Triple, f64, f64); 2], f64);
 
 /// Returns what two directions tell of two curved shapes.
 pub fn curved_end(
-    (a, b): (&Shape, &Shape),
+    a: &Shape,
+    b: &Shape,
     pose: &RelativePose,
     directions: [Triple; 2],
     weights: [f64; 2],
@@ -344,9 +357,9 @@ pub fn curved_end(
     let (matrix, translation) = placing(pose);
     let frame = Transform { matrix, translation };
     match (a.core(), b.core()) {
-        (Core::Ellipsoid(a), Core::Cylinder(b)) => smooth::bounds_along((a, b), frame, directions, weights),
-        (Core::Ellipsoid(a), Core::Cone(b)) => smooth::bounds_along((a, b), frame, directions, weights),
-        (Core::Ellipsoid(a), Core::Ellipsoid(b)) => smooth::bounds_along((a, b), frame, directions, weights),
+        (Core::Ellipsoid(a), Core::Cylinder(b)) => smooth::bounds_along(a, b, frame, directions, weights),
+        (Core::Ellipsoid(a), Core::Cone(b)) => smooth::bounds_along(a, b, frame, directions, weights),
+        (Core::Ellipsoid(a), Core::Ellipsoid(b)) => smooth::bounds_along(a, b, frame, directions, weights),
         _ => None,
     }
 }
@@ -381,10 +394,11 @@ pub struct FeatureDistance {
 /// Returns the distance of two features, if they are the closest ones beyond doubt, for points of
 /// the bodies close to the closest points.
 pub fn closed_form(
-    (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+    a: &ConvexPolyhedron,
+    b: &ConvexPolyhedron,
     pose: &RelativePose,
     features: FeaturePair,
-    (x, y): (Triple, Triple),
+    [x, y]: [Triple; 2],
 ) -> Option<FeatureDistance> {
     let posed = PosedPair::new(a, b, pose).ok()?;
     let mut draft = draft::Draft::starting_at(features);

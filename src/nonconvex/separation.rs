@@ -25,6 +25,7 @@
 //! one that separates its boxes; 2. the bound holds with acceleration and drift, second order kept.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::{Isometry3, Point3, Vector3};
 
 use crate::base::motion::{MotionModel, Remainder, length};
@@ -89,7 +90,7 @@ impl MeshPair<'_> {
 }
 
 /// Returns the ball about a bounding box that is right up to rounding.
-pub(crate) fn ball_about((low, high): (Point3<f64>, Point3<f64>)) -> (Point3<f64>, f64) {
+pub(crate) fn ball_about(low: Point3<f64>, high: Point3<f64>) -> (Point3<f64>, f64) {
     let half: Vector3<f64> = (high - low) * 0.5;
     let centre = low + half;
     let far = centre.coords.abs().sum() + half.sum();
@@ -99,7 +100,9 @@ pub(crate) fn ball_about((low, high): (Point3<f64>, Point3<f64>)) -> (Point3<f64
 /// Returns how long the lower bound of a distance lasts, or the pairs of nodes stay apart.
 fn ahead<S: Separation, A: Parted, B: Parted>(
     pair: &S,
-    (a, b, kept): (&A, &B, &FrontMemory),
+    a: &A,
+    b: &B,
+    kept: &FrontMemory,
     seen: &Measurement,
     flight: &PairMotion,
 ) -> FreeSpan {
@@ -122,7 +125,8 @@ fn ahead<S: Separation, A: Parted, B: Parted>(
 
 impl Separation for CompoundPair<'_> {
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
-        ball_about(if of == Operand::A { self.a } else { self.b }.corners_of_box())
+        let (low, high) = if of == Operand::A { self.a } else { self.b }.corners_of_box();
+        ball_about(low, high)
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
@@ -135,13 +139,14 @@ impl Separation for CompoundPair<'_> {
     }
 
     fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
-        ahead(self, (&self.a, &self.b, self.tracker.kept()), seen, flight)
+        ahead(self, &self.a, &self.b, self.tracker.kept(), seen, flight)
     }
 }
 
 impl Separation for MeshPair<'_> {
     fn ball(&self, of: Operand) -> (Point3<f64>, f64) {
-        ball_about(if of == Operand::A { self.a } else { self.b }.aabb())
+        let (low, high) = if of == Operand::A { self.a } else { self.b }.aabb();
+        ball_about(low, high)
     }
 
     fn measure(&mut self, a_from_b: &RelativePose) -> Measurement {
@@ -154,7 +159,7 @@ impl Separation for MeshPair<'_> {
     }
 
     fn free_for(&mut self, seen: &Measurement, flight: &PairMotion) -> FreeSpan {
-        ahead(self, (self.a, self.b, self.tracker.kept()), seen, flight)
+        ahead(self, self.a, self.b, self.tracker.kept(), seen, flight)
     }
 }
 
@@ -281,7 +286,7 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
                 return f64::INFINITY;
             }
         }
-        let trees = (self.posed.a.side().tree, self.posed.b.side().tree);
+        let trees = [self.posed.a.side().tree, self.posed.b.side().tree];
         let Some(halves) = split_pair(trees, &self.posed.frame, pair).filter(|_| self.left > 0) else {
             return time;
         };
@@ -308,10 +313,9 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
         let PosedTrees { a, b, frame, .. } = self.posed;
         let (of_a, of_b) = (a.side().tree, b.side().tree);
         let in_b = -frame.direction_in_b(n);
-        let few = |(first, last): (u32, u32)| (last - first <= AHEAD_ITEMS).then_some(first..last);
-        let top = |items: core::ops::Range<u32>| items.map(|k| a.highest(k, n)).fold(f64::NEG_INFINITY, f64::larger);
-        let bottom =
-            |items: core::ops::Range<u32>| items.map(|k| b.highest(k, &in_b)).fold(f64::NEG_INFINITY, f64::larger);
+        let few = |items: Range<u32>| (items.end - items.start <= AHEAD_ITEMS).then_some(items);
+        let top = |items: Range<u32>| items.map(|k| a.highest(k, n)).fold(f64::NEG_INFINITY, f64::larger);
+        let bottom = |items: Range<u32>| items.map(|k| b.highest(k, &in_b)).fold(f64::NEG_INFINITY, f64::larger);
         let high = few(of_a.range(x)).map_or_else(|| height(of_a, x, n), top);
         let low = -few(of_b.range(y)).map_or_else(|| height(of_b, y, &in_b), bottom);
         (low + n.dot(&frame.translation) - 2.0 * frame.error - high) * a.stored_unit()
@@ -330,20 +334,20 @@ impl<'a, A: Parted, B: Parted> LookAhead<'a, A, B> {
             let scale = tree.unit() * unit;
             (tree.centre * unit + of.centre() * scale, f64::from(of.radius()) * scale)
         };
-        let of_a = ball(a.side().tree, x, a.stored_unit());
-        let of_b = ball(b.side().tree, y, b.stored_unit());
+        let (of_a, radius_a) = ball(a.side().tree, x, a.stored_unit());
+        let (of_b, radius_b) = ball(b.side().tree, y, b.stored_unit());
         let n = self.movers[0].pose.rotation * n;
         // The direction turns with the body of the larger node.
-        if of_b.1 <= of_a.1 {
-            self.time_with([0, 1], &n, of_b, way)
+        if radius_b <= radius_a {
+            self.time_with([0, 1], &n, &of_b, radius_b, way)
         } else {
-            self.time_with([1, 0], &-n, of_a, way)
+            self.time_with([1, 0], &-n, &of_a, radius_a, way)
         }
     }
 
     /// Returns the time of a ball of Q, by its centre in the body's frame and its radius, over a
     /// node of P along a direction in the world that leads from P to Q.
-    fn time_with(&self, [p, q]: [usize; 2], n: &Vector3<f64>, (centre, radius): (Vector3<f64>, f64), way: f64) -> f64 {
+    fn time_with(&self, [p, q]: [usize; 2], n: &Vector3<f64>, centre: &Vector3<f64>, radius: f64, way: f64) -> f64 {
         let (p, q) = (&self.movers[p], &self.movers[q]);
         let place = q.origin + q.pose.rotation * centre;
         let (between, arm) = (place - p.pivot, place - q.pivot);

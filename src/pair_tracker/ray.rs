@@ -90,7 +90,7 @@ impl Ray {
 
     /// Returns the part of the ray, up to a length, that may lie in a ball, rounded outward; `None`
     /// if no part does.
-    pub(crate) fn within_ball(&self, (centre, radius): (Point3<f64>, f64), length: f64) -> Option<(f64, f64)> {
+    pub(crate) fn within_ball(&self, centre: &Point3<f64>, radius: f64, length: f64) -> Option<[f64; 2]> {
         let way = centre - self.origin;
         let along = way.dot(&self.direction);
         let size = radius + centre.coords.abs().sum() + self.origin.coords.abs().sum();
@@ -101,7 +101,7 @@ impl Ray {
             return None;
         }
         let (from, until) = ((along - reach).at_least(0.0), (along + reach).smaller(length));
-        (from <= until).then_some((from, until))
+        (from <= until).then_some([from, until])
     }
 }
 
@@ -237,29 +237,29 @@ impl RayCaster {
         let flight = ray.flight(length)?;
         let still = Steady::new(pose, Velocity::default())?;
         let (centre, radius) = body.bounding_ball();
-        let ball = placed_ball((centre, radius), pose);
-        let Some((from, until)) = ray.within_ball(ball, length) else {
+        let (place, reach) = placed_ball(&centre, radius, pose);
+        let Some([from, until]) = ray.within_ball(&place, reach, length) else {
             return Ok(RayCast::Miss);
         };
-        let width = RAY_WIDTH * (radius + sqrt((ball.0 - ray.origin).norm_squared()));
+        let width = RAY_WIDTH * (radius + sqrt((place - ray.origin).norm_squared()));
         #[cfg(feature = "meshes")]
         if let Some(mesh) = body.mesh()
-            && let Some(found) = super::ray_mesh::pierce(mesh, pose, ray, (from, until), (length, width))
+            && let Some(found) = super::ray_mesh::pierce(mesh, pose, ray, [from, until], length, width)
         {
             return Ok(found);
         }
         let mut pair = self.tracker.pair(body, &self.point);
-        let found = cast(&mut pair, &still, &flight, (from, until), Tolerance::Distance(width))?;
+        let found = cast(&mut pair, &still, &flight, from..until, Tolerance::Distance(width))?;
         let found = match found.impact {
             Impact::Miss => RayCast::Miss,
             Impact::AtStart { .. } if from == 0.0 => RayCast::Inside,
-            Impact::AtStart { seen } => entered(pose, (from, from), &seen),
-            Impact::Hit { safe, hit, seen } => entered(pose, (safe, hit), &seen),
+            Impact::AtStart { seen } => entered(pose, from, from, &seen),
+            Impact::Hit { safe, hit, seen } => entered(pose, safe, hit, &seen),
             Impact::Undecided { safe, .. } | Impact::Incomplete { safe } => {
-                let crossing = crossing(body, pose, ray, (safe, until), width);
+                let crossing = crossing(body, pose, ray, [safe, until], width);
                 let seen = crossing.and_then(|_| self.seen(body, pose, &ray.at(safe)));
                 match (crossing, seen) {
-                    (Some(hit), Some(seen)) => entered(pose, (safe, hit), &seen),
+                    (Some(hit), Some(seen)) => entered(pose, safe, hit, &seen),
                     _ => RayCast::Undecided { safe },
                 }
             }
@@ -267,19 +267,19 @@ impl RayCaster {
         let found = self.with_origin(found, body, pose, ray);
         #[cfg(feature = "meshes")]
         if let Some(hull) = body.polyhedron()
-            && let Some(met) = super::ray_mesh::proven(hull, pose, ray, ((from, until), (length, width)), &found)
+            && let Some(met) = super::ray_mesh::proven(hull, pose, ray, [from, until], length, width, &found)
         {
             return Ok(match met {
                 Met::Nothing => RayCast::Miss,
                 Met::Between(safe, hit) => match self.seen(body, pose, &ray.at(safe)) {
-                    Some(seen) => entered(pose, (safe, hit), &seen),
+                    Some(seen) => entered(pose, safe, hit, &seen),
                     None => RayCast::Undecided { safe },
                 },
             });
         }
         #[cfg(feature = "meshes")]
         if let (RayCast::Hit(hit), Some(mesh)) = (found, body.mesh()) {
-            return Ok(super::ray_mesh::entered(mesh, pose, ray, (hit.safe, hit.hit)));
+            return Ok(super::ray_mesh::entered(mesh, pose, ray, hit.safe, hit.hit));
         }
         Ok(found)
     }
@@ -306,7 +306,7 @@ impl RayCaster {
 }
 
 /// Returns the ball about a body at a pose, larger by what the pose may put its middle off.
-pub(crate) fn placed_ball((centre, radius): (Point3<f64>, f64), pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
+pub(crate) fn placed_ball(centre: &Point3<f64>, radius: f64, pose: &Isometry3<f64>) -> (Point3<f64>, f64) {
     (pose * centre, radius + PLACED_BALL * centre.coords.abs().sum())
 }
 
@@ -316,7 +316,7 @@ pub(super) fn placed(pose: &Isometry3<f64>, at: &Point3<f64>) -> Option<Relative
 }
 
 /// Returns the hit of a body at a pose, of which the point at the end of the safe part sees this.
-fn entered(pose: &Isometry3<f64>, (safe, hit): (f64, f64), seen: &Measurement) -> RayCast {
+fn entered(pose: &Isometry3<f64>, safe: f64, hit: f64, seen: &Measurement) -> RayCast {
     RayCast::Hit(RayHit {
         safe,
         hit,
@@ -330,7 +330,7 @@ fn entered(pose: &Isometry3<f64>, (safe, hit): (f64, f64), seen: &Measurement) -
 /// Returns the end of a short piece of the ray that meets the body: of a sheet without thickness,
 /// which no single point of f64 may meet. The ends of the piece are placed up to rounding, some
 /// hundredth of `width`.
-fn crossing(body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray, (safe, until): (f64, f64), width: f64) -> Option<f64> {
+fn crossing(body: GeometryRef, pose: &Isometry3<f64>, ray: &Ray, [safe, until]: [f64; 2], width: f64) -> Option<f64> {
     let place = |at: f64| pose.inverse_transform_point(&ray.at(at));
     let rest = RelativePose::from_isometry(&Isometry3::identity()).ok()?;
     let mut tracker = PairTracker::new();

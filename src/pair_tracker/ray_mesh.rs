@@ -23,16 +23,17 @@ pub(super) fn pierce(
     mesh: &Mesh,
     pose: &Isometry3<f64>,
     ray: &Ray,
-    (from, until): (f64, f64),
-    (length, width): (f64, f64),
+    [from, until]: [f64; 2],
+    length: f64,
+    width: f64,
 ) -> Option<RayCast> {
-    let mut on_mesh = in_body(mesh.into(), mesh.unit(), pose, ray, (from, until), (length, width))?;
+    let mut on_mesh = in_body(mesh.into(), mesh.unit(), pose, ray, [from, until], length, width)?;
     if from == 0.0 && begins_in(mesh, &on_mesh)? {
         return Some(RayCast::Inside);
     }
     Some(match mesh.first_met(&mut on_mesh)? {
         Met::Nothing => RayCast::Miss,
-        Met::Between(safe, hit) => entered(mesh, pose, ray, (safe, hit)),
+        Met::Between(safe, hit) => entered(mesh, pose, ray, safe, hit),
     })
 }
 
@@ -43,8 +44,9 @@ pub(super) fn in_body(
     unit: f64,
     pose: &Isometry3<f64>,
     ray: &Ray,
-    (from, until): (f64, f64),
-    (length, width): (f64, f64),
+    [from, until]: [f64; 2],
+    length: f64,
+    width: f64,
 ) -> Option<MeshRay> {
     let (centre, radius) = body.bounding_ball();
     let size = radius + centre.coords.abs().sum() + ray.origin.coords.abs().sum() + until;
@@ -54,7 +56,7 @@ pub(super) fn in_body(
         ends: [place(from)?, place(until)?],
         error: RAY * (size + pose.translation.vector.abs().sum()) / unit,
         direction: seen.rotation() * ray.direction.into_inner(),
-        span: (from, until),
+        span: [from, until],
         length,
         width,
         #[cfg(feature = "exact")]
@@ -71,7 +73,7 @@ fn begins_in(mesh: &Mesh, ray: &MeshRay) -> Option<bool> {
 }
 
 /// Returns the hit of a mesh at a pose: what the end of the safe part sees.
-pub(super) fn entered(mesh: &Mesh, pose: &Isometry3<f64>, ray: &Ray, (safe, hit): (f64, f64)) -> RayCast {
+pub(super) fn entered(mesh: &Mesh, pose: &Isometry3<f64>, ray: &Ray, safe: f64, hit: f64) -> RayCast {
     let at = pose.inverse_transform_point(&ray.at(safe)).coords;
     let (point, normal, spot) = mesh.seen_from(&at);
     RayCast::Hit(RayHit {
@@ -91,13 +93,15 @@ pub(super) fn proven(
     hull: &ConvexPolyhedron,
     pose: &Isometry3<f64>,
     ray: &Ray,
-    (span, limits): ((f64, f64), (f64, f64)),
+    span: [f64; 2],
+    length: f64,
+    width: f64,
     found: &RayCast,
 ) -> Option<Met> {
     if !matches!(found, RayCast::Hit(_) | RayCast::Undecided { .. }) || hull.face_count() == 0 {
         return None;
     }
-    let mut on_hull = in_body(GeometryRef::from(hull), 1.0, pose, ray, span, limits)?;
+    let mut on_hull = in_body(GeometryRef::from(hull), 1.0, pose, ray, span, length, width)?;
     if let RayCast::Hit(RayHit {
         safe,
         hit,
@@ -107,7 +111,7 @@ pub(super) fn proven(
     {
         let corners: [Option<VertexId>; 1] = [hull.face_vertices(face).next()];
         let pairs = hull.face_vertices(face).skip(1).zip(hull.face_vertices(face).skip(2));
-        let is_through = |b, c| corners[0].is_some_and(|a| on_hull.passes(&corners_of(hull, [a, b, c]), (safe, hit)));
+        let is_through = |b, c| corners[0].is_some_and(|a| on_hull.passes(&corners_of(hull, [a, b, c]), [safe, hit]));
         if pairs.into_iter().any(|(b, c)| is_through(b, c)) {
             return None;
         }

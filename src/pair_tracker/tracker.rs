@@ -365,7 +365,7 @@ impl PairTracker {
     /// let mut tracker = PairTracker::new();
     /// let mut pair = tracker.pair(&wall, &ball);
     /// let tolerance = Tolerance::Distance(1e-9);
-    /// let found = cast(&mut pair, &still, &thrown, (0.0, 2.0), tolerance)?;
+    /// let found = cast(&mut pair, &still, &thrown, 0.0..2.0, tolerance)?;
     /// let Impact::Hit { safe, hit, .. } = found.impact else {
     ///     panic!("{:?}", found.impact)
     /// };

@@ -52,9 +52,11 @@ impl StepContext<'_> {
     pub(super) fn sleep<T: PairEngine>(
         &self,
         header: &mut PairHeader,
-        (tracker, shapes): (&mut T, T::Shapes<'_>),
+        tracker: &mut T,
+        shapes: T::Shapes<'_>,
         plan: &PairPlan,
-        (outcome, counts): (&Outcome, &mut StepWork),
+        outcome: &Outcome,
+        counts: &mut StepWork,
     ) -> bool {
         let (bodies, length) = (self.bodies, self.bodies.ticks.length);
         let pair = [header.a as usize, header.b as usize];
@@ -101,8 +103,10 @@ impl StepContext<'_> {
     pub(super) fn sweep_pair<T: PairEngine>(
         &self,
         header: &mut PairHeader,
-        (tracker, shapes): (&mut T, T::Shapes<'_>),
-        (plan, tolerance): (&PairPlan, Tolerance),
+        tracker: &mut T,
+        shapes: T::Shapes<'_>,
+        plan: &PairPlan,
+        tolerance: Tolerance,
         tally: &mut Tally,
     ) -> bool {
         let bodies = self.bodies;
@@ -120,7 +124,7 @@ impl StepContext<'_> {
             let keep = plan.reach + self.margin(header, &motions, span);
             let [x, y] = &motions;
             let ahead = tracker.over_time(shapes, None, |separation, _| {
-                impact::ahead(separation, [x, y], (length, span), keep, tolerance)
+                impact::ahead(separation, [x, y], length, span, keep, tolerance)
             });
             if let Ok(ahead) = ahead {
                 let counts = &mut tally.counts;

@@ -100,7 +100,7 @@ impl Scene {
     }
 
     fn answer(&self, pair: &broad::Pair) -> PairResults<'_> {
-        let (a, b) = bodies_of(&self.bodies, pair);
+        let [a, b] = bodies_of(&self.bodies, pair);
         let mut answer = PairResults {
             a: self.bodies.id(a),
             b: self.bodies.id(b),
@@ -209,7 +209,7 @@ impl PairImpact {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PairChange {
     pub(super) id: PairId,
-    pub(super) pair: (u32, u32),
+    pub(super) pair: [u32; 2],
     pub(super) change: Change,
 }
 

@@ -121,7 +121,7 @@ impl BodySolid {
     /// Returns an upper bound of the displacement of any point between two poses, given with the
     /// balls there.
     #[inline]
-    fn displacement(&self, (old, from): (&Isometry3<f64>, &Ball), (new, to): (&Isometry3<f64>, &Ball)) -> f64 {
+    fn displacement(&self, [old, new]: [&Isometry3<f64>; 2], [from, to]: [&Ball; 2]) -> f64 {
         let shift = to.centre - from.centre;
         displacement(&shift, self.ball.radius, &old.rotation, &new.rotation)
             + self.ball.error(&old.translation.vector)
@@ -331,17 +331,17 @@ impl BodyTable {
             return;
         }
         let ball = solid.ball.at(pose);
-        let way = solid.displacement((&self.poses[i], &self.balls[i]), (pose, &ball));
+        let way = solid.displacement([&self.poses[i], pose], [&self.balls[i], &ball]);
         self.disturb(i);
         self.keep_start(i);
-        self.shift(i, (pose, ball), way);
+        self.shift(i, pose, ball, way);
     }
 
     /// Moves a body by a tick.
     pub(super) fn advance(&mut self, i: usize, pose: &Isometry3<f64>, sweep: Option<Sweep>) {
         let Some(solid) = &self.solids[i] else { return };
         let ball = solid.ball.at(pose);
-        let way = solid.displacement((&self.poses[i], &self.balls[i]), (pose, &ball));
+        let way = solid.displacement([&self.poses[i], pose], [&self.balls[i], &ball]);
         // A point may go out and come back within a sweep.
         let farthest = sweep.map_or(way, |s| {
             way.larger(s.displacement(solid.reach(), self.ticks.length.abs()))
@@ -349,7 +349,7 @@ impl BodyTable {
         if let Some(sweep) = sweep {
             self.keep_sweep(i, sweep);
         }
-        self.shift(i, (pose, ball), farthest);
+        self.shift(i, pose, ball, farthest);
     }
 
     /// Notes the pose of a body that is moved after the tick of the step and not by the tick.
@@ -369,7 +369,7 @@ impl BodyTable {
 
     /// Puts a body and its ball at a pose, `way` being an upper bound of the displacement.
     #[inline]
-    pub(super) fn shift(&mut self, i: usize, (pose, ball): (&Isometry3<f64>, Ball), way: f64) {
+    pub(super) fn shift(&mut self, i: usize, pose: &Isometry3<f64>, ball: Ball, way: f64) {
         self.travels[i].add(way, self.step);
         self.balls[i] = ball;
         self.poses[i] = *pose;

@@ -105,7 +105,7 @@ impl Scene {
         }
         for header in self.pair_tables.headers() {
             let pair = self.broad.pair_of(header.pair);
-            if pair.map(|pair| bodies_of(&self.bodies, &pair)) != Some((header.a, header.b)) || header.a == header.b {
+            if pair.map(|pair| bodies_of(&self.bodies, &pair)) != Some([header.a, header.b]) || header.a == header.b {
                 return Err("a seat of the scene is taken by no pair".into());
             }
             if usize::from(header.groups) >= GROUPS * GROUPS || !self.may_sleep(header) {
@@ -113,7 +113,7 @@ impl Scene {
             }
         }
         for pair in self.broad.pairs().filter(|_| self.replanned == 0) {
-            let (a, b) = bodies_of(&self.bodies, &pair);
+            let [a, b] = bodies_of(&self.bodies, &pair);
             let (Some(g), Some(h)) = (self.bodies.group(a), self.bodies.group(b)) else {
                 return Err(format!("{} is of a body that is gone", pair.id));
             };

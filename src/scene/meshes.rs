@@ -100,7 +100,7 @@ impl BodyTable {
         let way = moved + solid.ball.error(&pose.translation.vector);
         self.disturb(i);
         self.keep_start(i);
-        self.shift(i, (&pose, ball), way);
+        self.shift(i, &pose, ball, way);
         Ok(())
     }
 }

@@ -143,7 +143,7 @@ impl StepContext<'_> {
             return;
         };
         if let Some(tolerance) = plan.impact
-            && (self.sweep_pair(header, (tracker, shapes), (plan, tolerance), tally)
+            && (self.sweep_pair(header, tracker, shapes, plan, tolerance, tally)
                 || self.is_clear(header, plan.reach, &mut tally.counts))
         {
             return drop_contacts(tracker, answer);
@@ -173,7 +173,7 @@ impl StepContext<'_> {
             counts.features += u64::from(plan.detail >= Detail::Features);
             answer.store(&outcome);
             header.wake = 0.0;
-        } else if !self.sleep(header, (tracker, shapes), plan, (&outcome, counts)) {
+        } else if !self.sleep(header, tracker, shapes, plan, &outcome, counts) {
             header.wake = wake(self.sum(header), slack_of(plan, &outcome));
         }
         if let (Some(stored), Some(options)) = (answer.manifold(), &plan.manifold) {
@@ -227,7 +227,7 @@ fn note_changes(before: PairFlags, header: &PairHeader, changes: &mut Vec<PairCh
         if was != is {
             changes.push(PairChange {
                 id: header.pair,
-                pair: (header.a, header.b),
+                pair: [header.a, header.b],
                 change: if is { began } else { ended },
             });
         }

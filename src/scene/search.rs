@@ -471,8 +471,10 @@ impl Scene {
         let mut candidates: Vec<(f64, u32)> = bodies
             .filter_map(|k| {
                 let shape = &self.bodies.solids[k as usize].as_ref()?.shape;
-                let ball = placed_ball(shape.bounding_ball(), &self.bodies.poses[k as usize]);
-                Some((ray.within_ball(ball, length)?.0, k))
+                let (centre, radius) = shape.bounding_ball();
+                let (centre, radius) = placed_ball(&centre, radius, &self.bodies.poses[k as usize]);
+                let [from, _] = ray.within_ball(&centre, radius, length)?;
+                Some((from, k))
             })
             .collect();
         candidates.sort_unstable_by(|x, y| x.0.total_cmp(&y.0).then(x.1.cmp(&y.1)));

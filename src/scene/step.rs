@@ -168,7 +168,8 @@ impl Scene {
                 pair_tables,
                 &self.table,
                 bodies,
-                (members, pair.id),
+                members,
+                pair.id,
                 pair_state,
                 &mut changes,
             );
@@ -192,16 +193,9 @@ impl Scene {
         let replanned = |i: u32| bodies.group(i).is_some_and(|g| self.replanned & 1 << g.number() != 0);
         for pair in self.broad.pairs() {
             let members = bodies_of(bodies, &pair);
-            if replanned(members.0) || replanned(members.1) {
+            if members.into_iter().any(replanned) {
                 let pair_state = pair_tables.remove(pair.id.slot);
-                begin(
-                    pair_tables,
-                    &self.table,
-                    bodies,
-                    (members, pair.id),
-                    pair_state,
-                    changes,
-                );
+                begin(pair_tables, &self.table, bodies, members, pair.id, pair_state, changes);
             }
         }
     }
@@ -237,8 +231,8 @@ impl Scene {
         tally.changes.sort_unstable_by_key(|h| (h.pair, h.change));
         let bodies = &self.bodies;
         self.events.extend(tally.changes.iter().map(|h| Event {
-            a: bodies.id(h.pair.0),
-            b: bodies.id(h.pair.1),
+            a: bodies.id(h.pair[0]),
+            b: bodies.id(h.pair[1]),
             pair: h.id,
             change: h.change,
         }));
@@ -284,13 +278,13 @@ pub(super) fn group(number: usize) -> Group {
 }
 
 /// Returns the indices of the two bodies of a pair, the lower index first.
-pub(super) fn bodies_of(bodies: &BodyTable, pair: &broad::Pair) -> (u32, u32) {
+pub(super) fn bodies_of(bodies: &BodyTable, pair: &broad::Pair) -> [u32; 2] {
     let [a, b] = [pair.a, pair.b].each(|id| bodies.body_of_proxy[id.index as usize]);
-    (a.min(b), a.max(b))
+    [a.min(b), a.max(b)]
 }
 
 /// Ends a pair, and with the pair every event that began.
-fn end(pair_state: &PairState, pair: (u32, u32), id: PairId, changes: &mut Vec<PairChange>) {
+fn end(pair_state: &PairState, pair: [u32; 2], id: PairId, changes: &mut Vec<PairChange>) {
     let ends = [
         (pair_state.state.within, Change::LeftWithin),
         (pair_state.state.overlaps, Change::OverlapEnded),
@@ -305,7 +299,8 @@ fn begin(
     pair_tables: &mut PairTables,
     table: &Table,
     bodies: &BodyTable,
-    ((a, b), id): ((u32, u32), PairId),
+    [a, b]: [u32; 2],
+    id: PairId,
     pair_state: PairState,
     changes: &mut Vec<PairChange>,
 ) {
@@ -317,7 +312,7 @@ fn begin(
     if plan.boxes && !pair_state.box_event_sent {
         changes.push(PairChange {
             id,
-            pair: (a, b),
+            pair: [a, b],
             change: Change::BoxesMet,
         });
     }

@@ -167,7 +167,8 @@ impl BezierSurface {
     /// Returns a ball that contains the surface: centre and radius.
     #[must_use]
     pub fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        let (centre, radius) = ball_about(self.aabb());
+        let (low, high) = self.aabb();
+        let (centre, radius) = ball_about(low, high);
         (centre, radius + self.reach * SURFACE_POINT)
     }
 
@@ -301,5 +302,5 @@ sum_of_counters!(SurfaceWork {
     refused,
     steps,
     splits,
-    searches,
+    searches
 });

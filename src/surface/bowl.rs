@@ -130,7 +130,7 @@ fn above(below: Matrix2<f64>, rim: &Rim) -> Matrix2<f64> {
 }
 
 /// Returns a form between two borders that bend by `low`, below, along f, and by `high` along g.
-fn between_borders((f, low): (Vector2<f64>, f64), (g, high): (Vector2<f64>, f64)) -> Matrix2<f64> {
+fn between_borders([f, g]: [Vector2<f64>; 2], [low, high]: [f64; 2]) -> Matrix2<f64> {
     let cross = f.perp(&g);
     if cross.abs() < CROSSING {
         return f * f.transpose() * (0.5 * (low + high));
@@ -157,7 +157,7 @@ impl Bowl {
             (Rim::All(of_a), Rim::All(of_b)) => (of_a + of_b) * 0.5,
             (Rim::All(of_a), rim) => above(of_a + of_a * of_a * distance, &rim),
             (rim, Rim::All(of_b)) => -above(of_b * of_b * distance - of_b, &rim.turned()),
-            (Rim::Along(f, low), Rim::Along(g, high)) => between_borders((f, low), (g, high)),
+            (Rim::Along(f, low), Rim::Along(g, high)) => between_borders([f, g], [low, high]),
             (Rim::Along(f, low), Rim::Point) => f * f.transpose() * (low + MARGIN * low.abs()),
             (Rim::Point, Rim::Along(g, high)) => g * g.transpose() * (high - MARGIN * high.abs()),
             (Rim::Point, Rim::Point) => return None,
@@ -247,7 +247,7 @@ impl BowlSide {
             }
         }
         let most = height(&pairs[start]);
-        let of = bounded(pairs, degrees, start, (most, f64::INFINITY))?;
+        let of = bounded(pairs, degrees, start, most, f64::INFINITY)?;
         let slope = self.slope(node);
         let rounding = BENT * slope.at_least(1.0) * (node.reach + self.at.abs().sum());
         Some(of.smaller(most) + (1.0 + slope) * node.error + rounding)

@@ -141,19 +141,14 @@ pub(super) fn taylor(node: &Node, net: &Net, n: &Vector3<f64>, highest: f64, nee
     let mut coefficients = [[0.0; 2]; NET];
     let pairs = &mut coefficients[..node.count as usize];
     fill(pairs, net, n);
-    let most = bounded(pairs, node.degrees, net.highest_index(n), (highest, need))?;
+    let most = bounded(pairs, node.degrees, net.highest_index(n), highest, need)?;
     Some(most + COEFFICIENT * node.reach)
 }
 
 /// Returns an upper bound of a quotient of two polynomials, the second positive, from coefficients
 /// of both and a place to start at: by second derivatives. `None` if the bound has no hope to be
 /// below `highest`, an upper bound, by `need`. Errors of the coefficients are not counted.
-pub(super) fn bounded(
-    pairs: &[[f64; 2]],
-    degrees: [usize; 2],
-    start: usize,
-    (highest, need): (f64, f64),
-) -> Option<f64> {
+pub(super) fn bounded(pairs: &[[f64; 2]], degrees: [usize; 2], start: usize, highest: f64, need: f64) -> Option<f64> {
     let mut room = [[0.0]; NET];
     let g = &mut room[..pairs.len()];
     let size = shifted(pairs, highest, g);

@@ -405,7 +405,8 @@ impl BesideSurface for SurfaceCompoundTracker {
     type Body = Compound;
 
     fn ball(body: &Compound) -> (Point3<f64>, f64) {
-        ball_about(body.aabb())
+        let (low, high) = body.aabb();
+        ball_about(low, high)
     }
 
     fn allow(&mut self, splits: Option<usize>) {
@@ -417,7 +418,8 @@ impl BesideSurface for SurfaceCompoundTracker {
         let pieces = b.pieces();
         self.pieces.resize_with(pieces.len(), SurfaceShapeTracker::new);
         let placed = Placed::new(a_from_b, b.is_in_place());
-        let (centre, radius) = ball_about(b.aabb());
+        let (low, high) = b.aabb();
+        let (centre, radius) = ball_about(low, high);
         let offset = sqrt(a_from_b.translation().norm_squared());
         let noise = 2.0 * CERTIFICATE * UNIT * (a.reach + sqrt(centre.coords.norm_squared()) + radius + offset);
         let mut ask = |k: usize, most: f64| {

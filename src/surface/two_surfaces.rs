@@ -251,7 +251,7 @@ impl SurfacePair<'_> {
         match found.state {
             ContactState::Separated => match self.side(pose) {
                 Side::Outside => found,
-                Side::Inside(spot, point) => self.inside(found, (spot, point), pose),
+                Side::Inside(spot, point) => self.inside(found, spot, point, pose),
                 Side::Unclear => PairOutcome {
                     outcome: Outcome {
                         state: ContactState::Undecided,
@@ -270,7 +270,8 @@ impl SurfacePair<'_> {
     fn inside(
         &self,
         found: PairOutcome,
-        (spot, point): (WitnessLocation, Point3<f64>),
+        spot: WitnessLocation,
+        point: Point3<f64>,
         pose: &RelativePose,
     ) -> PairOutcome {
         let mut answer = found;

@@ -119,7 +119,7 @@ impl Schedule {
         let arrived = self.epoch;
         self.pairs.insert(pair, DuePair { tick: None, arrived });
         self.turned.insert((pair.1, pair.0));
-        self.wake_at(pair, Some(self.now));
+        self.wake_at(pair.0, pair.1, Some(self.now));
         true
     }
 
@@ -166,10 +166,10 @@ impl Schedule {
     pub fn disturb(&mut self, body: u32) {
         self.epoch += 1;
         self.disturbed.insert(body, self.epoch);
-        for pair in self.of(body) {
-            let entry = self.pairs.get(&pair);
+        for (a, b) in self.of(body) {
+            let entry = self.pairs.get(&(a, b));
             if entry.is_some_and(|entry| entry.tick.is_none_or(|tick| tick > self.now)) {
-                self.wake_at(pair, Some(self.now));
+                self.wake_at(a, b, Some(self.now));
             }
         }
     }
@@ -183,7 +183,7 @@ impl Schedule {
             }
             self.heap.pop();
             if self.pairs.get(&(a, b)).is_some_and(|entry| entry.tick == Some(since)) {
-                self.wake_at((a, b), self.now.checked_add(1));
+                self.wake_at(a, b, self.now.checked_add(1));
                 return Some(Due {
                     pair: (a, b),
                     since,
@@ -200,7 +200,7 @@ impl Schedule {
     pub fn sleep(&mut self, due: &Due, ticks: u64) {
         if ticks > 0 && self.is_valid(due) {
             let next = self.now.checked_add(ticks).and_then(|last| last.checked_add(1));
-            self.wake_at(due.pair, next);
+            self.wake_at(due.pair.0, due.pair.1, next);
         }
     }
 
@@ -211,10 +211,12 @@ impl Schedule {
         ticks.min().map(|tick| tick.max(self.now))
     }
 
-    fn wake_at(&mut self, pair: (u32, u32), tick: Option<u64>) {
-        let Some(entry) = self.pairs.get_mut(&pair) else { return };
+    fn wake_at(&mut self, a: u32, b: u32, tick: Option<u64>) {
+        let Some(entry) = self.pairs.get_mut(&(a, b)) else {
+            return;
+        };
         entry.tick = tick;
-        self.heap.extend(tick.map(|tick| Reverse((tick, pair.0, pair.1))));
+        self.heap.extend(tick.map(|tick| Reverse((tick, a, b))));
         if self.heap.len() > 4 * self.pairs.len() + SPARE {
             let entries = self.pairs.iter();
             self.heap = entries

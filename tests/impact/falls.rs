@@ -43,7 +43,7 @@ fn round_bodies_fall_onto_each_other() {
                 if !["surfaces", "surface and shape", "shape and surface"].contains(&kind) {
                     return;
                 }
-                let found = cast(pair, &Fall::still(), &fall, (0.0, until), Tolerance::Distance(1e-6)).expect("a cast");
+                let found = cast(pair, &Fall::still(), &fall, 0.0..until, Tolerance::Distance(1e-6)).expect("a cast");
                 let Impact::Hit { safe, hit, .. } = found.impact else {
                     panic!("{kind} until {until}, {is_named}, {truth}: {found:?}")
                 };
@@ -77,7 +77,7 @@ fn every_kind_falls_and_is_never_late() {
         }
         bodies.each(|kind, pair| {
             cases += 1;
-            let found = cast(pair, &a, &b, (0.0, until), Tolerance::Distance(1e-6)).expect("a cast");
+            let found = cast(pair, &a, &b, 0.0..until, Tolerance::Distance(1e-6)).expect("a cast");
             let relative = |t: f64| RelativePose::new(&a.pose(t), &b.pose(t)).expect("a pose");
             let (safe, hit) = match found.impact {
                 Impact::Hit { safe, hit, .. } => (safe, Some(hit)),
@@ -123,7 +123,7 @@ fn holds_are_most_of_what_there_is() {
             };
             let truth = f64::min(until, (2.0 * way / 9.81f64).sqrt());
             bodies.each(|kind, pair| {
-                let held = overlapping_until(pair, &Fall::still(), &fall, (0.0, until), way).expect("an answer");
+                let held = overlapping_until(pair, &Fall::still(), &fall, 0.0..until, way).expect("an answer");
                 assert!(
                     held <= truth && held > 0.7 * truth,
                     "{kind}, {way} until {until}: {held} {truth}"
@@ -139,7 +139,7 @@ fn holds_are_most_of_what_there_is() {
         ..Fall::still()
     };
     bodies.each(|kind, pair| {
-        let free = free_until(pair, &Fall::still(), &fall, (0.0, 300.0), 0.0).expect("an answer");
+        let free = free_until(pair, &Fall::still(), &fall, 0.0..300.0, 0.0).expect("an answer");
         assert!(free.until > 0.3, "{kind}: {free:?}");
     });
 }

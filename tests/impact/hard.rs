@@ -111,7 +111,7 @@ fn bodies_carried_along_never_meet() {
         .expect("a motion");
         let mut tracker = Tracker::new();
         let mut pair = tracker.pair(&a, &b);
-        let found = cast(&mut pair, &ma, &mb, (0.0, 1.0), FINE).expect("a cast");
+        let found = cast(&mut pair, &ma, &mb, 0.0..1.0, FINE).expect("a cast");
         let throw = Throw {
             start,
             velocity: [rest(), rest()],
@@ -213,7 +213,7 @@ fn contact_at_the_ends_is_contact() {
     };
     let ask = |x: f64, v: f64| {
         let [a, b] = throw(x, v).motions();
-        cast(&mut Tracker::new().pair(&cube, &cube), &a, &b, (0.0, 1.0), FINE)
+        cast(&mut Tracker::new().pair(&cube, &cube), &a, &b, 0.0..1.0, FINE)
             .expect("a cast")
             .impact
     };
@@ -238,7 +238,7 @@ fn brackets_are_as_narrow_as_asked() {
             let [ma, mb] = throw.motions();
             let mut tracker = Tracker::new();
             let mut pair = tracker.pair(&a, &b);
-            let by_time = cast(&mut pair, &ma, &mb, (0.0, 1.0), Tolerance::Time(tolerance)).expect("a cast");
+            let by_time = cast(&mut pair, &ma, &mb, 0.0..1.0, Tolerance::Time(tolerance)).expect("a cast");
             let Impact::Hit { safe, hit, .. } = by_time.impact else {
                 continue;
             };
@@ -269,7 +269,7 @@ fn within_a_distance() {
     for (distance, expected) in [(0.5, 1.25), (1.0, 1.0), (0.0, 1.5)] {
         let mut tracker = Tracker::new();
         let mut pair = tracker.pair(&cube, &cube);
-        let found = cast_within(&mut pair, &a, &b, (0.0, 2.0), FINE, distance).expect("a cast");
+        let found = cast_within(&mut pair, &a, &b, 0.0..2.0, FINE, distance).expect("a cast");
         let Impact::Hit { safe, hit, .. } = found.impact else {
             panic!("{found:?}")
         };
@@ -280,9 +280,9 @@ fn within_a_distance() {
     }
     let mut tracker = Tracker::new();
     let mut pair = tracker.pair(&cube, &cube);
-    let found = cast_within(&mut pair, &a, &b, (0.0, 1.0), FINE, 0.9).expect("a cast");
+    let found = cast_within(&mut pair, &a, &b, 0.0..1.0, FINE, 0.9).expect("a cast");
     assert_eq!(found.impact, Impact::Miss);
-    let found = cast_within(&mut pair, &a, &b, (0.0, 1.0), FINE, 3.1).expect("a cast");
+    let found = cast_within(&mut pair, &a, &b, 0.0..1.0, FINE, 3.1).expect("a cast");
     assert!(matches!(found.impact, Impact::AtStart { .. }));
 }
 
@@ -296,7 +296,7 @@ fn sweeps_between_poses() {
         let throw = aimed(&mut rng, (1.0, 0.9), 3.0);
         let ends = [0, 1].map(|k| throw.velocity[k].applied(&throw.start[k], 1.0));
         let [ma, mb] = [0, 1].map(|k| Nlerp::new(&throw.start[k], &ends[k], 1.0, Point3::origin()).expect("a motion"));
-        let found = cast(&mut Tracker::new().pair(&a, &b), &ma, &mb, (0.0, 1.0), FINE).expect("a cast");
+        let found = cast(&mut Tracker::new().pair(&a, &b), &ma, &mb, 0.0..1.0, FINE).expect("a cast");
         let mut tracker = lin_canny::Tracker::new();
         let mut meets = |t: f64| {
             let relative = lin_canny::RelativePose::new(&ma.pose(t), &mb.pose(t)).expect("a pose");
@@ -326,18 +326,18 @@ fn what_is_no_question_is_refused() {
     let a = Steady::new(&at(0.0, 0.0, 0.0), rest()).expect("a motion");
     let mut tracker = Tracker::new();
     let mut pair = tracker.pair(&cube, &cube);
-    for interval in [(1.0, 0.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
+    for (from, until) in [(1.0, 0.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
         assert!(matches!(
-            cast(&mut pair, &a, &a, interval, FINE),
+            cast(&mut pair, &a, &a, from..until, FINE),
             Err(ImpactError::Interval { .. })
         ));
     }
     let bad = Tolerance::Time(-1.0);
     assert!(matches!(
-        cast(&mut pair, &a, &a, (0.0, 1.0), bad),
+        cast(&mut pair, &a, &a, 0.0..1.0, bad),
         Err(ImpactError::Size { .. })
     ));
-    assert!(cast_within(&mut pair, &a, &a, (0.0, 1.0), FINE, f64::NAN).is_err());
-    let found = cast(&mut pair, &a, &a, (0.5, 0.5), FINE).expect("a cast");
+    assert!(cast_within(&mut pair, &a, &a, 0.0..1.0, FINE, f64::NAN).is_err());
+    let found = cast(&mut pair, &a, &a, 0.5..0.5, FINE).expect("a cast");
     assert!(matches!(found.impact, Impact::AtStart { .. }));
 }

@@ -73,7 +73,7 @@ fn a_course_that_is_none_proves_nothing() {
                 };
                 let what = format!("field {field} is {number} from {from}");
                 bodies.each(|kind, pair| {
-                    let found = cast(pair, &still, &broken, (0.0, 8.0), FINE).expect("a cast");
+                    let found = cast(pair, &still, &broken, 0.0..8.0, FINE).expect("a cast");
                     let Impact::Incomplete { safe } = found.impact else {
                         panic!("{kind}, {what}: {found:?}")
                     };
@@ -82,15 +82,15 @@ fn a_course_that_is_none_proves_nothing() {
                         "{kind}, {what}: {safe}"
                     );
                     late += u32::from(safe > 1.0);
-                    let found = cast(pair, &broken, &still, (0.0, 8.0), FINE).expect("a cast");
+                    let found = cast(pair, &broken, &still, 0.0..8.0, FINE).expect("a cast");
                     assert!(
                         matches!(found.impact, Impact::Incomplete { .. }),
                         "{kind}, {what}: {found:?}"
                     );
                     if from == 0.0 {
-                        let free = free_until(pair, &still, &broken, (0.0, 8.0), 0.1).expect("an answer");
+                        let free = free_until(pair, &still, &broken, 0.0..8.0, 0.1).expect("an answer");
                         assert_eq!(free.until, 0.0, "{kind}, {what}: {free:?}");
-                        let held = overlapping_until(pair, &still, &broken, (0.0, 8.0), 0.1).expect("an answer");
+                        let held = overlapping_until(pair, &still, &broken, 0.0..8.0, 0.1).expect("an answer");
                         assert_eq!(held, 0.0, "{kind}, {what}");
                     }
                 });
@@ -102,7 +102,7 @@ fn a_course_that_is_none_proves_nothing() {
                     from,
                 };
                 bodies.each(|kind, pair| {
-                    let found = cast(pair, &still, &broken, (0.0, 8.0), FINE).expect("a cast");
+                    let found = cast(pair, &still, &broken, 0.0..8.0, FINE).expect("a cast");
                     assert!(
                         matches!(found.impact, Impact::AtStart { .. }),
                         "{kind}, {what}: {found:?}"
@@ -127,7 +127,7 @@ fn a_course_beyond_all_squares_ends() {
                 from: 0.0,
             };
             bodies.each(|kind, pair| {
-                let found = cast(pair, &Fall::still(), &broken, (1.0, 8.0), FINE).expect("a cast");
+                let found = cast(pair, &Fall::still(), &broken, 1.0..8.0, FINE).expect("a cast");
                 let Cast { impact, .. } = found;
                 // The poses meet at 3, and the model allows for these poses unless it names other velocities.
                 let is_late = field >= 12 && matches!(impact, Impact::Miss);
@@ -157,7 +157,7 @@ impl Motion for Lost {
 #[test]
 fn a_pose_that_is_none_is_an_error() {
     Bodies::new(1.0).each(|kind, pair| {
-        let found = cast(pair, &Fall::still(), &Lost(towards(4.0, 1.0)), (0.0, 8.0), FINE);
+        let found = cast(pair, &Fall::still(), &Lost(towards(4.0, 1.0)), 0.0..8.0, FINE);
         assert!(matches!(found, Err(ImpactError::Pose(_))), "{kind}: {found:?}");
     });
 }
@@ -177,7 +177,7 @@ fn an_interval_without_length_is_an_instant() {
         let distance = gap * factor;
         let (a, b) = (towards(0.0, 1.0), towards(x, 1.0));
         bodies.each(|kind, pair| {
-            let found = cast_within(pair, &a, &b, (time, time), FINE, distance).expect("a cast");
+            let found = cast_within(pair, &a, &b, time..time, FINE, distance).expect("a cast");
             let relative = RelativePose::new(&a.pose(time), &b.pose(time)).expect("a pose");
             let seen = pair.measure(&relative);
             match found.impact {
@@ -295,7 +295,7 @@ fn casts_end_at_any_numbers() {
         };
         let keep = if rng.chance(0.7) { 0.0 } else { number(&mut rng).abs() };
         bodies.each(|kind, pair| {
-            let found = cast_within(pair, &*a, &*b, (from, until), tolerance, keep);
+            let found = cast_within(pair, &*a, &*b, from..until, tolerance, keep);
             let what = format!("{kind} {case}: {found:?}");
             let Ok(Cast {
                 impact,
@@ -376,7 +376,7 @@ impl Separation for Stubborn {
 fn rounds_of_a_look_count_as_looks() {
     let mut pair = Stubborn { is_near: false };
     let huge = Tolerance::Distance(1e300);
-    let found = cast(&mut pair, &Fall::still(), &towards(1.0, 1e-3), (0.0, 1.0), huge).expect("a cast");
+    let found = cast(&mut pair, &Fall::still(), &towards(1.0, 1e-3), 0.0..1.0, huge).expect("a cast");
     assert!(
         matches!(found.impact, Impact::Incomplete { safe } if safe > 0.0),
         "{found:?}"
@@ -410,7 +410,7 @@ fn a_motion_that_breaks_its_contract_ends_by_name() {
         for distance in [0.0, 0.1] {
             let liar = Liar(towards(4.0, speed), jump);
             bodies.each(|kind, pair| {
-                let found = cast_within(pair, &Fall::still(), &liar, (0.0, 8.0), FINE, distance).expect("a cast");
+                let found = cast_within(pair, &Fall::still(), &liar, 0.0..8.0, FINE, distance).expect("a cast");
                 match found.impact {
                     Impact::Undecided { safe, distance: upper } => {
                         assert!(safe > 0.0 && upper <= distance + 1e-9, "{kind}, {jump}: {found:?}");

@@ -94,7 +94,7 @@ impl<'a> Judge<'a> {
             &mut Tracker::new().pair(self.bodies[0], self.bodies[1]),
             a,
             b,
-            (0.0, 1.0),
+            0.0..1.0,
             tolerance,
         )
         .expect("a cast");

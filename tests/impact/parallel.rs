@@ -57,7 +57,7 @@ fn plates_spin_over_plates() {
                 &mut Tracker::new().pair(&plate, &round),
                 &low,
                 &high,
-                (0.0, 1.0),
+                0.0..1.0,
                 tolerance,
             )
         } else {
@@ -65,7 +65,7 @@ fn plates_spin_over_plates() {
                 &mut Tracker::new().pair(&round, &plate),
                 &high,
                 &low,
-                (0.0, 1.0),
+                0.0..1.0,
                 tolerance,
             )
         };
@@ -100,7 +100,7 @@ fn plates_that_sink_meet_on_time() {
             let (low, high) = (motion(0.0, 0.0, 0.0), motion(0.1 + gap, 2.0 * gap, turn));
             let mut tracker = Tracker::new();
             let mut pair = tracker.pair(&plate, &plate);
-            let found = cast(&mut pair, &low, &high, (0.0, 1.0), Tolerance::Distance(0.01 * gap)).expect("a cast");
+            let found = cast(&mut pair, &low, &high, 0.0..1.0, Tolerance::Distance(0.01 * gap)).expect("a cast");
             let Impact::Hit { safe, hit, .. } = found.impact else {
                 panic!("{k} {gap:e}: {found:?}")
             };
@@ -135,7 +135,7 @@ fn bodies_carried_round_a_hair_apart_never_meet() {
         let b = Steady::about(&Isometry3::from(away), Point3::from(-away), spin).expect("a motion");
         let mut tracker = Tracker::new();
         let mut pair = tracker.pair(&cube, &other);
-        let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-10)).expect("a cast");
+        let found = cast(&mut pair, &a, &b, 0.0..1.0, Tolerance::Distance(1e-10)).expect("a cast");
         assert_eq!(
             found.impact,
             Impact::Miss,

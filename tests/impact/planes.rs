@@ -56,8 +56,8 @@ fn judge<A: Motion, B: Motion>(
 ) {
     let mut tracker = Tracker::new();
     let mut pair = tracker.pair(bodies.0, bodies.1);
-    let (interval, (ma, mb)) = ((from, 1.0), motions);
-    let look = free_until(&mut pair, ma, mb, interval, distance).expect("an answer");
+    let (ma, mb) = motions;
+    let look = free_until(&mut pair, ma, mb, from..1.0, distance).expect("an answer");
     if let Some(part) = holds(bodies, motions, &look) {
         seen.planes += 1;
         seen.cut += u32::from(part < 1.0);
@@ -70,7 +70,7 @@ fn judge<A: Motion, B: Motion>(
     }
     let mut steps = Vec::new();
     let tolerance = Tolerance::Distance(1e-9);
-    cast_with_certificates(&mut pair, ma, mb, interval, tolerance, distance, &mut steps).expect("a cast");
+    cast_with_certificates(&mut pair, ma, mb, from..1.0, tolerance, distance, &mut steps).expect("a cast");
     for step in steps {
         let keeps = matches!(step.proof, Proof::Plane { spin, .. } if spin == Vector3::zeros());
         if let Some(part) = holds(bodies, motions, &step)

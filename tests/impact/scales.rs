@@ -47,7 +47,7 @@ fn every_kind_meets_on_time_at_every_size() {
                 let is_tiny = kind.contains("surface") && k < -290;
                 let tolerance = Tolerance::Distance(1e-6 * size);
                 for (until, keep, truth) in [(3.5, 0.0, 3.0), (2.5, 0.0, f64::NAN), (3.5, 1.0, 2.0)] {
-                    let found = cast_within(pair, a, b, (0.0, until * tick), tolerance, keep * size).expect("a cast");
+                    let found = cast_within(pair, a, b, 0.0..until * tick, tolerance, keep * size).expect("a cast");
                     let (answer, safe, hit) = told(&found, tick);
                     let what = format!("{kind} at 2^{k}, tick {tick:e}, until {until}: {found:?}");
                     if is_tiny {
@@ -105,7 +105,7 @@ fn answers_scale_bit_for_bit() {
             let mut tracker = Tracker::new();
             let mut pair = tracker.pair(&bodies[0], &bodies[1]);
             let tolerance = Tolerance::Distance(1e-9 * size);
-            cast(&mut pair, &motions[0], &motions[1], (0.0, tick), tolerance).expect("a cast")
+            cast(&mut pair, &motions[0], &motions[1], 0.0..tick, tolerance).expect("a cast")
         };
         let one = at(1.0, 1.0);
         match one.impact {
@@ -177,8 +177,8 @@ fn no_clock_changes_an_answer() {
             let mut answers = Vec::new();
             bodies.each(|kind, pair| {
                 let tolerance = Tolerance::Distance(1e-6);
-                let found = cast(pair, &a, &b, (0.0, until), tolerance).expect("a cast");
-                let held = overlapping_until(pair, &a, &b, (0.0, until), 0.5).expect("an answer");
+                let found = cast(pair, &a, &b, 0.0..until, tolerance).expect("a cast");
+                let held = overlapping_until(pair, &a, &b, 0.0..until, 0.5).expect("an answer");
                 answers.push((kind.to_string(), told(&found, tick), found.queries, held / tick));
             });
             answers

@@ -42,7 +42,7 @@ fn balls_meet_when_the_closed_form_says() {
             &mut PairTracker::new().pair(&a, &b),
             &motions[0],
             &motions[1],
-            (0.0, 1.0),
+            0.0..1.0,
             Tolerance::Distance(TOLERANCE * (ra + rb)),
         );
         match (found.expect("a finite cast").impact, balls_meet(&x, &v, ra + rb)) {
@@ -91,7 +91,7 @@ fn every_pair_of_kinds_is_apart_until_it_is_hit() {
             &mut PairTracker::new().pair(a, b),
             &motions[0],
             &motions[1],
-            (0.0, 1.0),
+            0.0..1.0,
             Tolerance::Distance(TOLERANCE),
         );
         let relative = |t: f64| RelativePose::new_normalized(&motions[0].pose(t), &motions[1].pose(t)).expect("a pose");

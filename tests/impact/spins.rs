@@ -24,7 +24,7 @@ fn casts_of_bodies_that_turn_too_fast_end_early() {
             let mut pair = tracker.pair(a, b);
             let began = cpu_time::ThreadTime::now();
             let tolerance = Tolerance::Distance(1e-6);
-            let found = cast(&mut pair, &still, &turning, (0.0, 1.0), tolerance).unwrap();
+            let found = cast(&mut pair, &still, &turning, 0.0..1.0, tolerance).unwrap();
             std::println!("{w:e}: {found:?} {:?}", began.elapsed());
             assert!(
                 matches!(found.impact, Impact::Incomplete { .. } | Impact::Undecided { .. }),

@@ -132,11 +132,11 @@ fn an_outcome_gives_the_contacts_of_a_first_query() {
         };
         let (pose, options) = (support::relative(&frame), ManifoldOptions::with_prediction(0.1));
         let outcome = Tracker::new().closest(a, b, &pose);
-        let m = Manifold::from_outcome((a, b), &pose, &outcome, &options);
+        let m = Manifold::from_outcome(a, b, &pose, &outcome, &options);
         assert_eq!(m, manifold(a, b, &frame, &options));
         points[m.points().len()] += 1;
         let point = ConvexPolyhedron::point(lin_canny::nalgebra::Point3::origin()).expect("a point");
-        let m = Manifold::from_outcome((&point, &point), &pose, &outcome, &options);
+        let m = Manifold::from_outcome(&point, &point, &pose, &outcome, &options);
         assert!(m.points().len() <= 1, "features of other bodies");
     }
     assert!(points[0] > 50 && points[1] > 5 && points[4] > 50, "{points:?}");

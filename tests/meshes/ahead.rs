@@ -31,7 +31,7 @@ fn judge<S: Separation>(
     (a, b): (&Steady, &Steady),
     tally: &mut Tally,
 ) {
-    let found = cast(pair, a, b, (0.0, 1.0), Tolerance::Distance(1e-6)).unwrap();
+    let found = cast(pair, a, b, 0.0..1.0, Tolerance::Distance(1e-6)).unwrap();
     tally.queries += found.queries;
     let at = |t: f64| RelativePose::new(&a.pose(t), &b.pose(t)).unwrap();
     let safe = match found.impact {
@@ -131,13 +131,13 @@ fn motion_along_a_wall_takes_few_looks() {
     let b = steady(Pose::shift([-3.0, 0.3, 0.31]), [6.0, 0.1, 0.0], [0.0; 3]);
     let mut tracker = PairTracker::new();
     let mut pair = tracker.pair(&wall, &ball);
-    let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-6)).unwrap();
+    let found = cast(&mut pair, &a, &b, 0.0..1.0, Tolerance::Distance(1e-6)).unwrap();
     println!("{} looks", found.queries);
     assert_eq!(found.impact, Impact::Miss);
     assert!(found.queries <= 3, "{found:?}");
     // Downward at a hundredth of the pace along the wall: met in time.
     let b = steady(Pose::shift([-3.0, 0.3, 0.31]), [6.0, 0.1, -0.06], [0.0; 3]);
-    let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-9)).unwrap();
+    let found = cast(&mut pair, &a, &b, 0.0..1.0, Tolerance::Distance(1e-9)).unwrap();
     let Impact::Hit { safe, hit, .. } = found.impact else {
         panic!("{found:?}")
     };

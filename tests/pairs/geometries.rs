@@ -124,8 +124,8 @@ fn any_two_geometries_meet_at_one_time_in_either_order() {
             let tolerance = Tolerance::Distance(1e-5);
             let mut trackers = [PairTracker::new(), PairTracker::new()];
             let [one, two] = &mut trackers;
-            let there = cast(&mut one.pair(x, y), &still, &flight, (0.0, 1.0), tolerance).unwrap();
-            let back = cast(&mut two.pair(y, x), &flight, &still, (0.0, 1.0), tolerance).unwrap();
+            let there = cast(&mut one.pair(x, y), &still, &flight, 0.0..1.0, tolerance).unwrap();
+            let back = cast(&mut two.pair(y, x), &flight, &still, 0.0..1.0, tolerance).unwrap();
             if let (Impact::Hit { safe, hit, .. }, Impact::Hit { safe: s, hit: h, .. }) = (there.impact, back.impact) {
                 assert!(safe <= h && s <= hit, "{:?} {:?}", there.impact, back.impact);
                 hits += 1;

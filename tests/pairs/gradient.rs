@@ -128,7 +128,7 @@ fn parallel_faces_have_one_sided_rates() {
         assert!(m.points().len() >= 4);
         let twists = twists(&mut rng);
         let [ta, tb] = twists.map(|t| t.map(Vector3::from));
-        let rate = m.rate(&pose, (&ta[0], &ta[1]), (&tb[0], &tb[1])).expect("contacts");
+        let rate = m.rate(&pose, &ta[0], &ta[1], &tb[0], &tb[1]).expect("contacts");
         let (ahead, behind) = rates(&a, &b, &frame, &twists);
         assert!((rate - ahead).abs() < 1e-4, "{rate} {ahead} {behind} {m:?}");
         let o = pair.closest(&body_a, &body_b, &pose);

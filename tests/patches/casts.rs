@@ -33,7 +33,7 @@ fn meeting(from: Vector3<f64>, velocity: Vector3<f64>, reach: f64) -> Option<f64
 /// Judges a cast of two round bodies.
 fn judge(pair: &mut dyn Separation, throw: [&Steady; 2], truth: Option<f64>, keep: f64) -> bool {
     let [a, b] = throw;
-    let found = cast_within(pair, a, b, (0.0, 1.0), Tolerance::Distance(1e-6), keep).expect("a cast");
+    let found = cast_within(pair, a, b, 0.0..1.0, Tolerance::Distance(1e-6), keep).expect("a cast");
     match (found.impact, truth) {
         (Impact::Hit { safe, hit, .. }, Some(t)) => {
             assert!(
@@ -99,12 +99,12 @@ fn hollows_are_no_matter() {
     let fall = moving(Vector3::new(0.1, 0.0, 0.0), Vector3::new(1.0, 0.0, 0.0), Vector3::y());
     let mut tracker = PairTracker::new();
     let mut pair = tracker.pair(&shell, &ball);
-    let found = cast(&mut pair, &still, &fall, (0.0, 2.0), Tolerance::Distance(1e-6)).expect("a cast");
+    let found = cast(&mut pair, &still, &fall, 0.0..2.0, Tolerance::Distance(1e-6)).expect("a cast");
     let Impact::Hit { safe, hit, .. } = found.impact else {
         panic!("{found:?}")
     };
     assert!(safe <= 0.6 && 0.6 <= hit && hit - safe < 1e-5, "{found:?}");
-    let free = free_until(&mut pair, &still, &fall, (0.0, 2.0), 0.05).expect("a proof");
+    let free = free_until(&mut pair, &still, &fall, 0.0..2.0, 0.05).expect("a proof");
     assert!(free.until > 0.05 && free.until < 0.55, "{free:?}");
 }
 
@@ -127,7 +127,7 @@ fn patches_meet_shapes_never_late() {
                 continue;
             }
             let mut pair = tracker.pair(&surface, shape);
-            let found = cast(&mut pair, &a, &b, (0.0, 1.0), Tolerance::Distance(1e-5)).expect("a cast");
+            let found = cast(&mut pair, &a, &b, 0.0..1.0, Tolerance::Distance(1e-5)).expect("a cast");
             let until = match found.impact {
                 Impact::Hit { safe, hit, .. } => {
                     hits += 1;
@@ -170,7 +170,7 @@ fn patches_meet_patches_never_late() {
         );
         let mut tracker = PairTracker::new();
         let mut pair = tracker.pair(&a, &b);
-        let found = cast(&mut pair, &x, &y, (0.0, 1.0), Tolerance::Distance(1e-4)).expect("a cast");
+        let found = cast(&mut pair, &x, &y, 0.0..1.0, Tolerance::Distance(1e-4)).expect("a cast");
         let until = match found.impact {
             Impact::Hit { safe, hit, .. } => {
                 hits += 1;

@@ -94,12 +94,12 @@ fn bodies_of_pieces_are_met_on_time_in_both_orders() {
             &mut PairTracker::new().pair(&surface, &body),
             &still,
             &flight,
-            (0.0, 1.0),
+            0.0..1.0,
             tolerance,
         );
         let mut tracker = PairTracker::new();
         let mut back = tracker.pair(&body, &surface);
-        let swapped = cast(&mut back, &flight, &still, (0.0, 1.0), tolerance).expect("a cast");
+        let swapped = cast(&mut back, &flight, &still, 0.0..1.0, tolerance).expect("a cast");
         let until = match (found.expect("a cast").impact, swapped.impact) {
             (
                 Impact::Hit { safe, hit, .. },

@@ -165,7 +165,7 @@ fn hulls(scene: &mut Scene, rng: &mut Rng) {
             let (of_a, of_b) = (o.gradient_a(), o.gradient_b(&pose));
             scene.lengths("gradients", of_a.angular.iter().chain(of_b.angular.iter()).copied());
             scene.plain("gradients", (of_a.linear, of_b.linear));
-            scene.manifold("of_outcome", &Manifold::from_outcome((&a, &b), &pose, &o, &options));
+            scene.manifold("of_outcome", &Manifold::from_outcome(&a, &b, &pose, &o, &options));
             scene.lengths("propose", tracker.propose(&a, &b, &pose).distance);
             let d = tracker.distance(&a, &b, &pose);
             scene.distance("distance", &d);
@@ -185,7 +185,7 @@ fn hulls(scene: &mut Scene, rng: &mut Rng) {
             scene.manifold("manifold", &manifold);
             let still = Vector3::zeros();
             let coming = Vector3::new(-scene.unit, 0.0, 0.0);
-            scene.lengths("rate", manifold.rate(&pose, (&still, &still), (&coming, &still)));
+            scene.lengths("rate", manifold.rate(&pose, &still, &still, &coming, &still));
         }
     }
 }

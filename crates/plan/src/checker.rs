@@ -1,5 +1,6 @@
 //! Segments and paths proven free over their whole length.
 
+use core::ops::Range;
 use std::vec::Vec;
 
 use nalgebra::{Isometry3, Point3};
@@ -198,7 +199,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         let mut proofs = Vec::new();
         for k in 0..self.pairs.all.len() {
             let mut certificates = Vec::new();
-            let found = self.cast(k, &segment, (0.0, 1.0), self.margin, Some(&mut certificates))?;
+            let found = self.cast(k, &segment, 0.0..1.0, self.margin, Some(&mut certificates))?;
             if found.impact != Impact::Miss {
                 return Ok(None);
             }
@@ -262,7 +263,7 @@ impl<C: ConfigurationSpace> Checker<C> {
             if stretch.from > until {
                 break;
             }
-            let (k, interval) = (stretch.pair, (stretch.from, stretch.until.smaller(until)));
+            let (k, interval) = (stretch.pair, stretch.from..stretch.until.smaller(until));
             let found = self.cast(k, segment, interval, clearance, None)?;
             self.work.queries += u64::from(found.queries + found.proofs);
             let (safe, hit) = match found.impact {
@@ -299,7 +300,7 @@ impl<C: ConfigurationSpace> Checker<C> {
         &mut self,
         index: usize,
         segment: &C::Segment,
-        interval: (f64, f64),
+        interval: Range<f64>,
         margin: f64,
         trail: Option<&mut Vec<Certificate>>,
     ) -> Result<Cast, PlanError> {

@@ -303,7 +303,7 @@ impl<C: ConfigurationSpace> Checker<C> {
     ) -> Result<Option<f64>, PlanError> {
         let mut time = 0.0;
         for _ in 0..LOWERED {
-            let cast = self.cast(index, segment, (time, 1.0), keep, None)?;
+            let cast = self.cast(index, segment, time..1.0, keep, None)?;
             self.work.queries += u64::from(cast.queries + cast.proofs);
             let pair = self.pairs.all[index].pair;
             match cast.impact {

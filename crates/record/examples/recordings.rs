@@ -195,7 +195,7 @@ fn cast(file: &Path) -> Result<(), Trouble> {
     let rest = Steady::new(&still, Velocity::new(Vector3::zeros(), Vector3::zeros()))?;
     let flight = Steady::new(&begin, velocity)?;
     let tolerance = impact::Tolerance::Time(0.05);
-    let found = impact::cast(&mut tracker.pair(&post, &bar), &rest, &flight, (0.0, 2.0), tolerance)?;
+    let found = impact::cast(&mut tracker.pair(&post, &bar), &rest, &flight, 0.0..2.0, tolerance)?;
     for frame in 0..60 {
         let pose = velocity.applied(&begin, f64::from(frame) / 40.0);
         recorder.pose(b, &pose)?;

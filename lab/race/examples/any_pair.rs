@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let mut tracker = PairTracker::new();
             let distance = tracker.distance(a, b, &pose);
             let tolerance = Tolerance::Distance(1e-6);
-            let found = cast(&mut tracker.pair(a, b), &rest, &flight, (0.0, 5.0), tolerance)?;
+            let found = cast(&mut tracker.pair(a, b), &rest, &flight, 0.0..5.0, tolerance)?;
             print!("{first:>8} and {second:<8} {:.6} apart; ", distance.value);
             let Impact::Hit { safe, hit, .. } = found.impact else {
                 println!("{:?}", found.impact);

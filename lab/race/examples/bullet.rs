@@ -99,7 +99,7 @@ fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[
             &mut Tracker::new().pair(&body.ours, &plate.ours),
             &flight,
             &rest,
-            (0.0, STEP),
+            0.0..STEP,
             fine,
         )?
         .impact;
@@ -119,7 +119,7 @@ fn judge(bodies: &[Body], plate: &Body, speed: f64, throws: usize) -> Result<([[
                 &mut Tracker::new().pair(&body.ours, &plate.ours),
                 &nlerp,
                 &rest,
-                (0.0, STEP),
+                0.0..STEP,
                 fine
             )?
             .impact,

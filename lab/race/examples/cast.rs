@@ -120,7 +120,7 @@ fn answer(line: &str) -> Result<String, Trouble> {
         &mut pair,
         &motion_a,
         &motion_b,
-        (0.0, end),
+        0.0..end,
         Tolerance::Distance(tolerance),
     )?;
     Ok(match found.impact {

@@ -115,7 +115,7 @@ impl Swarm {
         let motion = |k: usize| Steady::new(&self.poses[k], self.velocities[k]);
         let mut tracker = Tracker::new();
         let mut pair = tracker.pair(&self.shapes[a], &self.shapes[b]);
-        let proof = free_until(&mut pair, &motion(a)?, &motion(b)?, (0.0, AHEAD * dt), DRIFT)?;
+        let proof = free_until(&mut pair, &motion(a)?, &motion(b)?, 0.0..AHEAD * dt, DRIFT)?;
         Ok(ticks(proof.until, dt))
     }
 }

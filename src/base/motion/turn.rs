@@ -53,7 +53,8 @@ impl Spin {
         }
         let (half, error) = two_product(rate, 0.5 * time);
         let rest = error + rest * (0.5 * time);
-        half_turn(&self.axis, libm::sincos(half), rest)
+        let (sine, cosine) = libm::sincos(half);
+        half_turn(&self.axis, sine, cosine, rest)
     }
 }
 
@@ -65,7 +66,7 @@ pub(crate) fn turned(angular: &Vector3<f64>, time: f64) -> UnitQuaternion<f64> {
 /// Returns the quaternion of a turn about an axis, of sine and cosine of half its angle but for a
 /// small rest.
 #[inline(always)]
-pub(crate) fn half_turn(axis: &Vector3<f64>, (sine, cosine): (f64, f64), rest: f64) -> Quaternion<f64> {
+pub(crate) fn half_turn(axis: &Vector3<f64>, sine: f64, cosine: f64, rest: f64) -> Quaternion<f64> {
     Quaternion::from_parts(cosine - sine * rest, axis * (sine + cosine * rest))
 }
 

@@ -55,7 +55,8 @@ impl BallAtPose {
     #[inline(always)]
     pub(crate) fn new(
         of: Operand,
-        (centre, radius): (&Vector3<f64>, f64),
+        centre: &Vector3<f64>,
+        radius: f64,
         rotation: &Matrix3<f64>,
         translation: &Vector3<f64>,
     ) -> Self {
@@ -142,7 +143,7 @@ mod tests {
             for of in [Operand::A, Operand::B] {
                 let [then, now] = poses.map(|(r, t)| {
                     let matrix = r.to_rotation_matrix().into_inner();
-                    BallAtPose::new(of, (&centre, radius), &matrix, &t)
+                    BallAtPose::new(of, &centre, radius, &matrix, &t)
                 });
                 let bound = now.displacement(&then);
                 let mut most: f64 = 0.0;
@@ -166,7 +167,8 @@ mod tests {
         let place = |t: f64| {
             BallAtPose::new(
                 Operand::B,
-                (&Vector3::zeros(), 0.0),
+                &Vector3::zeros(),
+                0.0,
                 &Matrix3::identity(),
                 &Vector3::repeat(t),
             )

@@ -197,11 +197,12 @@ impl ProjectedFacet {
         facet: &Facet,
         axes: &Axes,
         closest: Feature,
-        (options, previous): (&ManifoldOptions, Option<Feature>),
+        options: &ManifoldOptions,
+        previous: Option<Feature>,
         side: usize,
     ) -> Self {
         match facet {
-            Facet::Body(body) => Self::of_body(body, axes, closest, (options, previous), side),
+            Facet::Body(body) => Self::of_body(body, axes, closest, options, previous, side),
             Facet::Round(face) => Self::of_round(face, axes),
             Facet::Straight { ends, names, side } => {
                 let mut patch = Self::empty(*side);
@@ -237,7 +238,8 @@ impl ProjectedFacet {
         body: &ConvexPolyhedron,
         axes: &Axes,
         closest: Feature,
-        (options, previous): (&ManifoldOptions, Option<Feature>),
+        options: &ManifoldOptions,
+        previous: Option<Feature>,
         side: usize,
     ) -> Self {
         let outward = if side == 0 { axes.normal } else { -axes.normal };

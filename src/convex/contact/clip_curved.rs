@@ -41,7 +41,7 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     contacts.points[0].separation = distance;
     let previous = before.features();
     let patch = |side: usize, closest, previous| {
-        ProjectedFacet::new(&facets[side], &axes[side], closest, (query.options, previous), side)
+        ProjectedFacet::new(&facets[side], &axes[side], closest, query.options, previous, side)
     };
     let patches = [
         patch(0, outcome.features.a, previous.map(|f| f.a)),
@@ -57,7 +57,7 @@ pub(super) fn contacts(query: &Query, outcome: &Outcome, facets: [Facet; 2], bef
     let noise = ACROSS * query.size();
     let mut candidates = Candidates::new(distance, query.options.prediction);
     let beside = noise * query.least_radius();
-    clip(&patches, noise, (query.options.max_face_sine, beside), &mut candidates);
+    clip(&patches, noise, query.options.max_face_sine, beside, &mut candidates);
     let is_round = patches.iter().any(|p| p.circle.is_some());
     let tie = if is_round { ROUND * query.least_radius() } else { noise };
     let deep = outcome.upper + AGREE * query.size() + tie;
@@ -132,10 +132,10 @@ fn contact(candidate: &ContactCandidate, axes: &[Axes; 2], patches: &[ProjectedF
 }
 
 /// Adds the vertices of the common part of two facets.
-fn clip(patches: &[ProjectedFacet; 2], noise: f64, parallel: (f64, f64), candidates: &mut Candidates) {
+fn clip(patches: &[ProjectedFacet; 2], noise: f64, sine: f64, beside: f64, candidates: &mut Candidates) {
     let [a, b] = patches;
     if a.is_segment() && b.is_segment() {
-        overlap(patches, parallel, candidates);
+        overlap(patches, sine, beside, candidates);
         return;
     }
     for (side, (of, over)) in [(a, b), (b, a)].into_iter().enumerate() {
@@ -244,7 +244,7 @@ fn cross_rims(a: &ProjectedFacet, b: &ProjectedFacet, mut take: impl FnMut([f64;
 /// Adds the ends of the overlap of two nearly parallel segments; of others nothing, as they cross
 /// at the witnesses. Ends whose squared distance beside the other segment exceeds `beside` are left
 /// out: the surface about a generator has sagged below the generator by more than rounding there.
-fn overlap([a, b]: &[ProjectedFacet; 2], (sine, beside): (f64, f64), candidates: &mut Candidates) {
+fn overlap([a, b]: &[ProjectedFacet; 2], sine: f64, beside: f64, candidates: &mut Candidates) {
     let direction = |patch: &ProjectedFacet| {
         let [p, q] = patch.ends(0);
         [q[0] - p[0], q[1] - p[1]]

@@ -360,14 +360,14 @@ impl RimRays<'_> {
         self.count += 1;
         if far_a <= far_b {
             for end in tested_ends(a, i) {
-                match crossing_edge((a, i, end), (b, j), from) {
+                match crossing_edge(a, i, end, b, j, from) {
                     None => push_vertex_of_a(a, end, b, candidates),
                     Some(j) => push_crossing(a, b, i, j, candidates),
                 }
             }
         } else {
             for end in tested_ends(b, j) {
-                match crossing_edge((b, j, end), (a, i), from) {
+                match crossing_edge(b, j, end, a, i, from) {
                     None => push_vertex_of_b(a, b, end, candidates),
                     Some(i) => push_crossing(a, b, i, j, candidates),
                 }
@@ -387,8 +387,11 @@ fn tested_ends(of: &ProjectedFeature, k: usize) -> impl Iterator<Item = usize> {
 /// which exits the outer face by `start`, and an end of edge `k`; `None` if the end is in the outer
 /// face.
 fn crossing_edge(
-    (inner, k, end): (&ProjectedFeature, usize, usize),
-    (outer, start): (&ProjectedFeature, usize),
+    inner: &ProjectedFeature,
+    k: usize,
+    end: usize,
+    outer: &ProjectedFeature,
+    start: usize,
     from: Point2,
 ) -> Option<usize> {
     let (far, last) = outer.exit(from, minus(inner.position(end), from), start);

@@ -69,9 +69,9 @@ impl Outcome {
 }
 
 impl Manifold {
-    /// Returns the one-sided rate of the signed distance for twists `(linear, angular)` of A and of
-    /// B, each in the body's own frame about its own origin as in [`Gradient`]; `a_from_b` must be
-    /// the pose of the query. `None` without contacts.
+    /// Returns the one-sided rate of the signed distance for a twist of A and one of B, each in the
+    /// body's own frame about its own origin as in [`Gradient`]; `a_from_b` must be the pose of the
+    /// query. `None` without contacts.
     ///
     /// Parallel features touch at many points at once, and a motion may separate the bodies at some
     /// points while approaching at others: the rate is the least over the contacts as deep as the
@@ -80,8 +80,10 @@ impl Manifold {
     pub fn rate(
         &self,
         a_from_b: &RelativePose,
-        (linear_a, angular_a): (&Vector3<f64>, &Vector3<f64>),
-        (linear_b, angular_b): (&Vector3<f64>, &Vector3<f64>),
+        linear_a: &Vector3<f64>,
+        angular_a: &Vector3<f64>,
+        linear_b: &Vector3<f64>,
+        angular_b: &Vector3<f64>,
     ) -> Option<f64> {
         let deepest = self.deepest()?.separation;
         let tie = self.upper() - self.lower();

@@ -157,7 +157,8 @@ impl Manifold {
     /// own. Without contacts if an id of the outcome names no feature of its body.
     #[must_use]
     pub fn from_outcome(
-        (a, b): (&ConvexPolyhedron, &ConvexPolyhedron),
+        a: &ConvexPolyhedron,
+        b: &ConvexPolyhedron,
         a_from_b: &RelativePose,
         outcome: &Outcome,
         options: &ManifoldOptions,

@@ -184,12 +184,12 @@ impl<'a> Query<'a> {
     ) -> Self {
         let (rotation, translation) = (pose.rotation(), pose.translation());
         let [a, b] = &extents;
-        let (moving, ball) = if b.radius <= a.radius {
-            (Operand::B, (&b.origin, b.radius))
+        let (moving, centre, radius) = if b.radius <= a.radius {
+            (Operand::B, &b.origin, b.radius)
         } else {
-            (Operand::A, (&a.origin, a.radius))
+            (Operand::A, &a.origin, a.radius)
         };
-        let ball = BallAtPose::new(moving, ball, &rotation, &translation);
+        let ball = BallAtPose::new(moving, centre, radius, &rotation, &translation);
         Self {
             extents,
             facets,

@@ -35,6 +35,7 @@ use crate::base::tolerance::{AGREE_DEPTH, FOOT, NEARLY_PARALLEL, PARALLEL};
 use crate::body::polyhedron::fans::LARGE;
 use crate::body::polyhedron::topology::Topology;
 use crate::body::polyhedron::{ConvexPolyhedron, EdgeId, FaceId, FeaturePair, HalfEdgeId, VertexId};
+use crate::convex::depth::search::Best;
 use crate::pair::difference::DifferenceFacet;
 use crate::pair::face::{Face, FaceLocation};
 use crate::pair::posed::{AFirst, BFirst, OrderedPair, PosedPair};
@@ -360,16 +361,12 @@ fn face_of(body: &ConvexPolyhedron, edge: EdgeId, left: bool) -> FaceId {
 const SMALL: usize = 8;
 
 /// A point of A and a point of B, in their stored frames.
-pub(super) type WitnessPoints = (Point3<f64>, Point3<f64>);
+pub(super) type WitnessPoints = [Point3<f64>; 2];
 
-/// Returns a point of A and a point of B that differ by `height` along the unit `normal`, A's
-/// ahead; `None` if the features of the facet contain no such points.
-pub(super) fn foot(
-    posed: &PosedPair,
-    facet: DifferenceFacet,
-    (normal, height): &(Vec3<f64>, f64),
-) -> Option<WitnessPoints> {
-    let (ahead, close) = (Vector3::from(*normal) * *height, AGREE_DEPTH * posed.size());
+/// Returns a point of A and a point of B that differ by the height of the best facet along its
+/// normal, A's ahead; `None` if the features of the facet contain no such points.
+pub(super) fn foot(posed: &PosedPair, facet: DifferenceFacet, best: &Best<f64>) -> Option<WitnessPoints> {
+    let (ahead, close) = (Vector3::from(best.normal) * best.height, AGREE_DEPTH * posed.size());
     let (p, q) = match facet {
         DifferenceFacet::FaceVertex(f, v) => {
             let q = posed.b.points[v.index()];
@@ -384,7 +381,7 @@ pub(super) fn foot(
         DifferenceFacet::Edges(e, g) => crossing(posed, e, g, &ahead, close)?,
         DifferenceFacet::VertexFace(..) => return None,
     };
-    Some((p.into(), q.into()))
+    Some([p.into(), q.into()])
 }
 
 /// Returns witnesses on two flush faces, the facet naming either face, and the features that
@@ -394,9 +391,9 @@ pub(super) fn foot(
 pub(super) fn flush(
     posed: &PosedPair,
     facet: DifferenceFacet,
-    best: &(Vec3<f64>, f64),
+    best: &Best<f64>,
 ) -> Option<(DifferenceFacet, WitnessPoints)> {
-    let n = Vector3::from(best.0);
+    let n = Vector3::from(best.normal);
     let (f, g) = match facet {
         DifferenceFacet::FaceVertex(f, v) => (f, face_towards(posed.b, v, &-posed.direction_in_b(&n))?),
         DifferenceFacet::VertexFace(v, g) => (face_towards(posed.a, v, &n)?, g),

@@ -238,11 +238,11 @@ fn slack(posed: &PosedPair) -> f64 {
 pub(super) fn holds_disc(
     posed: &PosedPair,
     facet: DifferenceFacet,
-    (p, q): &WitnessPoints,
-    (normal, height): &(Vec3<f64>, f64),
+    [p, q]: &WitnessPoints,
+    best: &Best<f64>,
     rho: f64,
 ) -> bool {
-    let (p, q, n) = (p.coords, q.coords, Vector3::from(*normal));
+    let (p, q, n) = (p.coords, q.coords, Vector3::from(best.normal));
     match facet {
         DifferenceFacet::FaceVertex(f, _) => face_holds(posed.a, f, &p, rho, slack(posed)),
         DifferenceFacet::VertexFace(_, f) => face_holds(posed.b, f, &q, rho, slack(posed)),
@@ -259,7 +259,7 @@ pub(super) fn holds_disc(
             let is_clear = |x: Vector3<f64>, perpendicular: &Vector3<f64>| {
                 perpendicular.dot(&x).abs() >= rho * perpendicular.abs().sum()
             };
-            lowest >= height - 2.0 * slack(posed)
+            lowest >= best.height - 2.0 * slack(posed)
                 && is_clear(p - p0, &perpendicular_b)
                 && is_clear(p1 - p, &perpendicular_b)
                 && is_clear(q - q0, &perpendicular_a)
@@ -357,12 +357,17 @@ mod tests {
             let Some((n, height)) = facet.height(&posed, &Transform::of(&posed)) else {
                 continue;
             };
-            let Some(witnesses) = foot(&posed, facet, &(n, height)) else {
+            let best = Best {
+                normal: n,
+                height,
+                facet: Some(facet),
+            };
+            let Some(witnesses) = foot(&posed, facet, &best) else {
                 continue;
             };
             for k in 1..8 {
                 let rho = 0.5_f64.powi(k);
-                let holds = holds_disc(&posed, facet, &witnesses, &(n, height), rho);
+                let holds = holds_disc(&posed, facet, &witnesses, &best, rho);
                 let kind = o.features.a.dimension();
                 counts[kind][usize::from(holds)] += 1;
                 let normal = Vector3::from(n);

@@ -188,7 +188,7 @@ fn write_result<T: Scalar>(posed: &PosedPair, found: &SearchResult<T>, draft: &m
     let n = &found.normal;
     draft.normal = unit(&Vector3::new(n[0].value(), n[1].value(), n[2].value()));
     if let Some(witnesses) = found.witnesses {
-        (draft.point_on_a, draft.point_on_b) = witnesses;
+        [draft.point_on_a, draft.point_on_b] = witnesses;
     }
     draft.features = found.features.unwrap_or_else(|| {
         let (a, b) = (found.vertices.each(|c| c.a), found.vertices.each(|c| c.b));

@@ -90,14 +90,19 @@ pub(super) fn touch_or_open(posed: &PosedPair, facet: &LowFacet, draft: &mut Dra
 /// Writes the touch of bodies at a facet that is no higher than rounding; returns false for a
 /// higher facet.
 fn writes_touch(posed: &PosedPair, facet: &LowFacet, draft: &mut Draft) -> bool {
-    let at = facet.support.filter(|at| at.1 <= AGREE_DEPTH * posed.size());
-    let Some((at, witnesses)) = at.and_then(|at| Some((at, foot(posed, facet.facet, &at)?))) else {
+    let low = facet.support.filter(|at| at.1 <= AGREE_DEPTH * posed.size());
+    let best = low.map(|(normal, height)| Best {
+        normal,
+        height,
+        facet: Some(facet.facet),
+    });
+    let Some((best, witnesses)) = best.and_then(|best| Some((best, foot(posed, facet.facet, &best)?))) else {
         return false;
     };
     draft.state = ContactState::Touching;
     draft.features = facet.facet.features();
-    draft.normal = unit(&at.0.into());
-    (draft.point_on_a, draft.point_on_b) = witnesses;
+    draft.normal = unit(&best.normal.into());
+    [draft.point_on_a, draft.point_on_b] = witnesses;
     true
 }
 
@@ -145,7 +150,8 @@ impl LowFacet {
 pub(crate) fn local_depth(
     posed: &PosedPair,
     from: FeaturePair,
-    (memory, proof): (&mut Memory, &mut Option<OverlapProof>),
+    memory: &mut Memory,
+    proof: &mut Option<OverlapProof>,
     draft: &mut Draft,
 ) -> NearestFeature {
     if !posed.same_scale() {

@@ -62,9 +62,9 @@ pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) 
     };
     memory.with_scratch(|memory, scratch| {
         if memory.points.len() <= FEW_POINTS {
-            resume_with::<FEW_POINTS>(posed, &frame, (memory, scratch), best, draft)
+            resume_with::<FEW_POINTS>(posed, &frame, memory, scratch, best, draft)
         } else {
-            resume_with::<MAX_POINTS>(posed, &frame, (memory, scratch), best, draft)
+            resume_with::<MAX_POINTS>(posed, &frame, memory, scratch, best, draft)
         }
     })
 }
@@ -74,7 +74,8 @@ pub(crate) fn resume(posed: &PosedPair, memory: &mut Memory, draft: &mut Draft) 
 fn resume_with<const N: usize>(
     posed: &PosedPair,
     frame: &Transform<f64>,
-    (memory, scratch): (&mut Memory, &mut Scratch),
+    memory: &mut Memory,
+    scratch: &mut Scratch,
     mut best: Best<f64>,
     draft: &mut Draft,
 ) -> NearestFeature {
@@ -98,7 +99,7 @@ fn resume_with<const N: usize>(
         }
     }
     if state == SurfaceState::Encloses {
-        if let Some(witnesses) = memory.prove_by_disc(posed, frame, (&scratch.below_target, positions), &mut best) {
+        if let Some(witnesses) = memory.prove_by_disc(posed, frame, &scratch.below_target, positions, &mut best) {
             (memory.facet, memory.witness_features) = (best.facet.map(DifferenceFacet::features), None);
             write_overlap(posed, &SearchResult::proven(&best, witnesses, size), draft);
             return NearestFeature::Proven;
@@ -108,15 +109,14 @@ fn resume_with<const N: usize>(
             state = verify_surface(&memory.triangles, positions, &best, size, &mut scratch.below_target);
         }
     }
-    let start = (positions, best);
     match state {
         SurfaceState::Folded => restart(posed, frame, memory, scratch, draft),
         SurfaceState::Proven => {
-            let found = finish(posed, frame, (memory, scratch), start);
+            let found = finish(posed, frame, memory, scratch, positions, best);
             write_overlap(posed, &found, draft);
             NearestFeature::Proven
         }
-        SurfaceState::Encloses => grow(posed, frame, (memory, scratch), start, draft),
+        SurfaceState::Encloses => grow(posed, frame, memory, scratch, positions, best, draft),
     }
 }
 
@@ -125,8 +125,10 @@ fn resume_with<const N: usize>(
 fn finish(
     posed: &PosedPair,
     frame: &Transform<f64>,
-    (memory, scratch): (&mut Memory, &mut Scratch),
-    (positions, best): (&[Vec3<f64>], Best<f64>),
+    memory: &mut Memory,
+    scratch: &mut Scratch,
+    positions: &[Vec3<f64>],
+    best: Best<f64>,
 ) -> SearchResult<f64> {
     let size = posed.size();
     match memory.find_witnesses(posed, &best) {
@@ -146,8 +148,10 @@ fn finish(
 fn grow(
     posed: &PosedPair,
     frame: &Transform<f64>,
-    (memory, scratch): (&mut Memory, &mut Scratch),
-    (positions, best): (&[Vec3<f64>], Best<f64>),
+    memory: &mut Memory,
+    scratch: &mut Scratch,
+    positions: &[Vec3<f64>],
+    best: Best<f64>,
     draft: &mut Draft,
 ) -> NearestFeature {
     memory.recall(scratch, positions, best.height - AGREE_DEPTH * posed.size());
@@ -236,7 +240,8 @@ impl Memory {
         &self,
         posed: &PosedPair,
         frame: &Transform<f64>,
-        (below_target, positions): (&[u32], &[Vec3<f64>]),
+        below_target: &[u32],
+        positions: &[Vec3<f64>],
         best: &mut Best<f64>,
     ) -> Option<WitnessPoints> {
         self.disc(below_target, positions, best, posed.size())?;
@@ -279,7 +284,7 @@ impl Memory {
         &mut self,
         posed: &PosedPair,
         facet: DifferenceFacet,
-        at: &(Vec3<f64>, f64),
+        at: &Best<f64>,
     ) -> Option<(FeaturePair, WitnessPoints)> {
         let old = self.witness_features.take().filter(|f| f.is_of(posed.a, posed.b));
         let held = |f: DifferenceFacet| Some((f, foot(posed, f, at)?));

@@ -86,8 +86,12 @@ pub(super) struct Best<T> {
 
 impl<T: Scalar> Best<T> {
     /// Returns normal and height rounded to f64.
-    pub(super) fn rounded(&self) -> (Vec3<f64>, f64) {
-        (self.normal.each(Scalar::value), self.height.value())
+    pub(super) fn rounded(&self) -> Best<f64> {
+        Best {
+            normal: self.normal.each(Scalar::value),
+            height: self.height.value(),
+            facet: self.facet,
+        }
     }
 }
 

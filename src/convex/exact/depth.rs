@@ -20,7 +20,7 @@ use crate::pair::posed::PosedPair;
 struct ExactFacet {
     normal: Big3,
     height: IBig,
-    hint: (VertexId, VertexId),
+    hint: [VertexId; 2],
 }
 
 impl ExactFacet {
@@ -64,14 +64,14 @@ impl ScaledPair<'_> {
         facet: DifferenceFacet,
         best: Option<&ExactFacet>,
     ) -> Result<Option<ExactFacet>, NotFlat> {
-        let hint = facet.features().vertices_of(posed.a, posed.b);
+        let hint: [VertexId; 2] = facet.features().vertices_of(posed.a, posed.b).into();
         let normal = match facet {
             DifferenceFacet::FaceVertex(f, _) => self.a.normal(f, self.exponent).ok_or(NotFlat)?,
             DifferenceFacet::VertexFace(_, f) => neg(&self.b.normal(f, self.exponent).ok_or(NotFlat)?),
             DifferenceFacet::Edges(e, f) => {
                 let n = cross(&self.a.edge(e, self.exponent), &self.b.edge(f, self.exponent));
                 // The origin is inside, so the facet is ahead of the origin.
-                let ahead = dot(&n, &self.corner(hint.0, hint.1).w);
+                let ahead = dot(&n, &self.corner(hint[0], hint[1]).w);
                 let (normal, height) = match sign(&ahead) {
                     0 => return Ok(None),
                     1 => (n, ahead),

@@ -203,20 +203,20 @@ impl<'a> ScaledPair<'a> {
     }
 
     /// Returns the support point of A - B along `n`.
-    fn support_exact(&self, n: &Big3, hint: (VertexId, VertexId)) -> ExactPoint {
-        let a = self.a.support_exact(n, hint.0, self.exponent);
-        let b = self.b.support_exact(&neg(n), hint.1, self.exponent);
+    fn support_exact(&self, n: &Big3, hint: [VertexId; 2]) -> ExactPoint {
+        let a = self.a.support_exact(n, hint[0], self.exponent);
+        let b = self.b.support_exact(&neg(n), hint[1], self.exponent);
         self.corner(a, b)
     }
 
-    fn nearest(&self, hint: (VertexId, VertexId)) -> Option<NearestPoint> {
-        minimize(vec![self.corner(hint.0, hint.1)], &|n| {
+    fn nearest(&self, hint: [VertexId; 2]) -> Option<NearestPoint> {
+        minimize(vec![self.corner(hint[0], hint[1])], &|n| {
             self.support_exact(&neg(n), hint)
         })
     }
 
     /// Locates the origin in A - B; `at` must be the origin.
-    fn locate(&self, at: &NearestPoint, hint: (VertexId, VertexId)) -> Origin {
+    fn locate(&self, at: &NearestPoint, hint: [VertexId; 2]) -> Origin {
         let rising = |c: &ExactPoint, n: &Big3| {
             let a = self
                 .a
@@ -243,7 +243,7 @@ impl<'a> ScaledPair<'a> {
 
 /// Resolves contact state and distance exactly, from the vertices of the outcome's features.
 pub(crate) fn resolve_exactly(posed: &PosedPair, draft: &mut Draft) {
-    let hint = draft.features.vertices_of(posed.a, posed.b);
+    let hint = draft.features.vertices_of(posed.a, posed.b).into();
     let pair = ScaledPair::new(posed.a, posed.b, posed.pose);
     // One to four points always have a nearest point.
     let Some(at) = pair.nearest(hint) else {
@@ -294,7 +294,7 @@ pub(crate) fn separation(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    hint: (VertexId, VertexId),
+    hint: [VertexId; 2],
 ) -> Option<(ContactState, f64)> {
     let pair = ScaledPair::new(a, b, pose);
     let at = pair.nearest(hint)?;
@@ -324,7 +324,7 @@ pub(crate) fn within(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    hint: (VertexId, VertexId),
+    hint: [VertexId; 2],
     d: f64,
 ) -> bool {
     d == f64::INFINITY || compare(a, b, pose, hint, &[d]).is_le()
@@ -336,7 +336,7 @@ pub(crate) fn compare(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    hint: (VertexId, VertexId),
+    hint: [VertexId; 2],
     sum: &[f64],
 ) -> Ordering {
     let e = lowest_bit(sum.iter().copied());

@@ -159,7 +159,7 @@ pub(crate) fn triangle(body: &ConvexPolyhedron, face: FaceId, x: &Vector3<f64>) 
 }
 
 /// Returns the witnesses: the convex combinations of the vertices of each body, in stored frames.
-pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> (Point3<f64>, Point3<f64>) {
+pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> [Point3<f64>; 2] {
     let (mut on_a, mut on_b) = ([T::from(0.0); 3], [T::from(0.0); 3]);
     for (c, &w) in simplex.points().iter().zip(simplex.weights()) {
         let (p, q) = (posed.a.points[c.a.index()], posed.b.points[c.b.index()]);
@@ -168,10 +168,7 @@ pub(crate) fn witnesses<T: Scalar>(posed: &PosedPair, simplex: &Simplex<T>) -> (
             on_b[k] = on_b[k] + w * T::from(q[k]);
         }
     }
-    (
-        Point3::from(on_a.each(|c| c.value())),
-        Point3::from(on_b.each(|c| c.value())),
-    )
+    [on_a, on_b].each(|p| Point3::from(p.each(|c| c.value())))
 }
 
 /// Returns the smallest features that contain the vertices of the simplex.
@@ -253,7 +250,7 @@ fn solve_overlap(
 /// Writes the overlap and the witnesses of a tetrahedron around the origin; features stay as in the
 /// last answer. Returns whether the overlap is settled.
 fn write_overlap(posed: &PosedPair, simplex: &Simplex<f64>, draft: &mut Draft) -> bool {
-    (draft.point_on_a, draft.point_on_b) = witnesses(posed, simplex);
+    [draft.point_on_a, draft.point_on_b] = witnesses(posed, simplex);
     set_overlapping(draft);
     is_proven(posed, draft)
 }

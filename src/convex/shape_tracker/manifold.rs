@@ -24,7 +24,7 @@ impl ShapeTracker {
         options: &ManifoldOptions,
         manifold: &mut Manifold,
     ) {
-        self.manifold_by((a, b), a_from_b, options, manifold, |tracker| {
+        self.manifold_by([a, b], a_from_b, options, manifold, |tracker| {
             tracker.closest_cores(a, b, a_from_b, options.until())
         });
     }
@@ -33,7 +33,7 @@ impl ShapeTracker {
     /// cores that is asked for only if the old points do not stand any more.
     pub(crate) fn manifold_by(
         &mut self,
-        (a, b): (&Shape, &Shape),
+        [a, b]: [&Shape; 2],
         a_from_b: &RelativePose,
         options: &ManifoldOptions,
         manifold: &mut Manifold,
@@ -73,7 +73,7 @@ impl ShapeTracker {
 
     /// Computes the witnesses of an outcome of the cores as the only contact, new in `manifold`.
     pub(crate) fn manifold_of_witnesses(
-        (a, b): (&Shape, &Shape),
+        [a, b]: [&Shape; 2],
         a_from_b: &RelativePose,
         options: &ManifoldOptions,
         outcome: &Outcome,

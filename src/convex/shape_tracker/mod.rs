@@ -62,7 +62,7 @@ impl ShapeTracker {
                 let mut outcome = self.polyhedral.checked(x, y, a_from_b, until);
                 let radii = [a.rounding_radius(), b.rounding_radius()];
                 if radii != [0.0; 2] {
-                    self::grow((x, y), a_from_b, radii, &mut outcome);
+                    self::grow([x, y], a_from_b, radii, &mut outcome);
                 }
                 outcome
             }
@@ -246,12 +246,7 @@ pub(super) fn shift(pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome)
 /// Moves the outcome of two polyhedra out by both radii. If the bounds leave the contact state
 /// open, exact arithmetic decides the contact state.
 #[inline]
-pub(super) fn grow(
-    cores: (&ConvexPolyhedron, &ConvexPolyhedron),
-    pose: &RelativePose,
-    radii: [f64; 2],
-    outcome: &mut Outcome,
-) {
+pub(super) fn grow(cores: [&ConvexPolyhedron; 2], pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) {
     if shift(pose, radii, outcome) {
         settle(cores, pose, radii, outcome);
     }
@@ -259,10 +254,10 @@ pub(super) fn grow(
 
 #[cfg(feature = "exact")]
 #[cold]
-fn settle((a, b): (&ConvexPolyhedron, &ConvexPolyhedron), pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) {
+fn settle([a, b]: [&ConvexPolyhedron; 2], pose: &RelativePose, radii: [f64; 2], outcome: &mut Outcome) {
     use crate::pair::outcome::Solver;
     use core::cmp::Ordering;
-    let hint = outcome.features.vertices_of(a, b);
+    let hint = outcome.features.vertices_of(a, b).into();
     outcome.work.exacts += 1;
     outcome.solver = Solver::Exact;
     match crate::convex::exact::compare(a, b, pose, hint, &radii) {
@@ -283,4 +278,4 @@ fn settle((a, b): (&ConvexPolyhedron, &ConvexPolyhedron), pose: &RelativePose, r
 }
 
 #[cfg(not(feature = "exact"))]
-fn settle(_: (&ConvexPolyhedron, &ConvexPolyhedron), _: &RelativePose, _: [f64; 2], _: &mut Outcome) {}
+fn settle(_: [&ConvexPolyhedron; 2], _: &RelativePose, _: [f64; 2], _: &mut Outcome) {}

@@ -115,12 +115,7 @@ impl<A: Support, B: Support, T: Scalar> SolverRun<'_, '_, A, B, T> {
                 return RunEnd::Closed;
             }
             if self.deep {
-                depth::take_balls(
-                    self.posed,
-                    &centre.toward,
-                    (centre.pieces(), &centre.weights),
-                    self.best,
-                );
+                depth::take_balls(self.posed, &centre.toward, centre.pieces(), &centre.weights, self.best);
                 let is_small = (step[0] * step[0] + step[1] * step[1]).value() < SETTLED;
                 if is_small && was_small {
                     return RunEnd::Open;

@@ -333,7 +333,8 @@ type ToldAlong = ([(Vec3<f64>, f64, f64); 2], f64);
 /// height and the distance of its support points for each, and the distance of their mixture.
 #[cfg(feature = "__proofs")]
 pub(crate) fn bounds_along<A: Support, B: Support>(
-    (a, b): (&A, &B),
+    a: &A,
+    b: &B,
     frame: Transform<f64>,
     directions: [Vec3<f64>; 2],
     weights: [f64; 2],

@@ -196,7 +196,8 @@ pub(super) fn local<A: Support, B: Support>(
 pub(super) fn take_balls<A: Support, B: Support, T: Scalar>(
     posed: &PosedCores<A, B, T>,
     toward: &Toward<T>,
-    (pieces, weights): (&[DifferencePoint<T>], &[T]),
+    pieces: &[DifferencePoint<T>],
+    weights: &[T],
     best: &mut ProvenBounds<T>,
 ) {
     let (mut on_a, mut on_b) = ([0.0; 3], [0.0; 3]);

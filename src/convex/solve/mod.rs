@@ -225,7 +225,7 @@ fn write_minimum<T: Scalar>(posed: &PosedPair, minimum: &Minimum<T>, draft: &mut
     let term = CERTIFICATE * T::UNIT * posed.error_scale::<T>().total();
     let (Minimum::Inside { simplex } | Minimum::Outside { simplex, .. }) = minimum;
     draft.features = features(posed, simplex);
-    (draft.point_on_a, draft.point_on_b) = witnesses(posed, simplex);
+    [draft.point_on_a, draft.point_on_b] = witnesses(posed, simplex);
     match minimum {
         Minimum::Inside { .. } => set_overlapping(draft),
         Minimum::Outside {

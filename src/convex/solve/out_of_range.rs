@@ -63,7 +63,7 @@ pub(crate) fn answer(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &Relative
 #[cfg(feature = "exact")]
 #[cold]
 pub(crate) fn exactly(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose, outcome: Outcome) -> Outcome {
-    let hint = outcome.features.vertices_of(a, b);
+    let hint = outcome.features.vertices_of(a, b).into();
     let Some((state, distance)) = crate::convex::exact::separation(a, b, pose, hint) else {
         return outcome;
     };

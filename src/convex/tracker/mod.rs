@@ -246,7 +246,7 @@ impl Tracker {
         a_from_b: &RelativePose,
         accuracy: Accuracy,
     ) -> Replay {
-        replay(a, b, a_from_b, (self.start(a, b), self.memory.clone()), accuracy)
+        replay(a, b, a_from_b, self.start(a, b), self.memory.clone(), accuracy)
     }
 
     /// Returns the first broken invariant of the cached state: a tool of tests and fuzzing.
@@ -511,7 +511,8 @@ impl Tracker {
         let hint = self
             .last
             .unwrap_or(crate::body::polyhedron::FeaturePair::FIRST)
-            .vertices_of(a, b);
+            .vertices_of(a, b)
+            .into();
         crate::convex::exact::within(a, b, a_from_b, hint, d)
     }
 
@@ -557,7 +558,8 @@ impl Tracker {
         let hint = self
             .last
             .unwrap_or(crate::body::polyhedron::FeaturePair::FIRST)
-            .vertices_of(a, b);
+            .vertices_of(a, b)
+            .into();
         reach.contains(&f64::INFINITY) || crate::convex::exact::compare(a, b, a_from_b, hint, reach).is_le()
     }
 
@@ -705,7 +707,8 @@ fn replay(
     a: &ConvexPolyhedron,
     b: &ConvexPolyhedron,
     pose: &RelativePose,
-    (start, surface): (Option<FeaturePair>, Memory),
+    start: Option<FeaturePair>,
+    surface: Memory,
     accuracy: Accuracy,
 ) -> Replay {
     Replay {
@@ -730,10 +733,11 @@ fn debug_check(
     accuracy: Accuracy,
     outcome: &Outcome,
 ) {
-    if let Some(before) = before
+    if let Some((start, surface)) = before
         && let Some(fault) = crate::pair::soundness::fault(a, b, pose, outcome)
     {
-        panic!("{fault}: {outcome:?}\n{}", replay(a, b, pose, before.clone(), accuracy));
+        let replay = replay(a, b, pose, *start, surface.clone(), accuracy);
+        panic!("{fault}: {outcome:?}\n{replay}");
     }
 }
 

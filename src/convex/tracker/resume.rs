@@ -28,8 +28,7 @@ impl Tracker {
         if until == DepthMode::Local
             && let Some(facet) = self.memory.facet_of(posed)
         {
-            let kept = (&mut self.memory, &mut self.overlap_proof);
-            resumed = depth::local_depth(posed, facet, kept, draft);
+            resumed = depth::local_depth(posed, facet, &mut self.memory, &mut self.overlap_proof, draft);
         }
         if let NearestFeature::Open(_) = resumed {
             resumed = depth::resume(posed, &mut self.memory, draft);

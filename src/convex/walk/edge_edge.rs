@@ -67,8 +67,9 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
             if nn < SKEW * uu * ww {
                 return closest_with_endpoint(posed, a, b, draft);
             }
-            let products = (u.dot(w), r.dot(u), r.dot(w));
-            return move_to_endpoint((&ea, a), (&eb, b), closest_feet((s, t), products, (uu, ww)), draft);
+            let products = [u.dot(w), r.dot(u), r.dot(w)];
+            let feet = closest_feet([s, t], products, [uu, ww]);
+            return move_to_endpoint([&ea, &eb], [a, b], feet, draft);
         }
     }
     let along = r.dot(n);
@@ -108,7 +109,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
         // lines.
         along.abs() * per_length
     } else {
-        bound_by_planes(posed, (a, b), normal, on_a, on_b)
+        bound_by_planes(posed, [a, b], normal, on_a.into(), on_b.into())
     };
     draft.accept(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
 }
@@ -117,17 +118,11 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
 /// signs do not prove the edges extreme.
 #[cold]
 #[inline(never)]
-fn bound_by_planes(
-    posed: &PosedPair,
-    (a, b): (EdgeId, EdgeId),
-    normal: PackedVec3,
-    on_a: (f64, f64),
-    on_b: (f64, f64),
-) -> f64 {
+fn bound_by_planes(posed: &PosedPair, [a, b]: [EdgeId; 2], normal: PackedVec3, on_a: [f64; 2], on_b: [f64; 2]) -> f64 {
     let (ea, eb) = (EdgeSpan::new(posed.a, a), EdgeSpan::new(posed.b, b));
-    let high_a = posed.a.edge_bound(normal, ea.left, ea.right, on_a, 1.0);
+    let high_a = posed.a.edge_bound(normal, ea.left, ea.right, on_a.into(), 1.0);
     let normal_in_b = -posed.rotation.transposed_times(normal);
-    let high_b = posed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b, 1.0);
+    let high_b = posed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b.into(), 1.0);
     normal.dot(posed.translation) - high_a - high_b
 }
 
@@ -200,24 +195,19 @@ fn descending_half_edge(
 /// `t`, at least one of them off its segment: each position is cut to the segment, and is then the
 /// best for the other. `products` are `u . w`, `r . u` and `r . w`.
 #[inline(always)]
-fn closest_feet((s, t): (f64, f64), (uw, ru, rw): (f64, f64, f64), (uu, ww): (f64, f64)) -> (f64, f64) {
+fn closest_feet([s, t]: [f64; 2], [uw, ru, rw]: [f64; 3], [uu, ww]: [f64; 2]) -> [f64; 2] {
     let cut = s.clamped(0.0, 1.0);
     let t = if cut == s { t } else { (cut * uw - rw) / ww };
     if (0.0..=1.0).contains(&t) {
-        return (cut, t);
+        return [cut, t];
     }
     let t = t.clamped(0.0, 1.0);
-    (((t * uw + ru) / uu).clamped(0.0, 1.0), t)
+    [((t * uw + ru) / uu).clamped(0.0, 1.0), t]
 }
 
 /// Moves to two closest points of the edges, at least one of them an endpoint.
 #[inline(always)]
-fn move_to_endpoint(
-    (ea, a): (&EdgeSpan, EdgeId),
-    (eb, b): (&EdgeSpan, EdgeId),
-    (s, t): (f64, f64),
-    draft: &mut Draft,
-) -> Step {
+fn move_to_endpoint([ea, eb]: [&EdgeSpan; 2], [a, b]: [EdgeId; 2], [s, t]: [f64; 2], draft: &mut Draft) -> Step {
     let end = |e: &EdgeSpan, x: f64| {
         if x == 0.0 {
             Some(e.tail)
@@ -248,12 +238,12 @@ fn closest_with_endpoint(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Dr
     let (ru, rw) = (r.dot(&u), r.dot(&w));
     let on_b = |s: f64| ((s * uw - rw) / ww).clamped(0.0, 1.0);
     let on_a = |t: f64| ((t * uw + ru) / uu).clamped(0.0, 1.0);
-    let candidates = [(0.0, on_b(0.0)), (1.0, on_b(1.0)), (on_a(0.0), 0.0), (on_a(1.0), 1.0)];
-    let gap = |(s, t): (f64, f64)| r + w * t - u * s;
+    let candidates = [[0.0, on_b(0.0)], [1.0, on_b(1.0)], [on_a(0.0), 0.0], [on_a(1.0), 1.0]];
+    let gap = |[s, t]: [f64; 2]| r + w * t - u * s;
     // |g|^2 - |h|^2 = (g - h) . (g + h), where g - h comes from the differences of the positions:
     // edges in line overlap by little, and the squares would differ by less than their rounding.
-    let is_closer = |c: (f64, f64), d: (f64, f64)| {
-        let difference = w * (c.1 - d.1) - u * (c.0 - d.0);
+    let is_closer = |c: [f64; 2], d: [f64; 2]| {
+        let difference = w * (c[1] - d[1]) - u * (c[0] - d[0]);
         difference.dot(&(gap(c) + gap(d))) < 0.0
     };
     let mut best = candidates[0];
@@ -262,5 +252,5 @@ fn closest_with_endpoint(posed: &PosedPair, a: EdgeId, b: EdgeId, draft: &mut Dr
             best = c;
         }
     }
-    move_to_endpoint((&ea, a), (&eb, b), best, draft)
+    move_to_endpoint([&ea, &eb], [a, b], best, draft)
 }

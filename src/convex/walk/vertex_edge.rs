@@ -86,7 +86,7 @@ pub(crate) fn test<const CERTIFY: bool, S: OrderedPair>(
         // as far apart as vertex and line.
         length
     } else {
-        height_over_planes(other, edge, &d, &x, (alpha, beta)) * per_length
+        height_over_planes(other, edge, &d, &x, [alpha, beta]) * per_length
     };
     let normal = pair.normal(&(d * per_length));
     draft.accept(normal, S::witnesses(vertex_point, foot), distance, lower)
@@ -101,8 +101,8 @@ fn height_over_planes(
     edge: EdgeId,
     d: &Vector3<f64>,
     x: &Vector3<f64>,
-    weights: (f64, f64),
+    weights: [f64; 2],
 ) -> f64 {
     let EdgeSpan { left, right, .. } = EdgeSpan::new(body, edge);
-    d.dot(x) - body.edge_bound(PackedVec3::new(d), left, right, weights, d.norm_squared())
+    d.dot(x) - body.edge_bound(PackedVec3::new(d), left, right, weights.into(), d.norm_squared())
 }

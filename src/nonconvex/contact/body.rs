@@ -190,9 +190,9 @@ impl ConvexPatches {
 
     /// Returns how far a patch bears a contact at a point along an outward normal, both in the
     /// body's frame and the caller's unit.
-    pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
+    pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, sine: f64, doubt: f64) -> Borne {
         match &self.0 {
-            PatchedBody::Mesh(surface) => surface.bears(patch, point, n, (sine, doubt)),
+            PatchedBody::Mesh(surface) => surface.bears(patch, point, n, sine, doubt),
             PatchedBody::Pieces(body, tolerance) => {
                 if is_covered(body, patch, point, n, tolerance + doubt) {
                     Borne::No
@@ -205,10 +205,10 @@ impl ConvexPatches {
 
     /// Returns whether no surface of the body is nearer to a point inside than `depth`. The point
     /// is in the frame of the patch's part.
-    pub(super) fn is_clear(&self, patch: u32, point: &Point3<f64>, (depth, doubt): (f64, f64)) -> bool {
+    pub(super) fn is_clear(&self, patch: u32, point: &Point3<f64>, depth: f64, doubt: f64) -> bool {
         match &self.0 {
             PatchedBody::Mesh(surface) => surface.is_clear(point, depth),
-            PatchedBody::Pieces(body, tolerance) => is_clear(body, patch, point, (depth, tolerance + doubt)),
+            PatchedBody::Pieces(body, tolerance) => is_clear(body, patch, point, depth, tolerance + doubt),
         }
     }
 
@@ -346,7 +346,7 @@ const COVERS: usize = 4;
 /// Returns whether the surface of the union is as far from a point inside as `depth`, as far as
 /// faces and feet on curved pieces tell. The point is in the frame of one of the pieces, and
 /// `depth` below its core.
-pub(super) fn is_clear(body: &Compound, of: u32, point: &Point3<f64>, (depth, slack): (f64, f64)) -> bool {
+pub(super) fn is_clear(body: &Compound, of: u32, point: &Point3<f64>, depth: f64, slack: f64) -> bool {
     let own = &body.pieces()[of as usize];
     if body.pieces().len() == 1 {
         let Core::Polyhedron(core) = own.shape.core() else {
@@ -391,12 +391,12 @@ impl NearPoint<'_> {
             let out = piece.pose * n.into_inner();
             let height =
                 out.dot(&(self.place - piece.pose.translation.vector)) - offset - piece.shape.rounding_radius();
-            height.abs() < self.reach && self.is_left((of, &out), &rim(piece, core, face, &out), COVERS)
+            height.abs() < self.reach && self.is_left(of, &out, &rim(piece, core, face, &out), COVERS)
         })
     }
 
     /// Returns whether a part of a face that no other piece covers is within reach.
-    fn is_left(&self, (of, n): (u32, &Vector3<f64>), polygon: &[Vector3<f64>], covers: usize) -> bool {
+    fn is_left(&self, of: u32, n: &Vector3<f64>, polygon: &[Vector3<f64>], covers: usize) -> bool {
         let (square, foot) = nearest(polygon, &self.place);
         if !(square < self.reach * self.reach) {
             return false;
@@ -417,7 +417,7 @@ impl NearPoint<'_> {
             let m = by.pose * m.into_inner();
             let level = offset + m.dot(&by.pose.translation.vector) + 2.0 * self.slack;
             let left = beyond(polygon, &m, level);
-            left.len() > 2 && self.is_left((of, n), &left, covers - 1)
+            left.len() > 2 && self.is_left(of, n, &left, covers - 1)
         })
     }
 

@@ -152,7 +152,7 @@ impl ContactTracker {
         let is_old = all.iter().take_while(|c| before.contains(&name(c))).count();
         let size = a.parts().half_size().smaller(b.parts().half_size());
         let merge = query.doubt.larger(options.rebuild_motion * size);
-        self.found = groups(&all, is_old, (options.most(), merge, query.doubt));
+        self.found = groups(&all, is_old, options.most(), merge, query.doubt);
         &self.found
     }
 
@@ -169,7 +169,7 @@ impl ContactTracker {
         for patches in near_pairs(query, frame) {
             let near = match self.near.entry(patches) {
                 Entry::Occupied(known) => known.into_mut(),
-                Entry::Vacant(place) => match NearPatches::new((query.a, query.b), patches) {
+                Entry::Vacant(place) => match NearPatches::new(query.a, query.b, patches) {
                     Some(near) => place.insert(near),
                     None => continue,
                 },
@@ -184,7 +184,7 @@ impl ContactTracker {
 
 /// Puts contacts of like normals together and keeps a few of each; the first `old` were there
 /// before.
-fn groups(all: &[PatchContact], old: usize, (most, merge, tie): (usize, f64, f64)) -> Vec<ContactGroup> {
+fn groups(all: &[PatchContact], old: usize, most: usize, merge: f64, tie: f64) -> Vec<ContactGroup> {
     let mut deepest: Vec<usize> = (0..all.len()).collect();
     deepest.sort_by(|&i, &j| all[i].point.separation.total_cmp(&all[j].point.separation));
     let mut groups: Vec<(Unit<Vector3<f64>>, Vec<usize>)> = Vec::new();
@@ -226,14 +226,14 @@ fn near_pairs(query: &PatchQuery, frame: &TreeFrame) -> Vec<NodePair> {
     let (mut stack, mut found) = (alloc::vec![[0, 0]], Vec::new());
     while !stack.is_empty() {
         let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
-        let gaps = bounds(&frame.single, (of_a, of_b), &batch, &aim);
+        let gaps = bounds(&frame.single, [of_a, of_b], &batch, &aim);
         for (&pair, gap) in batch.iter().zip(gaps.gap) {
             if frame.single.error.is_finite() && gap - frame.single.error > level {
                 continue;
             }
-            match split_pair((of_a, of_b), frame, pair) {
+            match split_pair([of_a, of_b], frame, pair) {
                 Some(two) => stack.extend(two),
-                None => found.push([a.patch(of_a.range(pair[0]).0), b.patch(of_b.range(pair[1]).0)]),
+                None => found.push([a.patch(of_a.range(pair[0]).start), b.patch(of_b.range(pair[1]).start)]),
             }
         }
     }

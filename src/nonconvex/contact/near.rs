@@ -52,7 +52,7 @@ struct PosedPatches<'a> {
 
 impl NearPatches {
     /// `None` for a patch that is no body.
-    pub(super) fn new((a, b): (&ConvexPatches, &ConvexPatches), [p, q]: NodePair) -> Option<Self> {
+    pub(super) fn new(a: &ConvexPatches, b: &ConvexPatches, [p, q]: NodePair) -> Option<Self> {
         Some(Self {
             parts: [a.part(p)?, b.part(q)?],
             tracker: ShapeTracker::new(),
@@ -83,11 +83,11 @@ impl NearPatches {
             parts,
             pose,
         };
-        let shapes = (&parts[0].0, &parts[1].0);
+        let shapes = [&parts[0].0, &parts[1].0];
         let mut is_new = false;
         tracker.manifold_by(shapes, &pose, query.options, manifold, |tracker| {
             is_new = true;
-            tracker.closest_cores(shapes.0, shapes.1, &pose, DepthMode::Full)
+            tracker.closest_cores(shapes[0], shapes[1], &pose, DepthMode::Full)
         });
         if is_new {
             *borne = posed.borne(manifold);
@@ -163,10 +163,10 @@ impl PosedPatches<'_> {
             doubt,
             ..
         } = self.query;
-        let (limits, down) = ((options.max_face_sine, *doubt), -pose.rotation().tr_mul(n));
+        let down = -pose.rotation().tr_mul(n);
         let [p, q] = self.patches;
-        let of_a = || a.bears(p, &point.point_on_a, n, limits) == Borne::Fully;
-        let of_b = || b.bears(q, &point.point_on_b, &down, limits) == Borne::Fully;
+        let of_a = || a.bears(p, &point.point_on_a, n, options.max_face_sine, *doubt) == Borne::Fully;
+        let of_b = || b.bears(q, &point.point_on_b, &down, options.max_face_sine, *doubt) == Borne::Fully;
         let ends_a = a.ends(p, &point.point_on_a, n, *doubt);
         let ends_b = b.ends(q, &point.point_on_b, &down, *doubt);
         (ends_a || of_a()) && (ends_b || of_b())
@@ -182,12 +182,17 @@ impl PosedPatches<'_> {
             ..
         } = self.query;
         let rotation = pose.rotation();
-        let limits = (options.max_face_sine, *doubt);
-        let of_a = a.bears(self.patches[0], &point.point_on_a, n, limits);
+        let of_a = a.bears(self.patches[0], &point.point_on_a, n, options.max_face_sine, *doubt);
         if of_a == Borne::No {
             return Borne::No;
         }
-        let of_b = b.bears(self.patches[1], &point.point_on_b, &-rotation.tr_mul(n), limits);
+        let of_b = b.bears(
+            self.patches[1],
+            &point.point_on_b,
+            &-rotation.tr_mul(n),
+            options.max_face_sine,
+            *doubt,
+        );
         if of_b == Borne::No || point.separation < 0.0 && self.is_through(point) {
             return Borne::No;
         }
@@ -219,7 +224,7 @@ impl PosedPatches<'_> {
     /// Takes the normal of a face, with the least overlap, if the bodies bear a contact along it:
     /// at the deepest vertex, or else where the edges of that vertex come over the face.
     fn by_faces(&self, tracker: &mut ShapeTracker, manifold: &mut Manifold) -> u8 {
-        let shapes = (&self.parts[0].0, &self.parts[1].0);
+        let shapes = [&self.parts[0].0, &self.parts[1].0];
         let mut beside = None;
         for (is_of_a, outcome) in self.faces() {
             let is_nearest = self.is_nearest(is_of_a, &outcome);
@@ -276,10 +281,10 @@ impl PosedPatches<'_> {
         let (rotation, translation) = (self.pose.rotation(), self.pose.translation());
         if is_of_a {
             let inner = rotation * outcome.point_on_b.coords + translation;
-            a.is_clear(self.patches[0], &Point3::from(inner), (depth, *doubt))
+            a.is_clear(self.patches[0], &Point3::from(inner), depth, *doubt)
         } else {
             let inner = rotation.tr_mul(&(outcome.point_on_a.coords - translation));
-            b.is_clear(self.patches[1], &Point3::from(inner), (depth, *doubt))
+            b.is_clear(self.patches[1], &Point3::from(inner), depth, *doubt)
         }
     }
 
@@ -357,7 +362,7 @@ impl PosedPatches<'_> {
         let along = |edge| {
             let [v, w] = body.edge_vertices(edge)?;
             let to = body.vertex(if v == vertex { w } else { v })?;
-            self.first_borne(is_of_a, outcome, (edge, &(to - from)), level)
+            self.first_borne(is_of_a, outcome, edge, &(to - from), level)
         };
         let places = body.vertex_edges(vertex).filter_map(along);
         let places = places.filter(|place| self.is_nearest(is_of_a, place));
@@ -383,7 +388,8 @@ impl PosedPatches<'_> {
         &self,
         is_of_a: bool,
         outcome: &Outcome,
-        (edge, along): (EdgeId, &Vector3<f64>),
+        edge: EdgeId,
+        along: &Vector3<f64>,
         level: f64,
     ) -> Option<Outcome> {
         let n = self.parts[0].1 * outcome.normal;

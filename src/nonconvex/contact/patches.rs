@@ -170,7 +170,7 @@ impl PatchedMesh {
     /// Returns how far the mesh admits a contact of a patch at a point in the caller's unit, along
     /// an outward unit normal. `doubt` is by how much the point may be off its place, `sine` the
     /// largest angle of a face that is nearly perpendicular to the normal.
-    pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, (sine, doubt): (f64, f64)) -> Borne {
+    pub(super) fn bears(&self, patch: u32, point: &Point3<f64>, n: &Vector3<f64>, sine: f64, doubt: f64) -> Borne {
         let place = point.coords / self.mesh.unit();
         let skin = self.slack + doubt / self.mesh.unit();
         let (mut is_outward, mut rise) = (false, 0.0f64);

@@ -81,18 +81,17 @@ impl<'a> HeightFields<'a> {
     /// together.
     pub(super) fn holds(&mut self, nodes: &[u32]) -> bool {
         let tree = &self.of.both()[0].tree;
-        let of = |k: usize| nodes.get(k).map_or((0, 0), |&node| tree.range(node));
-        let ranges = [of(0), of(1)];
-        let is_in = |t: u32| ranges.iter().any(|&(from, to)| from <= t && t < to);
-        let [(from, to), (other, end)] = ranges;
+        let of = |k: usize| nodes.get(k).map_or(0..0, |&node| tree.range(node));
+        let [first, second] = [of(0), of(1)];
+        let is_in = |t: u32| first.contains(&t) || second.contains(&t);
         if nodes.len() > 1 {
-            let edges = &self.across[3 * from as usize..3 * to as usize];
-            if !edges.iter().any(|&t| other <= t && t < end) {
+            let edges = &self.across[3 * first.start as usize..3 * first.end as usize];
+            if !edges.iter().any(|t| second.contains(t)) {
                 return false;
             }
         }
-        let rows = self.rows((from..to).chain(other..end));
-        for t in (from..to).chain(other..end) {
+        let rows = self.rows(first.clone().chain(second.clone()));
+        for t in first.clone().chain(second.clone()) {
             let corners = self.of.both()[0].triangles[t as usize];
             let [a, b, c] = corners.each(|v| self.way(v, &rows));
             if crosses([&a, &b], [&a, &c]).iter().any(|area| !(*area > PATH_AREA)) {
@@ -100,7 +99,7 @@ impl<'a> HeightFields<'a> {
             }
         }
         self.rim.clear();
-        for t in (from..to).chain(other..end) {
+        for t in first.clone().chain(second.clone()) {
             let corners = self.of.both()[0].triangles[t as usize];
             for k in 0..3 {
                 match self.across[3 * t as usize + k] {

@@ -273,11 +273,11 @@ impl<'a> FrameSearch<'a> {
         let times = self.times();
         let found = if self.is_straight() {
             let [a, b] = self.paths(pair);
-            triangles_until((&a, &b), (times[1], self.width), &mut self.work)
+            triangles_until(&a, &b, times[1], self.width, &mut self.work)
         } else {
             let latest = self.first.hit.at_most(1.0);
             self.on_arcs(pair)
-                .first_contact(times, (latest, self.width), &mut self.work)
+                .first_contact(times, latest, self.width, &mut self.work)
         };
         let before = self.first;
         self.first.add(found);
@@ -387,7 +387,8 @@ impl<'a> TrianglesOnArcs<'a> {
     pub(super) fn first_contact(
         &self,
         [from, until]: [f64; 2],
-        (latest, width): (f64, f64),
+        latest: f64,
+        width: f64,
         work: &mut SearchWork,
     ) -> FirstContact {
         // A quarter: an edge may take some time to pass beyond doubt.

@@ -88,7 +88,8 @@ impl WideWork {
 /// a bracket at most `width` wide if rounding allows.
 pub(super) fn first_contact<const A: usize, const B: usize>(
     paths: &VertexPaths<A, B>,
-    (until, width): (f64, f64),
+    until: f64,
+    width: f64,
     work: &mut SearchWork,
 ) -> FirstContact
 where
@@ -229,27 +230,34 @@ pub(super) fn vertex_face(
     width: f64,
     work: &mut SearchWork,
 ) -> FirstContact {
-    let found = vertex_face_until(vertex, face, (1.0, width), work);
+    let found = vertex_face_until(vertex, face, 1.0, width, work);
     decided(found, width, work, |wide| exact_vertex_face(vertex, face, width, wide))
 }
 
 /// Returns the first contact of two edges, in a bracket at most `width` wide if rounding allows.
 pub(super) fn edge_edge(a: &[VertexPath; 2], b: &[VertexPath; 2], width: f64, work: &mut SearchWork) -> FirstContact {
-    let found = edge_edge_until(a, b, (1.0, width), work);
+    let found = edge_edge_until(a, b, 1.0, width, work);
     decided(found, width, work, |wide| exact_edge_edge(a, b, width, wide))
 }
 
 fn vertex_face_until(
     vertex: &[VertexPath; 1],
     face: &[VertexPath; 3],
-    time: (f64, f64),
+    until: f64,
+    width: f64,
     work: &mut SearchWork,
 ) -> FirstContact {
-    VertexPaths::new(vertex, face).map_or(FirstContact::Start, |paths| first_contact(&paths, time, work))
+    VertexPaths::new(vertex, face).map_or(FirstContact::Start, |paths| first_contact(&paths, until, width, work))
 }
 
-fn edge_edge_until(a: &[VertexPath; 2], b: &[VertexPath; 2], time: (f64, f64), work: &mut SearchWork) -> FirstContact {
-    VertexPaths::new(a, b).map_or(FirstContact::Start, |paths| first_contact(&paths, time, work))
+fn edge_edge_until(
+    a: &[VertexPath; 2],
+    b: &[VertexPath; 2],
+    until: f64,
+    width: f64,
+    work: &mut SearchWork,
+) -> FirstContact {
+    VertexPaths::new(a, b).map_or(FirstContact::Start, |paths| first_contact(&paths, until, width, work))
 }
 
 /// Returns until when a pair that is not settled is apart: undecided, or in a bracket that rounding
@@ -326,10 +334,10 @@ enum Elements {
 }
 
 impl Elements {
-    fn until(&self, time: (f64, f64), work: &mut SearchWork) -> FirstContact {
+    fn until(&self, until: f64, width: f64, work: &mut SearchWork) -> FirstContact {
         match self {
-            Self::VertexFace(vertex, face) => vertex_face_until(vertex, face, time, work),
-            Self::EdgeEdge(a, b) => edge_edge_until(a, b, time, work),
+            Self::VertexFace(vertex, face) => vertex_face_until(vertex, face, until, width, work),
+            Self::EdgeEdge(a, b) => edge_edge_until(a, b, until, width, work),
         }
     }
 
@@ -356,14 +364,16 @@ fn elements(a: &[VertexPath; 3], b: &[VertexPath; 3]) -> impl Iterator<Item = El
 /// Triangles apart at time zero first meet where a vertex meets a face or two edges meet: at the
 /// first contact a plane supports both, and what they share lies in that plane.
 pub(super) fn triangles(a: &[VertexPath; 3], b: &[VertexPath; 3], width: f64, work: &mut SearchWork) -> FirstContact {
-    triangles_until((a, b), (1.0, width), work)
+    triangles_until(a, b, 1.0, width, work)
 }
 
 /// Returns the first contact of two triangles as [`triangles`] does, and misses after `until` as
 /// well.
 pub(super) fn triangles_until(
-    (a, b): (&[VertexPath; 3], &[VertexPath; 3]),
-    (until, width): (f64, f64),
+    a: &[VertexPath; 3],
+    b: &[VertexPath; 3],
+    until: f64,
+    width: f64,
     work: &mut SearchWork,
 ) -> FirstContact {
     let Some(paths) = VertexPaths::new(a, b) else {
@@ -381,7 +391,7 @@ pub(super) fn triangles_until(
     }
     let (mut first, mut open) = (First::default(), alloc::vec::Vec::new());
     for pair in elements(a, b) {
-        let found = pair.until((first.hit.smaller(until), width), work);
+        let found = pair.until(first.hit.smaller(until), width, work);
         match unsettled(found, width) {
             Some(safe) => open.push((safe, found, pair)),
             None => first.add(found),

@@ -15,7 +15,7 @@ use crate::nonconvex::front::{EntryId, Front, NodePair};
 use crate::nonconvex::meet::box_gaps::{WIDTH, along};
 use crate::nonconvex::meet::frame::{TreeFrame, TreeMoves};
 use crate::nonconvex::meet::search::TreeWork;
-use crate::nonconvex::meet::search::{Judge, TreeSearch};
+use crate::nonconvex::meet::search::{GapProof, Judge, TreeSearch};
 
 /// Motions up to this, as the norm of the difference of rotations and as a part of L, are worth a
 /// front: some 2.4 degrees. At 2 degrees a frame a front and a new search cost about the same.
@@ -241,7 +241,7 @@ impl FrontMemory {
     /// direction that they have: for bodies that bend, whose claims lose the paths of all points,
     /// in whatever direction.
     fn hold_by_boxes<J: Judge>(&mut self, search: &mut TreeSearch<J>, level: f32) {
-        let (single, trees, front) = (&search.frame.single, (search.a, search.b), &mut self.front);
+        let (single, trees, front) = (&search.frame.single, [search.a, search.b], &mut self.front);
         let mut left = 0;
         for first in (0..self.failed.len()).step_by(WIDTH) {
             let batch: [EntryId; WIDTH] = core::array::from_fn(|k| self.failed[(first + k).min(self.failed.len() - 1)]);
@@ -253,9 +253,13 @@ impl FrontMemory {
             for k in 0..count {
                 let proven = found.gap[k] - single.error;
                 if proven >= level {
-                    front.set(single, trees, batch[k], found.normal[k], proven);
-                } else if let Some((n, gap)) = search.by_items(pairs[k], normals[k]) {
-                    front.set(single, trees, batch[k], n, gap);
+                    let proof = GapProof {
+                        normal: found.normal[k],
+                        gap: proven,
+                    };
+                    front.set(single, trees, batch[k], proof);
+                } else if let Some(proof) = search.by_items(pairs[k], normals[k]) {
+                    front.set(single, trees, batch[k], proof);
                 } else {
                     self.failed[left] = batch[k];
                     left += 1;
@@ -278,8 +282,8 @@ impl FrontMemory {
             for k in (0..batch.len()).rev() {
                 let (at, pair) = (batch[k], pairs[k]);
                 match search.settle(pair, found.gap[k], found.normal[k]) {
-                    Some((n, gap)) => {
-                        self.front.set(&search.frame.single, (search.a, search.b), at, n, gap);
+                    Some(proof) => {
+                        self.front.set(&search.frame.single, [search.a, search.b], at, proof);
                     }
                     None => {
                         self.front.remove(at);

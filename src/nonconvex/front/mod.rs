@@ -29,15 +29,17 @@ pub(super) mod own;
 
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::Vector3;
 use wide::f32x8;
 
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
+use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::meet::box_gaps::WIDTH;
 use crate::nonconvex::meet::frame::{Single, TreeFrame, TreeMoves, Way};
-use crate::nonconvex::mesh::Mesh;
+use crate::nonconvex::meet::search::GapProof;
 use crate::nonconvex::tree::{OrientedBox, Paths, Tree};
 
 /// Most entries of a front, of 64 bytes each: 2 MB, twice that while vectors grow. A longer front
@@ -146,7 +148,7 @@ impl Front {
     /// direction may be longer than one by some UNIT_SINGLE, which
     /// [`BOXES`](crate::tolerance::BOXES) has room for: an entry that loses more than L fails.
     pub(super) fn follow(&mut self, moves: &TreeMoves) {
-        let (a, b) = moves.trees;
+        let [a, b] = moves.trees;
         for half in &mut self.halves {
             half.paths.resize(half.pairs.len(), [0; 2]);
             for (k, (pair, counted)) in half.pairs.iter().zip(&mut half.paths).enumerate() {
@@ -191,9 +193,8 @@ impl Front {
         }
     }
 
-    /// Adds an entry whose gap along `normal`, in A's frame, is at least `gap` at this pose, unless
-    /// the front is full.
-    pub(super) fn push(&mut self, frame: &Single, trees: (&Tree, &Tree), pair: NodePair, normal: [f32; 3], gap: f32) {
+    /// Adds an entry with a gap that is proven at this pose, unless the front is full.
+    pub(super) fn push(&mut self, frame: &Single, trees: [&Tree; 2], pair: NodePair, proof: GapProof) {
         if self.is_full() {
             return;
         }
@@ -204,11 +205,12 @@ impl Front {
         if entries.pairs.len() > WIDTH * entries.blocks.len() {
             entries.blocks.push(FrontBlock::EMPTY);
         }
-        self.set(frame, trees, EntryId { half, at }, normal, gap);
+        self.set(frame, trees, EntryId { half, at }, proof);
     }
 
-    /// Gives an entry another direction, in A's frame.
-    pub(super) fn set(&mut self, frame: &Single, (a, b): (&Tree, &Tree), place: EntryId, normal: [f32; 3], gap: f32) {
+    /// Gives an entry another direction.
+    pub(super) fn set(&mut self, frame: &Single, [a, b]: [&Tree; 2], place: EntryId, proof: GapProof) {
+        let GapProof { normal, gap } = proof;
         let entries = &mut self.halves[place.half as usize];
         let [x, y] = entries.pairs[place.at as usize];
         let way = &frame.ways[place.half as usize];
@@ -283,16 +285,16 @@ fn claim(way: &Way, n: [f32; 3], centre: [f32; 3], gap: f32) -> ([f32; 3], f32) 
 }
 
 /// Returns direction and base of an entry, and the gap that it proves at another pose, for the
-/// tests of the error bounds. Poses are rows and translation; the last two are the radius and a
-/// segment.
+/// tests of the error bounds. The last two are the radius and a segment.
 #[cfg(feature = "__proofs")]
 pub(crate) fn entry_at(
-    poses: [([f32; 9], [f32; 3]); 2],
-    (n, gap): ([f32; 3], f32),
+    [made, now]: [Way; 2],
+    n: [f32; 3],
+    gap: f32,
     centre: [f32; 3],
-    (radius, [ux, uy, uz]): (f32, [f32; 3]),
+    radius: f32,
+    [ux, uy, uz]: [f32; 3],
 ) -> ([f32; 3], f32, f32) {
-    let [made, now] = poses.each(|(rotation, translation)| Way { rotation, translation });
     let (m, base) = claim(&made, n, centre, gap);
     let [cx, cy, cz] = centre;
     let mut block = FrontBlock::EMPTY;
@@ -304,7 +306,7 @@ pub(crate) fn entry_at(
 }
 
 /// Returns where the entry of a pair stands: with the larger node.
-fn half(frame: &Single, (a, b): (&Tree, &Tree), [x, y]: NodePair) -> u8 {
+fn half(frame: &Single, [a, b]: [&Tree; 2], [x, y]: NodePair) -> u8 {
     let radius = |b: &OrientedBox, scale: f32| b.radius() * scale;
     u8::from(radius(&a.boxes[x as usize], frame.scale_a) < radius(&b.boxes[y as usize], frame.scale_b))
 }
@@ -395,12 +397,12 @@ pub(super) fn audit(front: &Front, a: &Mesh, b: &Mesh, frame: &TreeFrame) -> Res
 fn covers_once(entries: &BTreeMap<NodePair, ()>, a: &Mesh, b: &Mesh) -> Result<(), FrontFault> {
     let ranges = |&pair: &NodePair| (pair, a.tree.range(pair[0]), b.tree.range(pair[1]));
     let mut all: Vec<_> = entries.keys().map(ranges).collect();
-    all.sort_unstable_by_key(|(_, of_a, _)| *of_a);
-    let meet = |x: &(u32, u32), y: &(u32, u32)| x.0 < y.1 && y.0 < x.1;
+    all.sort_unstable_by_key(|(_, of_a, _)| (of_a.start, of_a.end));
+    let meet = |x: &Range<u32>, y: &Range<u32>| x.start < y.end && y.start < x.end;
     let mut pairs = 0;
     for (k, (pair, of_a, of_b)) in all.iter().enumerate() {
-        pairs += u64::from(of_a.1 - of_a.0) * u64::from(of_b.1 - of_b.0);
-        let later = all[k + 1..].iter().take_while(|e| e.1.0 < of_a.1);
+        pairs += of_a.len() as u64 * of_b.len() as u64;
+        let later = all[k + 1..].iter().take_while(|e| e.1.start < of_a.end);
         if later.clone().any(|e| meet(&e.1, of_a) && meet(&e.2, of_b)) {
             return Err(FrontFault::Cover { pair: *pair });
         }
@@ -421,8 +423,8 @@ fn true_gap(a: &Mesh, b: &Mesh, frame: &TreeFrame, [x, y]: NodePair, n: &Vector3
     }
     let n = n / length;
     let corners = |mesh: &Mesh, node: u32| {
-        let (first, last) = mesh.tree.range(node);
-        (first..last).flat_map(|t| mesh.corners(t)).collect::<Vec<_>>()
+        let range = mesh.tree.range(node);
+        range.flat_map(|t| mesh.corners(t)).collect::<Vec<_>>()
     };
     let high = corners(a, x)
         .iter()

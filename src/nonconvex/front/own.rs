@@ -166,11 +166,7 @@ impl SelfFront {
     }
 
     /// Checks every claim by the distance of its items, for debugging.
-    pub(crate) fn audit(
-        &self,
-        (unit, error): (f64, f64),
-        distance: impl Fn(NodePair) -> f64,
-    ) -> Result<(), FrontFault> {
+    pub(crate) fn audit(&self, unit: f64, error: f64, distance: impl Fn(NodePair) -> f64) -> Result<(), FrontFault> {
         for claim in &self.claims {
             let (claimed, gap) = (claim.lower(&self.drifts, unit, error), distance(claim.pair));
             if claimed > gap + error {
@@ -235,11 +231,11 @@ impl DistanceClaim {
 }
 
 impl ProofKeeper for SelfFront {
-    fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, (normal, gap): GapProof) {
-        let distance = if normal == [0.0; 3] {
+    fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, proof: GapProof) {
+        let distance = if proof.normal == [0.0; 3] {
             search.leaf_gap
         } else {
-            f64::from(gap) * search.frame.single.unit
+            f64::from(proof.gap) * search.frame.single.unit
         };
         self.claim(search.a, pair, distance);
     }

@@ -86,6 +86,12 @@ impl EightBoxes {
             half: [hx * s, hy * s, hz * s],
         }
     }
+
+    /// Returns the half extents, with the axes in a frame.
+    #[inline(always)]
+    fn reach<'a>(&'a self, axes: &'a [[f32x8; 3]; 3]) -> AxesOf<'a> {
+        AxesOf { half: &self.half, axes }
+    }
 }
 
 /// Returns both halves of a register.
@@ -144,7 +150,11 @@ fn excess(d: [f32x8; 3], h: [f32x8; 3], g: [f32x8; 3], m: &[[f32x8; 3]; 3]) -> (
 }
 
 /// Half extents and axes of eight boxes.
-type AxesOf<'a> = (&'a [f32x8; 3], &'a [[f32x8; 3]; 3]);
+#[derive(Clone, Copy)]
+struct AxesOf<'a> {
+    half: &'a [f32x8; 3],
+    axes: &'a [[f32x8; 3]; 3],
+}
 
 /// The best gap of eight pairs so far, and its unit direction.
 struct BestGaps {
@@ -164,14 +174,13 @@ impl BestGaps {
 
     /// Takes the gaps along directions `c` of any length, where they are greater and positive:
     /// boxes that overlap are looked at in the order of the other directions. `d` is the difference
-    /// of the centres, `reaches` are half extents and axes of both boxes.
+    /// of the centres, `boxes` are half extents and axes of both boxes.
     #[inline(always)]
-    fn offer(&mut self, c: [f32x8; 3], d: [f32x8; 3], reaches: (AxesOf<'_>, AxesOf<'_>)) {
+    fn offer(&mut self, c: [f32x8; 3], d: [f32x8; 3], boxes: [AxesOf<'_>; 2]) {
         let (square, height) = (dot(&c, &c), dot(&c, &d));
-        let reach = |(half, axes): AxesOf<'_>| {
+        let [a, b] = boxes.each(|AxesOf { half, axes }| {
             half[0] * dot(&axes[0], &c).abs() + half[1] * dot(&axes[1], &c).abs() + half[2] * dot(&axes[2], &c).abs()
-        };
-        let (a, b) = (reach(reaches.0), reach(reaches.1));
+        });
         let inverse = f32x8::splat(1.0) / square.sqrt().fast_max(f32x8::splat(f32::MIN_POSITIVE));
         let gap = (height.abs() - a - b) * inverse;
         let least = self.gap.fast_max(f32x8::splat(0.0));
@@ -185,7 +194,7 @@ impl BestGaps {
 }
 
 /// Returns the best gap of each of up to eight pairs of nodes, and its direction.
-pub(crate) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[NodePair], aim: &BoundAim) -> BoxGaps {
+pub(crate) fn bounds(frame: &Single, [a, b]: [&Tree; 2], pairs: &[NodePair], aim: &BoundAim) -> BoxGaps {
     debug_assert!(pairs.len() <= WIDTH, "{} pairs", pairs.len());
     let Some(last) = pairs.len().checked_sub(1).filter(|_| frame.error.is_finite()) else {
         return BoxGaps::NONE;
@@ -194,7 +203,7 @@ pub(crate) fn bounds(frame: &Single, (a, b): (&Tree, &Tree), pairs: &[NodePair],
     let at: [NodePair; WIDTH] = core::array::from_fn(|k| pairs[k.min(last)]);
     let of_a = at.each(|[x, _]| &a.boxes[x as usize]);
     let of_b = at.each(|[_, y]| &b.boxes[y as usize]);
-    bound_eight(frame, (of_a, of_b), aim).gaps()
+    bound_eight(frame, [of_a, of_b], aim).gaps()
 }
 
 /// Eight pairs of boxes in A's frame: the axes of B's boxes there, and the differences of the
@@ -208,7 +217,7 @@ struct EightPairs {
 
 impl EightPairs {
     #[inline(always)]
-    fn new(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WIDTH])) -> Self {
+    fn new(frame: &Single, [a, b]: [[&OrientedBox; WIDTH]; 2]) -> Self {
         let (a, b) = (EightBoxes::new(a, frame.scale_a), EightBoxes::new(b, frame.scale_b));
         let r = &frame.ways[0].rotation.map(f32x8::splat);
         let axes = [turned(r, b.axes[0]), turned(r, b.axes[1]), turned(r, b.axes[2])];
@@ -227,14 +236,14 @@ impl EightPairs {
 /// the directions as unit vectors from A to B.
 pub(crate) fn along(
     frame: &Single,
-    (a, b): (&Tree, &Tree),
+    [a, b]: [&Tree; 2],
     pairs: &[NodePair; WIDTH],
     directions: &[[f32; 3]; WIDTH],
 ) -> BoxGaps {
-    let boxes = (
+    let boxes = [
         pairs.each(|[x, _]| &a.boxes[x as usize]),
         pairs.each(|[_, y]| &b.boxes[y as usize]),
-    );
+    ];
     let EightPairs { a, b, axes, d } = EightPairs::new(frame, boxes);
     let mut best = BestGaps {
         gap: f32x8::splat(-f32::MAX),
@@ -242,14 +251,14 @@ pub(crate) fn along(
     };
     let component = |k: usize| f32x8::new(directions.each(|n| n[k]));
     let direction = [component(0), component(1), component(2)];
-    best.offer(direction, d, ((&a.half, &a.axes), (&b.half, &axes)));
+    best.offer(direction, d, [a.reach(&a.axes), b.reach(&axes)]);
     best.gaps()
 }
 
 /// Returns the best gap of each of eight pairs, and its direction.
 #[inline(never)]
-fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WIDTH]), aim: &BoundAim) -> BestGaps {
-    let EightPairs { a, b, axes, d } = EightPairs::new(frame, (a, b));
+fn bound_eight(frame: &Single, boxes: [[&OrientedBox; WIDTH]; 2], aim: &BoundAim) -> BestGaps {
+    let EightPairs { a, b, axes, d } = EightPairs::new(frame, boxes);
     let row = |k: usize| {
         [
             dot(&a.axes[k], &axes[0]),
@@ -286,19 +295,19 @@ fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WI
         gap: gap.fast_max(by_centres),
         normal: [normal(0), normal(1), normal(2)],
     };
-    let reaches = ((&a.half, &a.axes), (&b.half, &axes));
+    let both = [a.reach(&a.axes), b.reach(&axes)];
     // The first axis is the longest.
     let is_long = |half: &[f32x8; 3]| half[0].simd_gt(half[1] * f32x8::splat(LONG_BOX));
     let (long_a, long_b) = (is_long(&a.half), is_long(&b.half));
     let level = f32x8::splat(aim.level);
     let is_any_open = |best: &BestGaps, long: f32x8| (best.gap.simd_lt(level) & long).to_bitmask() & 0xff != 0;
     if is_any_open(&best, long_a & long_b) {
-        best.offer(cross(&a.axes[0], &axes[0]), d, reaches);
+        best.offer(cross(&a.axes[0], &axes[0]), d, both);
     }
     if let Some([x, y, z]) = aim.known
         && is_any_open(&best, long_a | long_b)
     {
-        best.offer([f32x8::splat(x), f32x8::splat(y), f32x8::splat(z)], d, reaches);
+        best.offer([f32x8::splat(x), f32x8::splat(y), f32x8::splat(z)], d, both);
     }
     best
 }
@@ -307,7 +316,8 @@ fn bound_eight(frame: &Single, (a, b): ([&OrientedBox; WIDTH], [&OrientedBox; WI
 /// bounds. All directions are tried.
 #[cfg(feature = "__proofs")]
 pub(crate) fn gap_of(
-    (rotation, translation): ([f32; 9], [f32; 3]),
+    rotation: [f32; 9],
+    translation: [f32; 3],
     boxes: [[[f32; 3]; 5]; 2],
     known: Option<[f32; 3]>,
 ) -> f32 {
@@ -328,7 +338,7 @@ pub(crate) fn gap_of(
         }
     });
     let level = f32::INFINITY;
-    bound_eight(&frame, ([&a; WIDTH], [&b; WIDTH]), &BoundAim { level, known })
+    bound_eight(&frame, [[&a; WIDTH], [&b; WIDTH]], &BoundAim { level, known })
         .gap
         .to_array()[0]
 }

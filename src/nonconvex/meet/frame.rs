@@ -3,6 +3,7 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
 use crate::base::pose::RelativePose;
@@ -126,7 +127,7 @@ impl TreeFrame {
             off,
             error,
             tie: SHORT_OF * size,
-            single: Single::new((a, b, scale), &matrix, &translation, &rotation, error),
+            single: Single::new(a, b, scale, &matrix, &translation, &rotation, error),
         })
     }
 
@@ -151,7 +152,9 @@ impl TreeFrame {
 
 impl Single {
     fn new(
-        (a, b, scale): (TreeSide, TreeSide, f64),
+        a: TreeSide,
+        b: TreeSide,
+        scale: f64,
         matrix: &Matrix3<f64>,
         translation: &Vector3<f64>,
         rotation: &Matrix3<f64>,
@@ -186,7 +189,7 @@ fn units_of(a: TreeSide, b: TreeSide, scale: f64) -> (f64, [f32; 2]) {
 
 /// How far the points of two bodies have moved in their own frames, by the paths of their trees.
 pub(crate) struct TreeMoves<'a> {
-    pub(crate) trees: (&'a Tree, &'a Tree),
+    pub(crate) trees: [&'a Tree; 2],
     /// The units of both trees in that of single precision.
     pub(crate) scales: [f32; 2],
     /// The units of both trees in A's stored units.
@@ -197,7 +200,7 @@ impl<'a> TreeMoves<'a> {
     pub(super) fn new(a: TreeSide<'a>, b: TreeSide<'a>) -> Self {
         let scale = ratio(a, b);
         Self {
-            trees: (a.tree, b.tree),
+            trees: [a.tree, b.tree],
             scales: units_of(a, b, scale).1,
             units: [a.tree.unit(), b.tree.unit() * scale],
         }
@@ -205,7 +208,7 @@ impl<'a> TreeMoves<'a> {
 
     /// Returns the sums of the longest moves of all points.
     pub(crate) fn totals(&self) -> [u64; 2] {
-        [self.trees.0.paths.total, self.trees.1.paths.total]
+        self.trees.each(|tree| tree.paths.total)
     }
 
     /// Returns how far points of both bodies may have moved since the sums were others, in A's
@@ -234,7 +237,7 @@ pub(super) fn far(a: TreeSide, b: TreeSide, pose: &RelativePose) -> (f64, f64, V
 
 /// Returns the two halves of a pair: of the box with the larger surface, unless that is a leaf. Not
 /// of the longer box: parts of a long thin one may be as long.
-pub(crate) fn split_pair((a, b): (&Tree, &Tree), frame: &TreeFrame, [x, y]: NodePair) -> Option<[NodePair; 2]> {
+pub(crate) fn split_pair([a, b]: [&Tree; 2], frame: &TreeFrame, [x, y]: NodePair) -> Option<[NodePair; 2]> {
     let is_a_larger = || {
         let (of_a, of_b) = (&a.boxes[x as usize], &b.boxes[y as usize]);
         let (scale_a, scale_b) = (frame.single.scale_a, frame.single.scale_b);

@@ -230,8 +230,8 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
             CommonPart::Flat(_, false) => false,
             CommonPart::Flat(at, true) => unit_normal(&p).is_some_and(|n| self.are_behind(&at, &n)),
             CommonPart::Segment(at, s) => {
-                leaving(&p, &q, (&at, &s), slack).any(|to| self.enters(Operand::B, &at, &to))
-                    || leaving(&q, &p, (&at, &s), slack).any(|to| self.enters(Operand::A, &at, &to))
+                leaving(&p, &q, &at, &s, slack).any(|to| self.enters(Operand::B, &at, &to))
+                    || leaving(&q, &p, &at, &s, slack).any(|to| self.enters(Operand::A, &at, &to))
             }
         }
     }
@@ -249,7 +249,7 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
     /// Looks at all pairs of triangles whose boxes meet, up to a limit.
     fn is_shared_anywhere(&mut self) -> bool {
         let frame = &self.posed.frame;
-        let trees = (&self.a.tree, &self.b.tree);
+        let trees = [&self.a.tree, &self.b.tree];
         let level = frame.single_up(self.doubt);
         let aim = BoundAim::to((level + frame.single.error).next_up());
         let (mut stack, mut asked) = (alloc::vec![[0, 0]], 0);
@@ -265,8 +265,8 @@ impl<A: Parted, B: Parted> SolidContact<'_, A, B> {
                     stack.extend(two);
                     continue;
                 }
-                let (of_a, of_b) = (trees.0.range(pair[0]), trees.1.range(pair[1]));
-                let mut all = (of_a.0..of_a.1).flat_map(|i| (of_b.0..of_b.1).map(move |j| [i, j]));
+                let [of_a, of_b] = [0, 1].each(|k| trees[k].range(pair[k]));
+                let mut all = of_a.flat_map(|i| of_b.clone().map(move |j| [i, j]));
                 if all.any(|pair| self.is_shared_at(pair)) {
                     return true;
                 }
@@ -421,7 +421,8 @@ fn flat(p: &Triangle, q: &Triangle, n: &Vector3<f64>, slack: f64) -> Option<Vect
 pub(super) fn leaving(
     t: &Triangle,
     other: &Triangle,
-    (at, s): (&Vector3<f64>, &Vector3<f64>),
+    at: &Vector3<f64>,
+    s: &Vector3<f64>,
     slack: f64,
 ) -> impl Iterator<Item = Vector3<f64>> {
     let aside = |x: &Triangle| unit_normal(x).map(|n| (n, x.each(|c| n.cross(s).dot(&(c - at)))));

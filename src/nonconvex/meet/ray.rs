@@ -25,7 +25,7 @@ pub(crate) struct MeshRay {
     /// The direction, off by at most 80 UNIT.
     pub(crate) direction: Vector3<f64>,
     /// How far the ends are from the origin.
-    pub(crate) span: (f64, f64),
+    pub(crate) span: [f64; 2],
     /// How far the ray goes.
     pub(crate) length: f64,
     /// By how much a distance may be off.
@@ -112,7 +112,7 @@ impl MeshRay {
     }
 
     /// Returns whether the ray certainly passes through a triangle between two distances.
-    pub(crate) fn passes(&self, corners: &Triangle, (from, until): (f64, f64)) -> bool {
+    pub(crate) fn passes(&self, corners: &Triangle, [from, until]: [f64; 2]) -> bool {
         let sides = self.sides(corners);
         let is_through = sides == [Some(1); 3] || sides == [Some(-1); 3];
         let noise = 0.25 * self.width;
@@ -152,7 +152,7 @@ impl MeshRay {
         let n = triangle::normal(corners);
         let (height, rise) = (n.dot(&seen), n.dot(&way));
         let part = height / rise;
-        let length = self.span.1 - self.span.0;
+        let length = self.span[1] - self.span[0];
         let (own, size) = (sqrt(n.norm_squared()), u.abs().sum() * v.abs().sum());
         let error = |x: &Vector3<f64>| own * self.error + RAY_PLANE * size * x.abs().sum();
         let (of_height, of_rise) = (error(&seen), 2.0 * error(&way));
@@ -160,7 +160,7 @@ impl MeshRay {
         // Written so that NaN is none.
         (least > 0.0).then(|| {
             let off = (of_height + part.abs() * of_rise) * length / least;
-            (self.span.0 + part * length, off)
+            (self.span[0] + part * length, off)
         })
     }
 
@@ -169,7 +169,7 @@ impl MeshRay {
         if high < 0.0 || low > self.length {
             return Some(RayTriangle::Miss);
         }
-        (low > 0.0 && high <= self.length).then(|| RayTriangle::Between(low, high.smaller(self.span.1)))
+        (low > 0.0 && high <= self.length).then(|| RayTriangle::Between(low, high.smaller(self.span[1])))
     }
 
     #[cfg(feature = "exact")]

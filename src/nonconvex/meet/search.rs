@@ -7,6 +7,7 @@
 //! distance.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::Vector3;
 
 use crate::base::num::each::Each;
@@ -109,8 +110,8 @@ pub(crate) trait ProofKeeper {
 
 impl ProofKeeper for Front {
     #[inline(always)]
-    fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, (normal, gap): GapProof) {
-        self.push(&search.frame.single, (search.a, search.b), pair, normal, gap);
+    fn keep<J: Judge>(&mut self, search: &TreeSearch<J>, pair: NodePair, proof: GapProof) {
+        self.push(&search.frame.single, [search.a, search.b], pair, proof);
     }
 }
 
@@ -168,10 +169,22 @@ impl TriedDirection {
 }
 
 /// A direction and a gap along it that are proven, in single precision.
-pub(crate) type GapProof = ([f32; 3], f32);
+#[derive(Clone, Copy)]
+pub(crate) struct GapProof {
+    /// From A to B, in A's frame.
+    pub(crate) normal: [f32; 3],
+    pub(crate) gap: f32,
+}
+
+impl GapProof {
+    /// Returns a direction along which nothing is proven.
+    const fn none(normal: [f32; 3]) -> Self {
+        Self { normal, gap: -f32::MAX }
+    }
+}
 
 impl<'a, J: Judge> TreeSearch<'a, J> {
-    pub(crate) fn new((a, b): (&'a Tree, &'a Tree), frame: &'a TreeFrame, judge: J, goal: MeshGoal) -> Self {
+    pub(crate) fn new([a, b]: [&'a Tree; 2], frame: &'a TreeFrame, judge: J, goal: MeshGoal) -> Self {
         let mut search = Self {
             a,
             b,
@@ -301,7 +314,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             level: self.single + self.frame.single.error,
             known: self.directions[0].as_ref().map(single),
         };
-        bounds(&self.frame.single, (self.a, self.b), pairs, &aim)
+        bounds(&self.frame.single, [self.a, self.b], pairs, &aim)
     }
 
     /// Tries to prove a pair: by its gap, in double precision if the gap is close, or item by item.
@@ -310,7 +323,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         let proven = gap - self.frame.single.error;
         if proven >= self.single {
             self.least = self.least.smaller(proven);
-            return Some((normal, proven));
+            return Some(GapProof { normal, gap: proven });
         }
         self.settle_close(pair, gap, normal)
     }
@@ -380,13 +393,13 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
     }
 
     /// Returns the least height of items of B.
-    fn lowest(&self, (first, last): (u32, u32), n: &TriedDirection) -> f64 {
-        (first..last).fold(f64::INFINITY, |low, k| low.smaller(self.judge.lowest_in_b(k, &n.in_b)))
+    fn lowest(&self, items: Range<u32>, n: &TriedDirection) -> f64 {
+        items.fold(f64::INFINITY, |low, k| low.smaller(self.judge.lowest_in_b(k, &n.in_b)))
     }
 
     /// Returns the greatest height of items of A.
-    fn highest(&self, (first, last): (u32, u32), n: &TriedDirection) -> f64 {
-        (first..last).fold(f64::NEG_INFINITY, |high, k| {
+    fn highest(&self, items: Range<u32>, n: &TriedDirection) -> f64 {
+        items.fold(f64::NEG_INFINITY, |high, k| {
             high.larger(self.judge.highest_in_a(k, &n.in_a))
         })
     }
@@ -402,7 +415,10 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
         // Rounding the direction moves heights by v L, the gap by v of itself: the error of single
         // precision is far more.
         let gap = (gap * self.frame.single.per_unit) as f32 - self.frame.single.error;
-        ([n.x as f32, n.y as f32, n.z as f32], gap)
+        GapProof {
+            normal: [n.x as f32, n.y as f32, n.z as f32],
+            gap,
+        }
     }
 
     /// Returns the gap of two nodes along a direction in double precision, error taken off: by
@@ -437,7 +453,7 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
             while count < 2 * AT_ONCE
                 && let Some(pair) = stack.pop()
             {
-                if let Some(two) = split_pair((self.a, self.b), self.frame, pair) {
+                if let Some(two) = split_pair([self.a, self.b], self.frame, pair) {
                     halves[count..count + 2].copy_from_slice(&two);
                     count += 2;
                 }
@@ -497,9 +513,9 @@ impl<'a, J: Judge> TreeSearch<'a, J> {
 }
 
 /// Returns the items of a node, if they are few.
-fn few(tree: &Tree, node: u32) -> Option<(u32, u32)> {
-    let (first, last) = tree.range(node);
-    (last - first <= FEW_ITEMS).then_some((first, last))
+fn few(tree: &Tree, node: u32) -> Option<Range<u32>> {
+    let items = tree.range(node);
+    (items.end - items.start <= FEW_ITEMS).then_some(items)
 }
 
 impl<J: Judge> TreeSearch<'_, J> {
@@ -507,52 +523,78 @@ impl<J: Judge> TreeSearch<'_, J> {
     pub(crate) fn seed(&mut self) {
         let mut beam = [[0u32; 2]; AT_ONCE];
         let mut width = 1;
-        let mut leaves = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+        let mut leaves = [SeedPair::NONE; AT_ONCE];
         while width > 0 {
             let mut halves = [[0; 2]; 2 * AT_ONCE];
             let mut count = 0;
             for &pair in &beam[..width] {
-                match split_pair((self.a, self.b), self.frame, pair) {
+                match split_pair([self.a, self.b], self.frame, pair) {
                     Some(two) => {
                         halves[count..count + 2].copy_from_slice(&two);
                         count += 2;
                     }
-                    None => keep(&mut leaves, (-f32::MAX, pair, [0.0; 3])),
+                    None => {
+                        let new = SeedPair {
+                            gap: -f32::MAX,
+                            pair,
+                            normal: [0.0; 3],
+                        };
+                        keep(&mut leaves, new);
+                    }
                 }
             }
             if count == 0 {
                 break;
             }
             let found = self.bound(&halves[..count]);
-            let mut next = [(f32::INFINITY, [0u32; 2], [0.0f32; 3]); AT_ONCE];
+            let mut next = [SeedPair::NONE; AT_ONCE];
             for (k, &pair) in halves[..count].iter().enumerate() {
                 let is_leaf = self.a.is_leaf(pair[0]) && self.b.is_leaf(pair[1]);
-                keep(
-                    if is_leaf { &mut leaves } else { &mut next },
-                    (found.gap[k], pair, found.normal[k]),
-                );
+                let new = SeedPair {
+                    gap: found.gap[k],
+                    pair,
+                    normal: found.normal[k],
+                };
+                keep(if is_leaf { &mut leaves } else { &mut next }, new);
             }
-            width = next.iter().filter(|x| x.0 < f32::INFINITY).count();
-            (0..width).for_each(|k| beam[k] = next[k].1);
+            width = next.iter().filter(|x| x.gap < f32::INFINITY).count();
+            (0..width).for_each(|k| beam[k] = next[k].pair);
         }
-        for (_, pair, normal) in leaves.into_iter().filter(|x| x.0 < f32::INFINITY).take(2) {
+        for SeedPair { pair, normal, .. } in leaves.into_iter().filter(|x| x.gap < f32::INFINITY).take(2) {
             self.judge_leaves(pair, normal);
         }
     }
 }
 
+/// A pair of nodes by its gap along a direction: a seed where the gap is least.
+#[derive(Clone, Copy)]
+struct SeedPair {
+    gap: f32,
+    pair: NodePair,
+    normal: [f32; 3],
+}
+
+impl SeedPair {
+    /// A place of the list that is free.
+    const NONE: Self = Self {
+        gap: f32::INFINITY,
+        pair: [0; 2],
+        normal: [0.0; 3],
+    };
+}
+
 /// Puts a pair into a list sorted by gap; the last one falls out.
-fn keep(list: &mut [(f32, NodePair, [f32; 3]); AT_ONCE], new: (f32, NodePair, [f32; 3])) {
-    if new.0 < list[AT_ONCE - 1].0 {
+fn keep(list: &mut [SeedPair; AT_ONCE], new: SeedPair) {
+    if new.gap < list[AT_ONCE - 1].gap {
         list[AT_ONCE - 1] = new;
-        list.sort_by(|p, q| p.0.total_cmp(&q.0));
+        list.sort_by(|p, q| p.gap.total_cmp(&q.gap));
     }
 }
 
 /// Pairs of items of two leaves that are not proven yet.
 struct OpenLeafPair {
-    of_a: (u32, u32),
-    of_b: (u32, u32),
+    of_a: Range<u32>,
+    of_b: Range<u32>,
     /// A bit for each pair, four to an item of A.
     left: u32,
     /// The direction with the greatest least gap.
@@ -562,9 +604,9 @@ struct OpenLeafPair {
 }
 
 impl OpenLeafPair {
-    fn new(of_a: (u32, u32), of_b: (u32, u32)) -> Self {
-        let row = (1 << of_b.1) - 1;
-        let left = (0..of_a.1).fold(0, |bits, x| bits | row << (4 * x));
+    fn new(of_a: Range<u32>, of_b: Range<u32>) -> Self {
+        let row = (1 << of_b.len()) - 1;
+        let left = (0..of_a.len()).fold(0, |bits, x| bits | row << (4 * x));
         Self {
             of_a,
             of_b,
@@ -585,7 +627,7 @@ impl OpenLeafPair {
     /// Leaves out pairs that are not asked for.
     fn only_asked<J: Judge>(&mut self, judge: &J) {
         for bit in bits(self.left) {
-            if !judge.is_asked([self.of_a.0 + bit / 4, self.of_b.0 + bit % 4]) {
+            if !judge.is_asked([self.of_a.start + bit / 4, self.of_b.start + bit % 4]) {
                 self.left &= !(1 << bit);
             }
         }
@@ -609,9 +651,9 @@ impl<J: Judge> TreeSearch<'_, J> {
     fn judge_leaves(&mut self, pair: NodePair, normal: [f32; 3]) -> GapProof {
         self.work.leaves += 1;
         let (Below::Leaf(i, m), Below::Leaf(j, n)) = (self.a.below(pair[0]), self.b.below(pair[1])) else {
-            return (normal, -f32::MAX);
+            return GapProof::none(normal);
         };
-        let mut open = OpenLeafPair::new((i, m), (j, n));
+        let mut open = OpenLeafPair::new(i..i + m, j..j + n);
         if J::IS_SELF {
             open.only_asked(&self.judge);
         }
@@ -637,26 +679,26 @@ impl<J: Judge> TreeSearch<'_, J> {
         if J::IS_SELF {
             let is_whole = open.left == 0;
             self.leaf_gap = if is_whole { open.proven } else { f64::NEG_INFINITY };
-            return ([0.0; 3], -f32::MAX);
+            return GapProof::none([0.0; 3]);
         }
         match open.best {
             Some((n, gap)) => self.proof(&n, gap),
-            None => (normal, -f32::MAX),
+            None => GapProof::none(normal),
         }
     }
 
     /// Passes by the pairs of items that a direction proves.
     #[inline(always)]
     fn along(&mut self, open: &mut OpenLeafPair, n: &TriedDirection) {
-        let (i, j) = (open.of_a.0, open.of_b.0);
+        let (i, j) = (open.of_a.start, open.of_b.start);
         let lift = n.lift - self.frame.error;
         let (mut high, mut low) = ([f64::NEG_INFINITY; LEAF], [f64::INFINITY; LEAF]);
         let (mut top, mut bottom) = (f64::NEG_INFINITY, f64::INFINITY);
-        for (item, to) in (i..i + open.of_a.1).zip(&mut high) {
+        for (item, to) in open.of_a.clone().zip(&mut high) {
             *to = self.judge.highest_in_a(item, &n.in_a);
             top = top.at_least(*to);
         }
-        for (item, to) in (j..j + open.of_b.1).zip(&mut low) {
+        for (item, to) in open.of_b.clone().zip(&mut low) {
             *to = self.judge.lowest_in_b(item, &n.in_b) + lift;
             bottom = bottom.at_most(*to);
         }
@@ -719,5 +761,5 @@ sum_of_counters!(TreeWork {
     measured,
     settled,
     cuts,
-    windings,
+    windings
 });

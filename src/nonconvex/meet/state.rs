@@ -89,7 +89,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
     }
 
     fn search<J: Judge>(&self, judge: J, goal: MeshGoal) -> TreeSearch<'_, J> {
-        let mut search = TreeSearch::new((self.a.side().tree, self.b.side().tree), &self.frame, judge, goal);
+        let mut search = TreeSearch::new([self.a.side().tree, self.b.side().tree], &self.frame, judge, goal);
         search.ends_in_contact = !(self.a.is_solid() && self.b.is_solid());
         search
     }
@@ -99,7 +99,7 @@ impl<'a, A: Parted, B: Parted> PosedTrees<'a, A, B> {
         let (tree, frame) = (self.b.side().tree, &self.frame);
         let radius = f64::from(tree.reach) * tree.unit() * frame.scale;
         let centre = tree.centre * frame.scale;
-        BallAtPose::new(Operand::B, (&centre, radius), &frame.rotation, &frame.translation)
+        BallAtPose::new(Operand::B, &centre, radius, &frame.rotation, &frame.translation)
     }
 
     /// Returns a point of A in B's stored frame.

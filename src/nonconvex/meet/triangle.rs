@@ -64,7 +64,7 @@ pub(crate) fn closest(p: &Triangle, q: &Triangle) -> Closest {
     // A vertex in the plane touches, and does not pierce.
     let one_side = |h: &[f64; 3]| h.iter().all(|x| *x >= 0.0) || h.iter().all(|x| *x <= 0.0);
     match (one_side(&over_q), one_side(&over_p)) {
-        (false, false) => pierce((p, &of_p, &over_p), (q, &of_q, &over_q), &mut best),
+        (false, false) => pierce([p, q], [&of_p, &of_q], [&over_p, &over_q], &mut best),
         (above_q, above_p) => {
             if above_q {
                 foot(p, &over_q, q, &of_q, false, &mut best);
@@ -266,10 +266,12 @@ fn is_same_place(at: &Vector3<f64>, inside: &Vector3<f64>, from: &Vector3<f64>, 
     (at - inside).norm_squared() <= SAME_PLACE * SAME_PLACE * size
 }
 
-/// Looks for an edge of one triangle that passes through the other.
+/// Looks for an edge of one triangle that passes through the other: by their normals, and by the
+/// heights of the other's corners over each.
 fn pierce(
-    (p, of_p, over_p): (&Triangle, &Vector3<f64>, &[f64; 3]),
-    (q, of_q, over_q): (&Triangle, &Vector3<f64>, &[f64; 3]),
+    [p, q]: [&Triangle; 2],
+    [of_p, of_q]: [&Vector3<f64>; 2],
+    [over_p, over_q]: [&[f64; 3]; 2],
     best: &mut Closest,
 ) {
     let found = crossing(p, over_q, q, of_q).map(|(at, edge)| (at, [TriangleSpot::Edge(edge), TriangleSpot::Inside]));

@@ -99,9 +99,9 @@ impl SelfState {
             let (p, q) = (polygons[x as usize].as_ref()?, polygons[y as usize].as_ref()?);
             Some(Tracker::new().closest(p, q, &pose).upper.at_least(0.0) / mesh.unit())
         };
-        self.front.audit((mesh.tree.unit(), posed.frame.error), |pair| {
-            let [(i, m), (j, n)] = pair.each(|node| mesh.tree.range(node));
-            let all = (i..m).flat_map(|x| (j..n).map(move |y| [x, y]));
+        self.front.audit(mesh.tree.unit(), posed.frame.error, |pair| {
+            let [of_a, of_b] = pair.each(|node| mesh.tree.range(node));
+            let all = of_a.flat_map(|x| of_b.clone().map(move |y| [x, y]));
             let asked = all.filter(|p| judge.is_asked(*p));
             asked.filter_map(apart).fold(f64::INFINITY, f64::smaller)
         })
@@ -149,7 +149,8 @@ impl MeshTracker {
     fn ask_self<R>(
         &mut self,
         mesh: &Mesh,
-        (goal, within): (MeshGoal, Option<f64>),
+        goal: MeshGoal,
+        within: Option<f64>,
         tell: impl FnOnce(&TreeSearch<SelfJudge>) -> R,
     ) -> Option<R> {
         let state = &mut self.state;
@@ -157,8 +158,7 @@ impl MeshTracker {
         let pose = RelativePose::identity();
         let posed = PosedTrees::new(mesh, mesh, &pose)?;
         let pairs = TriangleJudge::new(&posed, within);
-        let trees = (&mesh.tree, &mesh.tree);
-        let mut search = TreeSearch::new(trees, &posed.frame, SelfJudge { mesh, pairs }, goal);
+        let mut search = TreeSearch::new([&mesh.tree; 2], &posed.frame, SelfJudge { mesh, pairs }, goal);
         search.ends_in_contact = true;
         self.own.get_or_insert_default().search(&mut search);
         state.kept.work += search.work;
@@ -168,7 +168,7 @@ impl MeshTracker {
 
     /// Returns the closest two triangles of a mesh that share no vertex; `None` if all share one.
     pub(crate) fn self_closest(&mut self, mesh: &Mesh) -> Option<PairOutcome> {
-        self.ask_self(mesh, (MeshGoal::Least, None), |search| {
+        self.ask_self(mesh, MeshGoal::Least, None, |search| {
             let best = search.best.as_ref()?;
             let lower = search.proven().at_least(0.0);
             Some(told(mesh, search.frame, best, lower))
@@ -177,8 +177,8 @@ impl MeshTracker {
 
     /// Returns whether two triangles of a mesh that share no vertex are at most `d` apart.
     pub(crate) fn self_within(&mut self, mesh: &Mesh, d: f64) -> bool {
-        let goal = (MeshGoal::Within(d / mesh.unit()), Some(d));
-        d >= 0.0 && self.ask_self(mesh, goal, |search| search.is_over()) == Some(true)
+        let goal = MeshGoal::Within(d / mesh.unit());
+        d >= 0.0 && self.ask_self(mesh, goal, Some(d), |search| search.is_over()) == Some(true)
     }
 
     /// Returns all pairs of triangles of a mesh that share no vertex and are at most `d` apart.
@@ -186,8 +186,8 @@ impl MeshTracker {
         if !(d >= 0.0) {
             return Vec::new();
         }
-        let goal = (MeshGoal::All(d / mesh.unit()), Some(d));
-        let found = self.ask_self(mesh, goal, |search| {
+        let goal = MeshGoal::All(d / mesh.unit());
+        let found = self.ask_self(mesh, goal, Some(d), |search| {
             let each = |m: &Measured<_>| told(mesh, search.frame, m, m.lower);
             search.found.iter().map(each).collect()
         });

@@ -330,7 +330,7 @@ impl Mesh {
         found.is_complete = watch.stage("crossings", None).is_ok();
         while found.is_complete && !stack.is_empty() {
             let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
-            let gaps = bounds(&frame.single, (tree, tree), &batch, &aim);
+            let gaps = bounds(&frame.single, [tree; 2], &batch, &aim);
             done += batch.len();
             found.is_complete &= watch.done(done);
             for (&[x, y], gap) in batch.iter().zip(gaps.gap) {
@@ -339,7 +339,7 @@ impl Mesh {
                 }
                 match (x == y, tree.below(x)) {
                     (true, Below::Children(c)) => stack.extend([[c, c], [c, c + 1], [c + 1, c + 1]]),
-                    _ => match split_pair((tree, tree), frame, [x, y]) {
+                    _ => match split_pair([tree; 2], frame, [x, y]) {
                         Some(two) => stack.extend(two),
                         None => self.cross_leaves([x, y], most, found),
                     },
@@ -349,9 +349,9 @@ impl Mesh {
     }
 
     fn cross_leaves(&self, nodes: [u32; 2], most: usize, found: &mut MeshInspection) {
-        let [(i, m), (j, n)] = nodes.each(|x| self.tree.range(x));
-        for t in i..m {
-            for u in if nodes[0] == nodes[1] { t + 1 } else { j }..n {
+        let [of_a, of_b] = nodes.each(|x| self.tree.range(x));
+        for t in of_a {
+            for u in if nodes[0] == nodes[1] { t + 1 } else { of_b.start }..of_b.end {
                 let (p, q) = (self.corners(t), self.corners(u));
                 let list = if passes(&p, &q) || passes(&q, &p) {
                     &mut found.crossings

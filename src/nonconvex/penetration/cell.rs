@@ -51,7 +51,7 @@ pub(super) fn cell(mesh: &Mesh, place: &Vector3<f64>, reach: f64) -> Option<Shap
         reach *= 0.5;
         cut
     })?;
-    let all = corners(mesh, place, (&planes, margin))?;
+    let all = corners(mesh, place, &planes, margin)?;
     let body = ConvexPolyhedron::from_points(&all).ok()?;
     let stored = |p: Point3<f64>| p.coords / mesh.unit();
     let is_in = |p: &Vector3<f64>| planes.iter().all(|plane| plane.n.dot(p) <= plane.level);
@@ -179,7 +179,7 @@ impl<'a> CellCut<'a> {
 
 /// Returns the corners of the part below all planes, in the caller's unit: the polar of the hull of
 /// the planes' poles.
-fn corners(mesh: &Mesh, place: &Vector3<f64>, (planes, margin): (&[CellPlane], f64)) -> Option<Vec<Point3<f64>>> {
+fn corners(mesh: &Mesh, place: &Vector3<f64>, planes: &[CellPlane], margin: f64) -> Option<Vec<Point3<f64>>> {
     let room = |plane: &CellPlane| plane.room(place, margin);
     let poles: Vec<_> = planes.iter().map(|p| Point3::from(p.n / room(p))).collect();
     let polar = ConvexPolyhedron::from_points(&poles).ok()?;

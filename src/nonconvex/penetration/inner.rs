@@ -59,7 +59,11 @@ const DEEP_POINTS: usize = 2048;
 const SINKS: usize = 4;
 
 /// A lower bound of a depth, and the translation of the inner body that ends the overlap found.
-pub(super) type ProvenDepth = (f64, Vector3<f64>);
+#[derive(Clone, Copy)]
+pub(super) struct ProvenDepth {
+    pub(super) depth: f64,
+    pub(super) way: Vector3<f64>,
+}
 
 /// The inner body seen from the frame of the outer one, in stored units.
 struct InnerPoints<'a> {
@@ -104,23 +108,26 @@ pub(super) fn deepest<A: Parted, B: Parted>(a: &A, b: &B, pose: &RelativePose) -
         }
         (PartsRef::Mesh(a), PartsRef::Mesh(b)) => {
             let in_a = b_in_a.in_mesh(a, 0.0);
-            [in_a, a_in_b.in_mesh(b, in_a.map_or(0.0, |d| d.0))]
+            [in_a, a_in_b.in_mesh(b, in_a.map_or(0.0, |d| d.depth))]
         }
         (PartsRef::Mesh(a), PartsRef::Pieces(b)) => [b_in_a.in_mesh(a, 0.0), in_pieces(b, a, &a_in_b)],
         (PartsRef::Pieces(a), PartsRef::Mesh(b)) => [in_pieces(a, b, &b_in_a), a_in_b.in_mesh(b, 0.0)],
     };
-    let in_b = in_b.map(|(depth, way)| (depth, rotation * -way));
+    let in_b = in_b.map(|ProvenDepth { depth, way }| ProvenDepth {
+        depth,
+        way: rotation * -way,
+    });
     let found = in_a.into_iter().chain(in_b).reduce(deeper);
     (found, b_in_a.windings + a_in_b.windings)
 }
 
 fn deeper(x: ProvenDepth, y: ProvenDepth) -> ProvenDepth {
-    if x.0 < y.0 { y } else { x }
+    if x.depth < y.depth { y } else { x }
 }
 
 /// Adds an overlap if it is one, and deeper than the one before.
 fn keep_deeper(best: &mut Option<ProvenDepth>, new: ProvenDepth) {
-    if new.0 > 0.0 && best.is_none_or(|b| b.0 < new.0) {
+    if new.depth > 0.0 && best.is_none_or(|b| b.depth < new.depth) {
         *best = Some(new);
     }
 }
@@ -142,14 +149,23 @@ impl InnerPoints<'_> {
                 for place in points(mesh).map(|p| (self.place)(p)) {
                     if let Some((depth, out)) = self.deeper_point(outer, &place, least) {
                         least = depth;
-                        best = Some((depth * unit, out * ((depth + self.doubt) * unit)));
+                        best = Some(ProvenDepth {
+                            depth: depth * unit,
+                            way: out * ((depth + self.doubt) * unit),
+                        });
                     }
                 }
             }
             PartsRef::Pieces(body) => {
-                let mut found = |depth: f64, way: Vector3<f64>| keep_deeper(&mut best, (depth * unit, way * unit));
+                let mut found = |depth: f64, way: Vector3<f64>| {
+                    let new = ProvenDepth {
+                        depth: depth * unit,
+                        way: way * unit,
+                    };
+                    keep_deeper(&mut best, new);
+                };
                 for piece in body.pieces() {
-                    self.sink(outer, (piece, body.stored_unit()), &mut found);
+                    self.sink(outer, piece, body.stored_unit(), &mut found);
                 }
             }
         }
@@ -160,7 +176,7 @@ impl InnerPoints<'_> {
     /// out; `None` if it is no deeper than `least`. All in stored units of the mesh.
     ///
     /// Of most points a triangle near them shows that they are no deeper than the deepest before.
-    fn deeper_point(&mut self, mesh: &Mesh, place: &Vector3<f64>, least: f64) -> Option<ProvenDepth> {
+    fn deeper_point(&mut self, mesh: &Mesh, place: &Vector3<f64>, least: f64) -> Option<(f64, Vector3<f64>)> {
         if !may_hold(mesh, place, 0.0) {
             return None;
         }
@@ -198,7 +214,7 @@ impl InnerPoints<'_> {
 
     /// Calls `found` with overlaps of a piece and a mesh: of balls in the piece about the vertices,
     /// the middle, and points that lie deepest along the way out of the last one.
-    fn sink(&mut self, outer: &Mesh, (piece, unit): (&Piece, f64), found: &mut dyn FnMut(f64, Vector3<f64>)) {
+    fn sink(&mut self, outer: &Mesh, piece: &Piece, unit: f64, found: &mut dyn FnMut(f64, Vector3<f64>)) {
         let rotation = self.rotation;
         let mut ask = |local: &Vector3<f64>, radius: f64| {
             let at = (piece.pose * Point3::from(*local)).coords / unit;
@@ -213,7 +229,7 @@ impl InnerPoints<'_> {
         };
         let mut out = ask(
             &middle,
-            depth_in(&mut ShapeTracker::new(), shape, &middle).map_or(0.0, |d| d.0),
+            depth_in(&mut ShapeTracker::new(), shape, &middle).map_or(0.0, |d| d.depth),
         );
         for _ in 0..SINKS {
             let down = piece.pose.rotation.inverse_transform_vector(&-rotation.tr_mul(&out));
@@ -244,9 +260,13 @@ fn in_pieces(outer: &Compound, mesh: &Mesh, inner: &InnerPoints) -> Option<Prove
         let mut tracker = ShapeTracker::new();
         for p in points.iter().map(|p| pose.inverse_transform_point(p)) {
             if sqrt((p - centre).norm_squared()) < radius
-                && let Some((depth, way)) = depth_in(&mut tracker, shape, &p.coords)
+                && let Some(ProvenDepth { depth, way }) = depth_in(&mut tracker, shape, &p.coords)
             {
-                keep_deeper(&mut best, (depth - inner.doubt * unit, pose.rotation * way));
+                let new = ProvenDepth {
+                    depth: depth - inner.doubt * unit,
+                    way: pose.rotation * way,
+                };
+                keep_deeper(&mut best, new);
             }
         }
     }
@@ -263,13 +283,17 @@ fn depth_in(tracker: &mut ShapeTracker, shape: &Shape, point: &Vector3<f64>) -> 
 /// Returns the overlap of an outcome, and the translation of B that ends the overlap.
 fn overlap(found: &Outcome) -> Option<ProvenDepth> {
     let is_deep = found.state == ContactState::Overlapping && found.upper < 0.0;
-    is_deep.then(|| (-found.upper, found.normal.into_inner() * -found.distance))
+    is_deep.then(|| ProvenDepth {
+        depth: -found.upper,
+        way: found.normal.into_inner() * -found.distance,
+    })
 }
 
 /// Returns the overlap of convex parts of both bodies about a point in A's frame, and its
 /// translation of B; parts of meshes are at most `reach` wide. All in the caller's unit.
 pub(super) fn of_parts<A: Parted, B: Parted>(
-    (a, b): (&A, &B),
+    a: &A,
+    b: &B,
     pose: &RelativePose,
     point: &Point3<f64>,
     reach: f64,
@@ -312,8 +336,9 @@ fn of_pairs(
     for (p, at_p) in of_a {
         for (q, at_q) in of_b {
             let at = placed.between(at_p, at_q).0;
-            if let Some((depth, way)) = overlap(&ShapeTracker::new().closest(p, q, &at)) {
-                keep_deeper(&mut best, (depth, at_p.rotation * way));
+            if let Some(ProvenDepth { depth, way }) = overlap(&ShapeTracker::new().closest(p, q, &at)) {
+                let way = at_p.rotation * way;
+                keep_deeper(&mut best, ProvenDepth { depth, way });
             }
         }
     }
@@ -406,12 +431,12 @@ fn crossings(posed: &PosedTrees<Mesh, Mesh>) -> [Vec<EdgePart>; 2] {
     let (mut stack, mut found, mut leaves) = (alloc::vec![[0, 0]], [Vec::new(), Vec::new()], 0);
     while !stack.is_empty() && leaves < CROSSED_LEAVES {
         let batch = stack.split_off(stack.len().saturating_sub(WIDTH));
-        let gaps = bounds(&frame.single, (of_a, of_b), &batch, &aim);
+        let gaps = bounds(&frame.single, [of_a, of_b], &batch, &aim);
         for (&pair, gap) in batch.iter().zip(gaps.gap) {
             if gap > frame.single.error {
                 continue;
             }
-            match split_pair((of_a, of_b), frame, pair) {
+            match split_pair([of_a, of_b], frame, pair) {
                 Some(two) => stack.extend(two),
                 None => {
                     leaves += 1;
@@ -425,19 +450,19 @@ fn crossings(posed: &PosedTrees<Mesh, Mesh>) -> [Vec<EdgePart>; 2] {
 
 fn of_leaves(posed: &PosedTrees<Mesh, Mesh>, [x, y]: NodePair, found: &mut [Vec<EdgePart>; 2]) {
     let (a, b) = (posed.a, posed.b);
-    let [(i, m), (j, n)] = [a.tree.range(x), b.tree.range(y)];
-    for u in j..n {
+    let (of_a, of_b) = (a.tree.range(x), b.tree.range(y));
+    for u in of_b {
         let q = b.corners(u).each(|p| posed.frame.point(&p));
-        for t in i..m {
+        for t in of_a.clone() {
             let p = a.corners(t);
-            through((a.triangles[t as usize], &p), &q, &mut found[0]);
-            through((b.triangles[u as usize], &q), &p, &mut found[1]);
+            through(a.triangles[t as usize], &p, &q, &mut found[0]);
+            through(b.triangles[u as usize], &q, &p, &mut found[1]);
         }
     }
 }
 
 /// Adds where edges of a triangle pass through another one, its boundary with it.
-fn through((vertices, x): ([u32; 3], &Triangle), [a, b, c]: &Triangle, found: &mut Vec<EdgePart>) {
+fn through(vertices: [u32; 3], x: &Triangle, [a, b, c]: &Triangle, found: &mut Vec<EdgePart>) {
     let normal = (b - a).cross(&(c - a));
     let heights = x.each(|p| normal.dot(&(p - a)));
     for i in 0..3 {

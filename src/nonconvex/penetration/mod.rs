@@ -162,8 +162,8 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     }
 
     /// Moves B by the deepest overlap found until the bodies are apart.
-    fn pushed(&mut self, first: (f64, Vector3<f64>)) -> Option<Vector3<f64>> {
-        let mut shift = first.1;
+    fn pushed(&mut self, first: inner::ProvenDepth) -> Option<Vector3<f64>> {
+        let mut shift = first.way;
         for _ in 0..PUSHES {
             // Bodies that touch would be pushed on, in a slot into the other side.
             shift = self.longer(&shift);
@@ -172,7 +172,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
             }
             let pose = self.shifted(&shift)?;
             match self.deepest(&pose) {
-                Some((_, more)) => shift += more * BEYOND,
+                Some(more) => shift += more.way * BEYOND,
                 // Edges cross, and no inner point is found.
                 None => shift *= 1.25,
             }
@@ -183,18 +183,18 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     /// Returns the overlap of convex parts of both bodies about a point of an edge that is inside
     /// the other body.
     fn on_edges(&mut self, pose: &RelativePose) -> Option<inner::ProvenDepth> {
-        let bodies = (self.bodies.a, self.bodies.b);
-        let (found, windings) = inner::deepest_middle(bodies.0, bodies.1, pose);
+        let (a, b) = (self.bodies.a, self.bodies.b);
+        let (found, windings) = inner::deepest_middle(a, b, pose);
         self.windings += windings;
         let (middle, depth) = found?;
         let reaches = [CELL_REACH * depth, f64::INFINITY];
-        let parts = reaches.each(|reach| inner::of_parts(bodies, pose, &middle, reach));
-        parts.into_iter().flatten().max_by(|x, y| x.0.total_cmp(&y.0))
+        let parts = reaches.each(|reach| inner::of_parts(a, b, pose, &middle, reach));
+        parts.into_iter().flatten().max_by(|x, y| x.depth.total_cmp(&y.depth))
     }
 
     /// Moves B by overlaps about edges until the bodies are apart.
     fn pushed_by_edges(&mut self, first: inner::ProvenDepth) -> Option<Vector3<f64>> {
-        let mut shift = first.1;
+        let mut shift = first.way;
         for _ in 0..PUSHES {
             shift = self.longer(&shift);
             if self.parts(&shift) {
@@ -202,7 +202,7 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
             }
             let pose = self.shifted(&shift)?;
             let more = self.deepest(&pose).or_else(|| self.on_edges(&pose));
-            shift = more.map_or(shift * 1.25, |(_, more)| shift + more);
+            shift = more.map_or(shift * 1.25, |more| shift + more.way);
         }
         None
     }
@@ -243,13 +243,12 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
     fn between(&self, pose: &RelativePose) -> f64 {
         let Some((shift, on_a)) = &self.parted else { return 0.0 };
         let (middle, length) = (on_a - shift * 0.5, sqrt(shift.norm_squared()));
-        let bodies = (self.bodies.a, self.bodies.b);
-        let found = inner::of_parts(bodies, pose, &middle, CELL_REACH * length);
-        found.map_or(0.0, |d| d.0 - self.noise)
+        let found = inner::of_parts(self.bodies.a, self.bodies.b, pose, &middle, CELL_REACH * length);
+        found.map_or(0.0, |d| d.depth - self.noise)
     }
 
     /// Shortens a translation, and keeps it if it is the shortest that parts the bodies.
-    fn improve(&mut self, pose: &RelativePose, start: &Vector3<f64>, (lower, best): (&mut f64, &mut Vector3<f64>)) {
+    fn improve(&mut self, pose: &RelativePose, start: &Vector3<f64>, lower: &mut f64, best: &mut Vector3<f64>) {
         // Beyond the rounding of the pose too.
         let start = self.longer(start);
         if start.norm_squared() > 0.0 && self.parts(&start) {
@@ -263,25 +262,25 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
 
     fn run(mut self, pose: &RelativePose) -> (PenetrationBounds, u64) {
         let deepest = self.deepest(pose);
-        let mut lower = deepest.map_or(0.0, |d| (d.0 - self.noise).at_least(0.0));
+        let mut lower = deepest.map_or(0.0, |d| (d.depth - self.noise).at_least(0.0));
         // Convex parts about the middles: all of a convex body.
         let wholes = inner::of_wholes(self.bodies.a, self.bodies.b, pose);
-        lower = wholes.map_or(lower, |d| lower.larger(d.0 - self.noise));
+        lower = wholes.map_or(lower, |d| lower.larger(d.depth - self.noise));
         let mut best = self.far();
         let starts = [
             self.bodies.by_hulls(pose, self.noise),
             deepest.and_then(|d| self.pushed(d)),
         ];
         for start in starts.into_iter().flatten() {
-            self.improve(pose, &start, (&mut lower, &mut best));
+            self.improve(pose, &start, &mut lower, &mut best);
         }
         if deepest.is_none()
             && lower < (1.0 - TIGHT) * sqrt(best.norm_squared())
             && let Some(first) = self.on_edges(pose)
         {
-            lower = lower.larger(first.0 - self.noise);
+            lower = lower.larger(first.depth - self.noise);
             if let Some(start) = self.pushed_by_edges(first) {
-                self.improve(pose, &start, (&mut lower, &mut best));
+                self.improve(pose, &start, &mut lower, &mut best);
             }
         }
         let bounds = PenetrationBounds {
@@ -297,7 +296,8 @@ impl<A: Parted, B: Parted, Q: FnMut(&RelativePose) -> FoundAtPose> PenetrationSe
 /// Returns the bounds, and the winding numbers taken beside the queries. `None` if a body is a
 /// surface.
 fn bounds<A: Parted, B: Parted>(
-    (a, b): (&A, &B),
+    a: &A,
+    b: &B,
     pose: &RelativePose,
     query: impl FnMut(&RelativePose) -> FoundAtPose,
 ) -> Option<(PenetrationBounds, u64)> {
@@ -327,7 +327,7 @@ impl MeshTracker {
     /// Returns bounds of the penetration depth of two solids, as told at
     /// `PairTracker::penetration`; `None` if a mesh is a surface.
     pub(crate) fn penetration(&mut self, a: &Mesh, b: &Mesh, a_from_b: &RelativePose) -> Option<PenetrationBounds> {
-        let (found, windings) = bounds((a, b), a_from_b, |pose| {
+        let (found, windings) = bounds(a, b, a_from_b, |pose| {
             let found = self.closest(a, b, pose);
             (found.state, found.lower, found.point_on_a)
         })?;
@@ -345,7 +345,7 @@ impl CompoundTracker {
         b: &B,
         a_from_b: &RelativePose,
     ) -> Option<PenetrationBounds> {
-        let (found, windings) = bounds((a, b), a_from_b, |pose| {
+        let (found, windings) = bounds(a, b, a_from_b, |pose| {
             let found = self.closest(a, b, pose);
             (found.state, found.lower, found.point_on_a)
         })?;

@@ -2,6 +2,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::Vector3;
 
 use super::{Below, OrientedBox, Slab, Tree};
@@ -55,20 +56,20 @@ impl<'a, I: AsRef<[u32]>> Vertices<'a, I> {
         }
     }
 
-    /// Calls `visit` with every vertex of the items from `first` to `last`: those that come up
-    /// there first are consecutive, and corners of earlier ones are few.
-    fn visit(&self, range: (usize, usize), visit: impl FnMut(&Vector3<f64>)) {
+    /// Calls `visit` with every vertex of a range of items: those that come up there first are
+    /// consecutive, and corners of earlier ones are few.
+    fn visit(&self, range: &Range<usize>, visit: impl FnMut(&Vector3<f64>)) {
         self.visit_of(&self.places, range, visit);
     }
 
-    fn visit_stored(&self, range: (usize, usize), visit: impl FnMut(&Vector3<f64>)) {
+    fn visit_stored(&self, range: &Range<usize>, visit: impl FnMut(&Vector3<f64>)) {
         self.visit_of(self.stored, range, visit);
     }
 
-    fn visit_of(&self, points: &[Vector3<f64>], (first, last): (usize, usize), mut visit: impl FnMut(&Vector3<f64>)) {
-        let (low, high) = (self.before[first], self.before[last]);
+    fn visit_of(&self, points: &[Vector3<f64>], range: &Range<usize>, mut visit: impl FnMut(&Vector3<f64>)) {
+        let (low, high) = (self.before[range.start], self.before[range.end]);
         points[low as usize..high as usize].iter().for_each(&mut visit);
-        let older = self.items[first..last]
+        let older = self.items[range.clone()]
             .iter()
             .flat_map(|i| i.as_ref())
             .filter(|v| **v < low);
@@ -89,7 +90,7 @@ impl Tree {
         let (vertices, slack) = self.vertices(points, items, error);
         let ranges = self.ranges();
         self.nearest = vec![u32::MAX; ranges.len()];
-        for (node, &range) in ranges.iter().enumerate().take_while(|(node, _)| watch.done(*node)) {
+        for (node, range) in ranges.iter().enumerate().take_while(|(node, _)| watch.done(*node)) {
             self.fit_node(node, range, &vertices, slack);
             if let Below::Children(c) = self.below(node as u32) {
                 let own = self.nearest[node];
@@ -110,7 +111,7 @@ impl Tree {
         let ranges = self.ranges();
         self.nearest = vec![u32::MAX; ranges.len()];
         for &node in nodes {
-            self.fit_node(node as usize, ranges[node as usize], &vertices, slack);
+            self.fit_node(node as usize, &ranges[node as usize], &vertices, slack);
         }
         (self.slabs, self.nearest) = (Vec::new(), Vec::new());
         self.set_reach();
@@ -139,27 +140,27 @@ impl Tree {
         self.reach = up(reach * (1.0 + 8.0 * UNIT));
     }
 
-    /// First and last triangle of every node. Children have higher numbers than their parents.
-    pub(super) fn ranges(&self) -> Vec<(usize, usize)> {
-        let mut ranges = vec![(0, 0); self.links.len()];
+    /// Returns the items below every node. Children have higher numbers than their parents.
+    pub(super) fn ranges(&self) -> Vec<Range<usize>> {
+        let mut ranges = vec![0..0; self.links.len()];
         for node in (0..self.links.len()).rev() {
             ranges[node] = match self.below(node as u32) {
-                Below::Leaf(first, count) => (first as usize, (first + count) as usize),
-                Below::Children(c) => (ranges[c as usize].0, ranges[c as usize + 1].1),
+                Below::Leaf(first, count) => first as usize..(first + count) as usize,
+                Below::Children(c) => ranges[c as usize].start..ranges[c as usize + 1].end,
             };
         }
         ranges
     }
 
-    fn fit_node<I: AsRef<[u32]>>(&mut self, node: usize, range: (usize, usize), vertices: &Vertices<I>, slack: f64) {
-        let (mut low, mut high) = extents(&self.boxes[node], range, vertices);
+    fn fit_node<I: AsRef<[u32]>>(&mut self, node: usize, range: &Range<usize>, vertices: &Vertices<I>, slack: f64) {
+        let [mut low, mut high] = extents(&self.boxes[node], range, vertices);
         let sides = high - low;
         if sides[2] < sides[0] / 64.0 {
             // Nearly flat: the normal of the largest triangle is as good an axis as there is.
             if let Some(axes) = self.flat_axes(node, range, vertices) {
                 self.boxes[node].set_axes(&axes);
-                (low, high) = extents(&self.boxes[node], range, vertices);
-                if range.1 - range.0 >= SLAB_ITEMS {
+                [low, high] = extents(&self.boxes[node], range, vertices);
+                if range.len() >= SLAB_ITEMS {
                     self.push_slab(node, &axes, heights(&axes, range, vertices), vertices.doubt);
                 }
             }
@@ -174,7 +175,7 @@ impl Tree {
     fn flat_axes<I: AsRef<[u32]>>(
         &self,
         node: usize,
-        range: (usize, usize),
+        range: &Range<usize>,
         vertices: &Vertices<I>,
     ) -> Option<[Vector3<f64>; 3]> {
         let ([a, b, c], normal) = largest_triangle(range, vertices)?;
@@ -210,8 +211,7 @@ impl Tree {
 
     /// Keeps a slab, in stored coordinates of the body, if the node is thin, and much thinner than
     /// the nearest ancestor with a slab. Heights are off by at most `slack`.
-    fn push_slab(&mut self, node: usize, axes: &[Vector3<f64>; 3], heights: (Vector3<f64>, Vector3<f64>), slack: f64) {
-        let (low, high) = heights;
+    fn push_slab(&mut self, node: usize, axes: &[Vector3<f64>; 3], [low, high]: [Vector3<f64>; 2], slack: f64) {
         let (unit, thickness) = (self.unit(), high.z - low.z);
         let above = self.slab(node as u32).map(|s| s.high[2] - s.low[2]);
         if !(thickness < SLAB * unit && above.is_none_or(|above| thickness < THINNER * above)) {
@@ -244,7 +244,7 @@ impl Tree {
         node: usize,
         low: &Vector3<f64>,
         high: &Vector3<f64>,
-        range: (usize, usize),
+        range: &Range<usize>,
         vertices: &Vertices<I>,
         slack: f64,
     ) {
@@ -270,32 +270,28 @@ impl Tree {
 }
 
 /// Coordinates along the axes that hold all vertices.
-fn extents<I: AsRef<[u32]>>(
-    b: &OrientedBox,
-    range: (usize, usize),
-    vertices: &Vertices<I>,
-) -> (Vector3<f64>, Vector3<f64>) {
+fn extents<I: AsRef<[u32]>>(b: &OrientedBox, range: &Range<usize>, vertices: &Vertices<I>) -> [Vector3<f64>; 2] {
     let dual = dual_axes(b);
     let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     vertices.visit(range, |p| {
         let s = Vector3::new(dual[0].dot(p), dual[1].dot(p), dual[2].dot(p));
         (low, high) = (low.smaller(s), high.larger(s));
     });
-    (low, high)
+    [low, high]
 }
 
 /// Least and greatest heights along three axes, in stored coordinates of the body.
 fn heights<I: AsRef<[u32]>>(
     axes: &[Vector3<f64>; 3],
-    range: (usize, usize),
+    range: &Range<usize>,
     vertices: &Vertices<I>,
-) -> (Vector3<f64>, Vector3<f64>) {
+) -> [Vector3<f64>; 2] {
     let (mut low, mut high) = (Vector3::repeat(f64::INFINITY), Vector3::repeat(f64::NEG_INFINITY));
     vertices.visit_stored(range, |p| {
         let h = Vector3::new(axes[0].dot(p), axes[1].dot(p), axes[2].dot(p));
         (low, high) = (low.smaller(h), high.larger(h));
     });
-    (low, high)
+    [low, high]
 }
 
 /// Vectors of which each is perpendicular to two of the axes and has product one with the third.
@@ -307,7 +303,7 @@ fn dual_axes(b: &OrientedBox) -> [Vector3<f64>; 3] {
 
 /// Returns the largest triangle of a range, of a piece's first three corners, and its unit normal.
 fn largest_triangle<I: AsRef<[u32]>>(
-    (first, last): (usize, usize),
+    range: &Range<usize>,
     vertices: &Vertices<I>,
 ) -> Option<([Vector3<f64>; 3], Vector3<f64>)> {
     let normal = |item: &I| {
@@ -315,7 +311,7 @@ fn largest_triangle<I: AsRef<[u32]>>(
         let [a, b, c] = corners;
         Some((corners, (b - a).cross(&(c - a))))
     };
-    let all = vertices.items[first..last].iter().filter_map(normal);
+    let all = vertices.items[range.clone()].iter().filter_map(normal);
     let (corners, largest) = all.reduce(|m, n| if n.1.norm_squared() > m.1.norm_squared() { n } else { m })?;
     let unit = largest / sqrt(largest.norm_squared());
     unit.iter().all(|x| x.is_finite()).then_some((corners, unit))

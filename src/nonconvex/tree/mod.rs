@@ -14,6 +14,7 @@ mod refit;
 mod split;
 
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::Vector3;
 
 pub(super) use fit::up;
@@ -190,8 +191,8 @@ impl Tree {
         self.links[0] == LEAF_MARK
     }
 
-    /// First item below a node, and the one after the last.
-    pub(crate) fn range(&self, node: u32) -> (u32, u32) {
+    /// Returns the items below a node.
+    pub(crate) fn range(&self, node: u32) -> Range<u32> {
         let (mut left, mut right) = (node, node);
         let first = loop {
             match self.below(left) {
@@ -202,7 +203,7 @@ impl Tree {
         loop {
             match self.below(right) {
                 Below::Children(c) => right = c + 1,
-                Below::Leaf(last, count) => break (first, last + count),
+                Below::Leaf(last, count) => break first..last + count,
             }
         }
     }

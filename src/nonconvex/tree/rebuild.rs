@@ -14,6 +14,7 @@
 
 use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::Vector3;
 
 use super::split::Splitter;
@@ -61,7 +62,7 @@ impl Tree {
 }
 
 /// The upper part of a tree is what is above nodes of so many items.
-const LOWER_PART: u32 = 64;
+const LOWER_PART: usize = 64;
 
 /// Where a node comes from.
 #[derive(Clone, Copy)]
@@ -78,14 +79,14 @@ impl Tree {
     pub(crate) fn with_new_top(&self, points: &[Vector3<f64>], items: &[[u32; 3]]) -> (Self, Vec<u32>, Vec<u32>) {
         let lower = self.lower_parts();
         let vertices = |&node: &u32| {
-            let (first, last) = self.range(node);
-            let mut all = items[first as usize..last as usize].as_flattened().to_vec();
+            let Range { start, end } = self.range(node);
+            let mut all = items[start as usize..end as usize].as_flattened().to_vec();
             all.sort_unstable();
             all.dedup();
             all
         };
         let parts: Vec<Vec<u32>> = lower.iter().map(vertices).collect();
-        let splitter = Splitter::new((self.centre, self.exponent), points, &parts, 1);
+        let splitter = Splitter::new(self.centre, self.exponent, points, &parts, 1);
         let (top, order) = splitter.divided(&mut Watch::none());
         let mut tree = Self {
             centre: self.centre,
@@ -144,9 +145,8 @@ impl Tree {
     fn lower_parts(&self) -> Vec<u32> {
         let (mut parts, mut stack) = (Vec::new(), vec![0]);
         while let Some(node) = stack.pop() {
-            let (first, last) = self.range(node);
             match self.below(node) {
-                Below::Children(c) if last - first > LOWER_PART => stack.extend([c + 1, c]),
+                Below::Children(c) if self.range(node).len() > LOWER_PART => stack.extend([c + 1, c]),
                 _ => parts.push(node),
             }
         }
@@ -206,9 +206,9 @@ mod tests {
         let mut next = 0;
         let mut stack = vec![0];
         while let Some(node) = stack.pop() {
-            let (first, last) = tree.range(node);
+            let range = tree.range(node);
             let b = &tree.boxes[node as usize];
-            for v in mesh.triangles[first as usize..last as usize].as_flattened() {
+            for v in mesh.triangles[range.start as usize..range.end as usize].as_flattened() {
                 let d = (mesh.points[*v as usize] - tree.centre) / tree.unit() - b.centre();
                 assert!((0..3).all(|k| b.axis(k).dot(&d).abs() <= b.half()[k] + 1e-6), "{node}");
             }

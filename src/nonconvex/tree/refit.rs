@@ -15,6 +15,7 @@
 use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 use wide::{f32x4, f32x8, f64x8};
 
@@ -71,7 +72,7 @@ impl Paths {
 /// A node that has axes of its own, as it was when the tree was made.
 struct NodeAtRest {
     number: u32,
-    items: (usize, usize),
+    items: Range<usize>,
     own: [u32; 2],
     /// Its vertices that triangles before it use.
     others: Vec<u32>,
@@ -108,13 +109,9 @@ impl Refit {
         let (mut large, mut groups) = (Vec::new(), Vec::new());
         let (ranges, mut stack) = (tree.ranges(), vec![0]);
         while let Some(node) = stack.pop() {
-            let (first, last) = ranges[node as usize];
-            let at_rest = node_at_rest(
-                tree,
-                points,
-                (node, (first, last), [before[first], before[last]]),
-                items,
-            );
+            let range = ranges[node as usize].clone();
+            let own = [before[range.start], before[range.end]];
+            let at_rest = node_at_rest(tree, points, node, range, own, items);
             if at_rest.end > 0 {
                 groups.push(at_rest);
                 continue;
@@ -124,7 +121,7 @@ impl Refit {
                 stack.extend([c + 1, c]);
             }
         }
-        let of_group = |g: &'_ NodeAtRest| (g.items, g.own, g.others.clone());
+        let of_group = |g: &'_ NodeAtRest| (g.items.clone(), g.own, g.others.clone());
         let corners = GroupCorners::new(items, groups.iter().map(of_group));
         let mut others = Vec::new();
         let mut eights: Vec<_> = large
@@ -187,10 +184,12 @@ impl Refit {
 fn node_at_rest(
     tree: &Tree,
     points: &[Vector3<f64>],
-    (number, items, own): (u32, (usize, usize), [u32; 2]),
+    number: u32,
+    items: Range<usize>,
+    own: [u32; 2],
     all: &[[u32; 3]],
 ) -> NodeAtRest {
-    let below = &all[items.0..items.1];
+    let below = &all[items.clone()];
     let mut others: Vec<u32> = below.iter().flatten().copied().filter(|v| *v < own[0]).collect();
     others.sort_unstable();
     others.dedup();
@@ -323,14 +322,14 @@ struct GroupCorners(Arc<[[u8; 3]]>);
 
 impl GroupCorners {
     /// Takes the groups of a tree: their items, their consecutive vertices, the others.
-    fn new(items: &[[u32; 3]], groups: impl Iterator<Item = ((usize, usize), [u32; 2], Vec<u32>)>) -> Self {
+    fn new(items: &[[u32; 3]], groups: impl Iterator<Item = (Range<usize>, [u32; 2], Vec<u32>)>) -> Self {
         let mut corners = vec![[0; 3]; items.len()];
-        for ((first, last), own, others) in groups {
+        for (range, own, others) in groups {
             let number = |v: u32| match others.binary_search(&v) {
                 Ok(k) => own[1] - own[0] + k as u32,
                 Err(_) => v - own[0],
             };
-            for (corners, item) in corners[first..last].iter_mut().zip(&items[first..last]) {
+            for (corners, item) in corners[range.clone()].iter_mut().zip(&items[range]) {
                 *corners = item.each(|v| number(v) as u8);
             }
         }
@@ -373,7 +372,7 @@ impl GroupFit<'_> {
         for (lane, (&node, below)) in eight.nodes.iter().zip(&eight.below).enumerate() {
             if lane == 0 || node != eight.nodes[lane - 1] {
                 let axes = BoxAxes::new(axes.each(|axis| axis.each(|x| x[lane])));
-                self.fit_group((node, below), &axes, boxes, room);
+                self.fit_group(node, below, &axes, boxes, room);
                 reach = reach.larger(boxes[node as usize].reach());
             }
         }
@@ -382,7 +381,8 @@ impl GroupFit<'_> {
 
     fn fit_group(
         &self,
-        (root, below): (u32, &VerticesBelow),
+        root: u32,
+        below: &VerticesBelow,
         axes: &BoxAxes,
         boxes: &mut [OrientedBox],
         GroupRoom { heights, extents }: &mut GroupRoom,
@@ -479,7 +479,7 @@ impl Places {
     }
 
     /// Returns the least and greatest heights of consecutive vertices and of others.
-    fn heights(&self, own: core::ops::Range<usize>, others: &[u32], axes: &BoxAxes) -> (f32x4, f32x4) {
+    fn heights(&self, own: Range<usize>, others: &[u32], axes: &BoxAxes) -> (f32x4, f32x4) {
         let [xs, ys, zs] = [0, 1, 2].each(|k| self.columns[k][own.clone()].as_chunks::<LANES>());
         let rest = own.end - xs.1.len()..own.end;
         let start = (f32x4::splat(f32::MAX), f32x4::splat(-f32::MAX));

@@ -79,7 +79,7 @@ impl Tree {
         let used = given.iter().flat_map(|i| i.as_ref()).map(|&v| &points[v as usize]);
         let (low, high) = bounding_box(used);
         let (centre, exponent) = Self::place_of(&low, &high);
-        Splitter::new((centre, exponent), points, given, most).divided(watch)
+        Splitter::new(centre, exponent, points, given, most).divided(watch)
     }
 
     /// Returns the origin and the exponent of the unit of a tree over points between two corners.
@@ -104,7 +104,8 @@ pub(super) struct Splitter<'a, I> {
 impl<'a, I: AsRef<[u32]>> Splitter<'a, I> {
     /// Takes points and items, and the origin and the exponent of the unit of the tree.
     pub(super) fn new(
-        (centre, exponent): (Vector3<f64>, i32),
+        centre: Vector3<f64>,
+        exponent: i32,
         points: &'a [Vector3<f64>],
         given: &'a [I],
         most: usize,

@@ -23,11 +23,13 @@ impl OfKind for Compound {
     }
 
     fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        ball_about(self.aabb())
+        let (low, high) = self.aabb();
+        ball_about(low, high)
     }
 
     fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
-        turned_box(self.aabb(), pose)
+        let (low, high) = self.aabb();
+        turned_box(low, high, pose)
     }
 }
 
@@ -41,11 +43,13 @@ impl OfKind for Mesh {
     }
 
     fn bounding_ball(&self) -> (Point3<f64>, f64) {
-        ball_about(self.aabb())
+        let (low, high) = self.aabb();
+        ball_about(low, high)
     }
 
     fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
-        turned_box(self.aabb(), pose)
+        let (low, high) = self.aabb();
+        turned_box(low, high, pose)
     }
 }
 
@@ -64,12 +68,13 @@ impl OfKind for BezierSurface {
     }
 
     fn aabb_at(&self, pose: &Isometry3<f64>, _: &mut BoxHint) -> (Point3<f64>, Point3<f64>) {
-        turned_box(self.outer_box(), pose)
+        let (low, high) = self.outer_box();
+        turned_box(low, high, pose)
     }
 }
 
 /// Returns the box about a posed box.
-fn turned_box((low, high): (Point3<f64>, Point3<f64>), pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
+fn turned_box(low: Point3<f64>, high: Point3<f64>, pose: &Isometry3<f64>) -> (Point3<f64>, Point3<f64>) {
     let q = pose.rotation.coords;
     let matrix = rotation_matrix(&[q.x, q.y, q.z, q.w], 2.0 / q.norm_squared());
     let half = (high - low) * 0.5;

@@ -106,13 +106,13 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             let (apart, is_known) = (flight.apart(self.pair), flight.is_known());
             if is_known {
                 if apart.span >= flight.span && apart.span > 0.0 {
-                    self.note((time, self.until), self.distance, Proof::Balls);
+                    self.note(time, self.until, self.distance, Proof::Balls);
                     return Ok(Impact::Miss);
                 }
                 if apart.gap > CLEAR * apart.reach {
                     let next = later(time, apart.span);
                     if next > time {
-                        self.note((time, next), self.distance, Proof::Balls);
+                        self.note(time, next, self.distance, Proof::Balls);
                         time = next;
                         continue;
                     }
@@ -149,7 +149,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
         Ok(Impact::Incomplete { safe: time })
     }
 
-    fn note(&mut self, (from, until): (f64, f64), distance: f64, proof: Proof) {
+    fn note(&mut self, from: f64, until: f64, distance: f64, proof: Proof) {
         if let Some(trail) = &mut self.trail {
             trail.push(Certificate {
                 from,
@@ -171,7 +171,7 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
     /// Returns the answer of an interval without length, for a pair that is not seen to meet.
     fn at_once(&mut self, time: f64, seen: Measurement, noise: f64, relative: &RelativePose) -> Impact {
         if seen.state == ContactState::Separated && seen.lower - noise > self.distance {
-            self.note((time, time), self.distance, Proof::Own);
+            self.note(time, time, self.distance, Proof::Own);
             return Impact::Miss;
         }
         self.proofs += 1;
@@ -220,12 +220,12 @@ impl<S: Separation + ?Sized, A: Motion + ?Sized, B: Motion + ?Sized> CastSearch<
             let by_fixed = flight.by_fixed_normal(&*self.pair, seen);
             let free = by_fixed.unwrap_or_else(|| self.pair.free_for(seen, flight));
             if free.span >= flight.span {
-                self.note((time, self.until), flight.keep, free.proof);
+                self.note(time, self.until, flight.keep, free.proof);
                 return Ok(Next::Found(Impact::Miss));
             }
             let next = later(time, free.span).smaller(self.until);
             if next > time {
-                self.note((time, next), flight.keep, free.proof);
+                self.note(time, next, flight.keep, free.proof);
                 return Ok(Next::Go(next));
             }
             if !(allowed > least) {

@@ -1,5 +1,7 @@
 //! One look as a certificate that the caller can check.
 
+use core::ops::Range;
+
 use nalgebra::{Isometry3, Vector3};
 
 use super::cast::{flight, later};
@@ -77,7 +79,7 @@ pub fn free_until<S, A, B>(
     pair: &mut S,
     motion_a: &A,
     motion_b: &B,
-    interval: (f64, f64),
+    interval: Range<f64>,
     distance: f64,
 ) -> Result<Certificate, ImpactError>
 where
@@ -85,12 +87,12 @@ where
     A: Motion + ?Sized,
     B: Motion + ?Sized,
 {
-    check(interval)?;
+    check(&interval)?;
     if !(0.0..f64::INFINITY).contains(&distance) {
         let what = "distance";
         return Err(ImpactError::Size { what, value: distance });
     }
-    let (from, end) = interval;
+    let (from, end) = (interval.start, interval.end);
     let (relative, flight) = flight(motion_a, motion_b, from, end, distance)?;
     let certificate = |span: f64, proof: Proof| Certificate {
         from,
@@ -141,7 +143,7 @@ pub fn overlapping_until<S, A, B>(
     pair: &S,
     motion_a: &A,
     motion_b: &B,
-    interval: (f64, f64),
+    interval: Range<f64>,
     depth: f64,
 ) -> Result<f64, ImpactError>
 where
@@ -149,14 +151,14 @@ where
     A: Motion + ?Sized,
     B: Motion + ?Sized,
 {
-    check(interval)?;
+    check(&interval)?;
     if !(0.0..f64::INFINITY).contains(&depth) {
         return Err(ImpactError::Size {
             what: "depth",
             value: depth,
         });
     }
-    let (from, end) = interval;
+    let (from, end) = (interval.start, interval.end);
     let (_, flight) = flight(motion_a, motion_b, from, end, 0.0)?;
     let span = if flight.is_known() {
         flight.held(pair, depth)

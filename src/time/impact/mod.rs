@@ -19,7 +19,7 @@
 //! let mut tracker = Tracker::new();
 //! let mut pair = tracker.pair(&a, &b);
 //! let tolerance = Tolerance::Distance(1e-9);
-//! let cast = impact::cast(&mut pair, &rest, &flight, (0.0, 10.0), tolerance)?;
+//! let cast = impact::cast(&mut pair, &rest, &flight, 0.0..10.0, tolerance)?;
 //! let Impact::Hit { safe, hit, .. } = cast.impact else { panic!("they meet") };
 //! assert!(safe < 3.0 && 3.0 < hit && hit - safe < 3e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -70,6 +70,7 @@ mod cast;
 mod certificate;
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use crate::base::motion::Motion;
 use crate::base::pose::PoseError;
@@ -186,6 +187,8 @@ pub enum ImpactError {
 
 /// Returns the instant at which two shapes first meet in an interval of time, as a bracket.
 ///
+/// The interval holds both of its ends; one whose ends are equal asks for an instant.
+///
 /// The bracket of a hit is as wide as the tolerance asks for. The cost hardly depends on the
 /// tolerance: down to some 1e-13 of the size of the pair each decade is a fraction of a look.
 ///
@@ -205,7 +208,7 @@ pub fn cast<S, A, B>(
     pair: &mut S,
     motion_a: &A,
     motion_b: &B,
-    interval: (f64, f64),
+    interval: Range<f64>,
     tolerance: Tolerance,
 ) -> Result<Cast, ImpactError>
 where
@@ -226,7 +229,7 @@ pub fn cast_within<S, A, B>(
     pair: &mut S,
     motion_a: &A,
     motion_b: &B,
-    interval: (f64, f64),
+    interval: Range<f64>,
     tolerance: Tolerance,
     distance: f64,
 ) -> Result<Cast, ImpactError>
@@ -235,7 +238,7 @@ where
     A: Motion + ?Sized,
     B: Motion + ?Sized,
 {
-    search(pair, motion_a, motion_b, interval, (tolerance, distance), None)
+    search(pair, motion_a, motion_b, interval, tolerance, distance, None)
 }
 
 /// Casts as [`cast_within`], and appends the certificates of the time proven free, one step after
@@ -247,7 +250,7 @@ pub fn cast_with_certificates<S, A, B>(
     pair: &mut S,
     motion_a: &A,
     motion_b: &B,
-    interval: (f64, f64),
+    interval: Range<f64>,
     tolerance: Tolerance,
     distance: f64,
     certificates: &mut Vec<Certificate>,
@@ -262,7 +265,8 @@ where
         motion_a,
         motion_b,
         interval,
-        (tolerance, distance),
+        tolerance,
+        distance,
         Some(certificates),
     )
 }
@@ -272,8 +276,9 @@ fn search<S, A, B>(
     pair: &mut S,
     motion_a: &A,
     motion_b: &B,
-    interval: (f64, f64),
-    (tolerance, distance): (Tolerance, f64),
+    interval: Range<f64>,
+    tolerance: Tolerance,
+    distance: f64,
     trail: Option<&mut Vec<Certificate>>,
 ) -> Result<Cast, ImpactError>
 where
@@ -281,7 +286,7 @@ where
     A: Motion + ?Sized,
     B: Motion + ?Sized,
 {
-    check(interval)?;
+    check(&interval)?;
     let (Tolerance::Distance(size) | Tolerance::Time(size)) = tolerance;
     for (what, value) in [("tolerance", size), ("distance", distance)] {
         if !(0.0..f64::INFINITY).contains(&value) {
@@ -292,7 +297,7 @@ where
         pair,
         motion_a,
         motion_b,
-        until: interval.1,
+        until: interval.end,
         tolerance,
         distance,
         seen: None,
@@ -300,7 +305,7 @@ where
         proofs: 0,
         trail,
     };
-    let impact = search.run(interval.0)?;
+    let impact = search.run(interval.start)?;
     Ok(Cast {
         impact,
         queries: search.queries,
@@ -326,7 +331,8 @@ pub(crate) struct Ahead {
 pub(crate) fn ahead<S, M>(
     pair: &mut S,
     [motion_a, motion_b]: [&M; 2],
-    (tick, span): (f64, f64),
+    tick: f64,
+    span: f64,
     distance: f64,
     tolerance: Tolerance,
 ) -> Result<Ahead, PoseError>
@@ -380,7 +386,8 @@ where
 }
 
 /// Refuses an interval that ends before its begin or is not finite.
-fn check((from, until): (f64, f64)) -> Result<(), ImpactError> {
+fn check(interval: &Range<f64>) -> Result<(), ImpactError> {
+    let (from, until) = (interval.start, interval.end);
     if from <= until && (until - from) < f64::INFINITY {
         Ok(())
     } else {

@@ -12,17 +12,16 @@ fn casts(scene: &mut Scene, rng: &mut Rng, what: &str, mut pair: impl Separation
     let unit = scene.unit;
     for _ in 0..3 {
         let [p, q] = scene.motions(rng);
-        let span = (0.0, 1.0);
         for tolerance in [Tolerance::Distance(1e-4 * unit), Tolerance::Time(1e-4)] {
-            let found = cast(&mut pair, &p, &q, span, tolerance).expect("a finite cast");
+            let found = cast(&mut pair, &p, &q, 0.0..1.0, tolerance).expect("a finite cast");
             scene.plain(what, (found.queries, found.proofs));
             scene.impact(what, found.impact);
-            let found = cast_within(&mut pair, &p, &q, span, tolerance, 0.2 * unit).expect("a finite cast");
+            let found = cast_within(&mut pair, &p, &q, 0.0..1.0, tolerance, 0.2 * unit).expect("a finite cast");
             scene.impact(what, found.impact);
         }
-        let free = free_until(&mut pair, &p, &q, span, 0.1 * unit).expect("a finite motion");
+        let free = free_until(&mut pair, &p, &q, 0.0..1.0, 0.1 * unit).expect("a finite motion");
         scene.plain(what, free.until);
-        let held = overlapping_until(&pair, &p, &q, span, 0.1 * unit).expect("a finite motion");
+        let held = overlapping_until(&pair, &p, &q, 0.0..1.0, 0.1 * unit).expect("a finite motion");
         scene.plain(what, held);
     }
 }

@@ -1,5 +1,7 @@
 //! Casts: the instant at which two moving shapes first come within a distance of each other.
 
+use std::ops::Range;
+
 use lin_canny::impact::{Impact, Tolerance, cast_within};
 use lin_canny::motion::{Motion, Steady, Velocity};
 use lin_canny::nalgebra::{Isometry3, Point3, Vector3};
@@ -45,7 +47,7 @@ pub(super) fn linear((a, b): (&Placed, &Placed), pos12: &Pose, vel12: Vector, op
     let (Ok(rest), Ok(way)) = (rest, way) else {
         return Flown::Refused;
     };
-    match fly((a, b), (&rest, &way), (0.0, until), target, true) {
+    match fly((a, b), (&rest, &way), 0.0..until, target, true) {
         // The distance of convex shapes at a constant velocity is a convex function of time, so
         // that shapes that move apart stay apart.
         Flown::Start(Some(hit))
@@ -69,7 +71,7 @@ pub(super) fn nonlinear(
     (start, end): (Real, Real),
     is_wanted: bool,
 ) -> Flown {
-    let interval = (f64::from(start), f64::from(end));
+    let interval = f64::from(start)..f64::from(end);
     match (steady(a, motion1), steady(b, motion2)) {
         (Some(x), Some(y)) => fly((a, b), (&x, &y), interval, 0.0, is_wanted),
         _ => Flown::Refused,
@@ -98,7 +100,7 @@ fn steady(placed: &Placed, motion: &NonlinearRigidMotion) -> Option<Steady> {
 fn fly(
     (a, b): (&Placed, &Placed),
     (x, y): (&Steady, &Steady),
-    interval: (f64, f64),
+    interval: Range<f64>,
     target: f64,
     is_wanted: bool,
 ) -> Flown {
@@ -107,6 +109,7 @@ fn fly(
     let mut pair = tracker.pair(&a.shape, &b.shape);
     let size = a.shape.bounding_ball().1 + b.shape.bounding_ball().1;
     let tolerance = Tolerance::Distance(TOLERANCE * size);
+    let start = interval.start;
     let Ok(cast) = cast_within(&mut pair, x, y, interval, tolerance, target) else {
         return Flown::Refused;
     };
@@ -122,7 +125,7 @@ fn fly(
             } else {
                 PenetratingOrWithinTargetDist
             };
-            let start = hit(interval.0).map(|found| Flown::Start(Some(ShapeCastHit { status, ..found })));
+            let start = hit(start).map(|found| Flown::Start(Some(ShapeCastHit { status, ..found })));
             return start.unwrap_or(Flown::Refused);
         }
         // Proven apart up to `safe`, and nearer than the tolerance there.

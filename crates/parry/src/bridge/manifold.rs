@@ -66,10 +66,9 @@ impl<'a> PosedPair<'a> {
         (out.local_n1, out.local_n2) = self.normals(&outcome);
         exchange(out, |points| {
             if outcome.lower <= prediction {
-                let bodies = (self.a.body(), self.b.body());
                 let mut chosen = ManifoldOptions::with_prediction(prediction);
                 (chosen.max_face_sine, chosen.max_points) = (f64::from(options.max_face_sine), options.max_points);
-                let manifold = Manifold::from_outcome(bodies, &self.pose, &outcome, &chosen);
+                let manifold = Manifold::from_outcome(self.a.body(), self.b.body(), &self.pose, &outcome, &chosen);
                 for p in manifold.points() {
                     let contact = self.contact(&outcome, &p.point_on_a, &p.point_on_b, p.separation, p.features);
                     points.push(contact);

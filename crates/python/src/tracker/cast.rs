@@ -14,10 +14,7 @@ use crate::errors::motion_error;
 use crate::geometry::Geometry;
 use crate::pose::Pose;
 
-const VELOCITY: Argument = Argument {
-    name: "a velocity",
-    error: |why| motion_error(why),
-};
+const VELOCITY: Argument = Argument { name: "a velocity", error: |why| motion_error(why) };
 
 /// When two moving geometries first meet: a bracket of the time, or a proven miss.
 #[pyclass(frozen, module = "lin_canny")]
@@ -130,32 +127,13 @@ impl PairTracker {
         a, b, pose_a=None, pose_b=None, *, velocity_a=None, velocity_b=None, duration, tolerance, distance=0.0
     ))]
     #[allow(clippy::too_many_arguments)] // the signature in Python
-    fn cast<'py>(
-        &mut self,
-        py: Python<'py>,
-        a: &Bound<'py, Geometry>,
-        b: &Bound<'py, Geometry>,
-        pose_a: Option<Pose>,
-        pose_b: Option<Pose>,
-        velocity_a: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
-        velocity_b: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>,
-        duration: f64,
-        tolerance: f64,
-        distance: f64,
-    ) -> PyResult<Cast> {
+    fn cast<'py>(&mut self, py: Python<'py>, a: &Bound<'py, Geometry>, b: &Bound<'py, Geometry>, pose_a: Option<Pose>, pose_b: Option<Pose>, velocity_a: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>, velocity_b: Option<(Bound<'py, PyAny>, Bound<'py, PyAny>)>, duration: f64, tolerance: f64, distance: f64) -> PyResult<Cast> {
         let motions = [motion(pose_a, velocity_a)?, motion(pose_b, velocity_b)?];
         let (a, b) = (&a.get().0, &b.get().0);
         let tolerance = Tolerance::Distance(tolerance);
         let cast = py.detach(|| {
             let mut pair = self.tracker.over(a, b);
-            cast_within(
-                &mut pair,
-                &motions[0],
-                &motions[1],
-                (0.0, duration),
-                tolerance,
-                distance,
-            )
+            cast_within(&mut pair, &motions[0], &motions[1], 0.0..duration, tolerance, distance)
         });
         let cast = cast.map_err(motion_error)?;
         let time = match cast.impact {

@@ -227,7 +227,7 @@ fn supports() {
         let Some((end, pose)) = pose.and_then(|p| Some((library::walk_end(a, b, &p)?, p))) else {
             continue;
         };
-        let (distance, n, [v, w]) = library::support_distance((a, b), &pose, normal).expect("a pair in range");
+        let (distance, n, [v, w]) = library::support_distance(a, b, &pose, normal).expect("a pair in range");
         let placing = Placing::<Single> {
             rotation: end.rotation,
             translation: end.translation,
@@ -277,7 +277,7 @@ fn solves<N: Solving>(seed: u64, is_double_double: bool) {
     for k in 0..TRIES / 4 {
         let (a, b) = (rng.pick(&bodies), rng.pick(&bodies));
         let Some(pose) = pose(&mut rng) else { continue };
-        let Some(end) = library::minimum_end((a, b), &pose, is_double_double) else {
+        let Some(end) = library::minimum_end(a, b, &pose, is_double_double) else {
             continue;
         };
         let placing = Placing::<Coordinates<N>> {
@@ -317,7 +317,7 @@ fn poses_in_double_double() {
     let bodies = bodies(&mut rng);
     for k in 0..TRIES / 10 {
         let Some(pose) = pose(&mut rng) else { continue };
-        let Some(end) = library::minimum_end((&bodies[0], &bodies[1]), &pose, true) else {
+        let Some(end) = library::minimum_end(&bodies[0], &bodies[1], &pose, true) else {
             continue;
         };
         let (p, q) = pose.poses();

@@ -30,8 +30,8 @@ fn asked(
     [a, b]: [Feature; 2],
 ) -> Option<FeatureDistance> {
     let at = Tracker::new().closest(bodies.0, bodies.1, pose);
-    let points = (at.point_on_a.coords.into(), at.point_on_b.coords.into());
-    library::closed_form(bodies, pose, FeaturePair { a, b }, points)
+    let points = [at.point_on_a, at.point_on_b].map(|p| p.coords.into());
+    library::closed_form(bodies.0, bodies.1, pose, FeaturePair { a, b }, points)
 }
 
 /// The vertices of a feature, of a face the first three.

@@ -51,7 +51,7 @@ fn curved_pairs() {
         let Some(pose) = pose(&mut rng) else { continue };
         let directions = [0; 2].map(|_| [0; 3].map(|_| rng.range(-3.0, 3.0)));
         let weights = [0; 2].map(|_| rng.range(0.1, 1.0));
-        let (told, mixed) = library::curved_end((&a, &b), &pose, directions, weights).expect("two directions");
+        let (told, mixed) = library::curved_end(&a, &b, &pose, directions, weights).expect("two directions");
         let placing = placing(&pose);
         let pieces = [0, 1].map(|i| {
             let n = scaled(directions[i], 1.0 / length(directions[i]));

@@ -158,7 +158,7 @@ fn relative_poses() {
     agree("relative pose", |inputs| {
         let (qa, qb) = (inputs.quaternion(), inputs.quaternion());
         let (ta, tb): (Vector<f64>, Vector<f64>) = (inputs.numbers(), inputs.numbers());
-        let Some((rows, shift)) = library::relative_pose((qa, ta), (qb, tb)) else {
+        let Some((rows, shift)) = library::relative_pose([qa, qb], [ta, tb]) else {
             return [vec![0.0], vec![0.0]];
         };
         let (na, nb) = (poses::squared_norm(qa), poses::squared_norm(qb));

@@ -63,7 +63,7 @@ fn gaps_of_boxes() {
         let r = [0; 3].map(|_| single(inputs));
         let (shift, known) = (single(inputs), single(inputs));
         let rotation: [f32; 9] = r.concat().try_into().expect("nine numbers");
-        let of_crate = library::box_gap((rotation, shift), pair, Some(known));
+        let of_crate = library::box_gap(rotation, shift, pair, Some(known));
         let [a, b] = pair.map(|[x, y, z, centre, half]| Oriented::<Single> {
             axes: [x, y, z],
             centre,
@@ -91,11 +91,12 @@ fn gaps_of_boxes() {
 fn entries_of_fronts() {
     agree("front entry", |inputs| {
         let poses = [0; 2].map(|_| ([0; 3].map(|_| single(inputs)), single(inputs)));
-        let flat = poses.map(|(r, t)| (r.concat().try_into().expect("nine numbers"), t));
+        let rotations = poses.map(|(r, _)| r.concat().try_into().expect("nine numbers"));
+        let shifts = poses.map(|(_, t)| t);
         let (n, gap, centre) = (single(inputs), inputs.single(), single(inputs));
         let radius = inputs.single().abs();
         let rod = if inputs.below(2) == 0 { [0.0; 3] } else { single(inputs) };
-        let (m, base, left) = library::front_entry(flat, (n, gap), centre, (radius, rod));
+        let (m, base, left) = library::front_entry(rotations, shifts, n, gap, centre, radius, rod);
         let (m_ours, base_ours) = boxes::entry::<Single>(poses[0], n, centre, gap);
         let (turn, along) = boxes::carried::<Single>(poses[1], [n, m_ours], centre, base_ours);
         let mut ours = along - radius * dot(turn, turn).sqrt();
@@ -142,7 +143,7 @@ fn turns_and_products_of_quaternions() {
     agree("turn", |inputs| {
         let (axis, other): (Vector<f64>, [f64; 4]) = (inputs.numbers(), inputs.numbers());
         let [sine, cosine, rest]: [f64; 3] = inputs.numbers();
-        let of_crate = library::half_turn(axis, (sine, cosine), rest, other);
+        let of_crate = library::half_turn(axis, sine, cosine, rest, other);
         let ours = planes::spun(axis, [sine, cosine], rest);
         [of_crate.concat(), [ours, planes::composed(ours, other)].concat()]
     });

@@ -293,7 +293,7 @@ impl NewtonJump<'_, '_> {
         let (start, before, mut at) = newton(self.a, self.b)?;
         for _ in 0..TRIES {
             let positions = self.positions(&at);
-            if positions.0.moved.max(positions.1.moved) <= 1 {
+            if positions[0].moved.max(positions[1].moved) <= 1 {
                 return None;
             }
             match self.landing(&positions) {
@@ -305,14 +305,14 @@ impl NewtonJump<'_, '_> {
         None
     }
 
-    fn positions(&self, at: &Variables) -> (SidePosition, SidePosition) {
-        (self.a.position(at[0], at[1]), self.b.position(at[2], at[3]))
+    fn positions(&self, at: &Variables) -> [SidePosition; 2] {
+        [self.a.position(at[0], at[1]), self.b.position(at[2], at[3])]
     }
 
     /// Evaluates the distance between the points of the bodies themselves.
-    fn landing(&self, positions: &(SidePosition, SidePosition)) -> Landing {
+    fn landing(&self, [at_a, at_b]: &[SidePosition; 2]) -> Landing {
         let posed = self.posed;
-        let (on_a, on_b) = (self.a.point(posed.a, &positions.0), self.b.point(posed.b, &positions.1));
+        let (on_a, on_b) = (self.a.point(posed.a, at_a), self.b.point(posed.b, at_b));
         match (on_a, on_b, self.a, self.b) {
             (Some(p), Some(q), ..) => Landing::SquaredDistance((p - posed.point_in_a(&q)).norm_squared()),
             (_, Some(q), RingSide::Face(f, _), _) => height_over_face(posed.a, *f, &posed.point_in_a(&q), posed.size()),
@@ -338,7 +338,7 @@ impl NewtonJump<'_, '_> {
 
     /// Returns the features at two positions; `edge` replaces a face if the point lies beyond this
     /// boundary edge.
-    fn features(&self, positions: &(SidePosition, SidePosition), edge: Option<EdgeId>) -> FeaturePair {
+    fn features(&self, [at_a, at_b]: &[SidePosition; 2], edge: Option<EdgeId>) -> FeaturePair {
         let dimension =
             |side: &RingSide, position: &SidePosition| if edge.is_some() { 1 } else { side.dimension(position.y) };
         let name = |side: &RingSide, body: &ConvexPolyhedron, position: &SidePosition, other: usize| match (side, edge)
@@ -347,8 +347,8 @@ impl NewtonJump<'_, '_> {
             _ => side.feature(body, position, other),
         };
         FeaturePair {
-            a: name(self.a, self.posed.a, &positions.0, dimension(self.b, &positions.1)),
-            b: name(self.b, self.posed.b, &positions.1, dimension(self.a, &positions.0)),
+            a: name(self.a, self.posed.a, at_a, dimension(self.b, at_b)),
+            b: name(self.b, self.posed.b, at_b, dimension(self.a, at_a)),
         }
     }
 }

@@ -26,7 +26,7 @@ fn proven([a, b]: [&ConvexPolyhedron; 2], throw: &Throw, tolerance: f64) -> Opti
         &mut Tracker::new().pair(a, b),
         &p,
         &q,
-        (0.0, 1.0),
+        0.0..1.0,
         Tolerance::Distance(tolerance),
     )
     .ok()?;

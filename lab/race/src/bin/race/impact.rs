@@ -109,7 +109,7 @@ impl Case {
                 &mut Tracker::new().pair(&bodies[0], &bodies[1]),
                 a,
                 b,
-                (0.0, 1.0),
+                0.0..1.0,
                 TOLERANCE,
             )
             .ok()
@@ -146,7 +146,7 @@ impl Case {
             let mut tracker = Tracker::new();
             let mut ours = tracker.pair(a, b);
             let [of_a, of_b] = &self.motions;
-            cast(&mut ours, of_a, of_b, (0.0, 1.0), tolerance).ok()
+            cast(&mut ours, of_a, of_b, 0.0..1.0, tolerance).ok()
         };
         let flights = || (self.flight(pair, 0), self.flight(pair, 1));
         match engine {

@@ -177,7 +177,7 @@ impl Run<'_> {
         let options = ManifoldOptions::with_prediction(o.upper.max(0.0));
         self.tally.manifolds += 1;
         self.judge
-            .contact_fault(frame, o, &Manifold::from_outcome((a, b), pose, o, &options))
+            .contact_fault(frame, o, &Manifold::from_outcome(a, b, pose, o, &options))
     }
 
     fn against_truth(&mut self, frame: &Frame, pose: &RelativePose, o: &Outcome) -> Option<String> {

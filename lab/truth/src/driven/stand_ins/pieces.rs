@@ -302,7 +302,7 @@ fn casts(a: &Drawn, b: &Drawn, pose: &Isometry3<f64>, rng: &mut Rng, mix: &mut M
         &mut tracker.pair(&a.geometry, &b.geometry),
         &still,
         &moving,
-        (0.0, 1.0),
+        0.0..1.0,
         tolerance,
     );
     let found = found.map_err(|e| e.to_string())?.impact;
