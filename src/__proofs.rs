@@ -132,7 +132,7 @@ pub fn two_planes_bound(n: Triple, planes: [(Triple, f64); 2], weights: [f64; 2]
         offset,
     });
     let n = packed(n);
-    star::two_planes_bound(n, [&left, &right], weights.into(), n.norm_squared(), radius)
+    star::two_planes_bound(n, [&left, &right], weights, n.norm_squared(), radius)
 }
 
 fn isometry([x, y, z, w]: [f64; 4], t: Triple) -> Isometry3<f64> {

@@ -9,7 +9,7 @@ use crate::base::num::scalar::{Scalar, sqrt};
 use crate::base::pose::{Operand, RelativePose};
 use crate::base::tolerance::{FAR, NEAR, UNIT, UNIT_DOUBLE_DOUBLE};
 use crate::body::polyhedron::{ConvexPolyhedron, power_of_two};
-use crate::pair::transform::{ErrorScale, Transform};
+use crate::pair::transform::{ErrorScale, StoredFrame, Transform};
 
 /// Witnesses on A and on B, each in the stored frame of its body.
 pub(crate) type WitnessPair = (Vector3<f64>, Vector3<f64>);
@@ -246,7 +246,7 @@ fn shifted_and_scaled(
         let translation = pose.packed_translation() * power_of_two(-a.exponent);
         return Ok((PackedRotation::new(&(pose.rotation() * scale)), translation, scale, 0.0));
     }
-    let shift = Transform::shift((&a.origin, a.exponent), &b.origin, pose).ok_or(OutOfRange)?;
+    let shift = Transform::shift(&StoredFrame::of(a), &b.origin, pose).ok_or(OutOfRange)?;
     let translation = Vector3::from(shift.each(DoubleDouble::value));
     let length = |v: &Vector3<f64>| v.abs().sum();
     let offsets = (length(&a.origin) + length(&b.origin)) / a.unit();

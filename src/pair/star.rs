@@ -27,7 +27,7 @@ pub(crate) fn one_norm(v: &Vector3<f64>) -> f64 {
 /// inward directions of the two faces by non-negative lengths, because the faces are exactly plane.
 /// Signs are enough: nothing divides by the sine between the faces.
 #[inline(always)]
-pub(crate) fn falls_into_both_faces((alpha, beta): (f64, f64), squared: f64) -> bool {
+pub(crate) fn falls_into_both_faces([alpha, beta]: [f64; 2], squared: f64) -> bool {
     let least = FLANK * FLANK * squared;
     // Written so that NaN proves nothing.
     alpha * alpha.abs() > least && beta * beta.abs() > least
@@ -117,10 +117,10 @@ impl ConvexPolyhedron {
         n: PackedVec3,
         left: &Plane,
         right: &Plane,
-        (alpha, beta): (f64, f64),
+        [alpha, beta]: [f64; 2],
         squared: f64,
     ) -> f64 {
-        let weights = (alpha.at_least(0.0), beta.at_least(0.0));
+        let weights = [alpha.at_least(0.0), beta.at_least(0.0)];
         two_planes_bound(n, [left, right], weights, squared, self.radius)
     }
 }
@@ -131,7 +131,7 @@ impl ConvexPolyhedron {
 pub(crate) fn two_planes_bound(
     n: PackedVec3,
     [left, right]: [&Plane; 2],
-    (alpha, beta): (f64, f64),
+    [alpha, beta]: [f64; 2],
     squared: f64,
     radius: f64,
 ) -> f64 {
@@ -174,8 +174,8 @@ impl<'a> EdgeSpan<'a> {
     /// up to a positive factor, `sign (e x t)` is `alpha nL + beta nR`, with `e` the edge. Neither
     /// weight is negative if the normal lies between the two face normals.
     #[inline(always)]
-    pub(crate) fn weights(&self, t: PackedVec3, sign: f64) -> (f64, f64) {
+    pub(crate) fn weights(&self, t: PackedVec3, sign: f64) -> [f64; 2] {
         let along = |plane: &Plane| t.dot(PackedVec3::new(&plane.normal));
-        (-sign * along(self.right), sign * along(self.left))
+        [-sign * along(self.right), sign * along(self.left)]
     }
 }

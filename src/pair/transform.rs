@@ -48,19 +48,34 @@ impl Transform<f64> {
     }
 }
 
+/// The frame in which a body is stored: its origin in the body, and the exponent of its unit, a
+/// power of two.
+pub(crate) struct StoredFrame {
+    pub(crate) origin: Vector3<f64>,
+    pub(crate) exponent: i32,
+}
+
+impl StoredFrame {
+    pub(crate) fn of(body: &ConvexPolyhedron) -> Self {
+        Self {
+            origin: body.origin,
+            exponent: body.exponent,
+        }
+    }
+}
+
 impl Transform<DoubleDouble> {
     /// Returns the transform from the unrounded poses. `None` if the translation is out of range
     /// for the products below.
     pub(crate) fn new(a: &ConvexPolyhedron, b: &ConvexPolyhedron, pose: &RelativePose) -> Option<Self> {
-        Self::between((&a.origin, a.exponent), (&b.origin, b.exponent), pose)
+        Self::between(&StoredFrame::of(a), &StoredFrame::of(b), pose)
     }
 
-    /// Returns the transform between two stored frames, each given by its origin and by the
-    /// exponent of its unit, a power of two. `None` as for [`new`](Self::new).
-    pub(crate) fn between(a: (&Vector3<f64>, i32), b: (&Vector3<f64>, i32), pose: &RelativePose) -> Option<Self> {
+    /// Returns the transform between two stored frames. `None` as for [`new`](Self::new).
+    pub(crate) fn between(a: &StoredFrame, b: &StoredFrame, pose: &RelativePose) -> Option<Self> {
         let (a_from_world, world_from_b) = (transposed(&rotation(&pose.a.q())), rotation(&pose.b.q()));
-        let translation = Self::shift_by((&a_from_world, &world_from_b), a, b.0, pose)?;
-        let scale = power_of_two(b.1 - a.1);
+        let translation = Self::shift_by([&a_from_world, &world_from_b], a, &b.origin, pose)?;
+        let scale = power_of_two(b.exponent - a.exponent);
         let columns: [[DoubleDouble; 3]; 3] = core::array::from_fn(|c| {
             apply(
                 &a_from_world,
@@ -74,25 +89,25 @@ impl Transform<DoubleDouble> {
     }
 
     /// Returns the place of B's origin in A's stored frame. `None` as for [`new`](Self::new).
-    pub(crate) fn shift(a: (&Vector3<f64>, i32), b: &Vector3<f64>, pose: &RelativePose) -> Option<[DoubleDouble; 3]> {
-        let rotations = (&transposed(&rotation(&pose.a.q())), &rotation(&pose.b.q()));
+    pub(crate) fn shift(a: &StoredFrame, b: &Vector3<f64>, pose: &RelativePose) -> Option<[DoubleDouble; 3]> {
+        let rotations = [&transposed(&rotation(&pose.a.q())), &rotation(&pose.b.q())];
         Self::shift_by(rotations, a, b, pose)
     }
 
     /// Returns [`shift`](Self::shift), given the rotations of the pose.
     fn shift_by(
-        rotations: (&Rotation, &Rotation),
-        a: (&Vector3<f64>, i32),
+        rotations: [&Rotation; 2],
+        a: &StoredFrame,
         b: &Vector3<f64>,
         pose: &RelativePose,
     ) -> Option<[DoubleDouble; 3]> {
         // The bodies' own offsets are at most 1e116 and cannot leave the range alone.
-        if pose.translation().amax() > FAR * power_of_two(a.1) {
+        if pose.translation().amax() > FAR * power_of_two(a.exponent) {
             return None;
         }
         let apart = apart(pose, 1.0);
-        let place = placed(rotations, pose, (a.0, b), &apart);
-        Some(place.each(|x| x.scaled(power_of_two(-a.1))))
+        let place = placed(rotations, pose, [&a.origin, b], &apart);
+        Some(place.each(|x| x.scaled(power_of_two(-a.exponent))))
     }
 }
 
@@ -121,8 +136,8 @@ impl Turned {
 
     /// Returns the vector from a stored point of A to one of B, in A's frame.
     pub(crate) fn between(&self, p: &Vector3<f64>, q: &Vector3<f64>) -> [DoubleDouble; 3] {
-        let rotations = (&self.a_from_world, &self.world_from_b);
-        placed(rotations, &self.pose, (p, q), &self.apart)
+        let rotations = [&self.a_from_world, &self.world_from_b];
+        placed(rotations, &self.pose, [p, q], &self.apart)
     }
 
     /// Maps a vector from B's frame to A's.
@@ -162,9 +177,9 @@ fn apart(pose: &RelativePose, by: f64) -> [DoubleDouble; 3] {
 /// Returns the vector from a point of A to a point of B in A's frame, for the difference of the
 /// translations.
 fn placed(
-    (a_from_world, world_from_b): (&Rotation, &Rotation),
+    [a_from_world, world_from_b]: [&Rotation; 2],
     pose: &RelativePose,
-    (p, q): (&Vector3<f64>, &Vector3<f64>),
+    [p, q]: [&Vector3<f64>; 2],
     apart: &[DoubleDouble; 3],
 ) -> [DoubleDouble; 3] {
     let at_b = turned(&pose.b.q(), world_from_b, &q.map(DoubleDouble::from).into());

@@ -210,7 +210,7 @@ pub(super) struct EdgeFacet<'a, 'b> {
     /// Outward normal of the facet, as long as the sine of the edges times both lengths.
     normal: PackedVec3,
     /// Weights of the normal over the faces of each edge: none negative if the facet exists.
-    weights: [(f64, f64); 2],
+    weights: [[f64; 2]; 2],
 }
 
 impl<'a, 'b> EdgeFacet<'a, 'b> {
@@ -228,7 +228,7 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
         }
         let u_in_b = posed.rotation.transposed_times(u);
         let along = ea.weights(w, 1.0);
-        let sign = if along.0 + along.1 < 0.0 { -1.0 } else { 1.0 };
+        let sign = if along[0] + along[1] < 0.0 { -1.0 } else { 1.0 };
         Some(Self {
             posed,
             names: (e, g),
@@ -286,7 +286,7 @@ impl<'a, 'b> EdgeFacet<'a, 'b> {
     /// Returns a facet of a face beyond which the normal lies, if the two edges span no facet.
     #[inline]
     fn face_beyond(&self) -> Option<DifferenceFacet> {
-        let [(left_a, right_a), (left_b, right_b)] = self.weights;
+        let [[left_a, right_a], [left_b, right_b]] = self.weights;
         // A negative weight of one face puts the normal beyond the other face.
         let (t, u) = (&self.posed.a.topology, &self.posed.b.topology);
         let (e, g) = (

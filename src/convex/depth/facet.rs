@@ -130,7 +130,7 @@ fn height_of_edges(posed: &PosedPair, e: EdgeId, g: EdgeId) -> Option<(Vec3<f64>
         b.weights(posed.rotation.transposed_times(PackedVec3::new(&u)), sign),
     );
     // NaN proves nothing.
-    let is_between = on_a.0.smaller(on_a.1).smaller(on_b.0).smaller(on_b.1) >= 0.0;
+    let is_between = on_a[0].smaller(on_a[1]).smaller(on_b[0]).smaller(on_b[1]) >= 0.0;
     if !(is_between && squared > NEARLY_PARALLEL * u.norm_squared() * v.norm_squared()) {
         return None;
     }

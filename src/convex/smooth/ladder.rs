@@ -18,7 +18,7 @@ use crate::convex::smooth::posed::{DifferencePoint, PosedCores, add, askew, unit
 use crate::convex::smooth::{depth, frozen, warm};
 use crate::pair::draft::round_outward;
 use crate::pair::outcome::{ContactState, DepthMode, Outcome, Solver};
-use crate::pair::transform::Transform;
+use crate::pair::transform::{StoredFrame, Transform};
 
 /// A direction that turned by less in each coordinate is extrapolated: a heuristic.
 const SLIGHT: f64 = 0.25;
@@ -165,8 +165,11 @@ impl<'p> SolverSetting<'p> {
     }
 
     fn fine_frame(&self) -> Option<Transform<DoubleDouble>> {
-        let [a, b] = self.origins();
-        Transform::between((&a, self.exponent), (&b, self.exponent), self.pose)
+        let [a, b] = self.origins().each(|origin| StoredFrame {
+            origin,
+            exponent: self.exponent,
+        });
+        Transform::between(&a, &b, self.pose)
     }
 }
 

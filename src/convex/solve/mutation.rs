@@ -169,7 +169,7 @@ fn a_bound_by_two_planes_holds_for_any_planes_and_weights() {
             let n = Vector3::new(random(), random(), random());
             let mut plane = || &body.planes[((random() + 1.0) * 0.5 * body.planes.len() as f64) as usize];
             let (left, right) = (plane(), plane());
-            let weights = (random() + 0.5, random() + 0.5);
+            let weights = [random() + 0.5, random() + 0.5];
             let bound = body.edge_bound(PackedVec3::new(&n), left, right, weights, n.norm_squared());
             let high = body.points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(n.dot(p)));
             assert!(!(bound < high - 1e-15 * body.radius), "{bound} {high}");

@@ -78,7 +78,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
     let (on_a, on_b) = (ea.weights(w, sign), eb.weights(u_in_b, sign));
     let (s, t) = (s.clamped(0.0, 1.0), t.clamped(0.0, 1.0));
     let proven = falls_into_both_faces(on_a, ww) && falls_into_both_faces(on_b, uu);
-    if !proven && (on_a.0 < 0.0 || on_a.1 < 0.0 || on_b.0 < 0.0 || on_b.1 < 0.0) {
+    if !proven && (on_a[0] < 0.0 || on_a[1] < 0.0 || on_b[0] < 0.0 || on_b[1] < 0.0) {
         // The weights are as long as the opposite edge: compare sines.
         let sine = |least: f64, other: PackedVec3| {
             if least < -DIRECTION * other.one_norm() {
@@ -87,12 +87,15 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
                 0.0
             }
         };
-        let (out_a, out_b) = (sine(on_a.0.smaller(on_a.1), w), sine(on_b.0.smaller(on_b.1), u_in_b));
+        let (out_a, out_b) = (
+            sine(on_a[0].smaller(on_a[1]), w),
+            sine(on_b[0].smaller(on_b[1]), u_in_b),
+        );
         if out_a < 0.0 && out_a <= out_b {
-            return slide_over_face_of_a(posed, a, b, on_a.0 < on_a.1, t, draft);
+            return slide_over_face_of_a(posed, a, b, on_a[0] < on_a[1], t, draft);
         }
         if out_b < 0.0 {
-            return slide_over_face_of_b(posed, a, b, on_b.0 < on_b.1, s, draft);
+            return slide_over_face_of_b(posed, a, b, on_b[0] < on_b[1], s, draft);
         }
     }
     let (point_a, point_b) = (p1 + u * s, p2_in_b + w_in_b * t);
@@ -109,7 +112,7 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
         // lines.
         along.abs() * per_length
     } else {
-        bound_by_planes(posed, [a, b], normal, on_a.into(), on_b.into())
+        bound_by_planes(posed, [a, b], normal, on_a, on_b)
     };
     draft.accept(normal.vector(), (point_a.vector(), point_b.vector()), distance, lower)
 }
@@ -120,9 +123,9 @@ pub(crate) fn test<const CERTIFY: bool>(posed: &PosedPair, a: EdgeId, b: EdgeId,
 #[inline(never)]
 fn bound_by_planes(posed: &PosedPair, [a, b]: [EdgeId; 2], normal: PackedVec3, on_a: [f64; 2], on_b: [f64; 2]) -> f64 {
     let (ea, eb) = (EdgeSpan::new(posed.a, a), EdgeSpan::new(posed.b, b));
-    let high_a = posed.a.edge_bound(normal, ea.left, ea.right, on_a.into(), 1.0);
+    let high_a = posed.a.edge_bound(normal, ea.left, ea.right, on_a, 1.0);
     let normal_in_b = -posed.rotation.transposed_times(normal);
-    let high_b = posed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b.into(), 1.0);
+    let high_b = posed.b.edge_bound(normal_in_b, eb.left, eb.right, on_b, 1.0);
     normal.dot(posed.translation) - high_a - high_b
 }
 

@@ -104,5 +104,5 @@ fn height_over_planes(
     weights: [f64; 2],
 ) -> f64 {
     let EdgeSpan { left, right, .. } = EdgeSpan::new(body, edge);
-    d.dot(x) - body.edge_bound(PackedVec3::new(d), left, right, weights.into(), d.norm_squared())
+    d.dot(x) - body.edge_bound(PackedVec3::new(d), left, right, weights, d.norm_squared())
 }

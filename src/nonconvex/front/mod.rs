@@ -36,10 +36,10 @@ use wide::f32x8;
 use crate::base::num::each::Each;
 use crate::base::num::extremes::Extremes;
 use crate::base::num::scalar::sqrt;
-use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::meet::box_gaps::WIDTH;
 use crate::nonconvex::meet::frame::{Single, TreeFrame, TreeMoves, Way};
 use crate::nonconvex::meet::search::GapProof;
+use crate::nonconvex::mesh::Mesh;
 use crate::nonconvex::tree::{OrientedBox, Paths, Tree};
 
 /// Most entries of a front, of 64 bytes each: 2 MB, twice that while vectors grow. A longer front
