@@ -53,7 +53,7 @@ impl<'py> Run<'py> {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
         if threads == 0 {
-            return Err(refused("threads is 0: a batch needs one"));
+            return Err(refused("threads is 0 (expected at least 1)"));
         }
         let reporter = |p| py.import("lin_canny._progress")?.call_method1("reporter", (p, count));
         Ok(Self {

@@ -308,7 +308,7 @@ fn configuration(obj: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     match array.shape() {
         [_] => Ok(array.as_slice()?.to_vec()),
         shape => Err(plan_error(format!(
-            "a configuration has the shape (dof,), not {}",
+            "configuration: shape is {} (expected (dof,))",
             shape_text(shape)
         ))),
     }
@@ -320,12 +320,12 @@ fn configurations<'a>(
     dof: usize,
 ) -> PyResult<std::slice::ChunksExact<'a, f64>> {
     if dof == 0 {
-        return Err(refused("the robots have no coordinates"));
+        return Err(refused("the robot has no coordinates"));
     }
     match array.shape() {
         [_, columns] if *columns == dof => Ok(array.as_slice()?.chunks_exact(dof)),
         shape => Err(plan_error(format!(
-            "configurations have the shape (N, {dof}), not {}",
+            "configurations: shape is {} (expected (N, {dof}))",
             shape_text(shape)
         ))),
     }

@@ -32,7 +32,7 @@ impl Files {
             "pieces" => MeshUse::Pieces,
             other => {
                 return Err(refused(format!(
-                    "meshes is \"hull\", \"mesh\" or \"pieces\", not {other:?}"
+                    "meshes is {other:?} (expected \"hull\", \"mesh\" or \"pieces\")"
                 )));
             }
         };

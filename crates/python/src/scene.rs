@@ -44,7 +44,7 @@ fn body(number: u64) -> BodyId {
 }
 
 fn group(number: u8) -> PyResult<Group> {
-    Group::new(number).ok_or_else(|| scene_error(format!("groups are numbered 0 to 31, not {number}")))
+    Group::new(number).ok_or_else(|| scene_error(format!("group is out of range: {number} (expected 0..=31)")))
 }
 
 #[pymethods]
@@ -83,7 +83,11 @@ impl Scene {
         let poses = Poses::new(poses)?;
         let view = poses.view()?;
         if ids.len() != view.len() {
-            return Err(scene_error(format!("{} ids and {} poses", ids.len(), view.len())));
+            return Err(scene_error(format!(
+                "number of ids and poses differs: {} ids and {} poses",
+                ids.len(),
+                view.len()
+            )));
         }
         for (k, id) in ids.into_iter().enumerate() {
             let pose = view.isometry(k).ok_or_else(|| pose_error(view.fault(k)))?;
@@ -94,7 +98,7 @@ impl Scene {
 
     /// Returns the pose of a body, shape (4, 4).
     fn pose<'py>(&self, py: Python<'py>, id: u64) -> PyResult<Bound<'py, PyArray2<f64>>> {
-        let stale = || scene_error(format!("{} is not, or no longer, in this scene", body(id)));
+        let stale = || scene_error(format!("{} does not exist in this scene, or was removed", body(id)));
         let matrix = self.0.pose(body(id)).ok_or_else(stale)?.to_homogeneous();
         PyArray1::from_slice(py, matrix.transpose().as_slice()).reshape([4, 4])
     }

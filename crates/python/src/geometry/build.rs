@@ -38,7 +38,7 @@ fn triangles_of(obj: &Bound<'_, PyAny>) -> PyResult<Vec<[u32; 3]>> {
         let mut triangle = [0; 3];
         for (to, &corner) in triangle.iter_mut().zip(corners) {
             *to = u32::try_from(corner)
-                .map_err(|_| geometry_error(format!("triangle {k} names point {corner}, which does not exist")))?;
+                .map_err(|_| geometry_error(format!("triangle {k} uses a point that does not exist: {corner}")))?;
         }
         triangles.push(triangle);
     }

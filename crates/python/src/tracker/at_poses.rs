@@ -112,11 +112,11 @@ pub(crate) fn rust_loop(
     let poses = Poses::new(poses)?;
     let view = poses.view()?;
     let (Some(a), Some(b)) = (a.get().0.as_polyhedron(), b.get().0.as_polyhedron()) else {
-        return Err(pose_error("the loop is about polyhedra"));
+        return Err(pose_error("the loop takes polyhedra only"));
     };
     py.detach(|| {
         let isometries: Option<Vec<_>> = (0..view.len()).map(|k| view.isometry(k)).collect();
-        let isometries = isometries.ok_or_else(|| pose_error("a pose is no rigid motion"))?;
+        let isometries = isometries.ok_or_else(|| pose_error("a pose is not a rigid motion"))?;
         let mut rows = vec![[0.0; 3]; isometries.len()];
         let mut tracker = Tracker::new();
         let start = cpu_time::ThreadTime::now();

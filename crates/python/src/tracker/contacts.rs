@@ -95,7 +95,7 @@ impl PairTracker {
     ) -> PyResult<Bound<'py, PyAny>> {
         if !(prediction >= 0.0) || !(1..=8).contains(&max_points) {
             return Err(refused(format!(
-                "prediction is at least 0 and max_points 1 to 8, not {prediction} and {max_points}"
+                "prediction is {prediction} (expected at least 0), max_points is {max_points} (expected 1 to 8)"
             )));
         }
         let pose = relative(pose_a, pose_b)?;
