@@ -55,7 +55,10 @@ impl Input {
                 path.display(),
                 "no file that ends with .parquet, .csv or .arrow",
             )),
-            _ => Err(StudyError::unfit(path.display(), "files of several formats")),
+            _ => Err(StudyError::unfit(
+                path.display(),
+                "folder has files of several formats (expected one format)",
+            )),
         }
     }
 
@@ -74,7 +77,8 @@ impl Input {
         })
     }
 
-    /// Returns the rows. In a CSV file, all columns of numbers are read as such, however they begin.
+    /// Returns the rows. In a CSV file, all columns of numbers are read as such, however they
+    /// begin.
     ///
     /// # Errors
     /// A file that the engine cannot read.

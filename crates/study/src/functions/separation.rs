@@ -127,7 +127,7 @@ fn pose_of(numbers: &[f64]) -> Result<Isometry3<f64>, RowFault> {
     let quaternion = Quaternion::new(w, i, j, k);
     let norm = quaternion.norm();
     if !((norm - 1.0).abs() <= NORM) {
-        let reason = format!("the quaternion has norm {norm:?} instead of 1");
+        let reason = format!("quaternion has norm {norm:?} (expected 1)");
         return Err(RowFault::Refused(reason));
     }
     let turn = UnitQuaternion::new_normalize(quaternion);
