@@ -55,7 +55,7 @@ pub(crate) struct Robot {
 }
 
 impl Robot {
-    /// Returns where this robot looks for packages, and what meshes become: for cells too.
+    /// Returns the package folders and mesh options of this robot, which cells use as well.
     pub(crate) fn mesh_sources(&self) -> PyResult<(Packages, MeshOptions)> {
         Ok((self.files.packages(), self.files.mesh_options()?))
     }

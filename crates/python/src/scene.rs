@@ -22,11 +22,11 @@ const VELOCITY: Argument = Argument {
     error: |why| scene_error(why),
 };
 
-/// Many bodies: a step finds which are near each other, and computes what is called for.
+/// A scene of many bodies: a step finds close pairs and runs the enabled effects.
 ///
-/// Bodies are in groups 0 to 31. `call_for` says what is computed between two groups; without it
-/// nothing is. Ids of bodies are integers. Poses are those of `PairTracker`. Points and normals of
-/// answers are in the world.
+/// Bodies are in groups 0 to 31. `call_for` enables effects between two groups; without it nothing
+/// is computed. Ids of bodies are integers. Poses have the forms of `PairTracker`. All returned
+/// points and normals are in the world.
 #[pyclass(module = "lin_canny")]
 pub(crate) struct Scene(Loaded);
 
@@ -54,7 +54,7 @@ impl Scene {
         Self(Loaded::new())
     }
 
-    /// Inserts a body at a pose, and returns its id. Two fixed bodies are no pair.
+    /// Inserts a body at a pose, and returns its id. Two fixed bodies are never tested.
     #[pyo3(signature = (geometry, pose=None, *, group=0, fixed=false))]
     fn insert(&mut self, geometry: &Bound<'_, Geometry>, pose: Option<Pose>, group: u8, fixed: bool) -> PyResult<u64> {
         let geometry = geometry.get().0.clone();
@@ -78,7 +78,7 @@ impl Scene {
         self.0.set_pose(body(id), pose.0).map_err(scene_error)
     }
 
-    /// Moves many bodies: poses of shape (N, 4, 4) or (N, 7), one for each id.
+    /// Moves many bodies: poses of shape (N, 4, 4) or (N, 7), one per id.
     fn set_poses(&mut self, ids: Vec<u64>, poses: &Bound<'_, PyAny>) -> PyResult<()> {
         let poses = Poses::new(poses)?;
         let view = poses.view()?;
@@ -103,14 +103,15 @@ impl Scene {
         PyArray1::from_slice(py, matrix.transpose().as_slice()).reshape([4, 4])
     }
 
-    /// Sets the velocity of a body, in the world: lengths per time, and radians per time about the
-    /// origin of its geometry. `advance` moves it.
+    /// Sets the velocity of a body in the world, which `advance` uses.
+    ///
+    /// linear: lengths per time. angular: radians per time, about the origin of the geometry.
     fn set_velocity(&mut self, id: u64, linear: &Bound<'_, PyAny>, angular: &Bound<'_, PyAny>) -> PyResult<()> {
         let velocity = Velocity::new(vector(linear, VELOCITY)?, vector(angular, VELOCITY)?);
         self.0.set_velocity(body(id), velocity).map_err(scene_error)
     }
 
-    /// Moves all bodies by their velocities over a time; a step answers afterwards.
+    /// Moves all bodies by their velocities over a time. Call `step` afterwards for the results.
     fn advance(&mut self, time: f64) -> PyResult<()> {
         self.0.advance(time).map_err(scene_error)
     }
@@ -120,13 +121,12 @@ impl Scene {
         self.0.ignore_pair(body(a), body(b)).map_err(scene_error)
     }
 
-    /// Admits a pair that was excluded.
+    /// Enables a pair again that was excluded.
     fn allow_pair(&mut self, a: u64, b: u64) -> PyResult<()> {
         self.0.allow_pair(body(a), body(b)).map_err(scene_error)
     }
 
-    /// Applies all changes and computes what is called for; the lock of the interpreter is free
-    /// meanwhile.
+    /// Applies all changes and runs the enabled effects, with the interpreter lock released.
     fn step(&mut self, py: Python<'_>) {
         py.detach(|| {
             self.0.step();
