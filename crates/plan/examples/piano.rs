@@ -1,5 +1,5 @@
-//! The piano mover's problem in the plane: an L through a door. Draws the freeways, the bridges and
-//! the path.
+//! The piano mover's problem in the plane: an L-shaped body moves through a door. Draws the
+//! freeways, the bridges and the path.
 //!
 //! `cargo run --release -p lin-canny-plan --example piano -- [--door WIDTH] [--seed N] [--out FILE.svg]`
 

@@ -1,4 +1,4 @@
-//! A path of a rigid robot among obstacles, from a file: every segment of the path is proven free.
+//! Plans a path of a rigid robot among obstacles, from a file. Every segment is proven free.
 //!
 //! ```text
 //! cargo run --release -p lin-canny-plan --example plan -- FILE.json --out PATH.csv
